@@ -1,0 +1,72 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{AxesCalibration, Extra, PerAxis, Quantity};
+
+/// What the stages found; a stage with no recording of its own may be given these instead.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Calibration {
+    /// The coils, by coilcal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coils: Option<PerAxis<CoilCalibration>>,
+    /// The sensors, by sensorcal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<PerAxis<SensorCalibration>>,
+    /// The directions of sensors and coils, by axescal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub axes: Option<AxesCalibration>,
+    /// Temperatures at which the constants hold.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_conditions: Option<ReferenceConditions>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One coil: B = k I + B0, along the coil's own axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct CoilCalibration {
+    /// Coil constant k, nT/A.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constant_nt_per_a: Option<Quantity>,
+    /// Coil offset B0, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_nt: Option<Quantity>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One sensor: B = k V + O, the field along the sensor's own axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SensorCalibration {
+    /// Sensitivity k, nT/V.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity_nt_per_v: Option<Quantity>,
+    /// Sensitivity of an instrument that gives field (1 where absent).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensitivity_nt_per_nt: Option<Quantity>,
+    /// Offset O, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_nt: Option<Quantity>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Temperatures at which the constants hold; absent ones are the mean of the recordings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ReferenceConditions {
+    /// Temperature of the sensors, degC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_temperature_c: Option<f64>,
+    /// Temperature of the electronics, degC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub electronics_temperature_c: Option<f64>,
+    /// Temperature of the coils, degC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil_temperature_c: Option<f64>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}

@@ -1,0 +1,202 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::collections::HashMap;
+
+use crate::{Calibration, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording};
+
+/// The format version that this library reads and writes.
+pub const FORMAT_VERSION: u64 = 1;
+
+/// One campaign: the facility, the instrument, what was recorded and what was found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Document {
+    /// Format version; a newer one is refused.
+    pub fluxcal: u64,
+    /// Free text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub title: Option<String>,
+    /// The coil facility.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub facility: Option<Facility>,
+    /// The magnetometer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub instrument: Option<Instrument>,
+    /// The recordings; their order means nothing.
+    #[serde(default)]
+    pub recordings: Vec<Recording>,
+    /// What the stages found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
+    /// Physics adopted beyond the basic model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<Model>,
+    /// What diagnose wrote.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagnosis: Option<Vec<Value>>,
+    /// The stages that the document went through.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub history: Vec<HistoryEntry>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl Document {
+    /// Reads a document from text and checks what holds for every stage: the version, unique ids,
+    /// columns of one length.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        if text.trim().is_empty() {
+            return Err(Error::Syntax {
+                message: "nothing arrived; expected a JSON document. If this program stands in a pipe, \
+                          the one before it failed: read its message, or give a file"
+                    .into(),
+            });
+        }
+        check_version(text)?;
+        let mut deserializer = serde_json::Deserializer::from_str(text);
+        let document: Document = serde_path_to_error::deserialize(&mut deserializer)
+            .map_err(|error| explain(&error.path().to_string(), error.inner()))?;
+        deserializer.end().map_err(|error| explain(".", &error))?;
+        document.check()?;
+        Ok(document)
+    }
+
+    fn check(&self) -> Result<(), Error> {
+        let mut seen = HashMap::new();
+        for (index, recording) in self.recordings.iter().enumerate() {
+            let path = format!("recordings[{index}]");
+            if let Some(first) = seen.insert(recording.id.as_str(), index) {
+                return Err(Error::document(
+                    format!("{path}.id"),
+                    format!("\"{}\", which recordings[{first}] has already", recording.id),
+                    "an id that is unique within the document; rename one of the two",
+                ));
+            }
+            let rows = recording.rows();
+            for (name, column) in &recording.columns {
+                if column.0.len() != rows {
+                    return Err(Error::document(
+                        format!("{path}.columns.{name}"),
+                        format!("{} rows where another column has {rows}", column.0.len()),
+                        "columns of one length; write null for a missing reading",
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The version is looked at first, so that a newer document is not blamed for keys that changed.
+fn check_version(text: &str) -> Result<(), Error> {
+    #[derive(Deserialize)]
+    struct Head {
+        fluxcal: Option<Value>,
+    }
+    let head: Head = serde_json::from_str(text).map_err(|error| explain(".", &error))?;
+    match head.fluxcal {
+        Some(Value::Number(version)) if version.as_u64() == Some(FORMAT_VERSION) => Ok(()),
+        Some(Value::Number(version)) if version.as_f64() > Some(FORMAT_VERSION as f64) => {
+            Err(Error::document(
+                "fluxcal",
+                format!("format version {version}"),
+                format!(
+                    "version {FORMAT_VERSION}, the newest that this program knows; install a newer fluxcal"
+                ),
+            ))
+        }
+        Some(other) => Err(Error::document(
+            "fluxcal",
+            other.to_string(),
+            format!("the format version, {FORMAT_VERSION}"),
+        )),
+        None => Err(Error::document(
+            "fluxcal",
+            "no such key",
+            format!(
+                "\"fluxcal\": {FORMAT_VERSION} at the top of every document; is this a fluxcal document?"
+            ),
+        )),
+    }
+}
+
+/// serde's error as a sentence with its path.
+fn explain(path: &str, error: &serde_json::Error) -> Error {
+    let text = error.to_string();
+    let (line, column) = (error.line(), error.column());
+    let message = text.split(" at line ").next().unwrap_or(&text).to_string();
+    if error.is_eof() {
+        return Error::Syntax {
+            message: format!(
+                "the JSON breaks off at line {line}, column {column} ({message}); expected the document's \
+                 closing bracket. It was cut: write it again, or look why the program before ended early"
+            ),
+        };
+    }
+    if error.is_syntax() {
+        return Error::Syntax {
+            message: format!(
+                "line {line}, column {column}: not JSON ({message}); expected one JSON document"
+            ),
+        };
+    }
+    let path = if path == "." { "the document".to_string() } else { path.to_string() };
+    let message = message.strip_prefix("invalid type: ").unwrap_or(&message);
+    match message.split_once(", expected ") {
+        Some((found, expected)) => Error::document(path, found, expected),
+        None => Error::document(path, message, "a value as docs/document.md describes it"),
+    }
+}
+
+/// The line, from 1, on which the value at `path` begins in `text`; None where the path leads nowhere.
+pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
+    let mut rest: &serde_json::value::RawValue = serde_json::from_str(text).ok()?;
+    for segment in path.split(['.', '[']).filter(|segment| !segment.is_empty()) {
+        let next = match segment.strip_suffix(']') {
+            Some(index) => {
+                let list: Vec<&serde_json::value::RawValue> = serde_json::from_str(rest.get()).ok()?;
+                list.get(index.parse::<usize>().ok()?).copied()
+            }
+            None => {
+                let object: HashMap<String, &serde_json::value::RawValue> =
+                    serde_json::from_str(rest.get()).ok()?;
+                object.get(segment).copied()
+            }
+        };
+        match next {
+            Some(value) => rest = value,
+            None => break,
+        }
+    }
+    let offset = rest.get().as_ptr() as usize - text.as_ptr() as usize;
+    Some(text[..offset].matches('\n').count() + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_keys_survive_at_every_level() {
+        let text = r#"{"fluxcal": 1, "mood": "fair", "facility": {"roof": "tin", "coils": {"x": {"turns": 9}, "w": 1}},
+            "instrument": {"maker": "A", "noise": {"white_rms_nt": 0.1, "note": "n"}},
+            "recordings": [{"id": "a", "procedure": "free_run", "weather": "dry",
+                "conditions": {"door": "shut", "theodolite": {"phi_x_rad": 0.5, "theta_x_rad": 1.5, "phi_y_rad": 0.5, "theta_y_rad": 1.5, "by": "me"}},
+                "columns": {"time_s": [0.5, null]}}],
+            "calibration": {"axes": {"note": 1, "sensors": {"glue": true}}, "coils": {"x": {"offset_nt": {"value": 1.5, "from": "b"}}}, "differential": {"a": 1}},
+            "model": {"effects": [{"effect": "e", "parameters": {"a_nt": 2.5}, "why": "w"}], "v": 2}, "diagnosis": [{"verdict": "agrees"}]}"#;
+        let document = Document::parse(text).expect("a good document");
+        let before: Value = serde_json::from_str(text).expect("JSON");
+        let after = serde_json::to_value(&document).expect("JSON");
+        assert_eq!(before, after);
+    }
+
+    #[test]
+    fn lines_are_found_by_path() {
+        let text = "{\n \"recordings\": [\n  {\"id\": 1},\n  {\n   \"id\": 2}]}";
+        assert_eq!(line_of(text, "recordings[1].id"), Some(5));
+        assert_eq!(line_of(text, "recordings[0]"), Some(3));
+        assert_eq!(line_of(text, "recordings[0].absent"), Some(3));
+    }
+}

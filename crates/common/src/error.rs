@@ -1,0 +1,82 @@
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// What a program's exit code says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ExitCode {
+    /// The data do not allow the answer.
+    Unanswerable = 1,
+    /// The request or the document is wrong.
+    Refused = 2,
+}
+
+/// An error as a person reads it: what was found, where, what was expected, what to do.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// Something in the document is not as it must be.
+    #[error("{path}: found {found}; expected {expected}")]
+    Document {
+        /// JSON path, `recordings[2].conditions.orientation`.
+        path: String,
+        /// What stands there.
+        found: String,
+        /// What should, and what to do.
+        expected: String,
+    },
+    /// The text is not one JSON document.
+    #[error("{message}")]
+    Syntax {
+        /// What is wrong and what to do.
+        message: String,
+    },
+    /// An error with the place in its source.
+    #[error("{source_name}, line {line}: {error}")]
+    At {
+        /// The file's name, or `standard input`.
+        source_name: String,
+        /// Line, from 1.
+        line: usize,
+        /// The error itself.
+        error: Box<Error>,
+    },
+    /// What was asked cannot be done.
+    #[error("{0}")]
+    Request(String),
+    /// The data do not allow the answer: which rank, which rows, what measurement would help.
+    #[error("{0}")]
+    Unanswerable(String),
+    /// A file or stream failed.
+    #[error("{path}: cannot be {action}: {source}")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// `read` or `written`.
+        action: &'static str,
+        /// The system's word.
+        source: std::io::Error,
+    },
+}
+
+impl Error {
+    /// An error at a JSON path.
+    pub fn document(path: impl Into<String>, found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Error::Document { path: path.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// The code with which a program ends on this error.
+    pub fn exit_code(&self) -> ExitCode {
+        match self {
+            Error::Unanswerable(_) => ExitCode::Unanswerable,
+            Error::At { error, .. } => error.exit_code(),
+            _ => ExitCode::Refused,
+        }
+    }
+
+    /// The JSON path that the error is about, where it is about one.
+    pub fn path(&self) -> Option<&str> {
+        match self {
+            Error::Document { path, .. } => Some(path),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,60 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Extra, PerAxis};
+
+/// The coil facility as its makers state it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Facility {
+    /// The coils by axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coils: Option<PerAxis<Coil>>,
+    /// The voltmeter that reads the precision resistors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub voltmeter: Option<Voltmeter>,
+    /// Standard uncertainty of one theodolite reading, arcsec. Absent: orientations are taken as exact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub theodolite_arcsec: Option<f64>,
+    /// Standard uncertainty of the scalar reference, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_std_nt: Option<f64>,
+    /// Standard uncertainty of each component of the field that nulling leaves, nT (GEO).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0.0))]
+    pub residual_field_std_nt: Option<f64>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One coil with its precision resistor.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Coil {
+    /// Resistance of the precision resistor in series, ohm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resistor_ohm: Option<f64>,
+    /// Relative standard uncertainty of that resistance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub resistor_relative_uncertainty: Option<f64>,
+    /// Largest field that the coil makes, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_nt: Option<f64>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// The voltmeter's uncertainty: an absolute and a relative part.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Voltmeter {
+    /// Absolute standard uncertainty, V.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub absolute_v: Option<f64>,
+    /// Relative standard uncertainty.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub relative: Option<f64>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}

@@ -1,0 +1,95 @@
+use serde::Serialize;
+use serde_json::ser::Formatter;
+use std::io::{self, Write};
+
+/// JSON as people read it: an object's keys on lines of their own, lists of numbers on one line.
+pub fn to_text<T: Serialize>(value: &T) -> String {
+    let mut bytes = Vec::new();
+    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Readable::default());
+    value.serialize(&mut serializer).expect("a document has string keys and finite numbers");
+    bytes.push(b'\n');
+    String::from_utf8(bytes).expect("serde_json writes UTF-8")
+}
+
+/// Line breaks belong to objects only: each key on its line, and each object of a list on a new one.
+#[derive(Default)]
+struct Readable {
+    /// For each open bracket: whether it is a list.
+    open: Vec<bool>,
+    /// Whether the bracket opened last has content.
+    filled: bool,
+}
+
+impl Readable {
+    fn line<W: ?Sized + Write>(&self, writer: &mut W) -> io::Result<()> {
+        writer.write_all(b"\n")?;
+        self.open.iter().try_for_each(|_| writer.write_all(b"  "))
+    }
+}
+
+impl Formatter for Readable {
+    fn begin_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.open.push(true);
+        writer.write_all(b"[")
+    }
+
+    fn end_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.open.pop();
+        self.filled = true;
+        writer.write_all(b"]")
+    }
+
+    fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        if first { Ok(()) } else { writer.write_all(b", ") }
+    }
+
+    fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        if self.open.last() == Some(&true) {
+            self.line(writer)?;
+        }
+        self.open.push(false);
+        self.filled = false;
+        writer.write_all(b"{")
+    }
+
+    fn end_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        self.open.pop();
+        if self.filled {
+            self.line(writer)?;
+        }
+        self.filled = true;
+        writer.write_all(b"}")
+    }
+
+    fn begin_object_key<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
+        if !first {
+            writer.write_all(b",")?;
+        }
+        self.line(writer)
+    }
+
+    fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
+        writer.write_all(b": ")
+    }
+
+    fn end_object_value<W: ?Sized + Write>(&mut self, _: &mut W) -> io::Result<()> {
+        self.filled = true;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    #[test]
+    fn numbers_in_lines_and_objects_on_lines() {
+        let value = json!({"a": [[1, 2], [3, 4]], "b": [{"c": 1.5}, {}], "d": {}});
+        let text = super::to_text(&value);
+        assert_eq!(
+            text,
+            "{\n  \"a\": [[1, 2], [3, 4]],\n  \"b\": [\n    {\n      \"c\": 1.5\n    }, \n    {}],\n  \"d\": {}\n}\n"
+        );
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("valid"), value);
+    }
+}

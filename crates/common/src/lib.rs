@@ -1,0 +1,39 @@
+//! The calibration document and its way through a pipe.
+//!
+//! Every fluxcal program reads one [`Document`], adds what it found and writes the document on.
+//! Here are its types (one file for each part), the quantity with its uncertainty, the errors with
+//! their exit codes, and the reading and writing that all stages share. No physics, no estimation.
+
+mod axes;
+mod axis;
+mod calibration;
+mod document;
+mod error;
+mod facility;
+mod history;
+mod instrument;
+mod json;
+mod model;
+pub mod pipe;
+mod quantity;
+mod recording;
+pub mod schema;
+
+pub use axes::{
+    Assumption, AxesCalibration, AxesDirections, AxesFit, AxesReadings, DoubtfulReading, IterationStep,
+    OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
+};
+pub use axis::{Axis, PerAxis};
+pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, SensorCalibration};
+pub use document::{Document, FORMAT_VERSION};
+pub use error::{Error, ExitCode};
+pub use facility::{Coil, Facility, Voltmeter};
+pub use history::HistoryEntry;
+pub use instrument::{Instrument, Noise, NoiseOfSensors};
+pub use json::to_text;
+pub use model::{AdoptedEffect, Model};
+pub use quantity::{Matrix3x3, OneOrEach, Quantity};
+pub use recording::{Column, Columns, Conditions, Recording, Theodolite, procedure};
+
+/// Keys that this version does not know. They are kept and written on as they were.
+pub type Extra = serde_json::Map<String, serde_json::Value>;

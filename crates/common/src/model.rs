@@ -1,0 +1,35 @@
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Axis, Extra, Quantity};
+
+/// Physics adopted beyond the basic model.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Model {
+    /// The effects that `simulate` and `correct` apply.
+    #[serde(default)]
+    pub effects: Vec<AdoptedEffect>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One effect of the catalogue with the values of its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AdoptedEffect {
+    /// The catalogue's name.
+    pub effect: String,
+    /// The sensor that it acts on, for an effect of one sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Axis>,
+    /// The coil that it acts on, for an effect of one coil.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil: Option<Axis>,
+    /// Its parameters; the unit stands in the key.
+    #[serde(default)]
+    pub parameters: IndexMap<String, Quantity>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}

@@ -1,0 +1,191 @@
+//! Reading and writing that all stages share, with good manners in pipes.
+//!
+//! Standard output carries the document or nothing; people's words go to standard error. The exit
+//! code is 0 (done), 1 (the data do not allow the answer) or 2 (the request or the document is wrong).
+
+use clap::Args;
+use sha2::{Digest, Sha256};
+use std::ffi::OsString;
+use std::fs;
+use std::io::{self, ErrorKind, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+
+use crate::document::line_of;
+use crate::{Document, Error, ExitCode, HistoryEntry, to_text};
+
+/// Arguments for the document's way in and out, the same in every stage.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Io {
+    /// The document to read; absent or `-`: standard input
+    #[arg(value_name = "DOCUMENT")]
+    pub file: Option<PathBuf>,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// What was read, with what is needed to speak of it.
+pub struct Input {
+    /// The text.
+    pub text: String,
+    /// The file's name, or `standard input`.
+    pub source_name: String,
+}
+
+impl Input {
+    /// Reads a file, or standard input where no file is given.
+    pub fn read(file: Option<&Path>) -> Result<Self, Error> {
+        let (bytes, source_name) = match file.filter(|path| *path != Path::new("-")) {
+            Some(path) => {
+                let bytes = fs::read(path).map_err(|source| unreadable(path, source))?;
+                (bytes, path.display().to_string())
+            }
+            None if io::stdin().is_terminal() => {
+                return Err(Error::Request(
+                    "no document: standard input is a terminal. Give a file, or put this program behind \
+                     another in a pipe; --help shows an example"
+                        .into(),
+                ));
+            }
+            None => {
+                let mut bytes = Vec::new();
+                io::stdin()
+                    .read_to_end(&mut bytes)
+                    .map_err(|source| unreadable(Path::new("standard input"), source))?;
+                (bytes, "standard input".to_string())
+            }
+        };
+        let text = String::from_utf8(bytes).map_err(|error| Error::Syntax {
+            message: format!(
+                "{source_name}: byte {} is not UTF-8; expected JSON text, which is always UTF-8",
+                error.utf8_error().valid_up_to()
+            ),
+        })?;
+        Ok(Input { text, source_name })
+    }
+
+    /// SHA-256 of the text, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        Sha256::digest(self.text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// Adds file and line to an error that names a JSON path.
+    pub fn locate(&self, error: Error) -> Error {
+        let line = error.path().and_then(|path| line_of(&self.text, path));
+        match (line, error) {
+            (Some(line), error) => {
+                Error::At { source_name: self.source_name.clone(), line, error: Box::new(error) }
+            }
+            (None, Error::Syntax { message }) => {
+                Error::Syntax { message: format!("{}: {message}", self.source_name) }
+            }
+            (None, error) => error,
+        }
+    }
+}
+
+fn unreadable(path: &Path, source: io::Error) -> Error {
+    Error::File { path: path.into(), action: "read", source }
+}
+
+/// A stage's name and version, as its history entry states them.
+#[derive(Clone, Copy, Debug)]
+pub struct Program {
+    /// Name of the binary.
+    pub name: &'static str,
+    /// Its version.
+    pub version: &'static str,
+}
+
+/// Runs a stage: document in, `run`, words to standard error, document out.
+///
+/// `arguments` is what the history records of the request. Nothing is written when anything fails.
+pub fn stage<E>(
+    program: Program,
+    io: &Io,
+    arguments: Vec<String>,
+    run: impl FnOnce(Document) -> Result<Document, E>,
+    words: impl FnOnce(&Document) -> String,
+) -> Result<(), Error>
+where
+    Error: From<E>,
+{
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    let document = Document::parse(&input.text).map_err(located)?;
+    let mut document = run(document).map_err(Error::from).map_err(located)?;
+    document.history.push(HistoryEntry {
+        stage: program.name.into(),
+        version: program.version.into(),
+        arguments,
+        input_sha256: Some(input.sha256()),
+        extra: Default::default(),
+    });
+    write(io.output.as_deref(), &to_text(&document))?;
+    if !io.quiet {
+        say(&words(&document));
+    }
+    Ok(())
+}
+
+/// Writes text to a file (beside it first, then renamed) or to standard output.
+/// A reader that has gone is no error.
+pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
+    let failed = |path: &Path, source| Error::File { path: path.into(), action: "written", source };
+    let Some(path) = output else {
+        let mut stdout = io::stdout().lock();
+        return match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+                Err(failed(Path::new("standard output"), error))
+            }
+            _ => Ok(()),
+        };
+    };
+    let mut name = OsString::from(".");
+    name.push(path.file_name().unwrap_or_default());
+    name.push(format!(".{}.part", process::id()));
+    let beside = path.with_file_name(name);
+    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
+        // The half-written neighbour is of no use to anyone; that it cannot be removed changes nothing.
+        let _ = fs::remove_file(&beside);
+        failed(path, error)
+    })
+}
+
+/// People's words, to standard error. A closed standard error is no reason to fail.
+pub fn say(words: &str) {
+    let _ = writeln!(io::stderr(), "{}", words.trim_end());
+}
+
+/// The end of `main`: the error as one sentence to standard error, and the exit code that it means.
+pub fn finish<E>(program: Program, result: Result<(), E>) -> process::ExitCode
+where
+    E: AsRef<dyn std::error::Error + Send + Sync>,
+{
+    let Err(error) = result else { return process::ExitCode::SUCCESS };
+    let error: &(dyn std::error::Error + Send + Sync) = error.as_ref();
+    say(&format!("{}: {error}", program.name));
+    let code = error.downcast_ref::<Error>().map_or(ExitCode::Refused, Error::exit_code);
+    process::ExitCode::from(code as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_whole_or_not_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("out.json");
+        write(Some(&path), "{}\n").expect("written");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "{}\n");
+        let lost = folder.path().join("absent").join("out.json");
+        let error = write(Some(&lost), "{}").expect_err("no such folder");
+        assert!(error.to_string().contains("cannot be written"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+}

@@ -1,0 +1,68 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Axis, Extra, PerAxis};
+
+/// A 3×3 matrix as JSON writes it: a list of rows.
+pub type Matrix3x3 = [[f64; 3]; 3];
+
+/// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated uncertainty.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number}")]
+pub enum Quantity {
+    /// `41234.5`
+    Bare(f64),
+    /// `{"value": 41234.5, "std": 0.3}`
+    Stated {
+        /// The estimate.
+        value: f64,
+        /// Its standard uncertainty (one sigma), in the same unit.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        std: Option<f64>,
+        /// Keys that this version does not know.
+        #[serde(flatten)]
+        extra: Extra,
+    },
+}
+
+impl Quantity {
+    /// A value with a standard uncertainty.
+    pub fn new(value: f64, std: f64) -> Self {
+        Quantity::Stated { value, std: Some(std), extra: Extra::new() }
+    }
+
+    /// The estimate.
+    pub fn value(&self) -> f64 {
+        match self {
+            Quantity::Bare(value) | Quantity::Stated { value, .. } => *value,
+        }
+    }
+
+    /// The standard uncertainty, where one is stated.
+    pub fn std(&self) -> Option<f64> {
+        match self {
+            Quantity::Bare(_) => None,
+            Quantity::Stated { std, .. } => *std,
+        }
+    }
+}
+
+/// One number for all three axes, or one for each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "a number, or an object with one number for each of x, y, z")]
+pub enum OneOrEach {
+    /// The same for all.
+    One(f64),
+    /// One for each axis.
+    Each(PerAxis<f64>),
+}
+
+impl OneOrEach {
+    /// The number that holds for `axis`.
+    pub fn get(&self, axis: Axis) -> Option<f64> {
+        match self {
+            OneOrEach::One(value) => Some(*value),
+            OneOrEach::Each(each) => each.get(axis).copied(),
+        }
+    }
+}

@@ -1,0 +1,179 @@
+use indexmap::IndexMap;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
+use std::{borrow::Cow, fmt};
+
+use crate::{Axis, Extra, Matrix3x3};
+
+/// Names of the procedures that recordings follow.
+pub mod procedure {
+    /// Directions of sensors and coils, read by axescal.
+    pub const AXES_ORIENTATION: &str = "axes_orientation";
+    /// Any drive and any readings, read by diagnose.
+    pub const FREE_RUN: &str = "free_run";
+}
+
+/// One recording: what was done, under which conditions, and the columns that came of it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Recording {
+    /// Unique within the document.
+    pub id: String,
+    /// The procedure that it follows.
+    pub procedure: String,
+    /// When it began, RFC 3339. Absent: `time_s` is on the campaign's clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
+    /// What held throughout.
+    #[serde(default)]
+    pub conditions: Conditions,
+    /// The readings, by column name; all of one length.
+    #[serde(default, skip_serializing_if = "Columns::is_empty")]
+    pub columns: Columns,
+    /// Instead of `columns`: a file beside the document, as a relative path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<String>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Columns by name, in the document's order.
+pub type Columns = IndexMap<String, Column>;
+
+impl Recording {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.values().map(|column| column.0.len()).max().unwrap_or(0)
+    }
+
+    /// The column of that name.
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        self.columns.get(name).map(|column| column.0.as_slice())
+    }
+
+    /// The column `{quantity}_{axis}_{unit}`.
+    pub fn axis_column(&self, quantity: &str, axis: Axis, unit: &str) -> Option<&[f64]> {
+        self.column(&format!("{quantity}_{axis}_{unit}"))
+    }
+}
+
+/// What held throughout a recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Conditions {
+    /// The sensor under test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Axis>,
+    /// The coil under test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil: Option<Axis>,
+    /// R, GEO -> SEN: rows = SEN axes in GEO. Beside `theodolite` it is the nominal rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub orientation: Option<Matrix3x3>,
+    /// The theodolites' readings, from which R is made.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub theodolite: Option<Theodolite>,
+    /// Frequency of an AC drive, one for all coils, Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub drive_hz: Option<f64>,
+    /// Time over which one sample is averaged, s. Absent: samples are instantaneous.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub integration_s: Option<f64>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Readings of the two theodolites (NASA eq. 7 to 9): azimuth φ and polar angle θ of the faces that
+/// look north (x) and east (y), rad. R = nominal rotation × the rotation that these angles give.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Theodolite {
+    /// Azimuth of the north face from north, rad.
+    pub phi_x_rad: f64,
+    /// Polar angle of the north face from down, rad (about π/2).
+    pub theta_x_rad: f64,
+    /// Azimuth of the east face from east, rad.
+    pub phi_y_rad: f64,
+    /// Polar angle of the east face from down, rad (about π/2).
+    pub theta_y_rad: f64,
+    /// The fixture's nominal rotation, rows = SEN axes along the (north, east, down) faces. Absent: identity.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_rotation: Option<Matrix3x3>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is.
+#[derive(Clone, Debug, Default)]
+pub struct Column(pub Vec<f64>);
+
+impl PartialEq for Column {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.len() == other.0.len()
+            && self.0.iter().zip(&other.0).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
+    }
+}
+
+impl From<Vec<f64>> for Column {
+    fn from(values: Vec<f64>) -> Self {
+        Column(values)
+    }
+}
+
+impl Serialize for Column {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
+        for value in &self.0 {
+            list.serialize_element(&value.is_finite().then_some(*value))?;
+        }
+        list.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Column {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let readings = Vec::<Reading>::deserialize(deserializer)?;
+        Ok(Column(readings.into_iter().map(|reading| reading.0).collect()))
+    }
+}
+
+/// One number or null, with an error that says so.
+struct Reading(f64);
+
+impl<'de> Deserialize<'de> for Reading {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl de::Visitor<'_> for Visitor {
+            type Value = Reading;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a number, or null where the reading is missing")
+            }
+            fn visit_f64<E>(self, value: f64) -> Result<Reading, E> {
+                Ok(Reading(value))
+            }
+            fn visit_i64<E>(self, value: i64) -> Result<Reading, E> {
+                Ok(Reading(value as f64))
+            }
+            fn visit_u64<E>(self, value: u64) -> Result<Reading, E> {
+                Ok(Reading(value as f64))
+            }
+            fn visit_unit<E>(self) -> Result<Reading, E> {
+                Ok(Reading(f64::NAN))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+impl JsonSchema for Column {
+    fn schema_name() -> Cow<'static, str> {
+        "Column".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "A column of readings; null = missing reading.",
+            "type": "array",
+            "items": { "type": ["number", "null"] }
+        })
+    }
+}

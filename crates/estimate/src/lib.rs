@@ -1,0 +1,51 @@
+//! Estimation without magnetics.
+//!
+//! Residuals are always observed less predicted, each divided by its standard deviation, so that a
+//! sum of squares is a χ². Prior knowledge enters as further rows of the same kind.
+
+pub mod gauss_newton;
+pub mod influence;
+pub mod robust;
+pub mod sine;
+pub mod stats;
+pub mod svd;
+
+pub use gauss_newton::{Fit, Options, Problem, Step, solve};
+pub use svd::Svd;
+
+use thiserror::Error;
+
+/// Why an estimate could not be made.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The matrix has entries that are not finite, or the decomposition failed.
+    #[error(
+        "the singular value decomposition of a {rows}x{columns} matrix failed ({reason}); the input has entries that are not finite, or that are absurdly large"
+    )]
+    Decomposition {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+        /// What was seen.
+        reason: String,
+    },
+    /// The iteration stopped without reaching a minimum.
+    #[error(
+        "no minimum after {iterations} steps; the last one still moved the prediction by {last_shift:.3e} standard deviations"
+    )]
+    NotConverged {
+        /// Steps made.
+        iterations: usize,
+        /// Weighted shift of the last step.
+        last_shift: f64,
+    },
+    /// There are too few readings.
+    #[error("{found} readings for {unknowns} unknowns; at least {unknowns} are needed")]
+    TooFew {
+        /// Readings given.
+        found: usize,
+        /// Unknowns asked for.
+        unknowns: usize,
+    },
+}

@@ -1,0 +1,59 @@
+//! Probabilities that a fit is judged by.
+
+use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+
+/// P(|t| ≥ `t`) for Student's t with `freedom` degrees of freedom; infinite freedom is the normal.
+pub fn two_sided_p(t: f64, freedom: f64) -> f64 {
+    let t = t.abs();
+    if freedom.is_infinite() {
+        return 2.0 * Normal::standard().sf(t);
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| 2.0 * law.sf(t))
+}
+
+/// The factor c with P(|t| ≤ c) = `probability`.
+pub fn coverage_factor(probability: f64, freedom: f64) -> f64 {
+    let tail = 0.5 + probability / 2.0;
+    if freedom.is_infinite() {
+        return Normal::standard().inverse_cdf(tail);
+    }
+    StudentsT::new(0.0, 1.0, freedom).map_or(f64::NAN, |law| law.inverse_cdf(tail))
+}
+
+/// P(χ² ≥ `chi_squared`) with `freedom` degrees of freedom.
+pub fn chi_squared_p(chi_squared: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi_squared))
+}
+
+/// Median of finite numbers; 0 of none.
+pub fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let n = sorted.len();
+    match n {
+        0 => 0.0,
+        _ if n % 2 == 1 => sorted[n / 2],
+        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn printed_tables() {
+        // Student t: 2.228 for 10 degrees of freedom, 12.706 for 1; normal 1.95996; χ²(5) 11.0705 at 5 %.
+        assert!((coverage_factor(0.95, 10.0) - 2.228_138_85).abs() < 1e-6);
+        assert!((coverage_factor(0.95, 1.0) - 12.706_204_7).abs() < 1e-4);
+        assert!((coverage_factor(0.95, f64::INFINITY) - 1.959_963_98).abs() < 1e-7);
+        assert!((two_sided_p(2.228_138_85, 10.0) - 0.05).abs() < 1e-8);
+        assert!((chi_squared_p(11.070_497_69, 5.0) - 0.05).abs() < 1e-8);
+    }
+
+    #[test]
+    fn far_tails_keep_their_digits() {
+        let p = two_sided_p(40.0, 50.0);
+        assert!(p > 0.0 && p < 1e-35, "{p}");
+    }
+}

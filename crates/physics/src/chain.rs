@@ -1,0 +1,160 @@
+//! The forward model of a whole recording, with every effect in its place.
+
+use common::Axis;
+use nalgebra::Vector3;
+use num_dual::Dual64;
+
+use crate::model::column;
+use crate::{Basic, Context, EffectInstance, Error, Place, Real, Surroundings, field_geo, frames, parallel};
+
+/// What the chain predicts for a recording.
+#[derive(Clone, Debug)]
+pub struct Prediction<T: Real = f64> {
+    /// The field in SEN at the sensors, nT.
+    pub field_sen: Vec<Vector3<T>>,
+    /// The readings of the sensors x, y, z, in the unit of the recording.
+    pub readings: Vec<Vector3<T>>,
+}
+
+/// One parameter of the chain, to be fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameter {
+    /// k of a coil, nT/A.
+    CoilConstant(Axis),
+    /// B0 of a coil, nT.
+    CoilOffset(Axis),
+    /// Turn of a coil along one of its two tangents, rad.
+    CoilTurn(Axis, usize),
+    /// Turn of a sensor along one of its two tangents, rad.
+    SensorTurn(Axis, usize),
+    /// k of a sensor.
+    Sensitivity(Axis),
+    /// O of a sensor, nT.
+    SensorOffset(Axis),
+    /// A parameter of an effect: number of the effect, number of its parameter.
+    Effect(usize, usize),
+}
+
+/// Predicts the readings of a recording.
+pub fn predict(
+    basic: &Basic,
+    effects: &[EffectInstance],
+    context: &Context<'_>,
+) -> Result<Prediction, Error> {
+    let values: Vec<&[f64]> = effects.iter().map(|effect| effect.parameters.as_slice()).collect();
+    run(basic, effects, &values, context)
+}
+
+/// The prediction and its derivative by each of `parameters`: one series of readings for each.
+pub fn predict_with_jacobian(
+    basic: &Basic,
+    effects: &[EffectInstance],
+    context: &Context<'_>,
+    parameters: &[Parameter],
+) -> Result<(Prediction, Vec<Vec<Vector3<f64>>>), Error> {
+    let prediction = predict(basic, effects, context)?;
+    let derivatives = parameters
+        .iter()
+        .map(|parameter| {
+            let mut lifted: Basic<Dual64> = basic.lift();
+            let mut values: Vec<Vec<Dual64>> = effects
+                .iter()
+                .map(|effect| effect.parameters.iter().map(|value| Dual64::from(*value)).collect())
+                .collect();
+            seed(basic, &mut lifted, &mut values, *parameter);
+            let values: Vec<&[Dual64]> = values.iter().map(Vec::as_slice).collect();
+            let readings = run(&lifted, effects, &values, context)?.readings;
+            Ok(readings.into_iter().map(|reading| reading.map(|value| value.eps)).collect())
+        })
+        .collect::<Result<_, Error>>()?;
+    Ok((prediction, derivatives))
+}
+
+/// Gives one parameter the derivative 1.
+fn seed(basic: &Basic, lifted: &mut Basic<Dual64>, values: &mut [Vec<Dual64>], parameter: Parameter) {
+    let turn = |which: usize| {
+        std::array::from_fn(|k| if k == which { Dual64::new(0.0, 1.0) } else { Dual64::from(0.0) })
+    };
+    match parameter {
+        Parameter::CoilConstant(axis) => lifted.coils[axis.index()].constant_nt_per_a.eps = 1.0,
+        Parameter::CoilOffset(axis) => lifted.coils[axis.index()].offset_nt.eps = 1.0,
+        Parameter::Sensitivity(axis) => lifted.sensors[axis.index()].sensitivity.eps = 1.0,
+        Parameter::SensorOffset(axis) => lifted.sensors[axis.index()].offset_nt.eps = 1.0,
+        Parameter::CoilTurn(axis, which) => {
+            lifted.eta.set_column(axis.index(), &frames::turned(&column(&basic.eta, axis), turn(which)));
+        }
+        Parameter::SensorTurn(axis, which) => {
+            lifted.mu.set_column(axis.index(), &frames::turned(&column(&basic.mu, axis), turn(which)));
+        }
+        Parameter::Effect(effect, number) => values[effect][number].eps = 1.0,
+    }
+}
+
+fn run<T: Real>(
+    basic: &Basic<T>,
+    effects: &[EffectInstance],
+    values: &[&[T]],
+    context: &Context<'_>,
+) -> Result<Prediction<T>, Error> {
+    let at = |place: Place, signal: &mut [Vector3<T>], field_sen: &[Vector3<T>]| {
+        apply_at(place, effects, values, signal, &Surroundings { context, field_sen })
+    };
+    let mut coil: Vec<Vector3<T>> = context
+        .current_a
+        .iter()
+        .map(|current| Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current[c]))
+        .collect();
+    at(Place::Coil, &mut coil, &[])?;
+    let offsets = Vector3::from_fn(|c, _| basic.coils[c].offset_nt);
+    let mut field: Vec<Vector3<T>> = coil
+        .iter()
+        .zip(&context.ambient_nt)
+        .map(|(coil, ambient)| field_geo(&basic.eta, &(coil + offsets), &ambient.map(T::from)))
+        .collect();
+    at(Place::Facility, &mut field, &[])?;
+    let rotation = context.orientation.rotation.map(T::from);
+    field.iter_mut().for_each(|field| *field = rotation * *field);
+    let readings = read_field(basic, effects, values, context, &field)?;
+    Ok(Prediction { field_sen: field, readings })
+}
+
+/// The second half of the chain: from the field in SEN to the readings.
+pub(crate) fn read_field<T: Real>(
+    basic: &Basic<T>,
+    effects: &[EffectInstance],
+    values: &[&[T]],
+    context: &Context<'_>,
+    field_sen: &[Vector3<T>],
+) -> Result<Vec<Vector3<T>>, Error> {
+    let at = |place: Place, signal: &mut [Vector3<T>], field_sen: &[Vector3<T>]| {
+        apply_at(place, effects, values, signal, &Surroundings { context, field_sen })
+    };
+    let mut field = field_sen.to_vec();
+    at(Place::SensorBlock, &mut field, field_sen)?;
+    let axes = Axis::ALL.map(|axis| column(&basic.mu, axis));
+    let mut signal: Vec<Vector3<T>> =
+        field.iter().map(|field| Vector3::from_fn(|i, _| parallel(&axes[i], field))).collect();
+    for place in [Place::Sensor, Place::Electronics, Place::Logger] {
+        at(place, &mut signal, &field)?;
+    }
+    for value in &mut signal {
+        for (component, sensor) in value.iter_mut().zip(&basic.sensors) {
+            *component = (*component - sensor.offset_nt) / sensor.sensitivity;
+        }
+    }
+    Ok(signal)
+}
+
+fn apply_at<T: Real>(
+    place: Place,
+    effects: &[EffectInstance],
+    values: &[&[T]],
+    signal: &mut [Vector3<T>],
+    around: &Surroundings<'_, T>,
+) -> Result<(), Error> {
+    let here = effects.iter().zip(values).filter(|(effect, _)| effect.kind.place() == place);
+    for (effect, values) in here {
+        effect.kind.apply(values, effect.axis, signal, around)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,48 @@
+use thiserror::Error;
+
+/// Why a recording cannot be predicted or corrected.
+#[derive(Debug, Error, PartialEq)]
+pub enum Error {
+    /// An orientation is not a rotation.
+    #[error("found {found}; expected {expected}")]
+    NotARotation {
+        /// What the matrix is.
+        found: String,
+        /// What was expected and what to do.
+        expected: String,
+    },
+    /// An effect or the chain needs something that the recording does not hold.
+    #[error("recording \"{recording}\": {who} needs {what}")]
+    Missing {
+        /// The recording.
+        recording: String,
+        /// The effect, or the part of the chain.
+        who: String,
+        /// The column or key.
+        what: String,
+    },
+    /// An effect of the document is not in the catalogue, or its parameters are not as the catalogue says.
+    #[error("found {found}; expected {expected}")]
+    Unknown {
+        /// Place within `model.effects`.
+        index: usize,
+        /// What stands there.
+        found: String,
+        /// What the catalogue has.
+        expected: String,
+    },
+    /// The chain has no inverse for these readings.
+    #[error(
+        "recording \"{recording}\": the chain cannot be run backwards; after {passes} passes the reading is still missed by {missed_nt:.3e} nT. {effects} may hide the field that made it"
+    )]
+    NotInvertible {
+        /// The recording.
+        recording: String,
+        /// Passes made.
+        passes: usize,
+        /// What is left, nT.
+        missed_nt: f64,
+        /// The effects in the chain.
+        effects: String,
+    },
+}

@@ -1,0 +1,101 @@
+//! The constants of the basic chain, as the document states them.
+
+use common::{Axis, Calibration, Document};
+use nalgebra::{Matrix3, Vector3};
+
+use crate::frames;
+use crate::{Real, Unit};
+
+/// B = k I + B0 along the coil's axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoilConstants<T> {
+    /// k, nT/A.
+    pub constant_nt_per_a: T,
+    /// B0, nT.
+    pub offset_nt: T,
+}
+
+/// B = k reading + O along the sensor's axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SensorConstants<T> {
+    /// k, nT/V, or nT/nT for an instrument that gives field.
+    pub sensitivity: T,
+    /// O, nT.
+    pub offset_nt: T,
+}
+
+/// The basic chain: coils, η, μ, sensors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Basic<T: Real = f64> {
+    /// Coils x, y, z.
+    pub coils: [CoilConstants<T>; 3],
+    /// Columns = unit vectors of the coils in GEO.
+    pub eta: Matrix3<T>,
+    /// Columns = unit vectors of the sensors in SEN.
+    pub mu: Matrix3<T>,
+    /// Sensors x, y, z.
+    pub sensors: [SensorConstants<T>; 3],
+}
+
+impl Basic<f64> {
+    /// The chain that a document's calibration describes, for readings in `unit`. What is not stated is
+    /// nominal: axes along their frame, offsets zero, sensitivity the instrument's nominal one.
+    /// A coil or a sensor in volts without any constant is None.
+    pub fn of(document: &Document, unit: Unit) -> Option<Self> {
+        let empty = Calibration::default();
+        let calibration = document.calibration.as_ref().unwrap_or(&empty);
+        let value = |quantity: Option<&common::Quantity>| quantity.map(common::Quantity::value);
+        let mut basic = Basic {
+            coils: [CoilConstants { constant_nt_per_a: 0.0, offset_nt: 0.0 }; 3],
+            eta: Matrix3::identity(),
+            mu: Matrix3::identity(),
+            sensors: [SensorConstants { sensitivity: 1.0, offset_nt: 0.0 }; 3],
+        };
+        for axis in Axis::ALL {
+            if let Some(coil) = calibration.coils.as_ref().and_then(|coils| coils.get(axis)) {
+                basic.coils[axis.index()] = CoilConstants {
+                    constant_nt_per_a: value(coil.constant_nt_per_a.as_ref())?,
+                    offset_nt: value(coil.offset_nt.as_ref()).unwrap_or(0.0),
+                };
+            }
+            let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis));
+            let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
+            basic.sensors[axis.index()] = SensorConstants {
+                sensitivity: match unit {
+                    Unit::Volt => value(sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref())).or(nominal)?,
+                    Unit::Nanotesla => {
+                        value(sensor.and_then(|s| s.sensitivity_nt_per_nt.as_ref())).unwrap_or(1.0)
+                    }
+                },
+                offset_nt: value(sensor.and_then(|s| s.offset_nt.as_ref())).unwrap_or(0.0),
+            };
+        }
+        if let Some(axes) = &calibration.axes {
+            let given = |part: &Option<common::AxesDirections>| part.as_ref().and_then(|part| part.matrix);
+            basic.eta = given(&axes.coils).map_or(basic.eta, |rows| frames::matrix(&rows));
+            basic.mu = given(&axes.sensors).map_or(basic.mu, |rows| frames::matrix(&rows));
+        }
+        Some(basic)
+    }
+
+    /// The same chain in another number type, all derivatives zero.
+    pub fn lift<T: Real>(&self) -> Basic<T> {
+        Basic {
+            coils: self.coils.map(|coil| CoilConstants {
+                constant_nt_per_a: T::from(coil.constant_nt_per_a),
+                offset_nt: T::from(coil.offset_nt),
+            }),
+            eta: self.eta.map(T::from),
+            mu: self.mu.map(T::from),
+            sensors: self.sensors.map(|sensor| SensorConstants {
+                sensitivity: T::from(sensor.sensitivity),
+                offset_nt: T::from(sensor.offset_nt),
+            }),
+        }
+    }
+}
+
+/// A column of a matrix as a vector.
+pub(crate) fn column<T: Real>(matrix: &Matrix3<T>, axis: Axis) -> Vector3<T> {
+    matrix.column(axis.index()).into_owned()
+}

@@ -1,0 +1,35 @@
+use std::io::Write;
+use std::process::{Command, Stdio};
+
+/// What a program did.
+#[derive(Debug)]
+pub struct Run {
+    /// Its exit code.
+    pub code: i32,
+    /// What it wrote to standard output.
+    pub stdout: String,
+    /// What it said on standard error.
+    pub stderr: String,
+}
+
+/// Runs a program (`env!("CARGO_BIN_EXE_…")`) with `input` on standard input.
+pub fn run(program: &str, arguments: &[&str], input: &str) -> Run {
+    let mut child = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap_or_else(|error| panic!("{program}: {error}"));
+    let mut stdin = child.stdin.take().expect("piped");
+    let input = input.to_string();
+    // A program that refuses its arguments ends without reading: then the pipe is closed, and that is no error here.
+    let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()).is_ok());
+    let output = child.wait_with_output().expect("the program ended");
+    writer.join().expect("the writer ended");
+    Run {
+        code: output.status.code().expect("an exit code"),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}

@@ -1,0 +1,103 @@
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+
+use crate::fixture;
+
+/// How far a number may be from the expected one: |a − b| ≤ absolute + relative |b|.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Tolerance {
+    /// Absolute part.
+    #[serde(default)]
+    pub absolute: f64,
+    /// Part of the expected value.
+    #[serde(default)]
+    pub relative: f64,
+}
+
+/// Runs one golden case: `fixtures/<case>/input.json` through `run`, against `expected.json` within
+/// `tolerances.json` (`default`, and others by the beginning of a JSON path; the longest holds).
+/// With BLESS=1 in the environment the expected document is written anew: read the difference.
+pub fn golden(case: &str, run: impl FnOnce(&str) -> String) {
+    let folder = fixture(case);
+    let read =
+        |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_else(|e| panic!("{case}/{name}: {e}"));
+    let found = run(&read("input.json"));
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(folder.join("expected.json"), &found).unwrap_or_else(|e| panic!("{case}: {e}"));
+        return;
+    }
+    let tolerances: BTreeMap<String, Tolerance> = serde_json::from_str(&read("tolerances.json"))
+        .unwrap_or_else(|e| panic!("{case}/tolerances.json: {e}"));
+    let parse = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_else(|e| panic!("{case}: {e}"));
+    let mut differences = Vec::new();
+    compare("", &parse(&found), &parse(&read("expected.json")), &tolerances, &mut differences);
+    assert!(differences.is_empty(), "{case}:\n{}", differences.join("\n"));
+}
+
+/// Collects the differences of two JSON values.
+pub fn compare(
+    path: &str,
+    found: &Value,
+    expected: &Value,
+    tolerances: &BTreeMap<String, Tolerance>,
+    differences: &mut Vec<String>,
+) {
+    match (found, expected) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            let tolerance = tolerances
+                .iter()
+                .filter(|(prefix, _)| path.starts_with(prefix.as_str()))
+                .max_by_key(|(prefix, _)| prefix.len())
+                .or_else(|| tolerances.get_key_value("default"))
+                .map_or(Tolerance { absolute: 0.0, relative: 0.0 }, |(_, tolerance)| *tolerance);
+            let close = (a - b).abs() <= tolerance.absolute + tolerance.relative * b.abs();
+            if !close {
+                differences.push(format!("{path}: {a} where {b} is expected"));
+            }
+        }
+        (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
+            for (index, (a, b)) in a.iter().zip(b).enumerate() {
+                compare(&format!("{path}[{index}]"), a, b, tolerances, differences);
+            }
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            for key in a.keys().chain(b.keys().filter(|key| !a.contains_key(*key))) {
+                let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+                match (a.get(key), b.get(key)) {
+                    (Some(a), Some(b)) => compare(&path, a, b, tolerances, differences),
+                    (None, _) => differences.push(format!("{path}: missing")),
+                    (_, None) => differences.push(format!("{path}: not expected")),
+                }
+            }
+        }
+        (a, b) if a == b => {}
+        (a, b) => differences.push(format!("{path}: {a} where {b} is expected")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn differences(found: &Value, expected: &Value) -> Vec<String> {
+        let tolerances = BTreeMap::from([
+            ("default".to_string(), Tolerance { absolute: 0.0, relative: 1e-9 }),
+            ("a.b".to_string(), Tolerance { absolute: 0.1, relative: 0.0 }),
+        ]);
+        let mut differences = Vec::new();
+        compare("", found, expected, &tolerances, &mut differences);
+        differences
+    }
+
+    #[test]
+    fn numbers_within_tolerance_and_nothing_else() {
+        let expected = json!({"a": {"b": [1.0, 2.0]}, "c": 5.0, "d": "x"});
+        assert!(differences(&json!({"a": {"b": [1.05, 2.0]}, "c": 5.0, "d": "x"}), &expected).is_empty());
+        assert_eq!(differences(&json!({"a": {"b": [1.2, 2.0]}, "c": 5.1, "d": "y"}), &expected).len(), 3);
+        assert_eq!(differences(&json!({"a": {"b": [1.0]}, "c": 5.0, "e": 1}), &expected).len(), 3);
+    }
+}

@@ -1,0 +1,22 @@
+//! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences.
+
+use std::path::{Path, PathBuf};
+
+mod binary;
+mod golden;
+mod jacobian;
+
+pub use binary::{Run, run};
+pub use golden::{Tolerance, compare, golden};
+pub use jacobian::check_jacobian;
+
+/// A path below the workspace's `fixtures`.
+pub fn fixture(relative: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(relative)
+}
+
+/// The text of a fixture.
+pub fn read_fixture(relative: &str) -> String {
+    let path = fixture(relative);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
