@@ -1,1 +1,57 @@
-//! placeholder
+//! Directions of the sensors in SEN and of the coils in GEO, in arcseconds.
+//!
+//! The recordings give, for orientations γ of the sensor block, M = μᵀ R(γ) (η B_c + e) + o (NASA eq. 12 and 30)
+//! with B_c the full field along the coils, e the field left in GEO, o the offsets left of the sensors.
+//! [`run`] finds μ and η by Gauss-Newton on unit spheres, together with whatever else the recordings show or
+//! the document states with an uncertainty: e, o, small corrections of each R, scales.
+
+mod ac;
+mod assumptions;
+pub mod design;
+mod error;
+mod model;
+mod observations;
+mod options;
+mod pair;
+mod rank;
+mod readings;
+mod result;
+mod scales;
+mod solve;
+mod start;
+mod words;
+
+pub use error::Error;
+pub use model::{AxesProblem, AxesState, Freedom};
+pub use observations::{Observation, Observations, observe};
+pub use options::{Coils, Options, Start};
+pub use solve::{Solution, solve};
+pub use words::summary;
+
+use common::{AxesCalibration, Document};
+
+/// Finds the directions and writes them to `calibration.axes`; everything else stays as it was.
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    let observations = observe(&document, options)?;
+    let solution = solve(&document, &observations, options)?;
+    let mut axes = result::describe(&document, &observations, &solution, options)?;
+    if let Some(before) = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref()) {
+        keep(&mut axes, before, options);
+    }
+    document.calibration.get_or_insert_default().axes = Some(axes);
+    Ok(document)
+}
+
+/// Keys that this version does not know stay, and coils that were given as known stay as they were given.
+fn keep(axes: &mut AxesCalibration, before: &AxesCalibration, options: &Options) {
+    axes.extra = before.extra.clone();
+    let pairs = [(&mut axes.sensors, &before.sensors), (&mut axes.coils, &before.coils)];
+    for (now, before) in pairs {
+        if let (Some(now), Some(before)) = (now, before) {
+            now.extra = before.extra.clone();
+        }
+    }
+    if options.coils == Coils::Known {
+        axes.coils = before.coils.clone();
+    }
+}

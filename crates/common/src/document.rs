@@ -1,5 +1,5 @@
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::collections::HashMap;
 
@@ -46,18 +46,7 @@ impl Document {
     /// Reads a document from text and checks what holds for every stage: the version, unique ids,
     /// columns of one length.
     pub fn parse(text: &str) -> Result<Self, Error> {
-        if text.trim().is_empty() {
-            return Err(Error::Syntax {
-                message: "nothing arrived; expected a JSON document. If this program stands in a pipe, \
-                          the one before it failed: read its message, or give a file"
-                    .into(),
-            });
-        }
-        check_version(text)?;
-        let mut deserializer = serde_json::Deserializer::from_str(text);
-        let document: Document = serde_path_to_error::deserialize(&mut deserializer)
-            .map_err(|error| explain(&error.path().to_string(), error.inner()))?;
-        deserializer.end().map_err(|error| explain(".", &error))?;
+        let document: Document = parse(text)?;
         document.check()?;
         Ok(document)
     }
@@ -86,6 +75,23 @@ impl Document {
         }
         Ok(())
     }
+}
+
+/// Reads any JSON of fluxcal's formats, all of which state their version as `fluxcal`.
+pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
+    if text.trim().is_empty() {
+        return Err(Error::Syntax {
+            message: "nothing arrived; expected a JSON document. If this program stands in a pipe, \
+                      the one before it failed: read its message, or give a file"
+                .into(),
+        });
+    }
+    check_version(text)?;
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let value = serde_path_to_error::deserialize(&mut deserializer)
+        .map_err(|error| explain(&error.path().to_string(), error.inner()))?;
+    deserializer.end().map_err(|error| explain(".", &error))?;
+    Ok(value)
 }
 
 /// The version is looked at first, so that a newer document is not blamed for keys that changed.

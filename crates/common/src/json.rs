@@ -8,7 +8,8 @@ pub fn to_text<T: Serialize>(value: &T) -> String {
     let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Readable::default());
     value.serialize(&mut serializer).expect("a document has string keys and finite numbers");
     bytes.push(b'\n');
-    String::from_utf8(bytes).expect("serde_json writes UTF-8")
+    // No string holds a raw line break, so this is always the end of a list's item before an object.
+    String::from_utf8(bytes).expect("serde_json writes UTF-8").replace(", \n", ",\n")
 }
 
 /// Line breaks belong to objects only: each key on its line, and each object of a list on a new one.
@@ -88,7 +89,7 @@ mod tests {
         let text = super::to_text(&value);
         assert_eq!(
             text,
-            "{\n  \"a\": [[1, 2], [3, 4]],\n  \"b\": [\n    {\n      \"c\": 1.5\n    }, \n    {}],\n  \"d\": {}\n}\n"
+            "{\n  \"a\": [[1, 2], [3, 4]],\n  \"b\": [\n    {\n      \"c\": 1.5\n    },\n    {}],\n  \"d\": {}\n}\n"
         );
         assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("valid"), value);
     }

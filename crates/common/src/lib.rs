@@ -25,7 +25,7 @@ pub use axes::{
 };
 pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, SensorCalibration};
-pub use document::{Document, FORMAT_VERSION};
+pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use history::HistoryEntry;

@@ -82,6 +82,11 @@ impl<S> Fit<S> {
     }
 }
 
+/// Relative rounding of a sum of squares: residuals are differences of readings many times their size.
+const ROUNDING: f64 = 1e-7;
+/// Halvings of a step before it is given up.
+const HALVINGS: usize = 30;
+
 /// Minimises the sum of squares from `start`. Where the problem is short of rank, each step is the
 /// minimum-norm one and the fit says so in its rank; it is for the caller to refuse.
 ///
@@ -116,31 +121,27 @@ pub fn solve<P: Problem>(
     while steps.len() < options.max_iterations {
         let svd = Svd::of(jacobian.as_ref(), options.rank_tolerance)?;
         let mut step = svd.solve(&residual);
-        last_shift = shift(&jacobian, &step);
-        if last_shift <= options.tolerance {
+        let shift = shift(&jacobian, &step);
+        // Steps that are small and no longer shrink are rounding.
+        let stalled = shift > 0.5 * last_shift && shift * shift <= ROUNDING * (1.0 + cost);
+        if shift <= options.tolerance || stalled {
             return Ok(Fit { state, residual, jacobian, svd, cost, steps });
         }
+        last_shift = shift;
         let mut trial = None;
-        for _ in 0..30 {
+        for _ in 0..HALVINGS {
             let next = problem.advance(&state, &step);
-            let (residual, jacobian, next_cost) = linearise(&next);
-            if next_cost <= cost * (1.0 + 1e-12) {
-                trial = Some((next, residual, jacobian, next_cost));
+            let linearised = linearise(&next);
+            if linearised.2 <= cost + ROUNDING * (1.0 + cost) {
+                trial = Some((next, linearised));
                 break;
             }
             step.iter_mut().for_each(|s| *s *= 0.5);
         }
-        let Some((next, next_residual, next_jacobian, next_cost)) = trial else {
-            // Close to the minimum, rounding decides whether the cost falls: a step that promises
-            // next to nothing is the end and not a failure.
-            return if last_shift * last_shift <= 1e-8 * (1.0 + cost) {
-                Ok(Fit { state, residual, jacobian, svd, cost, steps })
-            } else {
-                Err(Error::NotConverged { iterations: steps.len(), last_shift })
-            };
-        };
+        let Some((next, linearised)) = trial else { break };
         steps.push(Step { cost, step, rank: svd.rank() });
-        (state, residual, jacobian, cost) = (next, next_residual, next_jacobian, next_cost);
+        state = next;
+        (residual, jacobian, cost) = linearised;
     }
     Err(Error::NotConverged { iterations: steps.len(), last_shift })
 }

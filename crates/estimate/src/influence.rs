@@ -18,8 +18,9 @@ pub struct Influence {
 ///
 /// With `known_scale` the rows' standard deviations are declared: s₍ᵢ₎ is then never taken below 1, so
 /// that a reading is called far out only when it is so for the declaration *and* for the others.
-pub fn influence<S>(fit: &Fit<S>, readings: usize, known_scale: bool) -> Vec<Influence> {
-    let freedom = fit.degrees_of_freedom();
+/// `left_out` of the rows have weight zero and do not count.
+pub fn influence<S>(fit: &Fit<S>, readings: usize, known_scale: bool, left_out: usize) -> Vec<Influence> {
+    let freedom = fit.degrees_of_freedom() - left_out as f64;
     let leverage = fit.svd.leverage();
     (0..readings)
         .map(|i| {

@@ -39,9 +39,9 @@ pub struct Basic<T: Real = f64> {
 
 impl Basic<f64> {
     /// The chain that a document's calibration describes, for readings in `unit`. What is not stated is
-    /// nominal: axes along their frame, offsets zero, sensitivity the instrument's nominal one.
-    /// A coil or a sensor in volts without any constant is None.
-    pub fn of(document: &Document, unit: Unit) -> Option<Self> {
+    /// nominal: axes along their frame, offsets zero, sensitivity the instrument's nominal one. A coil of unknown
+    /// constant makes no field, and a sensor of unknown sensitivity reads nT; a stage that needs them asks first.
+    pub fn of(document: &Document, unit: Unit) -> Self {
         let empty = Calibration::default();
         let calibration = document.calibration.as_ref().unwrap_or(&empty);
         let value = |quantity: Option<&common::Quantity>| quantity.map(common::Quantity::value);
@@ -54,7 +54,7 @@ impl Basic<f64> {
         for axis in Axis::ALL {
             if let Some(coil) = calibration.coils.as_ref().and_then(|coils| coils.get(axis)) {
                 basic.coils[axis.index()] = CoilConstants {
-                    constant_nt_per_a: value(coil.constant_nt_per_a.as_ref())?,
+                    constant_nt_per_a: value(coil.constant_nt_per_a.as_ref()).unwrap_or(0.0),
                     offset_nt: value(coil.offset_nt.as_ref()).unwrap_or(0.0),
                 };
             }
@@ -62,7 +62,9 @@ impl Basic<f64> {
             let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
             basic.sensors[axis.index()] = SensorConstants {
                 sensitivity: match unit {
-                    Unit::Volt => value(sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref())).or(nominal)?,
+                    Unit::Volt => {
+                        value(sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref())).or(nominal).unwrap_or(1.0)
+                    }
                     Unit::Nanotesla => {
                         value(sensor.and_then(|s| s.sensitivity_nt_per_nt.as_ref())).unwrap_or(1.0)
                     }
@@ -75,7 +77,7 @@ impl Basic<f64> {
             basic.eta = given(&axes.coils).map_or(basic.eta, |rows| frames::matrix(&rows));
             basic.mu = given(&axes.sensors).map_or(basic.mu, |rows| frames::matrix(&rows));
         }
-        Some(basic)
+        basic
     }
 
     /// The same chain in another number type, all derivatives zero.

@@ -38,7 +38,7 @@ fn document() -> Document {
 }
 
 fn setting(document: &Document) -> (Basic, Context<'_>) {
-    let mut basic = Basic::of(document, Unit::Volt).expect("all constants");
+    let mut basic = Basic::of(document, Unit::Volt);
     for axis in 0..3 {
         basic.mu.column_mut(axis).normalize_mut();
         basic.eta.column_mut(axis).normalize_mut();

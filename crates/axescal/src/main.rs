@@ -1,0 +1,95 @@
+//! `axescal`: directions of the sensors and of the coils, in arcseconds.
+
+use axescal::{Coils, Options, Start, design};
+use clap::{Parser, Subcommand, ValueEnum};
+use common::Axis;
+use common::pipe::{self, Io, Program};
+use std::process::ExitCode;
+
+const PROGRAM: Program = Program { name: "axescal", version: env!("CARGO_PKG_VERSION") };
+
+/// Directions of the sensors and of the coils, in arcseconds, with their uncertainty
+#[derive(Parser)]
+#[command(
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = "Example:\n  \
+    axescal fixtures/nasa-1977/table-4.json > result.json\n\n\
+    Exit codes: 0 done; 1 the recordings do not determine the directions; 2 the request or the document is wrong."
+)]
+struct Cli {
+    #[command(flatten)]
+    io: Io,
+    /// Take calibration.axes.coils as known, with its covariance or std_arcsec
+    #[arg(long)]
+    known_coils: bool,
+    /// Where the iteration begins
+    #[arg(long, value_enum, default_value_t = From::Identity)]
+    start: From,
+    /// Leave the scales of sensors and coils free and compare them with the calibration
+    #[arg(long)]
+    free_scales: bool,
+    /// Weigh readings that are far from the rest down
+    #[arg(long)]
+    robust: bool,
+    /// Use this sensor alone
+    #[arg(long, value_enum)]
+    sensor: Option<Letter>,
+    /// Use the readings with this coil alone
+    #[arg(long, value_enum)]
+    coil: Option<Letter>,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Find the orientations of the block that determine the directions best
+    Design(design::Arguments),
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum From {
+    /// Along the nominal axes
+    Identity,
+    /// The matrices in calibration.axes
+    Document,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Letter {
+    X,
+    Y,
+    Z,
+}
+
+impl Letter {
+    fn axis(self) -> Axis {
+        Axis::ALL[self as usize]
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    pipe::finish(PROGRAM, run(cli))
+}
+
+fn run(cli: Cli) -> anyhow::Result<()> {
+    if let Some(Command::Design(arguments)) = cli.command {
+        return Ok(design::main(&arguments)?);
+    }
+    let options = Options {
+        coils: if cli.known_coils { Coils::Known } else { Coils::Unknown },
+        start: match cli.start {
+            From::Identity => Start::Identity,
+            From::Document => Start::Document,
+        },
+        free_scales: cli.free_scales,
+        robust: cli.robust,
+        sensor: cli.sensor.map(Letter::axis),
+        coil: cli.coil.map(Letter::axis),
+    };
+    let arguments = options.arguments();
+    pipe::stage(PROGRAM, &cli.io, arguments, |document| axescal::run(document, &options), axescal::summary)?;
+    Ok(())
+}

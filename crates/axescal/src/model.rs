@@ -1,0 +1,372 @@
+//! The problem that Gauss-Newton solves: readings as a function of directions and of what goes with them.
+
+use common::Axis;
+use estimate::Problem;
+use faer::MatMut;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+use physics::frames::{small_rotation, tangents, turned};
+use physics::reading;
+
+use crate::{Observation, Observations};
+
+/// What may move besides the directions of the sensors, and what is known of it beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Freedom {
+    /// η is found (None), or given: its directions, and their whitening; see [`KnownCoils`].
+    pub known_coils: Option<KnownCoils>,
+    /// Relative standard uncertainty of each sensor's sensitivity; infinite: free; None: exact.
+    pub sensor_scale: [Option<f64>; 3],
+    /// The same for each coil constant.
+    pub coil_scale: [Option<f64>; 3],
+    /// Whether each orientation may turn within its theodolites' uncertainty.
+    pub orientations: bool,
+    /// Standard uncertainty of the residual field (GEO), nT; infinite: free; None: taken as zero.
+    pub residual_field: Option<f64>,
+    /// Standard uncertainty of each sensor's remaining offset, nT; infinite: free; None: taken as zero.
+    pub offsets: [Option<f64>; 3],
+}
+
+/// Directions of the coils given beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownCoils {
+    /// Unit vectors in GEO.
+    pub directions: [Vector3<f64>; 3],
+    /// W with Wᵀ W = inverse covariance of the turns along the tangents of the driven coils, in order; None: exact.
+    pub whitening: Option<DMatrix<f64>>,
+}
+
+/// The unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxesState {
+    /// Columns = sensors in SEN.
+    pub mu: Matrix3<f64>,
+    /// Columns = coils in GEO.
+    pub eta: Matrix3<f64>,
+    /// Reading over field, less one.
+    pub sensor_scale: Vector3<f64>,
+    /// Field over calibrated drive, less one.
+    pub coil_scale: Vector3<f64>,
+    /// Correction of each orientation in units of its own uncertainty.
+    pub corrections: Vec<Vector3<f64>>,
+    /// Field with no drive, GEO, nT.
+    pub residual_field: Vector3<f64>,
+    /// Offsets that the calibration left, nT.
+    pub offsets: Vector3<f64>,
+}
+
+impl AxesState {
+    /// Sensors and coils in the given directions, nothing else.
+    pub fn new(mu: Matrix3<f64>, eta: Matrix3<f64>, orientations: usize) -> Self {
+        Self {
+            mu,
+            eta,
+            sensor_scale: Vector3::zeros(),
+            coil_scale: Vector3::zeros(),
+            corrections: vec![Vector3::zeros(); orientations],
+            residual_field: Vector3::zeros(),
+            offsets: Vector3::zeros(),
+        }
+    }
+}
+
+/// One unknown number of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unknown {
+    /// Turn of a sensor along one of its tangents, rad.
+    Sensor(Axis, usize),
+    /// Turn of a coil along one of its tangents, rad.
+    Coil(Axis, usize),
+    /// Relative scale of a sensor.
+    SensorScale(Axis),
+    /// Relative scale of a coil.
+    CoilScale(Axis),
+    /// Correction of an orientation, in units of its uncertainty.
+    Correction(usize, usize),
+    /// Component of the residual field, nT.
+    ResidualField(usize),
+    /// Offset of a sensor, nT.
+    Offset(Axis),
+}
+
+impl Unknown {
+    /// Whether it turns a direction.
+    pub fn is_turn(self) -> bool {
+        matches!(self, Unknown::Sensor(..) | Unknown::Coil(..))
+    }
+}
+
+/// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation,
+/// followed by one row of prior knowledge for each unknown that has any.
+pub struct AxesProblem<'a> {
+    /// The readings.
+    pub observations: &'a Observations,
+    /// Factor on their standard deviations.
+    pub noise_factor: f64,
+    unknowns: Vec<Unknown>,
+    /// Place of each unknown in the step.
+    place: Places,
+    priors: Vec<(usize, f64)>,
+    known_coils: Option<&'a KnownCoils>,
+}
+
+/// Where each kind of unknown begins in the step; None where it does not move.
+struct Places {
+    sensor: [Option<usize>; 3],
+    coil: [Option<usize>; 3],
+    sensor_scale: [Option<usize>; 3],
+    coil_scale: [Option<usize>; 3],
+    corrections: Option<usize>,
+    residual_field: Option<usize>,
+    offset: [Option<usize>; 3],
+}
+
+impl<'a> AxesProblem<'a> {
+    /// The problem for readings with a given freedom.
+    pub fn new(observations: &'a Observations, freedom: &'a Freedom, noise_factor: f64) -> Self {
+        let mut unknowns = Vec::new();
+        let mut priors = Vec::new();
+        let mut add = |unknown: Unknown, prior: Option<f64>| {
+            unknowns.push(unknown);
+            let place = unknowns.len() - 1;
+            priors.extend(prior.filter(|std| std.is_finite()).map(|std| (place, 1.0 / std)));
+            place
+        };
+        let mut place = Places {
+            sensor: [None; 3],
+            coil: [None; 3],
+            sensor_scale: [None; 3],
+            coil_scale: [None; 3],
+            corrections: None,
+            residual_field: None,
+            offset: [None; 3],
+        };
+        for &axis in &observations.sensors {
+            place.sensor[axis.index()] = Some(add(Unknown::Sensor(axis, 0), None));
+            add(Unknown::Sensor(axis, 1), None);
+        }
+        let fixed = freedom.known_coils.as_ref().is_some_and(|known| known.whitening.is_none());
+        for &axis in observations.coils.iter().filter(|_| !fixed) {
+            place.coil[axis.index()] = Some(add(Unknown::Coil(axis, 0), None));
+            add(Unknown::Coil(axis, 1), None);
+        }
+        for &axis in &observations.sensors {
+            if let Some(std) = freedom.sensor_scale[axis.index()] {
+                place.sensor_scale[axis.index()] = Some(add(Unknown::SensorScale(axis), Some(std)));
+            }
+        }
+        for &axis in &observations.coils {
+            if let Some(std) = freedom.coil_scale[axis.index()] {
+                place.coil_scale[axis.index()] = Some(add(Unknown::CoilScale(axis), Some(std)));
+            }
+        }
+        if freedom.orientations {
+            for orientation in 0..observations.orientations.len() {
+                for k in 0..3 {
+                    let at = add(Unknown::Correction(orientation, k), Some(1.0));
+                    place.corrections.get_or_insert(at);
+                }
+            }
+        }
+        if let Some(std) = freedom.residual_field {
+            place.residual_field = Some(add(Unknown::ResidualField(0), Some(std)));
+            (1..3).for_each(|k| {
+                add(Unknown::ResidualField(k), Some(std));
+            });
+        }
+        for &axis in &observations.sensors {
+            if let Some(std) = freedom.offsets[axis.index()] {
+                place.offset[axis.index()] = Some(add(Unknown::Offset(axis), Some(std)));
+            }
+        }
+        Self {
+            observations,
+            noise_factor,
+            unknowns,
+            place,
+            priors,
+            known_coils: freedom.known_coils.as_ref().filter(|_| !fixed),
+        }
+    }
+
+    /// What each component of the step means.
+    pub fn meaning(&self) -> &[Unknown] {
+        &self.unknowns
+    }
+
+    /// R of an orientation with its correction.
+    pub fn rotation(&self, state: &AxesState, orientation: usize) -> Matrix3<f64> {
+        let given = &self.observations.orientations[orientation].orientation;
+        match self.place.corrections {
+            None => given.rotation,
+            Some(_) => small_rotation(&(given.uncertainty * state.corrections[orientation])) * given.rotation,
+        }
+    }
+
+    /// The prediction of a reading, nT, and its derivatives by the unknowns, handed to `derivative` one by one.
+    fn predict(
+        &self,
+        state: &AxesState,
+        rotation: &Matrix3<f64>,
+        observation: &Observation,
+        mut derivative: impl FnMut(usize, f64),
+    ) -> f64 {
+        let i = observation.sensor.index();
+        let m = state.mu.column(i).into_owned();
+        let drive = observation.drive_nt.component_mul(&state.coil_scale.add_scalar(1.0));
+        let ambient = if observation.constant { state.residual_field } else { Vector3::zeros() };
+        let at = reading(&m, rotation, &physics::field_geo(&state.eta, &drive, &ambient));
+        let gain = 1.0 + state.sensor_scale[i];
+        if let Some(place) = self.place.sensor[i] {
+            for (k, tangent) in tangents(&m).iter().enumerate() {
+                derivative(place + k, gain * at.by_sensor.dot(tangent));
+            }
+        }
+        for j in 0..3 {
+            if observation.drive_nt[j] == 0.0 {
+                continue;
+            }
+            let n = state.eta.column(j).into_owned();
+            if let Some(place) = self.place.coil[j] {
+                for (k, tangent) in tangents(&n).iter().enumerate() {
+                    derivative(place + k, gain * drive[j] * at.by_field.dot(tangent));
+                }
+            }
+            if let Some(place) = self.place.coil_scale[j] {
+                derivative(place, gain * observation.drive_nt[j] * at.by_field.dot(&n));
+            }
+        }
+        if let Some(place) = self.place.sensor_scale[i] {
+            derivative(place, at.value);
+        }
+        if let Some(first) = self.place.corrections {
+            let uncertainty =
+                &self.observations.orientations[observation.orientation].orientation.uncertainty;
+            let by_unit = uncertainty.transpose() * at.by_rotation * gain;
+            (0..3).for_each(|k| derivative(first + 3 * observation.orientation + k, by_unit[k]));
+        }
+        let mut value = gain * at.value;
+        if observation.constant {
+            if let Some(place) = self.place.residual_field {
+                (0..3).for_each(|k| derivative(place + k, gain * at.by_field[k]));
+            }
+            if let Some(place) = self.place.offset[i] {
+                derivative(place, 1.0);
+            }
+            value += state.offsets[i];
+        }
+        value
+    }
+
+    /// Observed less predicted for every reading, nT.
+    pub fn residuals_nt(&self, state: &AxesState) -> Vec<f64> {
+        let rotations = self.rotations(state);
+        let difference = |observation: &Observation| {
+            observation.value_nt
+                - self.predict(state, &rotations[observation.orientation], observation, |_, _| {})
+        };
+        self.observations.readings.iter().map(difference).collect()
+    }
+
+    fn rotations(&self, state: &AxesState) -> Vec<Matrix3<f64>> {
+        (0..self.observations.orientations.len())
+            .map(|orientation| self.rotation(state, orientation))
+            .collect()
+    }
+
+    /// The value of an unknown that has a prior of mean zero.
+    fn value(&self, state: &AxesState, place: usize) -> f64 {
+        match self.unknowns[place] {
+            Unknown::SensorScale(axis) => state.sensor_scale[axis.index()],
+            Unknown::CoilScale(axis) => state.coil_scale[axis.index()],
+            Unknown::Correction(orientation, k) => state.corrections[orientation][k],
+            Unknown::ResidualField(k) => state.residual_field[k],
+            Unknown::Offset(axis) => state.offsets[axis.index()],
+            Unknown::Sensor(..) | Unknown::Coil(..) => 0.0,
+        }
+    }
+
+    /// Rows that hold the coils to their given directions: W times the turns from them.
+    fn known_coil_rows(
+        &self,
+        state: &AxesState,
+        first: usize,
+        residual: &mut [f64],
+        jacobian: &mut MatMut<'_, f64>,
+    ) {
+        let Some(KnownCoils { directions, whitening: Some(whitening) }) = self.known_coils else { return };
+        for (n, &axis) in self.observations.coils.iter().enumerate() {
+            let (given, now) = (directions[axis.index()], state.eta.column(axis.index()).into_owned());
+            let Some(place) = self.place.coil[axis.index()] else { continue };
+            for (k, tangent) in tangents(&given).iter().enumerate() {
+                for row in 0..whitening.nrows() {
+                    let weight = whitening[(row, 2 * n + k)];
+                    residual[first + row] -= weight * tangent.dot(&now);
+                    for (l, moving) in tangents(&now).iter().enumerate() {
+                        jacobian[(first + row, place + l)] += weight * tangent.dot(moving);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Problem for AxesProblem<'_> {
+    type State = AxesState;
+
+    fn unknowns(&self) -> usize {
+        self.unknowns.len()
+    }
+
+    fn rows(&self) -> usize {
+        let known = self.known_coils.map_or(0, |_| 2 * self.observations.coils.len());
+        self.readings() + self.priors.len() + known
+    }
+
+    fn readings(&self) -> usize {
+        self.observations.readings.len()
+    }
+
+    fn linearise(&self, state: &AxesState, residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
+        let rotations = self.rotations(state);
+        for (row, observation) in self.observations.readings.iter().enumerate() {
+            let weight = 1.0 / (observation.std_nt * self.noise_factor);
+            let predicted = self.predict(
+                state,
+                &rotations[observation.orientation],
+                observation,
+                |column, derivative| {
+                    jacobian[(row, column)] = weight * derivative;
+                },
+            );
+            residual[row] = weight * (observation.value_nt - predicted);
+        }
+        let first = self.readings();
+        for (row, (place, weight)) in self.priors.iter().enumerate() {
+            residual[first + row] = -weight * self.value(state, *place);
+            jacobian[(first + row, *place)] = *weight;
+        }
+        self.known_coil_rows(state, first + self.priors.len(), residual, &mut jacobian);
+    }
+
+    fn advance(&self, state: &AxesState, step: &[f64]) -> AxesState {
+        let mut next = state.clone();
+        for (place, unknown) in self.unknowns.iter().enumerate() {
+            match *unknown {
+                Unknown::Sensor(axis, 0) => turn(&mut next.mu, axis, &step[place..place + 2]),
+                Unknown::Coil(axis, 0) => turn(&mut next.eta, axis, &step[place..place + 2]),
+                Unknown::Sensor(..) | Unknown::Coil(..) => {}
+                Unknown::SensorScale(axis) => next.sensor_scale[axis.index()] += step[place],
+                Unknown::CoilScale(axis) => next.coil_scale[axis.index()] += step[place],
+                Unknown::Correction(orientation, k) => next.corrections[orientation][k] += step[place],
+                Unknown::ResidualField(k) => next.residual_field[k] += step[place],
+                Unknown::Offset(axis) => next.offsets[axis.index()] += step[place],
+            }
+        }
+        next
+    }
+}
+
+fn turn(matrix: &mut Matrix3<f64>, axis: Axis, step: &[f64]) {
+    let direction = matrix.column(axis.index()).into_owned();
+    matrix.set_column(axis.index(), &turned(&direction, [step[0], step[1]]));
+}

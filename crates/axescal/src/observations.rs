@@ -1,0 +1,394 @@
+//! From recordings to readings in nT, each with its drive, its orientation and its standard deviation.
+
+use common::{Axis, Document, Noise, OneOrEach, Quantity, Recording, procedure};
+use nalgebra::Vector3;
+use physics::frames::Orientation;
+use physics::{Basic, Context, References, Unit};
+
+use crate::{Error, Options, ac};
+
+/// One reading of one sensor; an AC run gives one for each sensor, its amplitude in phase with the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// Number of its orientation in [`Observations::orientations`].
+    pub orientation: usize,
+    /// Number of its recording in the document.
+    pub recording: usize,
+    /// Row in the recording.
+    pub row: usize,
+    /// The sensor.
+    pub sensor: Axis,
+    /// Field along each coil, k I + B0, nT.
+    pub drive_nt: Vector3<f64>,
+    /// k V + O, nT.
+    pub value_nt: f64,
+    /// Declared standard deviation, nT; 1 where none is declared.
+    pub std_nt: f64,
+    /// Whether constant fields and offsets are in it; they are not in an AC amplitude.
+    pub constant: bool,
+}
+
+/// One orientation of the block, in which one or more recordings were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OrientationGroup {
+    /// R and what the theodolites allow it.
+    pub orientation: Orientation,
+    /// Ids of the recordings.
+    pub recordings: Vec<String>,
+}
+
+/// All that the fit sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observations {
+    /// The orientations.
+    pub orientations: Vec<OrientationGroup>,
+    /// The readings.
+    pub readings: Vec<Observation>,
+    /// Whether the readings' standard deviations are declared.
+    pub declared: bool,
+    /// Sensors that were read.
+    pub sensors: Vec<Axis>,
+    /// Coils that were driven.
+    pub coils: Vec<Axis>,
+    /// Phases of AC runs.
+    pub phases: Vec<common::PhaseResult>,
+    /// What looks wrong, in words.
+    pub findings: Vec<String>,
+}
+
+impl Observations {
+    /// The coil with the largest drive in a reading.
+    pub fn main_coil(reading: &Observation) -> Axis {
+        Axis::ALL[reading.drive_nt.iamax()]
+    }
+}
+
+/// Coils that are never driven with this share of the largest field are not asked for a direction.
+const LEAST_DRIVE: f64 = 1e-3;
+/// Readings further from the drive than this factor are in another unit.
+const UNIT_FACTOR: f64 = 3.0;
+
+/// Reads every recording of the procedure.
+pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
+    let recordings: Vec<(usize, &Recording)> = document
+        .recordings
+        .iter()
+        .enumerate()
+        .filter(|(_, recording)| recording.procedure == procedure::AXES_ORIENTATION)
+        .collect();
+    if recordings.is_empty() {
+        return Err(common::Error::document(
+            "recordings",
+            "no recording with \"procedure\": \"axes_orientation\"",
+            "at least one, with the drive of the coils, the readings of the sensors and the orientation",
+        )
+        .into());
+    }
+    let sensors = sensors(document, &recordings, options)?;
+    let references = References::of(document);
+    let mut all = Observations {
+        orientations: Vec::new(),
+        readings: Vec::new(),
+        declared: true,
+        sensors,
+        coils: Vec::new(),
+        phases: Vec::new(),
+        findings: Vec::new(),
+    };
+    let mut conditions: Vec<&common::Conditions> = Vec::new();
+    let mut runs = Vec::new();
+    for &(index, recording) in &recordings {
+        let path = format!("recordings[{index}]");
+        check_columns(recording, &path, &all.sensors)?;
+        let context = Context::new(document, recording, references)
+            .map_err(|source| Error::Physics { path: orientation_path(&path, recording), source })?;
+        let basic = constants(document, recording, &context, &path, &mut all)?;
+        let same = conditions.iter().position(|seen| {
+            seen.orientation == recording.conditions.orientation
+                && seen.theodolite == recording.conditions.theodolite
+        });
+        let orientation = same.unwrap_or_else(|| {
+            if recording.conditions.orientation.is_none() && recording.conditions.theodolite.is_none() {
+                all.findings.push(format!(
+                    "recording \"{}\" states no orientation; the block is taken as aligned with GEO",
+                    recording.id
+                ));
+            }
+            conditions.push(&recording.conditions);
+            all.orientations
+                .push(OrientationGroup { orientation: context.orientation.clone(), recordings: Vec::new() });
+            conditions.len() - 1
+        });
+        all.orientations[orientation].recordings.push(recording.id.clone());
+        match recording.conditions.drive_hz {
+            Some(hz) => runs.push(ac::run(index, orientation, hz, &context, &basic, &all.sensors)?),
+            None => rows(document, index, orientation, &context, &basic, &mut all),
+        }
+    }
+    ac::join(runs, &mut all);
+    choose_coils(&mut all, options)?;
+    check_scale(&recordings, &all)?;
+    Ok(all)
+}
+
+fn orientation_path(path: &str, recording: &Recording) -> String {
+    let key = if recording.conditions.theodolite.is_some() { "theodolite" } else { "orientation" };
+    format!("{path}.conditions.{key}")
+}
+
+/// The sensors to be read: as asked, else as the instrument states, else as the columns say.
+fn sensors(
+    document: &Document,
+    recordings: &[(usize, &Recording)],
+    options: &Options,
+) -> Result<Vec<Axis>, Error> {
+    let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
+    let mut sensors = match (options.sensor, stated) {
+        (Some(sensor), _) => vec![sensor],
+        (None, Some(stated)) => stated,
+        (None, None) => Axis::ALL
+            .into_iter()
+            .filter(|axis| recordings.iter().any(|(_, recording)| sensor_column(recording, *axis).is_some()))
+            .collect(),
+    };
+    sensors.sort();
+    sensors.dedup();
+    if sensors.is_empty() {
+        return Err(common::Error::document(
+            format!("recordings[{}].columns", recordings[0].0),
+            "no sensor_*_v and no sensor_*_nt",
+            "the readings of the sensors",
+        )
+        .into());
+    }
+    Ok(sensors)
+}
+
+pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(String, &[f64])> {
+    [Unit::Volt, Unit::Nanotesla].into_iter().find_map(|unit| {
+        let name = format!("sensor_{sensor}_{}", unit.suffix());
+        recording.column(&name).map(|column| (name, column))
+    })
+}
+
+/// Every sensor has its column, and every column holds a reading.
+fn check_columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Result<(), Error> {
+    if let (Some(table), true) = (&recording.table, recording.columns.is_empty()) {
+        return Err(common::Error::document(
+            format!("{path}.table"),
+            format!("the table \"{table}\""),
+            "columns in the document itself, which is all that axescal reads",
+        )
+        .into());
+    }
+    let drives = Axis::ALL.iter().any(|axis| {
+        recording.axis_column("coil", *axis, "a").or(recording.axis_column("coil", *axis, "v")).is_some()
+    });
+    let present: Vec<&str> = recording.columns.keys().map(String::as_str).collect();
+    let missing = |what: String| common::Error::document(format!("{path}.columns"), present.join(", "), what);
+    if !drives {
+        return Err(missing(
+            "the drive of the coils, coil_x_a, coil_y_a, coil_z_a (or in V over the resistors)".into(),
+        )
+        .into());
+    }
+    for &sensor in sensors {
+        let Some((name, column)) = sensor_column(recording, sensor) else {
+            return Err(missing(format!(
+                "also sensor_{sensor}_v (or sensor_{sensor}_nt), the readings of sensor {sensor}; where the instrument \
+                 has no such sensor, say so in instrument.sensors"
+            ))
+            .into());
+        };
+        if column.iter().all(|reading| reading.is_nan()) {
+            return Err(common::Error::document(
+                format!("{path}.columns.{name}"),
+                format!("{} readings, all of them null", column.len()),
+                "at least one reading; take the recording out, or the sensor out of instrument.sensors",
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// The constants of the chain; every coil that has a column and every sensor must have its own.
+fn constants(
+    document: &Document,
+    recording: &Recording,
+    context: &Context<'_>,
+    path: &str,
+    all: &mut Observations,
+) -> Result<Basic, Error> {
+    let calibration = document.calibration.as_ref();
+    let coils = calibration.and_then(|calibration| calibration.coils.as_ref());
+    for axis in Axis::ALL {
+        let driven = context.current_a.iter().any(|current| current[axis.index()] != 0.0);
+        let known = coils.and_then(|coils| coils.get(axis)).and_then(|coil| coil.constant_nt_per_a.as_ref());
+        if driven && known.is_none() {
+            return Err(common::Error::document(
+                format!("calibration.coils.{axis}.constant_nt_per_a"),
+                format!("nothing, though {path} drives coil {axis}"),
+                "the coil constant in nT/A; run coilcal first, or write it there",
+            )
+            .into());
+        }
+    }
+    let sensors = calibration.and_then(|calibration| calibration.sensors.as_ref());
+    for &sensor in &all.sensors {
+        let calibrated =
+            sensors.and_then(|sensors| sensors.get(sensor)).and_then(|s| s.sensitivity_nt_per_v.as_ref());
+        if context.unit == Unit::Nanotesla || calibrated.is_some() {
+            continue;
+        }
+        let nominal =
+            document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+        let Some(nominal) = nominal else {
+            return Err(common::Error::document(
+                format!("calibration.sensors.{sensor}.sensitivity_nt_per_v"),
+                format!("nothing, though recording \"{}\" reads sensor {sensor} in V", recording.id),
+                "the sensitivity in nT/V; run sensorcal first, or write it there",
+            )
+            .into());
+        };
+        let said = format!(
+            "sensor {sensor} is not calibrated; its nominal sensitivity of {nominal} nT/V was taken as exact"
+        );
+        if !all.findings.contains(&said) {
+            all.findings.push(said);
+        }
+    }
+    Ok(Basic::of(document, context.unit))
+}
+
+/// Readings of a recording with constant drives, row by row. A missing reading takes out itself alone.
+fn rows(
+    document: &Document,
+    recording: usize,
+    orientation: usize,
+    context: &Context<'_>,
+    basic: &Basic,
+    all: &mut Observations,
+) {
+    let times = context.recording.column("time_s");
+    let (length_s, step_s) = times.map_or((f64::INFINITY, f64::INFINITY), |times| {
+        let span = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
+        (span, span / (times.len().max(2) - 1) as f64)
+    });
+    for sensor in all.sensors.clone() {
+        let Some((_, column)) = sensor_column(context.recording, sensor) else { continue };
+        let noise = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
+        let std_nt = declared_std(document, noise, basic, sensor, length_s, step_s);
+        all.declared &= std_nt.is_some();
+        for (row, value) in column.iter().enumerate() {
+            let drive_nt = drive(basic, &context.current_a[row]);
+            if value.is_finite() && drive_nt.iter().all(|field| field.is_finite()) {
+                let constants = &basic.sensors[sensor.index()];
+                all.readings.push(Observation {
+                    orientation,
+                    recording,
+                    row,
+                    sensor,
+                    drive_nt,
+                    value_nt: constants.sensitivity * value + constants.offset_nt,
+                    std_nt: std_nt.unwrap_or(1.0),
+                    constant: true,
+                });
+            }
+        }
+    }
+}
+
+/// White and flicker noise and the rounding of the converter, where noise is declared.
+fn declared_std(
+    document: &Document,
+    noise: Option<&Noise>,
+    basic: &Basic,
+    sensor: Axis,
+    length_s: f64,
+    step_s: f64,
+) -> Option<f64> {
+    let rms = noise?.rms_nt(length_s, step_s);
+    let instrument = document.instrument.as_ref()?;
+    let code = instrument
+        .quantisation_v
+        .map(|v| v * basic.sensors[sensor.index()].sensitivity)
+        .or(instrument.quantisation_nt);
+    let std = (rms * rms + code.unwrap_or(0.0).powi(2) / 12.0).sqrt();
+    (std > 0.0).then_some(std)
+}
+
+/// k I + B0 along each coil; a coil without current contributes its offset only where it is known.
+pub(crate) fn drive(basic: &Basic, current_a: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current_a[c] + basic.coils[c].offset_nt)
+}
+
+/// The coils whose direction is asked for, and the readings that speak of them.
+fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> {
+    if let Some(coil) = options.coil {
+        all.readings.retain(|reading| {
+            let others =
+                (0..3).filter(|c| *c != coil.index()).map(|c| reading.drive_nt[c].abs()).fold(0.0, f64::max);
+            others <= LEAST_DRIVE * reading.drive_nt[coil.index()].abs()
+        });
+    }
+    let largest =
+        |axis: Axis| all.readings.iter().map(|r| r.drive_nt[axis.index()].abs()).fold(0.0, f64::max);
+    let most = Axis::ALL.into_iter().map(largest).fold(0.0, f64::max);
+    all.coils =
+        Axis::ALL.into_iter().filter(|axis| most > 0.0 && largest(*axis) > LEAST_DRIVE * most).collect();
+    if all.coils.is_empty() {
+        return Err(Error::RankShort(
+            "no reading was taken with a coil driven; directions need at least one drive for each coil"
+                .into(),
+        ));
+    }
+    // Undriven coils make no field whose direction matters.
+    for reading in &mut all.readings {
+        for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
+            reading.drive_nt[axis.index()] = 0.0;
+        }
+    }
+    Ok(())
+}
+
+/// Readings and drive must be of one size: another unit shows as a factor.
+fn check_scale(recordings: &[(usize, &Recording)], all: &Observations) -> Result<(), Error> {
+    let drive = all.readings.iter().map(|reading| reading.drive_nt.norm()).fold(0.0, f64::max);
+    for &sensor in &all.sensors {
+        let own = all.readings.iter().filter(|reading| reading.sensor == sensor);
+        let largest = own.map(|reading| reading.value_nt.abs()).fold(0.0, f64::max);
+        let ratio = largest / drive;
+        let complete = all.sensors.len() == 3 && all.coils.len() == 3;
+        if ratio > UNIT_FACTOR || (complete && ratio < 1.0 / UNIT_FACTOR) {
+            let (index, recording) = recordings[0];
+            let name = sensor_column(recording, sensor).map_or_else(String::new, |(name, _)| name);
+            let units = [(1e-9, "T"), (1e-6, "mT"), (1e-5, "G"), (1e-3, "µT"), (1e-2, "mG")];
+            let guess = units.iter().find(|(factor, _)| (ratio / factor).ln().abs() < 0.7);
+            let guess = guess.map_or_else(String::new, |(_, unit)| format!("; they look like {unit}"));
+            return Err(common::Error::document(
+                format!("recordings[{index}].columns.{name}"),
+                format!("readings of at most {largest:.3e} nT where the coils make {drive:.3e} nT, a scale of {ratio:.1e}"),
+                format!(
+                    "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or mend the \
+                     sensitivity or the coil constants",
+                    if name.ends_with("_v") { "V" } else { "nT" }
+                ),
+            )
+            .into());
+        }
+    }
+    Ok(())
+}
+
+/// Relative standard uncertainty of a constant, where it is stated and not zero.
+pub(crate) fn relative_std(quantity: Option<&Quantity>) -> Option<f64> {
+    let quantity = quantity?;
+    let std = quantity.std().filter(|std| *std > 0.0)?;
+    Some(std / quantity.value().abs())
+}
+
+/// One number for an axis out of one for all or one for each.
+pub(crate) fn std_of(given: Option<&OneOrEach>, axis: Axis) -> Option<f64> {
+    given?.get(axis).filter(|std| *std > 0.0)
+}

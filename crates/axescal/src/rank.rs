@@ -1,0 +1,208 @@
+//! What the recordings cannot show, in words, and which rotation would show it.
+
+use common::Axis;
+use estimate::{Fit, Problem, Svd};
+use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
+use physics::frames::{Orientation, small_rotation, tangents};
+
+use crate::model::Unknown;
+use crate::observations::{Observation, OrientationGroup};
+use crate::{AxesProblem, AxesState, Freedom, Observations};
+
+/// Null vectors with a smaller part in the directions than this do not touch them.
+const TOUCHES: f64 = 1e-5;
+
+/// The null directions of a fit that turn a direction.
+pub fn unseen_turns(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Vec<Vec<f64>> {
+    let turns = |vector: &Vec<f64>| {
+        let part: f64 =
+            vector.iter().zip(problem.meaning()).filter(|(_, u)| u.is_turn()).map(|(v, _)| v * v).sum();
+        part.sqrt() > TOUCHES
+    };
+    fit.svd.null_directions().into_iter().filter(turns).collect()
+}
+
+/// The sentence for a fit whose directions are not all seen.
+pub fn explain(
+    problem: &AxesProblem<'_>,
+    freedom: &Freedom,
+    state: &AxesState,
+    unseen: &[Vec<f64>],
+) -> String {
+    let observations = problem.observations;
+    let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
+    let what = match unseen {
+        [one] => describe(problem, state, one),
+        _ => format!(
+            "sensors and coils can turn together in {} independent ways that change no reading",
+            unseen.len()
+        ),
+    };
+    let orientations = observations.orientations.len();
+    let mut text = format!(
+        "the directions are not determined: rank {} of {turns} from {orientations} orientation{}. Unseen: {what}",
+        turns - unseen.len().min(turns),
+        if orientations == 1 { "" } else { "s" }
+    );
+    if let Some(axis) = common_axis(observations) {
+        text.push_str(&format!(
+            ". All recorded orientations differ by turns about one axis, {} of the block",
+            name_axis(&axis)
+        ));
+    }
+    text.push_str(". ");
+    text.push_str(&advice(observations, freedom, state, turns));
+    text
+}
+
+/// The common axis (SEN) of the turns between orientations, if they have one.
+fn common_axis(observations: &Observations) -> Option<Vector3<f64>> {
+    let first = observations.orientations[0].orientation.rotation;
+    let axes: Vec<Vector3<f64>> = observations.orientations[1..]
+        .iter()
+        .filter_map(|group| {
+            let relative =
+                nalgebra::Rotation3::from_matrix_unchecked(group.orientation.rotation * first.transpose());
+            relative.axis().map(|axis| axis.into_inner())
+        })
+        .collect();
+    let axis = *axes.first()?;
+    axes.iter().all(|other| other.cross(&axis).norm() < 1e-2).then_some(axis)
+}
+
+/// One unseen combination as a turn of sensors and coils.
+fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> String {
+    let observations = problem.observations;
+    let moved = |axes: &[Axis],
+                 matrix: &Matrix3<f64>,
+                 is: fn(Unknown, Axis) -> bool|
+     -> Vec<(Vector3<f64>, Vector3<f64>)> {
+        axes.iter()
+            .map(|&axis| {
+                let direction = matrix.column(axis.index()).into_owned();
+                let place = problem.meaning().iter().position(|&unknown| is(unknown, axis));
+                let change = place.map_or(Vector3::zeros(), |place| {
+                    let [a, b] = tangents(&direction);
+                    a * vector[place] + b * vector[place + 1]
+                });
+                (direction, change)
+            })
+            .collect()
+    };
+    let sensors =
+        moved(&observations.sensors, &state.mu, |unknown, axis| unknown == Unknown::Sensor(axis, 0));
+    let coils = moved(&observations.coils, &state.eta, |unknown, axis| unknown == Unknown::Coil(axis, 0));
+    let part = |name: &str, frame: &str, moved: &[(Vector3<f64>, Vector3<f64>)]| {
+        let size: f64 = moved.iter().map(|(_, change)| change.norm_squared()).sum();
+        if size < 1e-6 {
+            return format!("{name} still");
+        }
+        match common_turn(moved) {
+            Some(axis) if moved.len() > 1 => {
+                format!("all {name}s turning together about the axis {} of {frame}", name_axis(&axis))
+            }
+            Some(axis) => format!("the {name} turning about {} of {frame}", name_axis(&axis)),
+            None => format!("the {name}s turning against each other"),
+        }
+    };
+    format!("{} with {}", part("sensor", "SEN", &sensors), part("coil", "GEO", &coils))
+}
+
+/// The unit axis ω with change = ω × direction for all, if there is one.
+fn common_turn(moved: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Vector3<f64>> {
+    let mut normal = Matrix3::identity() * 1e-12;
+    let mut right = Vector3::zeros();
+    for (direction, change) in moved {
+        let cross = -direction.cross_matrix();
+        normal += cross.transpose() * cross;
+        right += cross.transpose() * change;
+    }
+    let omega = normal.try_inverse()? * right;
+    let missed: f64 =
+        moved.iter().map(|(direction, change)| (omega.cross(direction) - change).norm_squared()).sum();
+    let size: f64 = moved.iter().map(|(_, change)| change.norm_squared()).sum();
+    (missed < 1e-3 * size && omega.norm() > 0.0).then(|| omega.normalize())
+}
+
+fn name_axis(axis: &Vector3<f64>) -> String {
+    let largest = axis.iamax();
+    if axis[largest].abs() > 0.98 {
+        return Axis::ALL[largest].to_string();
+    }
+    let sign = axis[largest].signum();
+    format!("({:.2}, {:.2}, {:.2})", axis[0] * sign, axis[1] * sign, axis[2] * sign)
+}
+
+/// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out.
+fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, turns: usize) -> String {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let ranks: Vec<(Axis, usize)> = Axis::ALL
+        .into_iter()
+        .map(|axis| (axis, rank_with(observations, freedom, state, &Vector3::ith(axis.index(), quarter))))
+        .collect();
+    let first = &observations.orientations[0].recordings[0];
+    let letters = |rank: usize| {
+        let axes: Vec<&str> =
+            ranks.iter().filter(|(_, r)| *r == rank).map(|(axis, _)| axis.letter()).collect();
+        axes.join(" or ")
+    };
+    let best = ranks.iter().map(|(_, rank)| *rank).max().unwrap_or(0);
+    if best >= turns {
+        format!(
+            "One more orientation shows it: the block turned by 90° about its {} axis from \"{first}\", driven by the same coils",
+            letters(best)
+        )
+    } else {
+        format!(
+            "More than one further orientation is needed, with turns about two different axes; begin with the block turned by \
+             90° about its {} axis from \"{first}\", which gives rank {best} of {turns}",
+            letters(best)
+        )
+    }
+}
+
+/// Rank of the directions after one more orientation, each coil driven in it once.
+fn rank_with(
+    observations: &Observations,
+    freedom: &Freedom,
+    state: &AxesState,
+    turn: &Vector3<f64>,
+) -> usize {
+    let mut more = observations.clone();
+    let rotation = small_rotation(turn) * more.orientations[0].orientation.rotation;
+    let uncertainty = more.orientations[0].orientation.uncertainty;
+    more.orientations.push(OrientationGroup {
+        orientation: Orientation { rotation, uncertainty, moved_rad: 0.0 },
+        recordings: vec!["further".into()],
+    });
+    let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    for &coil in &observations.coils {
+        for &sensor in &observations.sensors {
+            more.readings.push(Observation {
+                orientation: more.orientations.len() - 1,
+                recording: 0,
+                row: 0,
+                sensor,
+                drive_nt: Vector3::ith(coil.index(), largest),
+                value_nt: 0.0,
+                std_nt: 1.0,
+                constant: true,
+            });
+        }
+    }
+    let problem = AxesProblem::new(&more, freedom, 1.0);
+    let mut state = state.clone();
+    state.corrections.push(Vector3::zeros());
+    let mut residual = vec![0.0; problem.rows()];
+    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
+    problem.linearise(&state, &mut residual, jacobian.as_mut());
+    let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
+    let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else { return 0 };
+    let unseen = svd
+        .null_directions()
+        .into_iter()
+        .filter(|vector| vector.iter().zip(problem.meaning()).any(|(v, u)| u.is_turn() && v.abs() > TOUCHES))
+        .count();
+    turns - unseen.min(turns)
+}

@@ -1,0 +1,127 @@
+//! Where the iteration begins, and whether a channel is reversed or two are swapped.
+
+use common::{Axis, Document};
+use nalgebra::{Matrix3, Vector3};
+use physics::frames;
+
+use crate::{AxesState, Coils, Error, Observations, Options, Start};
+
+/// A start, with what had to be turned round or swapped for it, in words.
+pub struct Beginning {
+    /// The state to begin from.
+    pub state: AxesState,
+    /// Reversed or swapped channels.
+    pub findings: Vec<String>,
+}
+
+/// The start that the options ask for, with signs and columns of the sensors as the readings show them.
+///
+/// Every reading is compared with the one that the first model predicts for it. Reversing a sensor changes
+/// the sign of all its products, swapping two sensors exchanges them: of the 6 × 2⁶ combinations that with
+/// the largest sum of products is taken, of equals the one that changes least.
+pub fn begin(
+    document: &Document,
+    observations: &Observations,
+    options: &Options,
+) -> Result<Beginning, Error> {
+    let first = first_model(document, observations, options)?;
+    let mut products = [[[0.0; 3]; 3]; 3];
+    for reading in &observations.readings {
+        let rotation = &observations.orientations[reading.orientation].orientation.rotation;
+        for j in 0..3 {
+            let field: Vector3<f64> = rotation * first.eta.column(j) * reading.drive_nt[j];
+            for (direction, sums) in products[reading.sensor.index()].iter_mut().enumerate() {
+                sums[j] += reading.value_nt * first.mu.column(direction).dot(&field);
+            }
+        }
+    }
+    let coil_signs = if options.coils == Coils::Known { 1 } else { 8 };
+    let swaps: &[[usize; 3]] = if observations.sensors.len() == 3 {
+        &[[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]]
+    } else {
+        &[[0, 1, 2]]
+    };
+    let sign = |signs: usize, axis: usize| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+    let size: f64 = products.iter().flatten().flatten().map(|p: &f64| p.abs()).sum();
+    let mut best = (f64::NEG_INFINITY, usize::MAX, [0, 1, 2], 0, 0);
+    for &swap in swaps {
+        for sensors in 0..8 {
+            for coils in 0..coil_signs {
+                let sum: f64 = (0..3)
+                    .flat_map(|i| (0..3).map(move |j| (i, j)))
+                    .map(|(i, j)| sign(sensors, i) * sign(coils, j) * products[i][swap[i]][j])
+                    .sum();
+                let moved = (0..3).filter(|&i| swap[i] != i).count();
+                let changes = (sensors.count_ones() + coils.count_ones()) as usize + moved;
+                let margin = 1e-3 * size;
+                if sum > best.0 + margin || (sum > best.0 - margin && changes < best.1) {
+                    best = (sum, changes, swap, sensors, coils);
+                }
+            }
+        }
+    }
+    let (_, _, swap, sensors, coils) = best;
+    let column =
+        |matrix: &Matrix3<f64>, index: usize, sign: f64| -> Vector3<f64> { matrix.column(index) * sign };
+    let mu = Matrix3::from_columns(&[0, 1, 2].map(|i| column(&first.mu, swap[i], sign(sensors, i))));
+    let eta = Matrix3::from_columns(&[0, 1, 2].map(|j| column(&first.eta, j, sign(coils, j))));
+    let mut findings = Vec::new();
+    for axis in Axis::ALL {
+        let i = axis.index();
+        if swap[i] != i {
+            let other = Axis::ALL[swap[i]];
+            findings.push(format!("sensor {axis} reads along {other}: columns or cables may be swapped"));
+        }
+        if sign(sensors, i) < 0.0 {
+            findings.push(format!(
+                "sensor {axis} reads with the opposite sign, as a mirrored axis or reversed wiring gives; its direction is \
+                 solved as it reads"
+            ));
+        }
+        if sign(coils, i) < 0.0 {
+            findings.push(format!(
+                "the field of coil {axis} has the opposite sign, as reversed leads or a reversed current reading give; its \
+                 direction is solved as it acts"
+            ));
+        }
+    }
+    Ok(Beginning { state: AxesState { mu, eta, ..first }, findings })
+}
+
+fn first_model(
+    document: &Document,
+    observations: &Observations,
+    options: &Options,
+) -> Result<AxesState, Error> {
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| {
+        let mut matrix =
+            from.and_then(|part| part.matrix).map(|rows| frames::matrix(&rows)).ok_or_else(|| {
+                common::Error::document(
+                    format!("calibration.axes.{part}.matrix"),
+                    "nothing",
+                    format!("a 3x3 matrix whose columns are unit vectors, which {why} asks for"),
+                )
+            })?;
+        for mut column in matrix.column_iter_mut() {
+            if (column.norm() - 1.0).abs() > 1e-3 {
+                return Err(common::Error::document(
+                    format!("calibration.axes.{part}.matrix"),
+                    format!("a column of length {:.6}", column.norm()),
+                    "columns that are unit vectors (rows and columns may be mixed up)",
+                ));
+            }
+            column.normalize_mut();
+        }
+        Ok(matrix)
+    };
+    let (mut mu, mut eta) = (Matrix3::identity(), Matrix3::identity());
+    if options.start == Start::Document {
+        mu = given("sensors", axes.and_then(|axes| axes.sensors.as_ref()), "--start=document")?;
+        eta = given("coils", axes.and_then(|axes| axes.coils.as_ref()), "--start=document")?;
+    }
+    if options.coils == Coils::Known {
+        eta = given("coils", axes.and_then(|axes| axes.coils.as_ref()), "--known-coils")?;
+    }
+    Ok(AxesState::new(mu, eta, observations.orientations.len()))
+}

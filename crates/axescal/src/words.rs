@@ -1,0 +1,120 @@
+//! The result in a few lines for people.
+
+use common::{AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
+use std::fmt::Write;
+
+/// What was found, with ± and units, and what looks wrong.
+pub fn summary(document: &Document) -> String {
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    axes.map(describe).unwrap_or_default()
+}
+
+fn describe(axes: &AxesCalibration) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    if let Some(fit) = &axes.fit {
+        let _ = writeln!(
+            text,
+            "axescal: {} readings in {} orientations, {}; rank {} of {}, rms {:.3} nT, noise {:.3} nT ({})",
+            fit.readings,
+            axes.orientations.len(),
+            fit.method,
+            fit.rank,
+            fit.unknowns,
+            fit.rms_nt,
+            fit.noise_nt,
+            fit.noise_source
+        );
+    }
+    directions(&mut text, "sensor", "SEN", axes.sensors.as_ref());
+    directions(&mut text, "coil", "GEO", axes.coils.as_ref());
+    constants(&mut text, "field without drive (GEO)", axes.residual_field_nt.as_ref());
+    constants(&mut text, "offsets beyond calibration.sensors", axes.offsets_nt.as_ref());
+    if let Some(scales) = &axes.scales {
+        let _ = writeln!(text, "  scales: {}", scales.verdict);
+    }
+    if let Some(pair) = &axes.pair {
+        let _ = writeln!(
+            text,
+            "  without unit lengths: rank {} of 6, sensor {:.2}\" and coil {:.2}\" from the above, misfit {:.3} nT",
+            pair.unconstrained_rank,
+            pair.sensor_difference_arcsec,
+            pair.coil_difference_arcsec,
+            pair.incompatibility_rms_nt
+        );
+    }
+    for phase in &axes.phases {
+        let _ = writeln!(
+            text,
+            "  phase of sensor {} at {} Hz: {}",
+            phase.sensor,
+            phase.drive_hz,
+            scientific(&phase.phase_rad, "rad")
+        );
+    }
+    for assumption in &axes.assumptions {
+        let bound = match (assumption.arcsec_per_nt, assumption.arcsec_per_arcsec) {
+            (Some(nt), _) => format!("; each nT of it turns a direction by up to {nt:.2}\""),
+            (_, Some(arcsec)) => format!("; 1\" in one of them turns a direction by up to {arcsec:.2}\""),
+            _ => String::new(),
+        };
+        let _ = writeln!(text, "  assumed: {}{bound}", assumption.assumed);
+    }
+    for doubt in &axes.doubtful {
+        let _ = writeln!(
+            text,
+            "  doubtful: orientation {} (\"{}\", row {}), coil {}, sensor {}: {:+.3} nT from what the others predict \
+             (t = {:.1}, adjusted p = {:.1e})",
+            doubt.orientation,
+            doubt.recording,
+            doubt.row,
+            doubt.coil,
+            doubt.sensor,
+            doubt.leave_one_out_nt,
+            doubt.t,
+            doubt.p_adjusted
+        );
+    }
+    for finding in &axes.findings {
+        let _ = writeln!(text, "  note: {finding}");
+    }
+    text
+}
+
+fn directions(text: &mut String, kind: &str, frame: &str, part: Option<&AxesDirections>) {
+    let Some(part) = part else { return };
+    for axis in Axis::ALL {
+        let column = match (&part.matrix, &part.directions) {
+            (Some(matrix), _) => {
+                Some([matrix[0][axis.index()], matrix[1][axis.index()], matrix[2][axis.index()]])
+            }
+            (None, Some(directions)) => directions.get(axis).copied(),
+            (None, None) => None,
+        };
+        let Some([a, b, c]) = column else { continue };
+        let std = part.std_arcsec.as_ref().and_then(|std| std.get(axis)).unwrap_or(0.0);
+        let _ = writeln!(text, "  {kind} {axis} in {frame}: ({a:+.7}, {b:+.7}, {c:+.7}) ± {std:.2}\"");
+    }
+    if let Some(angles) = &part.non_orthogonality_arcsec {
+        let each: Vec<String> = angles
+            .iter()
+            .map(|(pair, angle)| {
+                format!("{pair} {:+.2}\" ± {:.2}\"", angle.value(), angle.std().unwrap_or(0.0))
+            })
+            .collect();
+        let _ = writeln!(text, "  {kind}s off orthogonal: {}", each.join(", "));
+    }
+}
+
+fn constants(text: &mut String, name: &str, values: Option<&PerAxis<Quantity>>) {
+    let Some(values) = values else { return };
+    let each: Vec<String> = values
+        .iter()
+        .map(|(axis, value)| format!("{axis} {:+.3} ± {:.3}", value.value(), value.std().unwrap_or(0.0)))
+        .collect();
+    let _ = writeln!(text, "  {name}: {} nT", each.join(", "));
+}
+
+fn scientific(quantity: &Quantity, unit: &str) -> String {
+    format!("({:+.3e} ± {:.1e}) {unit}", quantity.value(), quantity.std().unwrap_or(0.0))
+}
