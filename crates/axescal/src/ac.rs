@@ -1,15 +1,16 @@
 //! AC drive: the amplitude of every channel in phase with the drive (NASA, "Errors in Magnetic Axis
 //! Orientation Given Direction Cosines of the Calibration Coils").
 
-use common::{Axis, PhaseResult, Quantity};
-use estimate::{sine, stats};
+use common::{Axis, Instrument, PhaseResult, Quantity};
+use estimate::sine::{self, Quantiser};
+use estimate::stats;
 use nalgebra::{Complex, Vector3};
-use physics::{Basic, Context};
+use physics::{Basic, Context, Unit};
 
 use crate::Error;
 use crate::observations::{Observation, Observations, sensor_column};
 
-/// Phases with a smaller chance than this are reported as a finding.
+/// Phases with a smaller chance than this, among all sensors, are reported as a finding.
 const PHASE_P: f64 = 1e-3;
 
 /// What one AC run gives: phasors relative to the coil with the largest drive.
@@ -28,6 +29,7 @@ pub(crate) fn run(
     recording: usize,
     orientation: usize,
     hz: f64,
+    instrument: Option<&Instrument>,
     context: &Context<'_>,
     basic: &Basic,
     sensors: &[Axis],
@@ -44,8 +46,8 @@ pub(crate) fn run(
     let time = context
         .times("an AC drive")
         .map_err(|source| Error::Physics { path: format!("{path}.columns"), source })?;
-    let fit = |values: &[f64], column: String| {
-        sine::fit(time, values, hz).map_err(|error| {
+    let fit = |values: &[f64], column: String, quantiser: Option<Quantiser>| {
+        sine::fit(time, values, hz, quantiser).map_err(|error| {
             Error::from(common::Error::document(
                 format!("{path}.columns.{column}"),
                 format!("readings that determine no sine of {hz} Hz ({error})"),
@@ -58,7 +60,7 @@ pub(crate) fn run(
     for axis in Axis::ALL {
         let current: Vec<f64> = context.current_a.iter().map(|current| current[axis.index()]).collect();
         if current.iter().any(|value| *value != 0.0) {
-            let sine = fit(&current, format!("coil_{axis}_a"))?;
+            let sine = fit(&current, format!("coil_{axis}_a"), None)?;
             coils[axis.index()] =
                 Complex::new(sine.cos, -sine.sin) * basic.coils[axis.index()].constant_nt_per_a;
         }
@@ -69,8 +71,8 @@ pub(crate) fn run(
         .iter()
         .map(|&sensor| {
             let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
-            let sine = fit(column, name)?;
             let sensitivity = basic.sensors[sensor.index()].sensitivity;
+            let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
             Ok((sensor, Complex::new(sine.cos, -sine.sin) * turn * sensitivity, sine.std * sensitivity.abs()))
         })
         .collect::<Result<_, Error>>()?;
@@ -81,6 +83,22 @@ pub(crate) fn run(
         drive_nt: Vector3::from(coils.map(|coil| (coil * turn).re)),
         sensors,
     })
+}
+
+/// The converter of a sensor, in the unit of its readings.
+fn quantiser(
+    instrument: Option<&Instrument>,
+    unit: Unit,
+    sensor: Axis,
+    sensitivity: f64,
+) -> Option<Quantiser> {
+    let step = match unit {
+        Unit::Volt => instrument?.quantisation_v,
+        Unit::Nanotesla => instrument?.quantisation_nt,
+    };
+    let noise =
+        instrument?.noise_of(sensor).and_then(|noise| noise.white_rms_nt).map(|rms| rms / sensitivity.abs());
+    Some(Quantiser { step: step?, noise })
 }
 
 /// Takes each sensor's phase off its phasors and adds the amplitudes to the readings.
@@ -106,7 +124,7 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) {
             let std = (variance / power).sqrt();
             let p_value = stats::two_sided_p(phase / std, f64::INFINITY);
             let delay_s = -phase / (std::f64::consts::TAU * hz);
-            if p_value < PHASE_P {
+            if p_value * (all.sensors.len() as f64) < PHASE_P {
                 all.findings.push(format!(
                     "sensor {sensor} answers {:.2e} ± {std:.1e} rad {} the drive at {hz} Hz, as a delay of {:.3} ms would make it",
                     phase.abs(),

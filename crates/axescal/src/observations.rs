@@ -121,7 +121,10 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
         });
         all.orientations[orientation].recordings.push(recording.id.clone());
         match recording.conditions.drive_hz {
-            Some(hz) => runs.push(ac::run(index, orientation, hz, &context, &basic, &all.sensors)?),
+            Some(hz) => {
+                let instrument = document.instrument.as_ref();
+                runs.push(ac::run(index, orientation, hz, instrument, &context, &basic, &all.sensors)?);
+            }
             None => rows(document, index, orientation, &context, &basic, &mut all),
         }
     }

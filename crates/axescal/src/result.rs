@@ -153,7 +153,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
     if !crate::solve::separates_constants(observations) {
         return (None, None);
     }
-    let null = solution.fit.svd.null_directions();
+    let null = beside_the_gauge(solution);
     let mut mixed = Vec::new();
     let mut quantity = |value: f64, unknown: Unknown, name: String| -> Option<Quantity> {
         let place = solution.meaning.iter().position(|meaning| *meaning == unknown)?;
@@ -192,6 +192,30 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
         any.then_some(all)
     };
     (some(field), some(offsets))
+}
+
+/// The null directions without the trade of scales between sensors and coils (μ → s μ, η → η/s), which is
+/// always there when scales are free and moves the residual field along with the coils.
+fn beside_the_gauge(solution: &Solution) -> Vec<Vec<f64>> {
+    let state = &solution.fit.state;
+    let mut gauge: Vec<f64> = solution
+        .meaning
+        .iter()
+        .map(|meaning| match *meaning {
+            Unknown::SensorScale(axis) => 1.0 + state.sensor_scale[axis.index()],
+            Unknown::CoilScale(axis) => -1.0 - state.coil_scale[axis.index()],
+            Unknown::ResidualField(k) => -state.residual_field[k],
+            _ => 0.0,
+        })
+        .collect();
+    let norm = gauge.iter().map(|g| g * g).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    gauge.iter_mut().for_each(|g| *g /= norm);
+    let mut null = solution.fit.svd.null_directions();
+    for direction in &mut null {
+        let along: f64 = direction.iter().zip(&gauge).map(|(d, g)| d * g).sum();
+        direction.iter_mut().zip(&gauge).for_each(|(d, g)| *d -= along * g);
+    }
+    null
 }
 
 fn orientations(observations: &Observations, solution: &Solution) -> Vec<OrientationResult> {

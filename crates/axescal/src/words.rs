@@ -29,7 +29,7 @@ fn describe(axes: &AxesCalibration) -> String {
     directions(&mut text, "sensor", "SEN", axes.sensors.as_ref());
     directions(&mut text, "coil", "GEO", axes.coils.as_ref());
     constants(&mut text, "field without drive (GEO)", axes.residual_field_nt.as_ref());
-    constants(&mut text, "offsets beyond calibration.sensors", axes.offsets_nt.as_ref());
+    constants(&mut text, "to add to the offsets in calibration.sensors", axes.offsets_nt.as_ref());
     if let Some(scales) = &axes.scales {
         let _ = writeln!(text, "  scales: {}", scales.verdict);
     }

@@ -19,7 +19,7 @@ pub struct AxesCalibration {
     /// Field left at the sensors with no drive, in GEO, nT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub residual_field_nt: Option<PerAxis<Quantity>>,
-    /// Offset of each sensor beyond the one in `calibration.sensors`, nT.
+    /// What is to be added to each sensor's offset in `calibration.sensors`, nT (B = k V + O).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub offsets_nt: Option<PerAxis<Quantity>>,
     /// Relative scales of sensors and coils, where they were left free.

@@ -36,6 +36,11 @@ pub fn golden(case: &str, run: impl FnOnce(&str) -> String) {
     assert!(differences.is_empty(), "{case}:\n{}", differences.join("\n"));
 }
 
+/// Whether expected files are to be written anew.
+pub fn bless() -> bool {
+    std::env::var_os("BLESS").is_some()
+}
+
 /// Collects the differences of two JSON values.
 pub fn compare(
     path: &str,

@@ -7,7 +7,7 @@ mod golden;
 mod jacobian;
 
 pub use binary::{Run, run};
-pub use golden::{Tolerance, compare, golden};
+pub use golden::{Tolerance, bless, compare, golden};
 pub use jacobian::check_jacobian;
 
 /// A path below the workspace's `fixtures`.
