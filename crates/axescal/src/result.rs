@@ -176,7 +176,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
     let mut offsets = PerAxis::default();
     for &axis in &observations.sensors {
         *offsets.entry(axis) = quantity(
-            state.offsets[axis.index()],
+            -state.offsets[axis.index()],
             Unknown::Offset(axis),
             format!("the offset of sensor {axis}"),
         );
