@@ -16,23 +16,25 @@ pub struct Tolerance {
     pub relative: f64,
 }
 
-/// Runs one golden case: `fixtures/<case>/input.json` through `run`, against `expected.json` within
-/// `tolerances.json` (`default`, and others by the beginning of a JSON path; the longest holds).
+/// Runs one golden case: the fixture `input` through `run`, against `<case>/expected.json` within the
+/// `tolerances.json` of its stage (`default`, and others by the beginning of a JSON path; the longest holds).
 /// With BLESS=1 in the environment the expected document is written anew: read the difference.
-pub fn golden(case: &str, run: impl FnOnce(&str) -> String) {
+pub fn golden(case: &str, input: &str, run: impl FnOnce(&str) -> String) {
     let folder = fixture(case);
-    let read =
-        |name: &str| fs::read_to_string(folder.join(name)).unwrap_or_else(|e| panic!("{case}/{name}: {e}"));
-    let found = run(&read("input.json"));
-    if std::env::var_os("BLESS").is_some() {
-        fs::write(folder.join("expected.json"), &found).unwrap_or_else(|e| panic!("{case}: {e}"));
+    let found = run(&crate::read_fixture(input));
+    if bless() {
+        fs::create_dir_all(&folder)
+            .and_then(|()| fs::write(folder.join("expected.json"), &found))
+            .unwrap_or_else(|e| panic!("{case}: {e}"));
         return;
     }
-    let tolerances: BTreeMap<String, Tolerance> = serde_json::from_str(&read("tolerances.json"))
-        .unwrap_or_else(|e| panic!("{case}/tolerances.json: {e}"));
+    let tolerances = crate::read_fixture(&format!("{case}/../tolerances.json"));
+    let tolerances: BTreeMap<String, Tolerance> =
+        serde_json::from_str(&tolerances).unwrap_or_else(|e| panic!("{case}: tolerances: {e}"));
+    let expected = crate::read_fixture(&format!("{case}/expected.json"));
     let parse = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_else(|e| panic!("{case}: {e}"));
     let mut differences = Vec::new();
-    compare("", &parse(&found), &parse(&read("expected.json")), &tolerances, &mut differences);
+    compare("", &parse(&found), &parse(&expected), &tolerances, &mut differences);
     assert!(differences.is_empty(), "{case}:\n{}", differences.join("\n"));
 }
 

@@ -1,0 +1,30 @@
+//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
+
+use axescal::{Coils, Options, Start};
+use common::{Axis, Document, to_text};
+
+fn case(name: &str, input: &str, options: Options) {
+    testkit::golden(&format!("axescal/{name}"), input, |text| {
+        let document = Document::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        to_text(&axescal::run(document, &options).unwrap_or_else(|error| panic!("{name}: {error}")))
+    });
+}
+
+#[test]
+fn golden() {
+    let plain = Options::default;
+    case("table-4", "nasa-1977/table-4.json", plain());
+    case("table-4-robust", "nasa-1977/table-4.json", Options { robust: true, ..plain() });
+    case("table-4-free-scales", "nasa-1977/table-4.json", Options { free_scales: true, ..plain() });
+    case("table-4-without-29", "nasa-1977/table-4-without-29.json", plain());
+    case("table-4-1-2-4", "nasa-1977/table-4-1-2-4.json", plain());
+    case("table-1", "nasa-1977/table-1.json", plain());
+    case("one-sensor", "nasa-1977/table-4.json", Options { sensor: Some(Axis::Y), ..plain() });
+    case("magsat", "axescal/magsat/input.json", plain());
+    case(
+        "magsat-known-coils",
+        "axescal/magsat-known-coils/input.json",
+        Options { coils: Coils::Known, ..plain() },
+    );
+    case("magsat-again", "axescal/magsat/expected.json", Options { start: Start::Document, ..plain() });
+}
