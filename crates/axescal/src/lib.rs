@@ -53,5 +53,6 @@ fn keep(axes: &mut AxesCalibration, before: &AxesCalibration, options: &Options)
     }
     if options.coils == Coils::Known {
         axes.coils = before.coils.clone();
+        axes.cross_covariance = None;
     }
 }

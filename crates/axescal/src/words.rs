@@ -26,6 +26,14 @@ fn describe(axes: &AxesCalibration) -> String {
             fit.noise_source
         );
     }
+    if let Some(fit) = axes.fit.as_ref().filter(|fit| !fit.iterations.is_empty()) {
+        let each: Vec<String> = fit
+            .iterations
+            .iter()
+            .map(|step| format!("{:.3} nT, turned {:.1e}\"", step.rms_nt, step.turn_arcsec))
+            .collect();
+        let _ = writeln!(text, "  steps (rms before each): {}", each.join("; "));
+    }
     directions(&mut text, "sensor", "SEN", axes.sensors.as_ref());
     directions(&mut text, "coil", "GEO", axes.coils.as_ref());
     constants(&mut text, "field without drive (GEO)", axes.residual_field_nt.as_ref());
@@ -55,7 +63,9 @@ fn describe(axes: &AxesCalibration) -> String {
     for assumption in &axes.assumptions {
         let bound = match (assumption.arcsec_per_nt, assumption.arcsec_per_arcsec) {
             (Some(nt), _) => format!("; each nT of it turns a direction by up to {nt:.2}\""),
-            (_, Some(arcsec)) => format!("; 1\" in one of them turns a direction by up to {arcsec:.2}\""),
+            (_, Some(arcsec)) => {
+                format!("; theodolites of 1\" would make a direction uncertain by up to {arcsec:.2}\"")
+            }
             _ => String::new(),
         };
         let _ = writeln!(text, "  assumed: {}{bound}", assumption.assumed);

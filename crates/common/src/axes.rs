@@ -223,7 +223,7 @@ pub struct Assumption {
     /// Largest turn of any direction for one nT of it, arcsec.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arcsec_per_nt: Option<f64>,
-    /// Largest turn for each arcsecond of it, arcsec.
+    /// Largest standard uncertainty of any direction for one arcsecond of standard uncertainty in it, arcsec.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub arcsec_per_arcsec: Option<f64>,
 }

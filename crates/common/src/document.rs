@@ -148,6 +148,9 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
         };
     }
     let path = if path == "." { "the document".to_string() } else { path.to_string() };
+    if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
+        return Error::document(path, format!("no key `{key}`"), format!("`{key}`, which is required there"));
+    }
     let message = message.strip_prefix("invalid type: ").unwrap_or(&message);
     match message.split_once(", expected ") {
         Some((found, expected)) => Error::document(path, found, expected),

@@ -51,7 +51,7 @@ pub enum NoiseOfSensors {
     /// The same for all sensors.
     Same(Noise),
     /// One for each sensor.
-    Each(PerAxis<Noise>),
+    Each(Box<PerAxis<Noise>>),
 }
 
 impl<'de> Deserialize<'de> for NoiseOfSensors {
@@ -61,7 +61,7 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
         let keyed = Axis::ALL.iter().any(|axis| keys.contains_key(axis.letter()));
         let value = serde_json::Value::Object(keys);
         if keyed {
-            PerAxis::deserialize(value).map(NoiseOfSensors::Each)
+            PerAxis::deserialize(value).map(|each| NoiseOfSensors::Each(Box::new(each)))
         } else {
             Noise::deserialize(value).map(NoiseOfSensors::Same)
         }

@@ -45,13 +45,16 @@ pub fn predict(
     run(basic, effects, &values, context)
 }
 
-/// The prediction and its derivative by each of `parameters`: one series of readings for each.
+/// Derivatives of the readings: one series for each parameter.
+pub type Derivatives = Vec<Vec<Vector3<f64>>>;
+
+/// The prediction and its derivative by each of `parameters`.
 pub fn predict_with_jacobian(
     basic: &Basic,
     effects: &[EffectInstance],
     context: &Context<'_>,
     parameters: &[Parameter],
-) -> Result<(Prediction, Vec<Vec<Vector3<f64>>>), Error> {
+) -> Result<(Prediction, Derivatives), Error> {
     let prediction = predict(basic, effects, context)?;
     let derivatives = parameters
         .iter()

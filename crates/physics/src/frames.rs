@@ -215,7 +215,7 @@ mod tests {
         assert!(error.to_string().contains("left-handed"), "{error}");
         assert!(Orientation::from_matrix(&[[0.0; 3]; 3], None).is_err());
         // Table 1's R6 as scanned.
-        let c = 0.707_11;
+        let c = std::f64::consts::FRAC_1_SQRT_2;
         let scanned = [[c, 0.0, c], [0.0, 1.0, -c], [0.0, c, 0.0]];
         assert!(Orientation::from_matrix(&scanned, None).is_err());
     }

@@ -60,7 +60,7 @@ pub enum Procedure {
     /// Directions of sensors and coils.
     AxesOrientation(AxesProcedure),
     /// Any drive.
-    FreeRun(FreeRun),
+    FreeRun(Box<FreeRun>),
 }
 
 /// Turn the block through orientations and drive the coils in each.

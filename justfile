@@ -1,0 +1,31 @@
+# Every recipe is a plain command that can be typed without just.
+
+# Lints and format
+check:
+    cargo fmt --all -- --check
+    cargo clippy --workspace --all-targets -- -D warnings
+
+# All tests
+test:
+    cargo test --workspace
+
+# Golden cases and schemas only
+golden:
+    cargo test --workspace --test golden --test schema --test bad_input
+
+# Write golden documents, messages and schemas anew; read the difference before it is kept
+bless:
+    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input
+
+# Speed, as ratios against a peer in the same run
+bench:
+    cargo bench -p axescal --bench axescal
+
+# Coverage of every interval over 5 000 campaigns
+prove:
+    FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test coverage -- --nocapture
+
+# The main job, to look at
+demo:
+    cargo build --release
+    ./target/release/simulate campaign fixtures/plans/magsat-axes.json | ./target/release/axescal > result.json
