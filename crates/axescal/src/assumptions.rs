@@ -6,7 +6,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, Matrix3};
 use physics::frames::ARCSEC;
 
-use crate::model::Unknown;
+use crate::unknowns::Unknown;
 use crate::{AxesProblem, Error, Freedom, Observations, Solution};
 
 /// Everything that was assumed, with its bound.

@@ -7,8 +7,11 @@
 
 mod ac;
 mod assumptions;
+mod checks;
 pub mod design;
+mod directions;
 mod error;
+mod freedom;
 mod model;
 mod observations;
 mod options;
@@ -19,13 +22,15 @@ mod result;
 mod scales;
 mod solve;
 mod start;
+mod unknowns;
 mod words;
 
 pub use error::Error;
-pub use model::{AxesProblem, AxesState, Freedom};
+pub use model::AxesProblem;
 pub use observations::{Observation, Observations, observe};
 pub use options::{Coils, Options, Start};
 pub use solve::{Solution, solve};
+pub use unknowns::{AxesState, Freedom, KnownCoils};
 pub use words::summary;
 
 use common::{AxesCalibration, Document};

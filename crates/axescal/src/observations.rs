@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use physics::frames::Orientation;
 use physics::{Basic, Context, References, Unit};
 
-use crate::{Error, Options, ac};
+use crate::{Error, Options, ac, checks};
 
 /// One reading of one sensor; an AC run gives one for each sensor, its amplitude in phase with the drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +65,6 @@ impl Observations {
 
 /// Coils that are never driven with this share of the largest field are not asked for a direction.
 const LEAST_DRIVE: f64 = 1e-3;
-/// Readings further from the drive than this factor are in another unit.
-const UNIT_FACTOR: f64 = 3.0;
 
 /// Reads every recording of the procedure.
 pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
@@ -99,10 +97,10 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
     let mut runs = Vec::new();
     for &(index, recording) in &recordings {
         let path = format!("recordings[{index}]");
-        check_columns(recording, &path, &all.sensors)?;
+        checks::columns(recording, &path, &all.sensors)?;
         let context = Context::new(document, recording, references)
             .map_err(|source| Error::Physics { path: orientation_path(&path, recording), source })?;
-        let basic = constants(document, recording, &context, &path, &mut all)?;
+        let basic = checks::constants(document, recording, &context, &path, &mut all)?;
         let same = conditions.iter().position(|seen| {
             seen.orientation == recording.conditions.orientation
                 && seen.theodolite == recording.conditions.theodolite
@@ -130,7 +128,7 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
     }
     ac::join(runs, &mut all);
     choose_coils(&mut all, options)?;
-    check_scale(&recordings, &all)?;
+    checks::scale(&recordings, &all)?;
     Ok(all)
 }
 
@@ -172,96 +170,6 @@ pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(Stri
         let name = format!("sensor_{sensor}_{}", unit.suffix());
         recording.column(&name).map(|column| (name, column))
     })
-}
-
-/// Every sensor has its column, and every column holds a reading.
-fn check_columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Result<(), Error> {
-    if let (Some(table), true) = (&recording.table, recording.columns.is_empty()) {
-        return Err(common::Error::document(
-            format!("{path}.table"),
-            format!("the table \"{table}\""),
-            "columns in the document itself, which is all that axescal reads",
-        )
-        .into());
-    }
-    let drives = Axis::ALL.iter().any(|axis| {
-        recording.axis_column("coil", *axis, "a").or(recording.axis_column("coil", *axis, "v")).is_some()
-    });
-    let present: Vec<&str> = recording.columns.keys().map(String::as_str).collect();
-    let missing = |what: String| common::Error::document(format!("{path}.columns"), present.join(", "), what);
-    if !drives {
-        return Err(missing(
-            "the drive of the coils, coil_x_a, coil_y_a, coil_z_a (or in V over the resistors)".into(),
-        )
-        .into());
-    }
-    for &sensor in sensors {
-        let Some((name, column)) = sensor_column(recording, sensor) else {
-            return Err(missing(format!(
-                "also sensor_{sensor}_v (or sensor_{sensor}_nt), the readings of sensor {sensor}; where the instrument \
-                 has no such sensor, say so in instrument.sensors"
-            ))
-            .into());
-        };
-        if column.iter().all(|reading| reading.is_nan()) {
-            return Err(common::Error::document(
-                format!("{path}.columns.{name}"),
-                format!("{} readings, all of them null", column.len()),
-                "at least one reading; take the recording out, or the sensor out of instrument.sensors",
-            )
-            .into());
-        }
-    }
-    Ok(())
-}
-
-/// The constants of the chain; every coil that has a column and every sensor must have its own.
-fn constants(
-    document: &Document,
-    recording: &Recording,
-    context: &Context<'_>,
-    path: &str,
-    all: &mut Observations,
-) -> Result<Basic, Error> {
-    let calibration = document.calibration.as_ref();
-    let coils = calibration.and_then(|calibration| calibration.coils.as_ref());
-    for axis in Axis::ALL {
-        let driven = context.current_a.iter().any(|current| current[axis.index()] != 0.0);
-        let known = coils.and_then(|coils| coils.get(axis)).and_then(|coil| coil.constant_nt_per_a.as_ref());
-        if driven && known.is_none() {
-            return Err(common::Error::document(
-                format!("calibration.coils.{axis}.constant_nt_per_a"),
-                format!("nothing, though {path} drives coil {axis}"),
-                "the coil constant in nT/A; run coilcal first, or write it there",
-            )
-            .into());
-        }
-    }
-    let sensors = calibration.and_then(|calibration| calibration.sensors.as_ref());
-    for &sensor in &all.sensors {
-        let calibrated =
-            sensors.and_then(|sensors| sensors.get(sensor)).and_then(|s| s.sensitivity_nt_per_v.as_ref());
-        if context.unit == Unit::Nanotesla || calibrated.is_some() {
-            continue;
-        }
-        let nominal =
-            document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-        let Some(nominal) = nominal else {
-            return Err(common::Error::document(
-                format!("calibration.sensors.{sensor}.sensitivity_nt_per_v"),
-                format!("nothing, though recording \"{}\" reads sensor {sensor} in V", recording.id),
-                "the sensitivity in nT/V; run sensorcal first, or write it there",
-            )
-            .into());
-        };
-        let said = format!(
-            "sensor {sensor} is not calibrated; its nominal sensitivity of {nominal} nT/V was taken as exact"
-        );
-        if !all.findings.contains(&said) {
-            all.findings.push(said);
-        }
-    }
-    Ok(Basic::of(document, context.unit))
 }
 
 /// Readings of a recording with constant drives, row by row. A missing reading takes out itself alone.
@@ -350,35 +258,6 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
     for reading in &mut all.readings {
         for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
             reading.drive_nt[axis.index()] = 0.0;
-        }
-    }
-    Ok(())
-}
-
-/// Readings and drive must be of one size: another unit shows as a factor.
-fn check_scale(recordings: &[(usize, &Recording)], all: &Observations) -> Result<(), Error> {
-    let drive = all.readings.iter().map(|reading| reading.drive_nt.norm()).fold(0.0, f64::max);
-    for &sensor in &all.sensors {
-        let own = all.readings.iter().filter(|reading| reading.sensor == sensor);
-        let largest = own.map(|reading| reading.value_nt.abs()).fold(0.0, f64::max);
-        let ratio = largest / drive;
-        let complete = all.sensors.len() == 3 && all.coils.len() == 3;
-        if ratio > UNIT_FACTOR || (complete && ratio < 1.0 / UNIT_FACTOR) {
-            let (index, recording) = recordings[0];
-            let name = sensor_column(recording, sensor).map_or_else(String::new, |(name, _)| name);
-            let units = [(1e-9, "T"), (1e-6, "mT"), (1e-5, "G"), (1e-3, "µT"), (1e-2, "mG")];
-            let guess = units.iter().find(|(factor, _)| (ratio / factor).ln().abs() < 0.7);
-            let guess = guess.map_or_else(String::new, |(_, unit)| format!("; they look like {unit}"));
-            return Err(common::Error::document(
-                format!("recordings[{index}].columns.{name}"),
-                format!("readings of at most {largest:.3e} nT where the coils make {drive:.3e} nT, a scale of {ratio:.1e}"),
-                format!(
-                    "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or mend the \
-                     sensitivity or the coil constants",
-                    if name.ends_with("_v") { "V" } else { "nT" }
-                ),
-            )
-            .into());
         }
     }
     Ok(())

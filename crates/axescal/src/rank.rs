@@ -6,8 +6,8 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{Orientation, small_rotation, tangents};
 
-use crate::model::Unknown;
 use crate::observations::{Observation, OrientationGroup};
+use crate::unknowns::Unknown;
 use crate::{AxesProblem, AxesState, Freedom, Observations};
 
 /// Null vectors with a smaller part in the directions than this do not touch them.

@@ -1,16 +1,14 @@
 //! The solution as `calibration.axes`.
 
 use common::{
-    AxesCalibration, AxesDirections, AxesFit, AxesReadings, Axis, Document, DoubtfulReading, IterationStep,
-    OneOrEach, OrientationResult, PerAxis, Quantity,
+    AxesCalibration, AxesFit, AxesReadings, Axis, Document, DoubtfulReading, IterationStep,
+    OrientationResult, PerAxis, Quantity,
 };
-use faer::Mat;
-use indexmap::IndexMap;
-use nalgebra::{Matrix2, Matrix3, Vector3};
-use physics::frames::{self, ARCSEC, angle, tangents};
+use nalgebra::Matrix3;
+use physics::frames::ARCSEC;
 
-use crate::model::Unknown;
-use crate::{Error, Observations, Options, Solution, assumptions, pair, scales};
+use crate::unknowns::Unknown;
+use crate::{Error, Observations, Options, Solution, assumptions, directions, pair, scales};
 
 /// More readings than this are summed up by orientation only.
 const MOST_READINGS: usize = 20_000;
@@ -23,8 +21,10 @@ pub fn describe(
     options: &Options,
 ) -> Result<AxesCalibration, Error> {
     let state = &solution.fit.state;
-    let sensor_turns = turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
-    let coil_turns = turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
+    let sensor_turns =
+        directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
+    let coil_turns =
+        directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
     let nominal = Matrix3::identity();
     let mut findings = observations.findings.clone();
     findings.extend(solution.findings.iter().cloned());
@@ -34,15 +34,23 @@ pub fn describe(
         .then(|| pair::compare(observations, solution))
         .transpose()?;
     Ok(AxesCalibration {
-        sensors: Some(directions(
+        sensors: Some(directions::directions(
             &observations.sensors,
             &state.mu,
             &nominal,
             &sensor_turns,
             &solution.covariance,
         )),
-        coils: Some(directions(&observations.coils, &state.eta, &nominal, &coil_turns, &solution.covariance)),
-        cross_covariance: Some(rows(&(&sensor_turns * &solution.covariance * coil_turns.transpose()))),
+        coils: Some(directions::directions(
+            &observations.coils,
+            &state.eta,
+            &nominal,
+            &coil_turns,
+            &solution.covariance,
+        )),
+        cross_covariance: Some(directions::rows(
+            &(&sensor_turns * &solution.covariance * coil_turns.transpose()),
+        )),
         residual_field_nt: constants.0,
         offsets_nt: constants.1,
         scales: options.free_scales.then(|| scales::describe(calibration, observations, solution)),
@@ -59,98 +67,11 @@ pub fn describe(
     })
 }
 
-/// The 9×n matrix from the unknowns to the elements of a matrix of directions, column by column.
-fn turns(
-    solution: &Solution,
-    axes: &[Axis],
-    first: impl Fn(Axis) -> Unknown,
-    matrix: &Matrix3<f64>,
-) -> Mat<f64> {
-    let mut map = Mat::zeros(9, solution.meaning.len());
-    for &axis in axes {
-        let Some(place) = solution.meaning.iter().position(|meaning| *meaning == first(axis)) else {
-            continue;
-        };
-        for (k, tangent) in tangents(&matrix.column(axis.index()).into_owned()).iter().enumerate() {
-            (0..3).for_each(|row| map[(3 * axis.index() + row, place + k)] = tangent[row]);
-        }
-    }
-    map
-}
-
-fn directions(
-    axes: &[Axis],
-    matrix: &Matrix3<f64>,
-    nominal: &Matrix3<f64>,
-    map: &Mat<f64>,
-    covariance: &Mat<f64>,
-) -> AxesDirections {
-    let covariance = map * covariance * map.transpose();
-    let column = |axis: Axis| matrix.column(axis.index()).into_owned();
-    // Standard uncertainty of a linear function of the nine elements.
-    let std = |weights: &[(Axis, Vector3<f64>)]| -> f64 {
-        let mut variance = 0.0;
-        for (a, left) in weights {
-            for (b, right) in weights {
-                for row in 0..3 {
-                    for other in 0..3 {
-                        variance += left[row]
-                            * covariance[(3 * a.index() + row, 3 * b.index() + other)]
-                            * right[other];
-                    }
-                }
-            }
-        }
-        variance.max(0.0).sqrt()
-    };
-    let largest = |axis: Axis| -> f64 {
-        let [a, b] = tangents(&column(axis));
-        let block = |left: &Vector3<f64>, right: &Vector3<f64>| -> f64 {
-            let first = 3 * axis.index();
-            (0..9).map(|k| left[k / 3] * covariance[(first + k / 3, first + k % 3)] * right[k % 3]).sum()
-        };
-        let ellipse = Matrix2::new(block(&a, &a), block(&a, &b), block(&b, &a), block(&b, &b));
-        ellipse.symmetric_eigenvalues().max().max(0.0).sqrt()
-    };
-    let mut non_orthogonality = IndexMap::new();
-    for (first, second) in [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)] {
-        if axes.contains(&first) && axes.contains(&second) {
-            let (a, b) = (column(first), column(second));
-            let sine = a.dot(&b).clamp(-1.0, 1.0);
-            let std = std(&[(first, b), (second, a)]) / (1.0 - sine * sine).max(1e-12).sqrt();
-            non_orthogonality
-                .insert(format!("{first}{second}"), Quantity::new(sine.asin() / ARCSEC, std / ARCSEC));
-        }
-    }
-    let off_nominal = axes.iter().map(|&axis| {
-        let (own, meant) = (column(axis), nominal.column(axis.index()).into_owned());
-        let towards = own * own.dot(&meant) - meant;
-        let std = if towards.norm() > 1e-9 { std(&[(axis, towards.normalize())]) } else { largest(axis) };
-        (axis, Quantity::new(angle(&own, &meant) / ARCSEC, std / ARCSEC))
-    });
-    let complete = axes.len() == 3;
-    let known = axes.iter().map(|&axis| (axis, column(axis).into())).collect();
-    AxesDirections {
-        matrix: complete.then(|| frames::rows(matrix)),
-        directions: (!complete).then_some(known),
-        std_arcsec: Some(OneOrEach::Each(axes.iter().map(|&axis| (axis, largest(axis) / ARCSEC)).collect())),
-        off_nominal_arcsec: Some(off_nominal.collect()),
-        non_orthogonality_arcsec: (!non_orthogonality.is_empty()).then_some(non_orthogonality),
-        covariance: Some(rows(&covariance)),
-        covariance_order: Some((0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect()),
-        extra: Default::default(),
-    }
-}
-
-fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
-    (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
-}
-
 type Constants = (Option<PerAxis<Quantity>>, Option<PerAxis<Quantity>>);
 
 /// Residual field and offsets, as far as the recordings separate them.
 fn constants(solution: &Solution, observations: &Observations, findings: &mut Vec<String>) -> Constants {
-    if !crate::solve::separates_constants(observations) {
+    if !crate::freedom::separates_constants(observations) {
         return (None, None);
     }
     let null = beside_the_gauge(solution);

@@ -7,8 +7,8 @@ use common::{Axis, Calibration, PerAxis, ScaleResult, ScalesResult};
 use estimate::stats;
 use faer::Mat;
 
-use crate::model::Unknown;
 use crate::observations::relative_std;
+use crate::unknowns::Unknown;
 use crate::{Observations, Solution};
 
 /// Disagreements below this probability are called so.

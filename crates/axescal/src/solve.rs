@@ -1,16 +1,14 @@
 //! From readings to a solution with its uncertainty.
 
-use common::{Axis, Document};
+use common::Document;
 use estimate::influence::Influence;
 use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 use faer::Mat;
-use nalgebra::{DMatrix, Vector3};
-use physics::frames::{ARCSEC, tangents};
+use physics::frames::ARCSEC;
 
-use crate::model::{KnownCoils, Unknown};
-use crate::observations::{relative_std, std_of};
 use crate::start::{self, Beginning};
-use crate::{AxesProblem, AxesState, Coils, Error, Freedom, Observations, Options, rank, readings};
+use crate::unknowns::Unknown;
+use crate::{AxesProblem, AxesState, Error, Freedom, Observations, Options, freedom, rank, readings};
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
@@ -55,7 +53,7 @@ pub struct Solution {
 /// Finds the directions, or says what is missing for them.
 pub fn solve(document: &Document, observations: &Observations, options: &Options) -> Result<Solution, Error> {
     let Beginning { state: start, mut findings } = start::begin(document, observations, options)?;
-    let freedom = freedom(document, observations, options)?;
+    let freedom = freedom::freedom(document, observations, options)?;
     let problem = AxesProblem::new(observations, &freedom, 1.0);
     let (count, unknowns) = (problem.readings(), problem.unknowns());
     let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
@@ -159,130 +157,6 @@ fn estimated(
     } else {
         Ok((estimate::solve(problem, start, None, &Iteration::default())?, None))
     }
-}
-
-/// What may move, from what the document states and what the drives can show.
-fn freedom(document: &Document, observations: &Observations, options: &Options) -> Result<Freedom, Error> {
-    let empty = common::Calibration::default();
-    let calibration = document.calibration.as_ref().unwrap_or(&empty);
-    let mut freedom = Freedom {
-        known_coils: known_coils(calibration, observations, options)?,
-        orientations: observations
-            .orientations
-            .iter()
-            .any(|group| group.orientation.uncertainty.norm() > 0.0),
-        ..Freedom::default()
-    };
-    let constants_show = separates_constants(observations);
-    let facility = document.facility.as_ref().and_then(|facility| facility.residual_field_std_nt);
-    let mut residual_variance = facility.map_or(0.0, |std| std * std);
-    for axis in Axis::ALL {
-        let i = axis.index();
-        let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis));
-        let coil = calibration.coils.as_ref().and_then(|coils| coils.get(axis));
-        let sensitivity =
-            sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref().or(s.sensitivity_nt_per_nt.as_ref()));
-        let offset = sensor
-            .and_then(|s| s.offset_nt.as_ref())
-            .and_then(|offset| offset.std())
-            .filter(|std| *std > 0.0);
-        freedom.sensor_scale[i] =
-            if options.free_scales { Some(f64::INFINITY) } else { relative_std(sensitivity) };
-        freedom.coil_scale[i] = if options.free_scales {
-            Some(f64::INFINITY)
-        } else {
-            relative_std(coil.and_then(|coil| coil.constant_nt_per_a.as_ref()))
-        };
-        freedom.offsets[i] = if constants_show { Some(offset.unwrap_or(f64::INFINITY)) } else { offset };
-        let coil_offset = coil.and_then(|coil| coil.offset_nt.as_ref()).and_then(|offset| offset.std());
-        residual_variance += coil_offset.unwrap_or(0.0).powi(2) / 3.0;
-    }
-    freedom.residual_field = if constants_show {
-        Some(f64::INFINITY)
-    } else {
-        Some(residual_variance.sqrt()).filter(|std| *std > 0.0)
-    };
-    Ok(freedom)
-}
-
-/// Whether in some orientation the drives tell a constant from a field in proportion to the drive: zero or
-/// reversed drives were recorded. The rows (B_c, 1) then have one rank more than the coils driven.
-pub(crate) fn separates_constants(observations: &Observations) -> bool {
-    let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
-    (0..observations.orientations.len()).any(|orientation| {
-        let rows: Vec<[f64; 4]> = observations
-            .readings
-            .iter()
-            .filter(|r| r.orientation == orientation && r.constant && r.sensor == observations.sensors[0])
-            .map(|r| [r.drive_nt[0] / largest, r.drive_nt[1] / largest, r.drive_nt[2] / largest, 1.0])
-            .collect();
-        let rank = |columns: usize| {
-            let matrix =
-                Mat::from_fn(rows.len(), columns, |i, j| rows[i][if columns == 3 { j } else { (j + 3) % 4 }]);
-            estimate::Svd::of(matrix.as_ref(), 1e-3).map_or(0, |svd| svd.rank())
-        };
-        !rows.is_empty() && rank(4) > rank(3)
-    })
-}
-
-/// The coils as `calibration.axes.coils` gives them, where they are to be taken as known.
-fn known_coils(
-    calibration: &common::Calibration,
-    observations: &Observations,
-    options: &Options,
-) -> Result<Option<KnownCoils>, Error> {
-    if options.coils == Coils::Unknown {
-        return Ok(None);
-    }
-    let Some(given) = calibration.axes.as_ref().and_then(|axes| axes.coils.as_ref()) else { return Ok(None) };
-    let Some(matrix) = given.matrix else { return Ok(None) };
-    let matrix = physics::frames::matrix(&matrix);
-    let directions = [0, 1, 2].map(|j| matrix.column(j).normalize());
-    let coils = &observations.coils;
-    // T maps turns along the tangents to changes of the matrix, column by column.
-    let mut covariance = DMatrix::zeros(2 * coils.len(), 2 * coils.len());
-    match &given.covariance {
-        Some(full) if full.len() == 9 && full.iter().all(|row| row.len() == 9) => {
-            let tangent = |n: usize, k: usize| -> (usize, Vector3<f64>) {
-                let j = coils[n].index();
-                (3 * j, tangents(&directions[j])[k])
-            };
-            for a in 0..2 * coils.len() {
-                for b in 0..2 * coils.len() {
-                    let ((first, left), (second, right)) = (tangent(a / 2, a % 2), tangent(b / 2, b % 2));
-                    covariance[(a, b)] = (0..9)
-                        .map(|k| left[k / 3] * full[first + k / 3][second + k % 3] * right[k % 3])
-                        .sum();
-                }
-            }
-        }
-        Some(_) => {
-            return Err(common::Error::document(
-                "calibration.axes.coils.covariance",
-                "a matrix that is not 9x9",
-                "9x9, over the elements of `matrix` column by column, as covariance_order says",
-            )
-            .into());
-        }
-        None => {
-            for (n, &axis) in coils.iter().enumerate() {
-                let std = std_of(given.std_arcsec.as_ref(), axis).unwrap_or(0.0) * ARCSEC;
-                covariance[(2 * n, 2 * n)] = std * std;
-                covariance[(2 * n + 1, 2 * n + 1)] = std * std;
-            }
-        }
-    }
-    if covariance.iter().all(|element| *element == 0.0) {
-        return Ok(Some(KnownCoils { directions, whitening: None }));
-    }
-    let inverse_root = covariance.clone().cholesky().and_then(|root| root.l().try_inverse()).ok_or_else(|| {
-        common::Error::document(
-            "calibration.axes.coils",
-            "an uncertainty that is zero for one direction and not for another, or a covariance that is not positive",
-            "a covariance, or std_arcsec, that is positive for every coil that is driven",
-        )
-    })?;
-    Ok(Some(KnownCoils { directions, whitening: Some(inverse_root) }))
 }
 
 /// Directions whose uncertainty is beyond all use are refused like a short rank.

@@ -1,0 +1,212 @@
+//! Which orientations of the block determine the directions best (`axescal design`).
+//!
+//! For nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
+//! information of an orientation on the 12 off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the derivatives by a
+//! turn of the block, which the theodolites leave uncertain by s. Informations add; the score of a set is the
+//! largest standard deviation in the inverse of its sum (NASA eq. 62).
+
+mod command;
+mod search;
+
+pub use command::{Arguments, main};
+
+use common::Matrix3x3;
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use physics::frames::{self, ARCSEC, tangents};
+use physics::reading;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+use search::{Field, Scored};
+
+/// Errors of one reading and of one orientation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ErrorModel {
+    /// Noise of one reading, nT.
+    pub noise_nt: f64,
+    /// Width of one code, nT.
+    pub quantisation_nt: f64,
+    /// Field of the driven coil, nT.
+    pub drive_nt: f64,
+    /// Standard uncertainty of the orientation about each axis, arcsec.
+    pub theodolite_arcsec: f64,
+}
+
+/// The best orientations and what others would give.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Design {
+    /// What the readings err by.
+    pub error_model: ErrorModel,
+    /// Number of orientations that the fixture can take.
+    pub candidates: usize,
+    /// The set, R (GEO -> SEN) each.
+    pub orientations: Vec<Matrix3x3>,
+    /// Largest standard deviation of an off-diagonal cosine with it, arcsec.
+    pub worst_arcsec: f64,
+    /// The orientation to add to this set, and what it would bring.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub one_more: Option<OneMore>,
+    /// The best set of each size.
+    pub table: Vec<Row>,
+}
+
+/// What one more orientation would buy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OneMore {
+    /// R of the orientation to add.
+    pub orientation: Matrix3x3,
+    /// Largest standard deviation then, arcsec.
+    pub worst_arcsec: f64,
+}
+
+/// The best set of one size.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Row {
+    /// Number of orientations.
+    pub number: usize,
+    /// Largest standard deviation, arcsec; absent where no set determines the directions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worst_arcsec: Option<f64>,
+    /// `exhaustive` or `exchange`.
+    pub search: String,
+}
+
+type Information = SMatrix<f64, 12, 12>;
+
+/// The best `number` of the candidates, and the table up to `table_to`.
+pub fn design(
+    candidates: &[Matrix3<f64>],
+    error_model: ErrorModel,
+    number: usize,
+    table_to: usize,
+) -> Result<Design, Error> {
+    check(candidates, &error_model, number)?;
+    let field = Field {
+        information: candidates.iter().map(|rotation| information(rotation, &error_model)).collect(),
+    };
+    let last = table_to.max(number + 1).min(candidates.len());
+    let sizes: Vec<(usize, Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
+    let best = sizes.iter().find(|(size, ..)| *size == number).map(|(_, best, _)| best.clone());
+    let best = best.filter(|best| best.worst.is_finite()).ok_or_else(|| {
+        Error::RankShort(format!(
+            "no {number} of the {} candidate orientations determine the directions; {}",
+            candidates.len(),
+            if number < 3 {
+                "two never suffice, three do when their turns are about two different axes".to_string()
+            } else {
+                "their turns must be about at least two different axes".to_string()
+            }
+        ))
+    })?;
+    let more = (0..candidates.len())
+        .filter(|candidate| !best.members.contains(candidate))
+        .map(|candidate| {
+            let mut members = best.members.clone();
+            members.push(candidate);
+            (field.score(members), candidate)
+        })
+        .min_by(|(a, _), (b, _)| a.worst.total_cmp(&b.worst));
+    Ok(Design {
+        error_model,
+        candidates: candidates.len(),
+        orientations: best.members.iter().map(|&member| frames::rows(&candidates[member])).collect(),
+        worst_arcsec: best.worst,
+        one_more: more.map(|(scored, candidate)| OneMore {
+            orientation: frames::rows(&candidates[candidate]),
+            worst_arcsec: scored.worst,
+        }),
+        table: sizes
+            .into_iter()
+            .map(|(number, best, search)| Row {
+                number,
+                worst_arcsec: Some(best.worst).filter(|worst| worst.is_finite()),
+                search: search.into(),
+            })
+            .collect(),
+    })
+}
+
+/// Largest standard deviation of an off-diagonal cosine for a given set of orientations, arcsec.
+pub fn worst_arcsec(orientations: &[Matrix3<f64>], error_model: &ErrorModel) -> f64 {
+    let all = orientations.iter().map(|rotation| information(rotation, error_model)).collect();
+    Field { information: all }.score((0..orientations.len()).collect()).worst
+}
+
+fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<(), common::Error> {
+    let positive = |value: f64| value.is_finite() && value > 0.0;
+    if !positive(model.drive_nt)
+        || model.noise_nt < 0.0
+        || model.quantisation_nt < 0.0
+        || model.theodolite_arcsec < 0.0
+    {
+        return Err(common::Error::Request("the drive must be positive and no error negative".into()));
+    }
+    if !positive(model.noise_nt + model.quantisation_nt) {
+        return Err(common::Error::Request(
+            "without noise or quantisation every set is perfect; give --noise-nt".into(),
+        ));
+    }
+    if number > candidates.len() || number < 2 {
+        return Err(common::Error::Request(format!(
+            "{number} orientations of {} candidates; choose at least 3 and at most {}",
+            candidates.len(),
+            candidates.len()
+        )));
+    }
+    Ok(())
+}
+
+/// Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J of one orientation; the tangents of nominal axes are the off-diagonal cosines.
+fn information(rotation: &Matrix3<f64>, model: &ErrorModel) -> Information {
+    let variance = model.noise_nt.powi(2) + model.quantisation_nt.powi(2) / 12.0;
+    let theodolite = (model.theodolite_arcsec * ARCSEC).powi(2);
+    let mut jacobian = SMatrix::<f64, 9, 12>::zeros();
+    let mut turn = SMatrix::<f64, 9, 3>::zeros();
+    for j in 0..3 {
+        let coil = Vector3::ith(j, 1.0);
+        for i in 0..3 {
+            let sensor = Vector3::ith(i, 1.0);
+            let at = reading(&sensor, rotation, &(coil * model.drive_nt));
+            let row = 3 * j + i;
+            for k in 0..2 {
+                jacobian[(row, 2 * i + k)] = at.by_sensor.dot(&tangents(&sensor)[k]);
+                jacobian[(row, 6 + 2 * j + k)] = model.drive_nt * at.by_field.dot(&tangents(&coil)[k]);
+            }
+            turn.set_row(row, &at.by_rotation.transpose());
+        }
+    }
+    let covariance = SMatrix::<f64, 9, 9>::identity() * variance + turn * turn.transpose() * theodolite;
+    let solved = covariance.cholesky().map(|root| root.solve(&jacobian)).unwrap_or_else(SMatrix::zeros);
+    jacobian.transpose() * solved
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one_in_50_000() -> ErrorModel {
+        ErrorModel { noise_nt: 1.0, quantisation_nt: 0.0, drive_nt: 50_000.0, theodolite_arcsec: 0.0 }
+    }
+
+    #[test]
+    fn best_sets_of_the_cube() {
+        let design = design(&frames::cube_rotations(), one_in_50_000(), 4, 5).expect("a design");
+        let worst: Vec<Option<f64>> = design.table.iter().map(|row| row.worst_arcsec).collect();
+        assert_eq!(worst[0], None, "two never suffice");
+        assert!((worst[1].expect("three suffice") - 2.526).abs() < 1e-3);
+        assert!((design.worst_arcsec - 2.063).abs() < 1e-3);
+        assert!(design.one_more.expect("one more").worst_arcsec < design.worst_arcsec);
+    }
+
+    #[test]
+    fn exchange_finds_what_exhaustion_finds() {
+        let all = frames::cube_rotations();
+        let field = Field {
+            information: all.iter().map(|rotation| information(rotation, &one_in_50_000())).collect(),
+        };
+        for size in [3, 4, 5] {
+            assert_eq!(field.exchange(size).worst, field.exhaustive(size).worst, "{size} orientations");
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The unknowns of the fit, and what is known of them beforehand.
+
+use common::Axis;
+use nalgebra::{DMatrix, Matrix3, Vector3};
+
+/// What may move besides the directions of the sensors, and what is known of it beforehand.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Freedom {
+    /// η is found (None), or given: its directions, and their whitening; see [`KnownCoils`].
+    pub known_coils: Option<KnownCoils>,
+    /// Relative standard uncertainty of each sensor's sensitivity; infinite: free; None: exact.
+    pub sensor_scale: [Option<f64>; 3],
+    /// The same for each coil constant.
+    pub coil_scale: [Option<f64>; 3],
+    /// Whether each orientation may turn within its theodolites' uncertainty.
+    pub orientations: bool,
+    /// Standard uncertainty of the residual field (GEO), nT; infinite: free; None: taken as zero.
+    pub residual_field: Option<f64>,
+    /// Standard uncertainty of each sensor's remaining offset, nT; infinite: free; None: taken as zero.
+    pub offsets: [Option<f64>; 3],
+}
+
+/// Directions of the coils given beforehand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KnownCoils {
+    /// Unit vectors in GEO.
+    pub directions: [Vector3<f64>; 3],
+    /// W with Wᵀ W = inverse covariance of the turns along the tangents of the driven coils, in order; None: exact.
+    pub whitening: Option<DMatrix<f64>>,
+}
+
+/// The unknowns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxesState {
+    /// Columns = sensors in SEN.
+    pub mu: Matrix3<f64>,
+    /// Columns = coils in GEO.
+    pub eta: Matrix3<f64>,
+    /// Reading over field, less one.
+    pub sensor_scale: Vector3<f64>,
+    /// Field over calibrated drive, less one.
+    pub coil_scale: Vector3<f64>,
+    /// Correction of each orientation in units of its own uncertainty.
+    pub corrections: Vec<Vector3<f64>>,
+    /// Field with no drive, GEO, nT.
+    pub residual_field: Vector3<f64>,
+    /// Offsets that the calibration left, nT.
+    pub offsets: Vector3<f64>,
+}
+
+impl AxesState {
+    /// Sensors and coils in the given directions, nothing else.
+    pub fn new(mu: Matrix3<f64>, eta: Matrix3<f64>, orientations: usize) -> Self {
+        Self {
+            mu,
+            eta,
+            sensor_scale: Vector3::zeros(),
+            coil_scale: Vector3::zeros(),
+            corrections: vec![Vector3::zeros(); orientations],
+            residual_field: Vector3::zeros(),
+            offsets: Vector3::zeros(),
+        }
+    }
+}
+
+/// One unknown number of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unknown {
+    /// Turn of a sensor along one of its tangents, rad.
+    Sensor(Axis, usize),
+    /// Turn of a coil along one of its tangents, rad.
+    Coil(Axis, usize),
+    /// Relative scale of a sensor.
+    SensorScale(Axis),
+    /// Relative scale of a coil.
+    CoilScale(Axis),
+    /// Correction of an orientation, in units of its uncertainty.
+    Correction(usize, usize),
+    /// Component of the residual field, nT.
+    ResidualField(usize),
+    /// Offset of a sensor, nT.
+    Offset(Axis),
+}
+
+impl Unknown {
+    /// Whether it turns a direction.
+    pub fn is_turn(self) -> bool {
+        matches!(self, Unknown::Sensor(..) | Unknown::Coil(..))
+    }
+}
