@@ -30,6 +30,11 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
         )
         .into());
     }
+    let in_unit =
+        |unit: &str| Axis::ALL.iter().any(|axis| recording.axis_column("sensor", *axis, unit).is_some());
+    if in_unit("v") && in_unit("nt") {
+        return Err(missing("the sensors of a recording all in V, or all in nT".into()).into());
+    }
     for &sensor in sensors {
         let Some((name, column)) = sensor_column(recording, sensor) else {
             return Err(missing(format!(

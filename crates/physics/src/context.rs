@@ -159,7 +159,8 @@ fn ambient(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
     ambient
 }
 
-fn orientation(document: &Document, recording: &Recording) -> Result<Orientation, Error> {
+/// R of a recording, from its matrix or from its theodolites; absent: the block is aligned with GEO.
+pub fn orientation(document: &Document, recording: &Recording) -> Result<Orientation, Error> {
     let conditions = &recording.conditions;
     let sigma =
         document.facility.as_ref().and_then(|facility| facility.theodolite_arcsec).map(|s| s * ARCSEC);

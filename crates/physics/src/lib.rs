@@ -25,7 +25,7 @@ mod reading;
 
 pub use catalogue::{Kind, adopt};
 pub use chain::{Derivatives, Parameter, Prediction, predict, predict_with_jacobian};
-pub use context::{Context, References, Unit};
+pub use context::{Context, References, Unit, orientation};
 pub use effect::{Effect, EffectInstance, ParameterInfo, Place, Real, Surroundings};
 pub use error::Error;
 pub use inverse::field_in_sen;

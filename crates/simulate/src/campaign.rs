@@ -3,7 +3,7 @@
 use common::{
     Axis, Calibration, Column, Conditions, Document, FORMAT_VERSION, Matrix3x3, Model, Recording, procedure,
 };
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit, frames};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -97,7 +97,7 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
                     axes.sensors.clone(),
                 )
             }
-            Procedure::FreeRun(run) => (vec![free_run(run, path)?], Axis::ALL.to_vec()),
+            Procedure::FreeRun(run) => (vec![free_run(run, &document, path)?], Axis::ALL.to_vec()),
         };
         for Planned { mut recording, rotation, path } in planned {
             let readings = {
@@ -187,7 +187,7 @@ fn currents(stated: &Basic, field_nt: Vector3<f64>) -> Vector3<f64> {
     })
 }
 
-fn free_run(run: &crate::plan::FreeRun, path: String) -> Result<Planned, Error> {
+fn free_run(run: &crate::plan::FreeRun, document: &Document, path: String) -> Result<Planned, Error> {
     let recording = Recording {
         id: run.id.clone(),
         procedure: procedure::FREE_RUN.into(),
@@ -195,14 +195,8 @@ fn free_run(run: &crate::plan::FreeRun, path: String) -> Result<Planned, Error> 
         columns: run.columns.clone(),
         ..Recording::default()
     };
-    let rotation = match &run.conditions {
-        Conditions { orientation: Some(rows), .. } => {
-            frames::Orientation::from_matrix(rows, None)
-                .map_err(physical(&format!("{path}.conditions.orientation")))?
-                .rotation
-        }
-        _ => Matrix3::identity(),
-    };
+    let at = |source| Error::Physics { path: format!("{path}.conditions.orientation"), source };
+    let rotation = physics::orientation(document, &recording).map_err(at)?.rotation;
     Ok(Planned { recording, rotation, path })
 }
 
