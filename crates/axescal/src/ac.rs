@@ -4,22 +4,25 @@
 use common::{Axis, Instrument, PhaseResult, Quantity};
 use estimate::sine::{self, Quantiser};
 use estimate::stats;
-use nalgebra::{Complex, Vector3};
+use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use physics::{Basic, Context, Unit};
 
 use crate::Error;
-use crate::observations::{Observation, Observations, sensor_column};
+use crate::observations::{Observation, Observations, code, sensor_column};
 
 /// Phases with a smaller chance than this, among all sensors, are reported as a finding.
 const PHASE_P: f64 = 1e-3;
+
+/// No amplitude is better known than this share of the drive: rounding.
+const LEAST_STD: f64 = 1e-11;
 
 /// What one AC run gives: phasors relative to the coil with the largest drive.
 pub(crate) struct AcRun {
     recording: usize,
     orientation: usize,
     hz: f64,
-    /// In-phase amplitude of each coil's field, nT.
-    drive_nt: Vector3<f64>,
+    /// Each coil's phasor, turned so that the largest is real, nT.
+    drive_nt: Vector3<Complex<f64>>,
     /// Each sensor's phasor and the standard uncertainty of its parts, nT.
     sensors: Vec<(Axis, Complex<f64>, f64)>,
 }
@@ -72,17 +75,18 @@ pub(crate) fn run(
         .map(|&sensor| {
             let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
             let sensitivity = basic.sensors[sensor.index()].sensitivity;
+            if code(instrument, context.unit).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
+                return Err(Error::RankShort(format!(
+                    "recording \"{}\": the readings of sensor {sensor} never leave one code of the converter, so that a field \
+                     below it stays hidden; drive the other coils a little as well (a dither of some codes)",
+                    context.recording.id
+                )));
+            }
             let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
-            Ok((sensor, Complex::new(sine.cos, -sine.sin) * turn * sensitivity, sine.std * sensitivity.abs()))
+            Ok((sensor, Complex::new(sine.cos, -sine.sin) * turn * sensitivity, (sine.std * sensitivity.abs()).max(LEAST_STD * main.norm())))
         })
         .collect::<Result<_, Error>>()?;
-    Ok(AcRun {
-        recording,
-        orientation,
-        hz,
-        drive_nt: Vector3::from(coils.map(|coil| (coil * turn).re)),
-        sensors,
-    })
+    Ok(AcRun { recording, orientation, hz, drive_nt: Vector3::from(coils.map(|coil| coil * turn)), sensors })
 }
 
 /// The converter of a sensor, in the unit of its readings.
@@ -92,66 +96,95 @@ fn quantiser(
     sensor: Axis,
     sensitivity: f64,
 ) -> Option<Quantiser> {
-    let step = match unit {
-        Unit::Volt => instrument?.quantisation_v,
-        Unit::Nanotesla => instrument?.quantisation_nt,
-    };
+    let step = code(instrument, unit)?;
     let noise =
         instrument?.noise_of(sensor).and_then(|noise| noise.white_rms_nt).map(|rms| rms / sensitivity.abs());
-    Some(Quantiser { step: step?, noise })
+    Some(Quantiser { step, noise })
 }
 
 /// Takes each sensor's phase off its phasors and adds the amplitudes to the readings.
 ///
-/// A sensor lags every field of one frequency by the same phase φ, so that its phasors Z lie on one line
-/// through zero: φ = ½ arg Σ Z², with standard uncertainty σ/√Σ|Z|².
+/// A sensor answers every field of one frequency with the same phase φ: z = e^(iφ) b B_c, b real, B_c the coils'
+/// phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where not every coil was the main one) lies on one line
+/// through zero, and φ = ½ arg Σ (z B_c⁻¹)². Coils out of phase with each other make the imaginary part of z e^(−iφ) a
+/// reading of its own, with the imaginary part of the drive.
 pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) {
     let mut frequencies: Vec<f64> = runs.iter().map(|run| run.hz).collect();
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
     for hz in frequencies {
+        let runs: Vec<&AcRun> = runs.iter().filter(|run| run.hz == hz).collect();
         for sensor in all.sensors.clone() {
-            let own = |run: &AcRun| run.sensors.iter().find(|(axis, ..)| *axis == sensor).copied();
             let phasors: Vec<(&AcRun, Complex<f64>, f64)> = runs
                 .iter()
-                .filter(|run| run.hz == hz)
-                .filter_map(|run| own(run).map(|(_, phasor, std)| (run, phasor, std)))
+                .flat_map(|run| run.sensors.iter().map(move |channel| (*run, channel)))
+                .filter(|(_, (axis, ..))| *axis == sensor)
+                .map(|(run, (_, phasor, std))| (run, *phasor, *std))
                 .collect();
-            let squares: Complex<f64> = phasors.iter().map(|(_, z, _)| z * z).sum();
-            let phase = 0.5 * squares.arg();
-            let power: f64 = phasors.iter().map(|(_, z, _)| z.norm_sqr()).sum();
-            let variance: f64 = phasors.iter().map(|(_, z, std)| (z.norm_sqr() * std * std) / power).sum();
-            let std = (variance / power).sqrt();
-            let p_value = stats::two_sided_p(phase / std, f64::INFINITY);
-            let delay_s = -phase / (std::f64::consts::TAU * hz);
-            if p_value * (all.sensors.len() as f64) < PHASE_P {
+            let result = phase(sensor, hz, &phasors);
+            let (phase, phase_std) = (result.phase_rad.value(), result.phase_rad.std().unwrap_or(0.0));
+            if result.p_value * (all.sensors.len() as f64) < PHASE_P {
                 all.findings.push(format!(
-                    "sensor {sensor} answers {:.2e} ± {std:.1e} rad {} the drive at {hz} Hz, as a delay of {:.3} ms would make it",
+                    "sensor {sensor} answers {:.2e} ± {phase_std:.1e} rad {} the drive at {hz} Hz, as a delay of {:.3} ms would \
+                     make it",
                     phase.abs(),
                     if phase < 0.0 { "behind" } else { "ahead of" },
-                    delay_s * 1e3
+                    result.delay_s * 1e3
                 ));
             }
-            all.phases.push(PhaseResult {
-                sensor,
-                drive_hz: hz,
-                phase_rad: Quantity::new(phase, std),
-                p_value,
-                delay_s,
-            });
-            let turn = Complex::from_polar(1.0, -phase);
+            all.phases.push(result);
             for (run, phasor, std) in phasors {
-                all.readings.push(Observation {
-                    orientation: run.orientation,
-                    recording: run.recording,
-                    row: 0,
-                    sensor,
-                    drive_nt: run.drive_nt,
-                    value_nt: (phasor * turn).re,
-                    std_nt: std,
-                    constant: false,
-                });
+                let amplitude = phasor * Complex::from_polar(1.0, -phase);
+                let mut add = |drive_nt: Vector3<f64>, value_nt: f64, other: f64| {
+                    all.readings.push(Observation {
+                        orientation: run.orientation,
+                        recording: run.recording,
+                        row: 0,
+                        sensor,
+                        drive_nt,
+                        value_nt,
+                        std_nt: std.hypot(other * phase_std),
+                        ambient_nt: Vector3::zeros(),
+                        constant: false,
+                    });
+                };
+                add(run.drive_nt.map(|coil| coil.re), amplitude.re, amplitude.im);
+                let quadrature = run.drive_nt.map(|coil| coil.im);
+                if quadrature.amax() > std {
+                    add(quadrature, amplitude.im, amplitude.re);
+                }
             }
         }
+    }
+}
+
+/// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is σ/√Σ|z|².
+fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> PhaseResult {
+    let mut orientations: Vec<usize> = phasors.iter().map(|(run, ..)| run.orientation).collect();
+    orientations.dedup();
+    let mut squares = Complex::new(0.0, 0.0);
+    for orientation in orientations {
+        let own: Vec<&(&AcRun, Complex<f64>, f64)> =
+            phasors.iter().filter(|(run, ..)| run.orientation == orientation).collect();
+        let drive = DMatrix::from_fn(own.len(), 3, |row, coil| own[row].0.drive_nt[coil]);
+        let answers = DVector::from_fn(own.len(), |row, _| own[row].1);
+        // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped.
+        let normal = drive.adjoint() * &drive;
+        let damping = DMatrix::identity(3, 3) * Complex::new(1e-12 * normal.norm(), 0.0);
+        if let Some(inverse) = (normal + damping).try_inverse() {
+            let answer = inverse * (drive.adjoint() * answers);
+            squares += answer.iter().map(|b| b * b).sum::<Complex<f64>>();
+        }
+    }
+    let phase = 0.5 * squares.arg();
+    let power: f64 = phasors.iter().map(|(_, z, _)| z.norm_sqr()).sum();
+    let variance: f64 = phasors.iter().map(|(_, z, std)| z.norm_sqr() / power * std * std).sum();
+    let std = (variance / power).sqrt();
+    PhaseResult {
+        sensor,
+        drive_hz: hz,
+        phase_rad: Quantity::new(phase, std),
+        p_value: stats::two_sided_p(phase / std, f64::INFINITY),
+        delay_s: -phase / (std::f64::consts::TAU * hz),
     }
 }

@@ -1,21 +1,23 @@
 //! What the recordings did not show and was taken as zero, and how far that may turn a direction.
 
-use common::{Assumption, Axis};
+use common::{Assumption, Axis, Document};
 use estimate::Problem;
 use faer::Mat;
 use nalgebra::{DMatrix, Matrix3};
 use physics::frames::ARCSEC;
 
+use crate::freedom::{residual_field_std, separates_constants};
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, Error, Freedom, Observations, Solution};
+use crate::{AxesProblem, Freedom, Observations, Solution};
 
 /// Everything that was assumed, with its bound.
-pub fn list(observations: &Observations, solution: &Solution) -> Result<Vec<Assumption>, Error> {
+pub fn list(document: &Document, observations: &Observations, solution: &Solution) -> Vec<Assumption> {
     let mut list = Vec::new();
     let constant = observations.readings.iter().any(|reading| reading.constant);
     let shift = |freedom: Freedom, is: &dyn Fn(Unknown) -> bool| shift(observations, solution, &freedom, is);
-    if constant && solution.freedom.residual_field.is_none() {
-        let freedom = Freedom { residual_field: Some(f64::INFINITY), ..solution.freedom.clone() };
+    let shown = observations.sensors.iter().any(|sensor| separates_constants(observations, *sensor));
+    if constant && !shown && residual_field_std(document).is_none() {
+        let freedom = Freedom { residual_field: Some([f64::INFINITY; 3]), ..solution.freedom.clone() };
         list.push(Assumption {
             assumed:
                 "no field is left at the sensors without drive (no zero or reversed drives were recorded)"
@@ -56,7 +58,7 @@ pub fn list(observations: &Observations, solution: &Solution) -> Result<Vec<Assu
             arcsec_per_arcsec: Some(largest(&shift)),
         });
     }
-    Ok(list)
+    list
 }
 
 /// Change of the turns for a unit of each unknown that was left out and that `is` names: −C Jᵀ J_out.

@@ -19,6 +19,14 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
         )
         .into());
     }
+    if let Some(table) = recording.table.as_ref() {
+        return Err(common::Error::document(
+            format!("{path}.table"),
+            format!("the table \"{table}\" beside columns"),
+            "one of the two",
+        )
+        .into());
+    }
     let drives = Axis::ALL.iter().any(|axis| {
         recording.axis_column("coil", *axis, "a").or(recording.axis_column("coil", *axis, "v")).is_some()
     });
@@ -64,23 +72,25 @@ pub(crate) fn constants(
     all: &mut Observations,
 ) -> Result<Basic, Error> {
     let calibration = document.calibration.as_ref();
-    let coils = calibration.and_then(|calibration| calibration.coils.as_ref());
     for axis in Axis::ALL {
         let driven = context.current_a.iter().any(|current| current[axis.index()] != 0.0);
-        let known = coils.and_then(|coils| coils.get(axis)).and_then(|coil| coil.constant_nt_per_a.as_ref());
-        if driven && known.is_none() {
+        let coil = calibration.and_then(|calibration| calibration.coil(axis));
+        let known = coil.and_then(|coil| coil.constant_nt_per_a.as_ref()).map(common::Quantity::value);
+        if driven && known.is_none_or(|constant| constant == 0.0) {
             return Err(common::Error::document(
                 format!("calibration.coils.{axis}.constant_nt_per_a"),
-                format!("nothing, though {path} drives coil {axis}"),
+                format!(
+                    "{}, though {path} drives coil {axis}",
+                    if known.is_some() { "zero" } else { "nothing" }
+                ),
                 "the coil constant in nT/A; run coilcal first, or write it there",
             )
             .into());
         }
     }
-    let sensors = calibration.and_then(|calibration| calibration.sensors.as_ref());
     for &sensor in &all.sensors {
-        let calibrated =
-            sensors.and_then(|sensors| sensors.get(sensor)).and_then(|s| s.sensitivity_nt_per_v.as_ref());
+        let known = calibration.and_then(|calibration| calibration.sensor(sensor));
+        let calibrated = known.and_then(|known| physics::sensitivity(known, context.unit));
         if context.unit == Unit::Nanotesla || calibrated.is_some() {
             continue;
         }

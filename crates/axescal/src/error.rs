@@ -28,10 +28,7 @@ impl From<Error> for common::Error {
     fn from(error: Error) -> Self {
         match error {
             Error::Document(error) => error,
-            Error::Physics { path, source: physics::Error::NotARotation { found, expected } } => {
-                common::Error::document(path, found, expected)
-            }
-            Error::Physics { source, .. } => common::Error::Request(source.to_string()),
+            Error::Physics { path, source } => source.at(&path),
             Error::RankShort(message) => common::Error::Unanswerable(message),
             Error::Estimate(_) => common::Error::Unanswerable(error.to_string()),
         }

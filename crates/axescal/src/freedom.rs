@@ -1,11 +1,11 @@
 //! What may move besides the directions, from what the document states and what the drives can show.
 
-use common::{Axis, Document};
+use common::{Axis, Document, Quantity};
 use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, tangents};
 
-use crate::observations::{relative_std, std_of};
+use crate::observations::{OrientationGroup, std_of};
 use crate::unknowns::KnownCoils;
 use crate::{Coils, Error, Freedom, Observations, Options};
 
@@ -17,60 +17,68 @@ pub(crate) fn freedom(
 ) -> Result<Freedom, Error> {
     let empty = common::Calibration::default();
     let calibration = document.calibration.as_ref().unwrap_or(&empty);
+    let exact = |group: &OrientationGroup| group.orientation.uncertainty.norm() == 0.0;
+    let scale = |constant: Option<&Quantity>| {
+        if options.free_scales { Some(f64::INFINITY) } else { constant.and_then(Quantity::relative_std) }
+    };
+    let stated =
+        |offset: Option<&Quantity>| offset.and_then(Quantity::std).filter(|std| *std > NEGLIGIBLE_NT);
     let mut freedom = Freedom {
         known_coils: known_coils(calibration, observations, options)?,
-        orientations: observations
-            .orientations
-            .iter()
-            .any(|group| group.orientation.uncertainty.norm() > 0.0),
+        orientations: !observations.orientations.iter().all(exact),
         ..Freedom::default()
     };
-    let constants_show = separates_constants(observations);
-    let facility = document.facility.as_ref().and_then(|facility| facility.residual_field_std_nt);
-    let mut residual_variance = facility.map_or(0.0, |std| std * std);
     for axis in Axis::ALL {
         let i = axis.index();
-        let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis));
-        let coil = calibration.coils.as_ref().and_then(|coils| coils.get(axis));
-        let sensitivity =
-            sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref().or(s.sensitivity_nt_per_nt.as_ref()));
-        let offset = sensor
-            .and_then(|s| s.offset_nt.as_ref())
-            .and_then(|offset| offset.std())
-            .filter(|std| *std > 0.0);
+        let sensor = calibration.sensor(axis);
+        let offset = stated(sensor.and_then(|sensor| sensor.offset_nt.as_ref()));
+        let shown = separates_constants(observations, axis).then_some(f64::INFINITY);
         freedom.sensor_scale[i] =
-            if options.free_scales { Some(f64::INFINITY) } else { relative_std(sensitivity) };
-        freedom.coil_scale[i] = if options.free_scales {
-            Some(f64::INFINITY)
-        } else {
-            relative_std(coil.and_then(|coil| coil.constant_nt_per_a.as_ref()))
-        };
-        freedom.offsets[i] = if constants_show { Some(offset.unwrap_or(f64::INFINITY)) } else { offset };
-        let coil_offset = coil.and_then(|coil| coil.offset_nt.as_ref()).and_then(|offset| offset.std());
-        residual_variance += coil_offset.unwrap_or(0.0).powi(2) / 3.0;
+            scale(sensor.and_then(|sensor| physics::sensitivity(sensor, observations.unit)));
+        freedom.coil_scale[i] =
+            scale(calibration.coil(axis).and_then(|coil| coil.constant_nt_per_a.as_ref()));
+        freedom.offsets[i] = offset.or(shown);
     }
-    freedom.residual_field = if constants_show {
-        Some(f64::INFINITY)
-    } else {
-        Some(residual_variance.sqrt()).filter(|std| *std > 0.0)
+    let shown = observations.sensors.iter().any(|sensor| separates_constants(observations, *sensor));
+    // The coils stand along GEO but for a small angle, and so do their offsets.
+    let coil_offsets = Axis::ALL
+        .map(|axis| stated(calibration.coil(axis).and_then(|coil| coil.offset_nt.as_ref())).unwrap_or(0.0));
+    freedom.residual_field = match residual_field_std(document) {
+        Some(std) => Some(coil_offsets.map(|offset| std.hypot(offset))),
+        None if shown => Some([f64::INFINITY; 3]),
+        None if coil_offsets.iter().any(|offset| *offset > 0.0) => {
+            Some(coil_offsets.map(|offset| offset.max(NEGLIGIBLE_NT)))
+        }
+        None => None,
     };
     Ok(freedom)
 }
 
-/// Whether in some orientation the drives tell a constant from a field in proportion to the drive: zero or
-/// reversed drives were recorded. The rows (B_c, 1) then have one rank more than the coils driven.
-pub(crate) fn separates_constants(observations: &Observations) -> bool {
+/// What the facility states of the field that nulling leaves.
+pub(crate) fn residual_field_std(document: &Document) -> Option<f64> {
+    let facility = document.facility.as_ref()?;
+    facility.residual_field_std_nt.filter(|std| *std > NEGLIGIBLE_NT)
+}
+
+/// Uncertainties of constants below this are as good as none, nT.
+const NEGLIGIBLE_NT: f64 = 1e-9;
+
+/// Whether in some orientation the drives read by a sensor tell a constant from a field in proportion to the drive:
+/// zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives alone.
+pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
     let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
     (0..observations.orientations.len()).any(|orientation| {
         let rows: Vec<[f64; 4]> = observations
             .readings
             .iter()
-            .filter(|r| r.orientation == orientation && r.constant && r.sensor == observations.sensors[0])
-            .map(|r| [r.drive_nt[0] / largest, r.drive_nt[1] / largest, r.drive_nt[2] / largest, 1.0])
+            .filter(|reading| {
+                reading.orientation == orientation && reading.constant && reading.sensor == sensor
+            })
+            .map(|reading| reading.drive_nt / largest)
+            .map(|drive| [drive[0], drive[1], drive[2], 1.0])
             .collect();
         let rank = |columns: usize| {
-            let matrix =
-                Mat::from_fn(rows.len(), columns, |i, j| rows[i][if columns == 3 { j } else { (j + 3) % 4 }]);
+            let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
             estimate::Svd::of(matrix.as_ref(), 1e-3).map_or(0, |svd| svd.rank())
         };
         !rows.is_empty() && rank(4) > rank(3)
@@ -86,7 +94,8 @@ fn known_coils(
     if options.coils == Coils::Unknown {
         return Ok(None);
     }
-    let Some(given) = calibration.axes.as_ref().and_then(|axes| axes.coils.as_ref()) else { return Ok(None) };
+    let given = calibration.axes.as_ref().and_then(|axes| axes.known_coils.as_ref().or(axes.coils.as_ref()));
+    let Some(given) = given else { return Ok(None) };
     let Some(matrix) = given.matrix else { return Ok(None) };
     let matrix = physics::frames::matrix(&matrix);
     let directions = [0, 1, 2].map(|j| matrix.column(j).normalize());

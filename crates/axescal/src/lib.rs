@@ -27,7 +27,7 @@ mod words;
 
 pub use error::Error;
 pub use model::AxesProblem;
-pub use observations::{Observation, Observations, observe};
+pub use observations::{NoiseSource, Observation, Observations, observe};
 pub use options::{Coils, Options, Start};
 pub use solve::{Solution, solve};
 pub use unknowns::{AxesState, Freedom, KnownCoils};
@@ -35,29 +35,35 @@ pub use words::summary;
 
 use common::{AxesCalibration, Document};
 
-/// Finds the directions and writes them to `calibration.axes`; everything else stays as it was.
+/// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
+/// `calibration.axes.subset`; everything else stays as it was.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let observations = observe(&document, options)?;
     let solution = solve(&document, &observations, options)?;
-    let mut axes = result::describe(&document, &observations, &solution, options)?;
-    if let Some(before) = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref()) {
-        keep(&mut axes, before, options);
+    let mut found = result::describe(&document, &observations, &solution, options)?;
+    let axes = &mut document.calibration.get_or_insert_default().axes;
+    if options.sensor.is_some() || options.coil.is_some() {
+        axes.get_or_insert_default().subset = Some(Box::new(found));
+        return Ok(document);
     }
-    document.calibration.get_or_insert_default().axes = Some(axes);
+    if let Some(before) = axes.take() {
+        keep(&mut found, before, options);
+    }
+    *axes = Some(found);
     Ok(document)
 }
 
-/// Keys that this version does not know stay, and coils that were given as known stay as they were given.
-fn keep(axes: &mut AxesCalibration, before: &AxesCalibration, options: &Options) {
-    axes.extra = before.extra.clone();
-    let pairs = [(&mut axes.sensors, &before.sensors), (&mut axes.coils, &before.coils)];
+/// Keys that this version does not know stay, and so does what was given as known.
+fn keep(axes: &mut AxesCalibration, before: AxesCalibration, options: &Options) {
+    if options.coils == Coils::Known {
+        axes.known_coils = before.known_coils.or_else(|| before.coils.clone());
+    }
+    let pairs = [(&mut axes.sensors, before.sensors), (&mut axes.coils, before.coils)];
     for (now, before) in pairs {
         if let (Some(now), Some(before)) = (now, before) {
-            now.extra = before.extra.clone();
+            now.extra = before.extra;
         }
     }
-    if options.coils == Coils::Known {
-        axes.coils = before.coils.clone();
-        axes.cross_covariance = None;
-    }
+    axes.extra = before.extra;
+    axes.subset = before.subset;
 }

@@ -82,11 +82,9 @@ impl<'a> AxesProblem<'a> {
                 }
             }
         }
-        if let Some(std) = freedom.residual_field {
-            place.residual_field = Some(add(Unknown::ResidualField(0), Some(std)));
-            (1..3).for_each(|k| {
-                add(Unknown::ResidualField(k), Some(std));
-            });
+        for (k, std) in freedom.residual_field.iter().flatten().enumerate() {
+            let at = add(Unknown::ResidualField(k), Some(*std));
+            place.residual_field.get_or_insert(at);
         }
         for &axis in &observations.sensors {
             if let Some(std) = freedom.offsets[axis.index()] {
@@ -128,7 +126,8 @@ impl<'a> AxesProblem<'a> {
         let i = observation.sensor.index();
         let m = state.mu.column(i).into_owned();
         let drive = observation.drive_nt.component_mul(&state.coil_scale.add_scalar(1.0));
-        let ambient = if observation.constant { state.residual_field } else { Vector3::zeros() };
+        let left = if observation.constant { state.residual_field } else { Vector3::zeros() };
+        let ambient = observation.ambient_nt + left;
         let at = reading(&m, rotation, &physics::field_geo(&state.eta, &drive, &ambient));
         let gain = 1.0 + state.sensor_scale[i];
         if let Some(place) = self.place.sensor[i] {
@@ -180,6 +179,19 @@ impl<'a> AxesProblem<'a> {
                 - self.predict(state, &rotations[observation.orientation], observation, |_, _| {})
         };
         self.observations.readings.iter().map(difference).collect()
+    }
+
+    /// Every reading less what constant fields and offsets make in it, and freed of its scale, nT.
+    pub fn without_constants(&self, state: &AxesState) -> Vec<f64> {
+        let rotations = self.rotations(state);
+        let freed = |observation: &Observation| {
+            let undriven = Observation { drive_nt: Vector3::zeros(), ..observation.clone() };
+            let constant = self.predict(state, &rotations[observation.orientation], &undriven, |_, _| {});
+            let (sensor, coil) = (observation.sensor.index(), observation.drive_nt.iamax());
+            (observation.value_nt - constant)
+                / ((1.0 + state.sensor_scale[sensor]) * (1.0 + state.coil_scale[coil]))
+        };
+        self.observations.readings.iter().map(freed).collect()
     }
 
     fn rotations(&self, state: &AxesState) -> Vec<Matrix3<f64>> {

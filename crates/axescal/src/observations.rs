@@ -1,6 +1,6 @@
 //! From recordings to readings in nT, each with its drive, its orientation and its standard deviation.
 
-use common::{Axis, Document, Noise, OneOrEach, Quantity, Recording, procedure};
+use common::{Axis, Document, Instrument, Noise, OneOrEach, Recording, procedure};
 use nalgebra::Vector3;
 use physics::frames::Orientation;
 use physics::{Basic, Context, References, Unit};
@@ -24,8 +24,21 @@ pub struct Observation {
     pub value_nt: f64,
     /// Declared standard deviation, nT; 1 where none is declared.
     pub std_nt: f64,
+    /// Field that the recording states besides the coils', GEO, nT.
+    pub ambient_nt: Vector3<f64>,
     /// Whether constant fields and offsets are in it; they are not in an AC amplitude.
     pub constant: bool,
+}
+
+/// Where the readings' standard deviations come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseSource {
+    /// `instrument.noise`, for every sensor.
+    Declared,
+    /// The noise beside the drive's frequency, where all recordings are AC runs.
+    SineFits,
+    /// Nowhere: they are all 1, and the residuals have to tell.
+    Residuals,
 }
 
 /// One orientation of the block, in which one or more recordings were made.
@@ -44,8 +57,10 @@ pub struct Observations {
     pub orientations: Vec<OrientationGroup>,
     /// The readings.
     pub readings: Vec<Observation>,
-    /// Whether the readings' standard deviations are declared.
-    pub declared: bool,
+    /// Where the readings' standard deviations come from.
+    pub noise: NoiseSource,
+    /// Unit of the readings.
+    pub unit: Unit,
     /// Sensors that were read.
     pub sensors: Vec<Axis>,
     /// Coils that were driven.
@@ -87,7 +102,8 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
     let mut all = Observations {
         orientations: Vec::new(),
         readings: Vec::new(),
-        declared: true,
+        noise: NoiseSource::SineFits,
+        unit: Unit::Volt,
         sensors,
         coils: Vec::new(),
         phases: Vec::new(),
@@ -100,10 +116,13 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
         checks::columns(recording, &path, &all.sensors)?;
         let context = Context::new(document, recording, references)
             .map_err(|source| Error::Physics { path: orientation_path(&path, recording), source })?;
+        all.unit = context.unit;
         let basic = checks::constants(document, recording, &context, &path, &mut all)?;
         let same = conditions.iter().position(|seen| {
-            seen.orientation == recording.conditions.orientation
-                && seen.theodolite == recording.conditions.theodolite
+            let now = &recording.conditions;
+            seen.orientation == now.orientation
+                && seen.theodolite == now.theodolite
+                && seen.setting == now.setting
         });
         let orientation = same.unwrap_or_else(|| {
             if recording.conditions.orientation.is_none() && recording.conditions.theodolite.is_none() {
@@ -127,6 +146,7 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
         }
     }
     ac::join(runs, &mut all);
+    one_noise_for_all(&mut all);
     choose_coils(&mut all, options)?;
     checks::scale(&recordings, &all)?;
     Ok(all)
@@ -135,6 +155,19 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
 fn orientation_path(path: &str, recording: &Recording) -> String {
     let key = if recording.conditions.theodolite.is_some() { "theodolite" } else { "orientation" };
     format!("{path}.conditions.{key}")
+}
+
+/// Where any reading has no declared noise, none is used: one noise for all is then found from the residuals.
+fn one_noise_for_all(all: &mut Observations) {
+    if all.noise == NoiseSource::Residuals {
+        if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
+            all.findings.push(
+                "the noise of some readings is not declared; one noise for all is taken from the residuals"
+                    .into(),
+            );
+        }
+        all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
+    }
 }
 
 /// The sensors to be read: as asked, else as the instrument states, else as the columns say.
@@ -154,6 +187,16 @@ fn sensors(
     };
     sensors.sort();
     sensors.dedup();
+    if sensors.is_empty()
+        && document.instrument.as_ref().is_some_and(|instrument| instrument.sensors.is_some())
+    {
+        return Err(common::Error::document(
+            "instrument.sensors",
+            "an empty list",
+            "the sensors that it has",
+        )
+        .into());
+    }
     if sensors.is_empty() {
         return Err(common::Error::document(
             format!("recordings[{}].columns", recordings[0].0),
@@ -189,11 +232,15 @@ fn rows(
     for sensor in all.sensors.clone() {
         let Some((_, column)) = sensor_column(context.recording, sensor) else { continue };
         let noise = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
-        let std_nt = declared_std(document, noise, basic, sensor, length_s, step_s);
-        all.declared &= std_nt.is_some();
+        let std_nt = declared_std(document, noise, basic, context.unit, sensor, length_s, step_s);
+        all.noise = match (all.noise, std_nt) {
+            (NoiseSource::Residuals, _) | (_, None) => NoiseSource::Residuals,
+            _ => NoiseSource::Declared,
+        };
         for (row, value) in column.iter().enumerate() {
             let drive_nt = drive(basic, &context.current_a[row]);
-            if value.is_finite() && drive_nt.iter().all(|field| field.is_finite()) {
+            let ambient_nt = context.ambient_nt[row];
+            if value.is_finite() && (drive_nt + ambient_nt).iter().all(|field| field.is_finite()) {
                 let constants = &basic.sensors[sensor.index()];
                 all.readings.push(Observation {
                     orientation,
@@ -203,6 +250,7 @@ fn rows(
                     drive_nt,
                     value_nt: constants.sensitivity * value + constants.offset_nt,
                     std_nt: std_nt.unwrap_or(1.0),
+                    ambient_nt,
                     constant: true,
                 });
             }
@@ -215,18 +263,24 @@ fn declared_std(
     document: &Document,
     noise: Option<&Noise>,
     basic: &Basic,
+    unit: Unit,
     sensor: Axis,
     length_s: f64,
     step_s: f64,
 ) -> Option<f64> {
     let rms = noise?.rms_nt(length_s, step_s);
-    let instrument = document.instrument.as_ref()?;
-    let code = instrument
-        .quantisation_v
-        .map(|v| v * basic.sensors[sensor.index()].sensitivity)
-        .or(instrument.quantisation_nt);
-    let std = (rms * rms + code.unwrap_or(0.0).powi(2) / 12.0).sqrt();
+    let code = code(document.instrument.as_ref(), unit).unwrap_or(0.0);
+    let code_nt = code * basic.sensors[sensor.index()].sensitivity;
+    let std = (rms * rms + code_nt * code_nt / 12.0).sqrt();
     (std > 0.0).then_some(std)
+}
+
+/// Width of one code of the converter, in the unit of the readings.
+pub(crate) fn code(instrument: Option<&Instrument>, unit: Unit) -> Option<f64> {
+    match unit {
+        Unit::Volt => instrument?.quantisation_v,
+        Unit::Nanotesla => instrument?.quantisation_nt,
+    }
 }
 
 /// k I + B0 along each coil; a coil without current contributes its offset only where it is known.
@@ -261,13 +315,6 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
         }
     }
     Ok(())
-}
-
-/// Relative standard uncertainty of a constant, where it is stated and not zero.
-pub(crate) fn relative_std(quantity: Option<&Quantity>) -> Option<f64> {
-    let quantity = quantity?;
-    let std = quantity.std().filter(|std| *std > 0.0)?;
-    Some(std / quantity.value().abs())
 }
 
 /// One number for an axis out of one for all or one for each.

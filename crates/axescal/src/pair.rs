@@ -3,16 +3,20 @@
 use common::PairComparison;
 use estimate::{Options as Iteration, Problem};
 use faer::MatMut;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use physics::frames::{ARCSEC, angle};
 use physics::reading;
 
-use crate::{Error, Observations, Solution};
+use crate::{AxesProblem, Error, Observations, Solution};
 
 /// M/B = m · R n with all six components of m and n free. Lengths can be traded between m and n, so that the
 /// rank is 5 at most; each step is the one of least norm.
 struct Unconstrained<'a> {
     observations: &'a Observations,
+    /// R of each orientation, corrected.
+    rotations: Vec<Matrix3<f64>>,
+    /// What the coil makes in each reading, by the constrained fit: the reading less constants and offset, nT.
+    values_nt: Vec<f64>,
     noise_factor: f64,
 }
 
@@ -29,11 +33,11 @@ impl Problem for Unconstrained<'_> {
 
     fn linearise(&self, (m, n): &Self::State, residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
         for (row, observation) in self.observations.readings.iter().enumerate() {
-            let rotation = &self.observations.orientations[observation.orientation].orientation.rotation;
+            let rotation = &self.rotations[observation.orientation];
             let drive = observation.drive_nt[Observations::main_coil(observation).index()];
             let weight = 1.0 / (observation.std_nt * self.noise_factor);
             let at = reading(m, rotation, &(n * drive));
-            residual[row] = weight * (observation.value_nt - at.value);
+            residual[row] = weight * (self.values_nt[row] - at.value);
             for k in 0..3 {
                 jacobian[(row, k)] = weight * at.by_sensor[k];
                 jacobian[(row, 3 + k)] = weight * drive * at.by_field[k];
@@ -49,7 +53,15 @@ impl Problem for Unconstrained<'_> {
 /// The unconstrained solution beside the constrained one.
 pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairComparison, Error> {
     let (sensor, coil) = (observations.sensors[0], observations.coils[0]);
-    let problem = Unconstrained { observations, noise_factor: solution.noise_factor };
+    let constrained = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    let problem = Unconstrained {
+        observations,
+        rotations: (0..observations.orientations.len())
+            .map(|orientation| constrained.rotation(&solution.fit.state, orientation))
+            .collect(),
+        values_nt: constrained.without_constants(&solution.fit.state),
+        noise_factor: solution.noise_factor,
+    };
     // From the frame's own axes, as the report begins: the least-norm path depends on the beginning.
     let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
     let state = &solution.fit.state;
@@ -59,8 +71,7 @@ pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairC
     );
     let fit = estimate::solve(&problem, start, None, &Iteration::default())?;
     let (m, n) = fit.state;
-    let constrained =
-        |matrix: &nalgebra::Matrix3<f64>, axis: common::Axis| matrix.column(axis.index()).into_owned();
+    let direction = |matrix: &Matrix3<f64>, axis: common::Axis| matrix.column(axis.index()).into_owned();
     let rms = (fit.cost / observations.readings.len() as f64).sqrt();
     let std_nt =
         observations.readings.iter().map(|r| r.std_nt).sum::<f64>() / observations.readings.len() as f64;
@@ -71,7 +82,7 @@ pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairC
         unconstrained_coil: n.into(),
         unconstrained_rank: fit.svd.rank(),
         incompatibility_rms_nt: rms * std_nt * solution.noise_factor,
-        sensor_difference_arcsec: angle(&m, &constrained(&state.mu, sensor)) / ARCSEC,
-        coil_difference_arcsec: angle(&n, &constrained(&state.eta, coil)) / ARCSEC,
+        sensor_difference_arcsec: angle(&m, &direction(&state.mu, sensor)) / ARCSEC,
+        coil_difference_arcsec: angle(&n, &direction(&state.eta, coil)) / ARCSEC,
     })
 }

@@ -1,26 +1,19 @@
 //! What the recordings cannot show, in words, and which rotation would show it.
 
 use common::Axis;
-use estimate::{Fit, Problem, Svd};
+use estimate::{Problem, Svd};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
-use physics::frames::{Orientation, small_rotation, tangents};
+use physics::frames::{small_rotation, tangents};
 
-use crate::observations::{Observation, OrientationGroup};
+use crate::observations::Observation;
 use crate::unknowns::Unknown;
 use crate::{AxesProblem, AxesState, Freedom, Observations};
 
-/// Null vectors with a smaller part in the directions than this do not touch them.
-const TOUCHES: f64 = 1e-5;
-
-/// The null directions of a fit that turn a direction.
-pub fn unseen_turns(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Vec<Vec<f64>> {
-    let turns = |vector: &Vec<f64>| {
-        let part: f64 =
-            vector.iter().zip(problem.meaning()).filter(|(_, u)| u.is_turn()).map(|(v, _)| v * v).sum();
-        part.sqrt() > TOUCHES
-    };
-    fit.svd.null_directions().into_iter().filter(turns).collect()
+/// Ways in which directions may turn that no reading shows, over all unknowns.
+pub fn unseen_turns(meaning: &[Unknown], svd: &Svd) -> Vec<Vec<f64>> {
+    let turns: Vec<usize> = (0..meaning.len()).filter(|k| meaning[*k].is_turn()).collect();
+    svd.unseen(&turns)
 }
 
 /// The sentence for a fit whose directions are not all seen.
@@ -125,69 +118,71 @@ fn common_turn(moved: &[(Vector3<f64>, Vector3<f64>)]) -> Option<Vector3<f64>> {
     (missed < 1e-3 * size && omega.norm() > 0.0).then(|| omega.normalize())
 }
 
+/// Cosine of half a degree: an axis is called by its letter when it is no further away.
+const NAMED: f64 = 0.999_961_9;
+
 fn name_axis(axis: &Vector3<f64>) -> String {
     let largest = axis.iamax();
-    if axis[largest].abs() > 0.98 {
+    if axis[largest].abs() > NAMED {
         return Axis::ALL[largest].to_string();
     }
     let sign = axis[largest].signum();
     format!("({:.2}, {:.2}, {:.2})", axis[0] * sign, axis[1] * sign, axis[2] * sign)
 }
 
-/// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out.
+/// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out. Of the turns
+/// that do, those are named that leave the directions almost as certain as the best.
 fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, turns: usize) -> String {
     let quarter = std::f64::consts::FRAC_PI_2;
-    let ranks: Vec<(Axis, usize)> = Axis::ALL
+    let tried: Vec<(Axis, Gain)> = Axis::ALL
         .into_iter()
-        .map(|axis| (axis, rank_with(observations, freedom, state, &Vector3::ith(axis.index(), quarter))))
+        .map(|axis| (axis, with_one_more(observations, freedom, state, &Vector3::ith(axis.index(), quarter))))
         .collect();
-    let first = &observations.orientations[0].recordings[0];
-    let letters = |rank: usize| {
-        let axes: Vec<&str> =
-            ranks.iter().filter(|(_, r)| *r == rank).map(|(axis, _)| axis.letter()).collect();
-        axes.join(" or ")
-    };
-    let best = ranks.iter().map(|(_, rank)| *rank).max().unwrap_or(0);
-    if best >= turns {
+    let rank = tried.iter().map(|(_, gain)| gain.rank).max().unwrap_or(0);
+    let ranked = || tried.iter().filter(|(_, gain)| gain.rank == rank);
+    let least = ranked().map(|(_, gain)| gain.worst).fold(f64::INFINITY, f64::min);
+    let letters: Vec<&str> =
+        ranked().filter(|(_, gain)| gain.worst <= 1.2 * least).map(|(axis, _)| axis.letter()).collect();
+    let (letters, first) = (letters.join(" or "), &observations.orientations[0].recordings[0]);
+    if rank >= turns {
         format!(
-            "One more orientation shows it: the block turned by 90° about its {} axis from \"{first}\", driven by the same coils",
-            letters(best)
+            "One more orientation shows it: the block turned by 90° about its {letters} axis from \"{first}\", driven by \
+             the same coils"
         )
     } else {
         format!(
-            "More than one further orientation is needed, with turns about two different axes; begin with the block turned by \
-             90° about its {} axis from \"{first}\", which gives rank {best} of {turns}",
-            letters(best)
+            "More than one further orientation is needed, with turns about two different axes; begin with the block turned \
+             by 90° about its {letters} axis from \"{first}\", which gives rank {rank} of {turns}"
         )
     }
 }
 
-/// Rank of the directions after one more orientation, each coil driven in it once.
-fn rank_with(
+/// What one more orientation would give: the rank of the directions and the largest standard deviation, relative.
+struct Gain {
+    rank: usize,
+    worst: f64,
+}
+
+/// One more orientation, each coil driven in it once.
+fn with_one_more(
     observations: &Observations,
     freedom: &Freedom,
     state: &AxesState,
     turn: &Vector3<f64>,
-) -> usize {
+) -> Gain {
     let mut more = observations.clone();
-    let rotation = small_rotation(turn) * more.orientations[0].orientation.rotation;
-    let uncertainty = more.orientations[0].orientation.uncertainty;
-    more.orientations.push(OrientationGroup {
-        orientation: Orientation { rotation, uncertainty, moved_rad: 0.0 },
-        recordings: vec!["further".into()],
-    });
+    let mut group = more.orientations[0].clone();
+    group.orientation.rotation = small_rotation(turn) * group.orientation.rotation;
+    more.orientations.push(group);
     let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    let like = &observations.readings[0];
     for &coil in &observations.coils {
         for &sensor in &observations.sensors {
             more.readings.push(Observation {
                 orientation: more.orientations.len() - 1,
-                recording: 0,
-                row: 0,
                 sensor,
                 drive_nt: Vector3::ith(coil.index(), largest),
-                value_nt: 0.0,
-                std_nt: 1.0,
-                constant: true,
+                ..like.clone()
             });
         }
     }
@@ -197,12 +192,13 @@ fn rank_with(
     let mut residual = vec![0.0; problem.rows()];
     let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
     problem.linearise(&state, &mut residual, jacobian.as_mut());
-    let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
-    let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else { return 0 };
-    let unseen = svd
-        .null_directions()
-        .into_iter()
-        .filter(|vector| vector.iter().zip(problem.meaning()).any(|(v, u)| u.is_turn() && v.abs() > TOUCHES))
-        .count();
-    turns - unseen.min(turns)
+    let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
+    let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else {
+        return Gain { rank: 0, worst: f64::INFINITY };
+    };
+    let covariance = svd.covariance();
+    Gain {
+        rank: turns.len() - unseen_turns(problem.meaning(), &svd).len(),
+        worst: turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt(),
+    }
 }

@@ -1,6 +1,6 @@
 //! Readings one by one: leverage, leave-one-out, and those that do not belong to the rest.
 
-use estimate::influence::{self, Influence};
+use estimate::influence;
 use estimate::{Fit, Options as Iteration, Problem};
 
 use crate::{AxesProblem, AxesState, Error};
@@ -55,22 +55,4 @@ pub fn doubtful(
         fit = estimate::solve(problem, fit.state, Some(&weights), &Iteration::default())?;
     }
     Ok(found)
-}
-
-/// Influence of every reading on the final fit. In a robust fit a reading that was weighed down has
-/// little say, and its residual is its leave-one-out.
-pub fn influence(problem: &AxesProblem<'_>, fit: &Fit<AxesState>, weights: Option<&[f64]>) -> Vec<Influence> {
-    let Some(_) = weights else {
-        return influence::influence(fit, problem.readings(), false, 0);
-    };
-    let leverage = fit.svd.leverage();
-    let residuals = problem.residuals_nt(&fit.state);
-    (0..problem.readings())
-        .map(|i| {
-            let std_nt = problem.observations.readings[i].std_nt * problem.noise_factor;
-            let rest = (1.0 - leverage[i]).max(1e-9);
-            let e = residuals[i] / std_nt;
-            Influence { leverage: leverage[i], leave_one_out: e / rest, t: e / rest.sqrt() }
-        })
-        .collect()
 }

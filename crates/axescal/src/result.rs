@@ -55,10 +55,12 @@ pub fn describe(
         offsets_nt: constants.1,
         scales: options.free_scales.then(|| scales::describe(calibration, observations, solution)),
         pair,
+        known_coils: None,
+        subset: None,
         orientations: orientations(observations, solution),
         phases: observations.phases.clone(),
         fit: Some(fit(observations, solution, options)),
-        assumptions: assumptions::list(observations, solution)?,
+        assumptions: assumptions::list(document, observations, solution),
         doubtful: doubtful(document, observations, solution),
         findings,
         readings: (observations.readings.len() <= MOST_READINGS)
@@ -71,14 +73,18 @@ type Constants = (Option<PerAxis<Quantity>>, Option<PerAxis<Quantity>>);
 
 /// Residual field and offsets, as far as the recordings separate them.
 fn constants(solution: &Solution, observations: &Observations, findings: &mut Vec<String>) -> Constants {
-    if !crate::freedom::separates_constants(observations) {
+    let shown = |axis: &Axis| crate::freedom::separates_constants(observations, *axis);
+    if !observations.sensors.iter().any(shown) {
         return (None, None);
     }
-    let null = beside_the_gauge(solution);
+    let constant = |meaning: &Unknown| matches!(meaning, Unknown::ResidualField(_) | Unknown::Offset(_));
+    let places: Vec<usize> =
+        (0..solution.meaning.len()).filter(|k| constant(&solution.meaning[*k])).collect();
+    let unseen = solution.fit.svd.unseen(&places);
     let mut mixed = Vec::new();
     let mut quantity = |value: f64, unknown: Unknown, name: String| -> Option<Quantity> {
         let place = solution.meaning.iter().position(|meaning| *meaning == unknown)?;
-        if null.iter().any(|direction| direction[place].abs() > 1e-3) {
+        if unseen.iter().any(|direction| direction[place].abs() > 1e-3) {
             mixed.push(name);
             return None;
         }
@@ -95,7 +101,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
         );
     }
     let mut offsets = PerAxis::default();
-    for &axis in &observations.sensors {
+    for &axis in observations.sensors.iter().filter(|axis| shown(axis)) {
         *offsets.entry(axis) = quantity(
             -state.offsets[axis.index()],
             Unknown::Offset(axis),
@@ -113,30 +119,6 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
         any.then_some(all)
     };
     (some(field), some(offsets))
-}
-
-/// The null directions without the trade of scales between sensors and coils (μ → s μ, η → η/s), which is
-/// always there when scales are free and moves the residual field along with the coils.
-fn beside_the_gauge(solution: &Solution) -> Vec<Vec<f64>> {
-    let state = &solution.fit.state;
-    let mut gauge: Vec<f64> = solution
-        .meaning
-        .iter()
-        .map(|meaning| match *meaning {
-            Unknown::SensorScale(axis) => 1.0 + state.sensor_scale[axis.index()],
-            Unknown::CoilScale(axis) => -1.0 - state.coil_scale[axis.index()],
-            Unknown::ResidualField(k) => -state.residual_field[k],
-            _ => 0.0,
-        })
-        .collect();
-    let norm = gauge.iter().map(|g| g * g).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-    gauge.iter_mut().for_each(|g| *g /= norm);
-    let mut null = solution.fit.svd.null_directions();
-    for direction in &mut null {
-        let along: f64 = direction.iter().zip(&gauge).map(|(d, g)| d * g).sum();
-        direction.iter_mut().zip(&gauge).for_each(|(d, g)| *d -= along * g);
-    }
-    null
 }
 
 fn orientations(observations: &Observations, solution: &Solution) -> Vec<OrientationResult> {

@@ -3,11 +3,11 @@
 //! μ → s μ, η → η/s leaves every reading as it was, so that one of the six lengths cannot be seen. Five can:
 //! the sensors' among each other, the coils' among each other, and the common product of both.
 
-use common::{Axis, Calibration, PerAxis, ScaleResult, ScalesResult};
+use common::{Axis, Calibration, PerAxis, Quantity, ScaleResult, ScalesResult};
 use estimate::stats;
 use faer::Mat;
+use nalgebra::{DMatrix, DVector};
 
-use crate::observations::relative_std;
 use crate::unknowns::Unknown;
 use crate::{Observations, Solution};
 
@@ -26,14 +26,17 @@ pub fn describe(
         solution.degrees_of_freedom
     };
     let state = &solution.fit.state;
+    let sensitivity =
+        |axis| calibration?.sensor(axis).and_then(|sensor| physics::sensitivity(sensor, observations.unit));
+    let coil_constant = |axis| calibration?.coil(axis)?.constant_nt_per_a.as_ref();
     let sensors = group(
         &observations.sensors,
-        |axis| (state.sensor_scale[axis.index()], relative_std(sensor_constant(calibration, axis))),
+        |axis| (state.sensor_scale[axis.index()], sensitivity(axis).and_then(Quantity::relative_std)),
         |axis| place(solution, Unknown::SensorScale(axis)),
     );
     let coils = group(
         &observations.coils,
-        |axis| (state.coil_scale[axis.index()], relative_std(coil_constant(calibration, axis))),
+        |axis| (state.coil_scale[axis.index()], coil_constant(axis).and_then(Quantity::relative_std)),
         |axis| place(solution, Unknown::CoilScale(axis)),
     );
     let relative = |members: &[Member]| -> PerAxis<ScaleResult> {
@@ -52,9 +55,8 @@ pub fn describe(
         .chain(std::iter::repeat_n(1.0 / coils.len() as f64, coils.len()))
         .collect();
     let common = result(&all, &weights, &solution.covariance, freedom);
-    let (sensors, coils) = (relative(&sensors), relative(&coils));
-    let verdict = verdict(&sensors, &coils, &common);
-    ScalesResult { sensors, coils, common, verdict }
+    let verdict = verdict(&sensors, &coils, &solution.covariance);
+    ScalesResult { sensors: relative(&sensors), coils: relative(&coils), common, verdict }
 }
 
 /// One scale: its logarithm, the calibration's relative uncertainty, its place among the unknowns.
@@ -111,45 +113,69 @@ fn result(members: &[Member], weights: &[f64], covariance: &Mat<f64>, freedom: f
     }
 }
 
-fn verdict(sensors: &PerAxis<ScaleResult>, coils: &PerAxis<ScaleResult>, common: &ScaleResult) -> String {
-    let named = |kind: &str, axis: Axis| format!("{kind} {axis}");
-    let all = sensors
+/// What the scales say of the calibration, by χ² over everything that can be seen of them.
+///
+/// A single wrong constant moves all relative scales; so each constant is tried as the only one that is off.
+fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> String {
+    let members: Vec<(String, &Member, f64)> = sensors
         .iter()
-        .map(|(axis, scale)| (named("sensor", axis), scale))
-        .chain(coils.iter().map(|(axis, scale)| (named("coil", axis), scale)))
-        .chain(std::iter::once(("the common scale".to_string(), common)));
-    let tested: Vec<(String, &ScaleResult)> = all.filter(|(_, scale)| scale.p_value.is_some()).collect();
-    let count = tested.len() as f64;
-    let far: Vec<String> = tested
+        .map(|member| (format!("sensor {}", member.axis), member, 1.0))
+        .chain(coils.iter().map(|member| (format!("coil {}", member.axis), member, -1.0)))
+        .collect();
+    let count = members.len();
+    // The trade μ → s μ, η → η/s is taken out of the logarithms and of their covariance.
+    let trade = DVector::from_iterator(count, members.iter().map(|(_, _, sign)| *sign)).normalize();
+    let seen = DMatrix::identity(count, count) - &trade * trade.transpose();
+    let scales = &seen * DVector::from_iterator(count, members.iter().map(|(_, member, _)| member.logarithm));
+    let joined = DMatrix::from_fn(count, count, |i, j| {
+        let (a, b) = (members[i].1, members[j].1);
+        let fitted = match (a.place, b.place) {
+            (Some(p), Some(q)) => a.gain * b.gain * covariance[(p, q)],
+            _ => 0.0,
+        };
+        fitted + if i == j { a.calibration_std.powi(2) } else { 0.0 }
+    });
+    let size = joined.diagonal().max();
+    // Along the trade the variance is made large instead of zero: it then says nothing.
+    let regular = &seen * joined * &seen + &trade * trade.transpose() * (1e6 * size);
+    let Some(weight) = regular.try_inverse() else { return "the scales are not determined".into() };
+    let chi_squared = (scales.transpose() * &weight * &scales)[(0, 0)];
+    let freedom = (count - 1) as f64;
+    let p = stats::chi_squared_p(chi_squared, freedom);
+    if p >= DISAGREES_P {
+        return format!(
+            "the readings agree with the sensitivities and coil constants of the calibration (χ² = {chi_squared:.1} of \
+             {freedom}, p = {p:.2})"
+        );
+    }
+    let mut single: Vec<(f64, String)> = members
         .iter()
-        .filter(|(_, scale)| scale.p_value.is_some_and(|p| p * count < DISAGREES_P))
-        .map(|(name, scale)| {
-            format!(
-                "{name} by {:+.0} ppm ({:+.1} sigma)",
-                (scale.value - 1.0) * 1e6,
-                scale.sigmas.unwrap_or(0.0)
-            )
+        .enumerate()
+        .map(|(k, (name, _, _))| {
+            let column = seen.column(k);
+            let information = (column.transpose() * &weight * column)[(0, 0)];
+            let size = (column.transpose() * &weight * &scales)[(0, 0)] / information;
+            let left = chi_squared - size * size * information;
+            (left, format!("{name} by {:+.1} ± {:.1} ppm", size * 1e6, information.sqrt().recip() * 1e6))
         })
         .collect();
-    if far.is_empty() {
-        "the readings agree with the sensitivities and coil constants of the calibration".into()
-    } else {
-        format!(
-            "the readings disagree with the calibration's sensitivities and coil constants: {}",
-            far.join(", ")
-        )
-    }
+    single.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let enough: Vec<&str> = single
+        .iter()
+        .filter(|(left, _)| stats::chi_squared_p(*left, freedom - 1.0) >= DISAGREES_P)
+        .map(|(_, name)| name.as_str())
+        .collect();
+    let explained = match enough.as_slice() {
+        [] => "no single constant explains it".to_string(),
+        [one] => format!("one constant explains it, {one}"),
+        several => format!("any one of these explains it: {}", several.join("; ")),
+    };
+    format!(
+        "the readings disagree with the calibration's sensitivities and coil constants (χ² = {chi_squared:.1} of {freedom}, \
+         p = {p:.1e}); {explained}"
+    )
 }
 
 fn place(solution: &Solution, unknown: Unknown) -> Option<usize> {
     solution.meaning.iter().position(|meaning| *meaning == unknown)
-}
-
-fn sensor_constant(calibration: Option<&Calibration>, axis: Axis) -> Option<&common::Quantity> {
-    let sensor = calibration?.sensors.as_ref()?.get(axis)?;
-    sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref())
-}
-
-fn coil_constant(calibration: Option<&Calibration>, axis: Axis) -> Option<&common::Quantity> {
-    calibration?.coils.as_ref()?.get(axis)?.constant_nt_per_a.as_ref()
 }

@@ -1,17 +1,25 @@
 //! From readings to a solution with its uncertainty.
 
 use common::Document;
-use estimate::influence::Influence;
+use estimate::influence::{self, Influence};
 use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 use faer::Mat;
 use physics::frames::ARCSEC;
 
 use crate::start::{self, Beginning};
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, AxesState, Error, Freedom, Observations, Options, freedom, rank, readings};
+use crate::{
+    AxesProblem, AxesState, Error, Freedom, NoiseSource, Observations, Options, freedom, rank, readings,
+};
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
+/// Rounds in which noise and fit settle.
+const ROUNDS: usize = 30;
+/// Rounding of a reading, as a share of the largest.
+const ROUNDING: f64 = 1e-13;
+/// Noise of a fair reading, as a share of the drive: with it, a direction that is still unknown is so for its orientations.
+const GOOD_NOISE: f64 = 1e-4;
 /// A direction that is known to no better than this is not known, rad.
 const LARGEST_STD: f64 = 3600.0 * ARCSEC;
 
@@ -55,87 +63,80 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let Beginning { state: start, mut findings } = start::begin(document, observations, options)?;
     let freedom = freedom::freedom(document, observations, options)?;
     let problem = AxesProblem::new(observations, &freedom, 1.0);
-    let (count, unknowns) = (problem.readings(), problem.unknowns());
-    let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
-    if count < turns {
-        return Err(Error::RankShort(format!(
-            "{count} readings for the {turns} unknowns of {} sensors and {} coils; drive each coil in each orientation, and \
-             record more orientations",
-            observations.sensors.len(),
-            observations.coils.len()
-        )));
-    }
     let plain = estimate::solve(&problem, start, None, &Iteration::default())?;
-    let unseen = rank::unseen_turns(&problem, &plain);
+    let unseen = rank::unseen_turns(problem.meaning(), &plain.svd);
     if !unseen.is_empty() {
         return Err(Error::RankShort(rank::explain(&problem, &freedom, &plain.state, &unseen)));
     }
-    let doubtful = readings::doubtful(&problem, &plain, observations.declared)?;
+    let known_scale = observations.noise != NoiseSource::Residuals;
+    let doubtful = readings::doubtful(&problem, &plain, known_scale)?;
     let steps = plain.steps.clone();
 
-    let freedom_left = |fit: &Fit<AxesState>, weights: Option<&[f64]>| {
-        let leverage: f64 = fit.svd.leverage()[..count].iter().sum();
-        weights.map_or(count as f64, |weights| weights.iter().sum()) - leverage
-    };
-    let (fit, weights) = estimated(&problem, plain.state, observations.declared, options)?;
-    let degrees_of_freedom = freedom_left(&fit, weights.as_deref());
-    let sum_of_squares = |fit: &Fit<AxesState>| fit.residual[..count].iter().map(|r| r * r).sum::<f64>();
-    let chi_squared = observations.declared.then(|| {
-        let chi_squared = sum_of_squares(&fit);
-        (chi_squared, stats::chi_squared_p(chi_squared, degrees_of_freedom))
+    let mut estimate = estimated(&problem, plain.state, known_scale, options)?;
+    let chi_squared = known_scale.then(|| {
+        (estimate.sum_of_squares, stats::chi_squared_p(estimate.sum_of_squares, estimate.degrees_of_freedom))
     });
-    let scatter = chi_squared.is_none_or(|(_, p)| p < CHI_SQUARED_P && degrees_of_freedom >= 1.0);
-    if scatter && degrees_of_freedom < 0.5 {
-        return Err(Error::RankShort(format!(
-            "{count} readings for {unknowns} unknowns leave none to judge the noise by; declare it in instrument.noise, or \
-             record more orientations"
-        )));
-    }
-    let (mut fit, mut weights, mut noise_factor) = (fit, weights, 1.0);
+    let scatter = chi_squared
+        .is_none_or(|(_, p)| p < CHI_SQUARED_P && estimate.degrees_of_freedom >= 1.0 && estimate.scale > 1.0);
+    let mut noise_factor = 1.0;
     if scatter {
+        if estimate.degrees_of_freedom < 0.5 {
+            return Err(Error::RankShort(format!(
+                "{} readings leave none to judge the noise by; declare it in instrument.noise, or record more orientations",
+                problem.readings()
+            )));
+        }
         // With priors the fit changes with the noise, and the noise with the fit: a few rounds settle it.
-        let rounding = 1e-13 * observations.readings.iter().map(|r| r.value_nt.abs()).fold(0.0, f64::max);
-        for _ in 0..30 {
-            let next = noise_factor * (sum_of_squares(&fit) / freedom_left(&fit, weights.as_deref())).sqrt();
-            let next = next.max(rounding);
+        let largest = observations.readings.iter().map(|r| r.value_nt.abs()).fold(0.0, f64::max);
+        for _ in 0..ROUNDS {
+            let next = (noise_factor * estimate.scale).max(ROUNDING * largest);
             let settled = (next / noise_factor - 1.0).abs() < 1e-6;
             noise_factor = next;
             let problem = AxesProblem::new(observations, &freedom, noise_factor);
-            (fit, weights) = estimated(&problem, fit.state, true, options)?;
+            estimate = estimated(&problem, estimate.fit.state, false, options)?;
             if settled {
                 break;
             }
         }
     }
-    let noise_source = match (chi_squared, scatter) {
-        (None, _) => "residuals".to_string(),
-        (Some(_), false) => "declared".to_string(),
-        (Some((chi_squared, p)), true) => {
-            findings.push(format!(
-                "the readings scatter {noise_factor:.2} times as much as declared (χ² = {chi_squared:.1} for \
-                 {degrees_of_freedom:.0} degrees of freedom, p = {p:.1e}); the uncertainties are scaled up to it"
-            ));
-            "declared, scaled to the residuals".to_string()
-        }
-    };
     let problem = AxesProblem::new(observations, &freedom, noise_factor);
+    let fit = if options.robust { unweighted(&problem, estimate.fit)? } else { estimate.fit };
+    let residuals_nt = problem.residuals_nt(&fit.state);
     let covariance = fit.svd.covariance();
-    check_certainty(&problem, &freedom, &fit.state, &covariance)?;
-    let influence = readings::influence(&problem, &fit, weights.as_deref());
+    check_certainty(&problem, &freedom, &fit.state, &covariance, &residuals_nt)?;
+    let source = match observations.noise {
+        NoiseSource::Declared => "declared",
+        NoiseSource::SineFits => "sine fits",
+        NoiseSource::Residuals => "residuals",
+    };
+    let noise_source = match chi_squared {
+        Some(chi_squared) if scatter => {
+            findings.push(scatters(noise_factor, chi_squared, estimate.degrees_of_freedom));
+            format!("{source}, scaled to the residuals")
+        }
+        Some((chi_squared, p)) if 1.0 - p < CHI_SQUARED_P => {
+            findings.push(format!(
+                "the readings scatter only {:.2} times as much as declared; the declared noise may be too large",
+                (chi_squared / estimate.degrees_of_freedom).sqrt()
+            ));
+            source.to_string()
+        }
+        _ => source.to_string(),
+    };
     Ok(Solution {
         meaning: problem.meaning().to_vec(),
-        residuals_nt: problem.residuals_nt(&fit.state),
         coverage_factor: stats::coverage_factor(
             0.95,
-            if scatter { degrees_of_freedom } else { f64::INFINITY },
+            if scatter { estimate.degrees_of_freedom } else { f64::INFINITY },
         ),
+        influence: influence::influence(&fit, problem.readings(), false, 0),
+        residuals_nt,
         covariance,
         noise_factor,
         noise_source,
         chi_squared,
-        degrees_of_freedom,
-        influence,
-        weights,
+        degrees_of_freedom: estimate.degrees_of_freedom,
+        weights: estimate.weights,
         doubtful,
         steps,
         findings,
@@ -144,52 +145,110 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     })
 }
 
+fn scatters(noise_factor: f64, (chi_squared, p): (f64, f64), degrees_of_freedom: f64) -> String {
+    format!(
+        "the readings scatter {noise_factor:.2} times as much as declared (χ² = {chi_squared:.1} for \
+         {degrees_of_freedom:.0} degrees of freedom, p = {p:.1e}); the uncertainties are scaled up to it. --free-scales \
+         shows whether a constant is off, --robust what single readings do"
+    )
+}
+
+/// A fit with what it says of the noise.
+struct Estimate {
+    fit: Fit<AxesState>,
+    weights: Option<Vec<f64>>,
+    sum_of_squares: f64,
+    degrees_of_freedom: f64,
+    /// Standard deviation of a reading, in units of the one that was put in.
+    scale: f64,
+}
+
 /// A plain fit, or a robust one where it was asked for.
 fn estimated(
     problem: &AxesProblem<'_>,
     start: AxesState,
     known_scale: bool,
     options: &Options,
-) -> Result<(Fit<AxesState>, Option<Vec<f64>>), Error> {
-    if options.robust {
-        let (fit, weights) = robust::solve_robust(problem, start, known_scale, &Iteration::default())?;
-        Ok((fit, Some(weights)))
+) -> Result<Estimate, Error> {
+    let count = problem.readings();
+    let (fit, weights, robust_scale) = if options.robust {
+        let robust = robust::solve_robust(problem, start, known_scale, &Iteration::default())?;
+        (robust.fit, Some(robust.weights), Some(robust.scale))
     } else {
-        Ok((estimate::solve(problem, start, None, &Iteration::default())?, None))
-    }
+        (estimate::solve(problem, start, None, &Iteration::default())?, None, None)
+    };
+    let leverage: f64 = fit.svd.leverage()[..count].iter().sum();
+    let degrees_of_freedom = weights.as_ref().map_or(count as f64, |weights| weights.iter().sum()) - leverage;
+    let sum_of_squares = fit.residual[..count].iter().map(|r| r * r).sum::<f64>();
+    let scale = robust_scale.unwrap_or((sum_of_squares / degrees_of_freedom.max(1e-9)).sqrt());
+    Ok(Estimate { fit, weights, sum_of_squares, degrees_of_freedom, scale })
 }
 
-/// Directions whose uncertainty is beyond all use are refused like a short rank.
+/// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its covariance.
+fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<AxesState>, Error> {
+    let mut residual = vec![0.0; problem.rows()];
+    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
+    problem.linearise(&fit.state, &mut residual, jacobian.as_mut());
+    let svd = estimate::Svd::of(jacobian.as_ref(), Iteration::default().rank_tolerance)?;
+    let cost = residual.iter().map(|r| r * r).sum();
+    Ok(Fit { residual, jacobian, svd, cost, ..fit })
+}
+
+/// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are to blame,
+/// else because the readings do not fit.
 fn check_certainty(
     problem: &AxesProblem<'_>,
     freedom: &Freedom,
     state: &AxesState,
     covariance: &Mat<f64>,
+    residuals_nt: &[f64],
 ) -> Result<(), Error> {
-    let worst = problem
-        .meaning()
-        .iter()
-        .enumerate()
-        .filter(|(_, unknown)| unknown.is_turn())
-        .map(|(place, _)| covariance[(place, place)])
-        .fold(0.0, f64::max);
-    if worst.sqrt() <= LARGEST_STD {
+    let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
+    let worst = turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    if worst <= LARGEST_STD {
         return Ok(());
     }
-    // The weakest combination: a few rounds of the power method on the covariance of the turns.
-    let turns: Vec<bool> = problem.meaning().iter().map(|unknown| unknown.is_turn()).collect();
-    let size = turns.len();
-    let mut vector: Vec<f64> = turns.iter().map(|turn| f64::from(*turn)).collect();
-    for _ in 0..100 {
-        let product: Vec<f64> = (0..size)
-            .map(|i| if turns[i] { (0..size).map(|j| covariance[(i, j)] * vector[j]).sum() } else { 0.0 })
-            .collect();
-        let norm = product.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
-        vector = product.into_iter().map(|x| x / norm).collect();
+    let observations = problem.observations;
+    let readings = &observations.readings;
+    let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    let noise_nt =
+        problem.noise_factor * readings.iter().map(|r| r.std_nt).sum::<f64>() / readings.len() as f64;
+    if worst / noise_nt * GOOD_NOISE * drive <= LARGEST_STD {
+        return Err(Error::RankShort(misfit(observations, residuals_nt, noise_nt, drive)));
     }
-    let explained = rank::explain(problem, freedom, state, &[vector]);
+    // The weakest combination: a few rounds of the power method on the covariance of the turns.
+    let mut weakest = vec![0.0; problem.unknowns()];
+    turns.iter().for_each(|&k| weakest[k] = 1.0);
+    for _ in 0..100 {
+        let mut product = vec![0.0; weakest.len()];
+        for &i in &turns {
+            product[i] = turns.iter().map(|&j| covariance[(i, j)] * weakest[j]).sum();
+        }
+        let norm = product.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
+        weakest = product.into_iter().map(|x| x / norm).collect();
+    }
+    let explained = rank::explain(problem, freedom, state, &[weakest]);
     Err(Error::RankShort(format!(
         "{explained} (formally the rank is full, but a direction would be uncertain by {:.1}°)",
-        worst.sqrt().to_degrees()
+        worst.to_degrees().min(90.0)
     )))
+}
+
+/// The orientations would do, the readings do not belong to them.
+fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, drive: f64) -> String {
+    let rms = |orientation: usize| {
+        let own =
+            observations.readings.iter().zip(residuals_nt).filter(|(r, _)| r.orientation == orientation);
+        let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (_, e)| (sum + e * e, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    };
+    let worst = (0..observations.orientations.len()).max_by(|a, b| rms(*a).total_cmp(&rms(*b))).unwrap_or(0);
+    format!(
+        "the readings do not fit the model: they scatter by {noise_nt:.1} nT where the coils make {drive:.0} nT, most in \
+         orientation {} (\"{}\", {:.1} nT rms). An orientation may be wrong, transposed or at the wrong recording, or a \
+         constant, a frequency or a column; --robust and --free-scales may show which",
+        worst + 1,
+        observations.orientations[worst].recordings[0],
+        rms(worst)
+    )
 }

@@ -121,7 +121,8 @@ fn first_model(
         eta = given("coils", axes.and_then(|axes| axes.coils.as_ref()), "--start=document")?;
     }
     if options.coils == Coils::Known {
-        eta = given("coils", axes.and_then(|axes| axes.coils.as_ref()), "--known-coils")?;
+        let known = axes.and_then(|axes| axes.known_coils.as_ref().or(axes.coils.as_ref()));
+        eta = given("coils", known, "--known-coils")?;
     }
     Ok(AxesState::new(mu, eta, observations.orientations.len()))
 }

@@ -14,8 +14,8 @@ pub struct Freedom {
     pub coil_scale: [Option<f64>; 3],
     /// Whether each orientation may turn within its theodolites' uncertainty.
     pub orientations: bool,
-    /// Standard uncertainty of the residual field (GEO), nT; infinite: free; None: taken as zero.
-    pub residual_field: Option<f64>,
+    /// Standard uncertainty of each component of the residual field (GEO), nT; infinite: free; None: taken as zero.
+    pub residual_field: Option<[f64; 3]>,
     /// Standard uncertainty of each sensor's remaining offset, nT; infinite: free; None: taken as zero.
     pub offsets: [Option<f64>; 3],
 }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// What was found, with ± and units, and what looks wrong.
 pub fn summary(document: &Document) -> String {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    axes.map(describe).unwrap_or_default()
+    axes.map(|axes| describe(axes.subset.as_deref().unwrap_or(axes))).unwrap_or_default()
 }
 
 fn describe(axes: &AxesCalibration) -> String {

@@ -150,7 +150,10 @@ fn known_coils_need_one_orientation_and_any_drives() {
         let options = Options { coils: Coils::Known, ..Options::default() };
         let document = axescal::run(document, &options).expect("directions");
         assert!(sensors_off(&document, &mu) < 15.0, "{}", sensors_off(&document, &mu));
-        assert_eq!(axes(&document).coils, Some(coils), "known coils stay as they were given");
+        assert_eq!(axes(&document).known_coils, Some(coils), "what was given stands beside what came of it");
+        // Run again, the given coils are used and not their own result.
+        let again = axescal::run(document.clone(), &options).expect("directions");
+        assert_eq!(axes(&again), axes(&document));
         // The theodolites' 1" and the coils' 1" are always there. On top comes the noise: at worst each direction rests on
         // three differences to one zero drive, √2 nT, against the smallest singular value of the drives.
         let std = axes(&document)
@@ -221,4 +224,36 @@ fn noiseless_known_coils_equal_the_closed_form() {
     let found = matrix(&axes(&document).sensors.as_ref().and_then(|part| part.matrix).expect("a matrix"));
     assert!((found - closed).amax() < 1e-9, "{found} {closed}");
     assert!((found - mu).amax() < 1e-9);
+}
+
+#[test]
+fn one_wrong_constant_is_named() {
+    let wrong = |change: fn(&mut common::Calibration)| {
+        let mut plan = plan();
+        let mut truth = plan.calibration.clone().expect("constants");
+        change(&mut truth);
+        plan.truth.calibration = Some(truth);
+        let document = simulated(plan, &Matrix3::identity(), &Matrix3::identity());
+        let document =
+            axescal::run(document, &Options { free_scales: true, ..Options::default() }).expect("directions");
+        axes(&document).scales.as_ref().expect("scales").verdict.clone()
+    };
+    let verdict = wrong(|_| {});
+    assert!(verdict.starts_with("the readings agree"), "{verdict}");
+    let named = |verdict: &str, name: &str, ppm: f64| {
+        let found = verdict.split(&format!("one constant explains it, {name} by ")).nth(1).expect(verdict);
+        let numbers: Vec<f64> = found.split([' ', '±']).filter_map(|word| word.parse().ok()).collect();
+        assert!((numbers[0] - ppm).abs() < 4.0 * numbers[1] && numbers[1] < 20.0, "{verdict}");
+    };
+    let verdict = wrong(|truth| {
+        let coil = truth.coils.as_mut().and_then(|coils| coils.x.as_mut()).expect("coil x");
+        coil.constant_nt_per_a = Some(common::Quantity::Bare(41234.5 * 1.0002));
+    });
+    named(&verdict, "coil x", 200.0);
+    // A sensor of more nT for each volt reads less.
+    let verdict = wrong(|truth| {
+        let sensor = truth.sensors.as_mut().and_then(|sensors| sensors.z.as_mut()).expect("sensor z");
+        sensor.sensitivity_nt_per_v = Some(common::Quantity::Bare(6402.6 * 1.001));
+    });
+    named(&verdict, "sensor z", -1000.0);
 }

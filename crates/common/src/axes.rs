@@ -13,6 +13,9 @@ pub struct AxesCalibration {
     /// η: columns = unit vectors of the coils' axes in GEO.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coils: Option<AxesDirections>,
+    /// η as it was given before the readings spoke, where coils were taken as known; `coils` is then what both say together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub known_coils: Option<AxesDirections>,
     /// Covariance between `sensors.matrix` (rows) and `coils.matrix` (columns), each in its `covariance_order`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_covariance: Option<Vec<Vec<f64>>>,
@@ -28,6 +31,9 @@ pub struct AxesCalibration {
     /// One sensor with one coil: the constrained solution beside the report's unconstrained one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pair: Option<PairComparison>,
+    /// The result for one sensor or one coil alone, beside the result for all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub subset: Option<Box<AxesCalibration>>,
     /// Each orientation: its residuals and the small rotation by which it was corrected.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub orientations: Vec<OrientationResult>,
@@ -182,7 +188,7 @@ pub struct AxesFit {
     pub unknowns: usize,
     /// Rank that the readings gave.
     pub rank: usize,
-    /// Singular values of the weighted problem, largest first.
+    /// Singular values of the weighted problem with columns of unit length, largest first.
     pub singular_values: Vec<f64>,
     /// Degrees of freedom left.
     pub degrees_of_freedom: f64,
@@ -190,7 +196,7 @@ pub struct AxesFit {
     pub rms_nt: f64,
     /// Standard deviation of a reading behind the uncertainties, nT.
     pub noise_nt: f64,
-    /// Where that comes from: `declared`, `residuals`, or `declared, scaled to the residuals`.
+    /// Where that comes from: `declared`, `sine fits` or `residuals`; the first two may be `…, scaled to the residuals`.
     pub noise_source: String,
     /// χ² of the residuals over the declared noise, where it is declared.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AxesCalibration, Extra, PerAxis, Quantity};
+use crate::{AxesCalibration, Axis, Extra, PerAxis, Quantity};
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -21,6 +21,18 @@ pub struct Calibration {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl Calibration {
+    /// What is known of a coil.
+    pub fn coil(&self, axis: Axis) -> Option<&CoilCalibration> {
+        self.coils.as_ref()?.get(axis)
+    }
+
+    /// What is known of a sensor.
+    pub fn sensor(&self, axis: Axis) -> Option<&SensorCalibration> {
+        self.sensors.as_ref()?.get(axis)
+    }
 }
 
 /// One coil: B = k I + B0, along the coil's own axis.

@@ -51,7 +51,8 @@ impl Document {
         Ok(document)
     }
 
-    fn check(&self) -> Result<(), Error> {
+    /// Ids are unique, and the columns of a recording have one length.
+    pub fn check(&self) -> Result<(), Error> {
         let mut seen = HashMap::new();
         for (index, recording) in self.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");

@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::quantity::not_negative;
 use crate::{Extra, PerAxis};
 
 /// The coil facility as its makers state it.
@@ -13,14 +14,15 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub voltmeter: Option<Voltmeter>,
     /// Standard uncertainty of one theodolite reading, arcsec. Absent: orientations are taken as exact.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub theodolite_arcsec: Option<f64>,
     /// Standard uncertainty of the scalar reference, nT.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
     pub reference_std_nt: Option<f64>,
     /// Standard uncertainty of each component of the field that nulling leaves, nT (GEO).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub residual_field_std_nt: Option<f64>,
     /// Keys that this version does not know.
@@ -35,7 +37,8 @@ pub struct Coil {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resistor_ohm: Option<f64>,
     /// Relative standard uncertainty of that resistance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
     pub resistor_relative_uncertainty: Option<f64>,
     /// Largest field that the coil makes, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -49,10 +52,12 @@ pub struct Coil {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Voltmeter {
     /// Absolute standard uncertainty, V.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
     pub absolute_v: Option<f64>,
     /// Relative standard uncertainty.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
     pub relative: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]

@@ -1,6 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::quantity::not_negative;
 use crate::{Axis, Extra, PerAxis};
 
 /// The magnetometer as its makers state it.
@@ -19,11 +20,11 @@ pub struct Instrument {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_sensitivity_nt_per_v: Option<f64>,
     /// Width of one code of the converter, V (nominal).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub quantisation_v: Option<f64>,
     /// Width of one code for instruments that give field, nT (nominal).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub quantisation_nt: Option<f64>,
     /// Noise of a reading: the same for all sensors, or keyed by sensor. Absent: estimated from the recording.
@@ -73,18 +74,19 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Noise {
     /// White noise of one reading, nT rms.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub white_rms_nt: Option<f64>,
     /// Flicker power density at 1 Hz, nT²/Hz.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub flicker_nt2_per_hz_at_1hz: Option<f64>,
     /// Exponent α of the flicker noise (1 where absent).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flicker_exponent: Option<f64>,
     /// Relative standard uncertainty of this declaration.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
     pub relative_std: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]

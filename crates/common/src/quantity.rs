@@ -1,5 +1,5 @@
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::{Axis, Extra, PerAxis};
 
@@ -8,7 +8,7 @@ pub type Matrix3x3 = [[f64; 3]; 3];
 
 /// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number}")]
+#[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number that is not negative}")]
 pub enum Quantity {
     /// `41234.5`
     Bare(f64),
@@ -17,7 +17,8 @@ pub enum Quantity {
         /// The estimate.
         value: f64,
         /// Its standard uncertainty (one sigma), in the same unit.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+        #[schemars(range(min = 0.0))]
         std: Option<f64>,
         /// Keys that this version does not know.
         #[serde(flatten)]
@@ -45,6 +46,11 @@ impl Quantity {
             Quantity::Stated { std, .. } => *std,
         }
     }
+
+    /// Standard uncertainty over the size of the value, where one is stated that is more than rounding.
+    pub fn relative_std(&self) -> Option<f64> {
+        self.std().map(|std| std / self.value().abs()).filter(|relative| *relative > 1e-14)
+    }
 }
 
 /// One number for all three axes, or one for each.
@@ -64,5 +70,15 @@ impl OneOrEach {
             OneOrEach::One(value) => Some(*value),
             OneOrEach::Each(each) => each.get(axis).copied(),
         }
+    }
+}
+
+/// Reads a number that may be absent but not negative.
+pub(crate) fn not_negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    match Option::<f64>::deserialize(deserializer)? {
+        Some(value) if value < 0.0 => {
+            Err(de::Error::invalid_value(de::Unexpected::Float(value), &"a number that is not negative"))
+        }
+        value => Ok(value),
     }
 }

@@ -27,7 +27,7 @@ pub struct Recording {
     #[serde(default)]
     pub conditions: Conditions,
     /// The readings, by column name; all of one length.
-    #[serde(default, skip_serializing_if = "Columns::is_empty")]
+    #[serde(default, skip_serializing_if = "Columns::is_empty", deserialize_with = "unique_columns")]
     pub columns: Columns,
     /// Instead of `columns`: a file beside the document, as a relative path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,6 +57,30 @@ impl Recording {
     }
 }
 
+/// Columns by name; a name that comes twice is an error and not a choice.
+fn unique_columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns, D::Error> {
+    struct Visitor;
+    impl<'de> de::Visitor<'de> for Visitor {
+        type Value = Columns;
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("an object of columns")
+        }
+        fn visit_map<M: de::MapAccess<'de>>(self, mut map: M) -> Result<Columns, M::Error> {
+            let mut columns = Columns::new();
+            while let Some((name, column)) = map.next_entry::<String, Column>()? {
+                if columns.contains_key(&name) {
+                    return Err(de::Error::custom(format!(
+                        "the column `{name}` twice, expected each name once"
+                    )));
+                }
+                columns.insert(name, column);
+            }
+            Ok(columns)
+        }
+    }
+    deserializer.deserialize_map(Visitor)
+}
+
 /// What held throughout a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Conditions {
@@ -72,6 +96,10 @@ pub struct Conditions {
     /// The theodolites' readings, from which R is made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub theodolite: Option<Theodolite>,
+    /// Name of the setting of the block. Recordings of one orientation share a setting, and with it the errors of the
+    /// theodolites; give names where the same orientation was set anew.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub setting: Option<String>,
     /// Frequency of an AC drive, one for all coils, Hz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drive_hz: Option<f64>,

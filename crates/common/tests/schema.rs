@@ -34,7 +34,7 @@ fn committed_schema_and_fixtures() {
     }
     let committed: Value =
         serde_json::from_str(&fs::read_to_string(&file).expect("committed")).expect("JSON");
-    assert_eq!(committed, schema, "the types have changed: run with BLESS=1, read the difference, commit it");
+    assert!(committed == schema, "the types have changed: run with BLESS=1, read the difference, commit it");
 
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     let mut all = Vec::new();

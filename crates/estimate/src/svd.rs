@@ -5,13 +5,18 @@ use faer::{Mat, MatRef};
 
 use crate::Error;
 
-/// A = U diag(σ) Vᵀ for an m×n matrix, σ falling. The decomposition is faer's; that
-/// Σσ² = ‖A‖² holds is checked at every call.
+/// Parts of null directions smaller than this are rounding.
+const UNSEEN: f64 = 1e-4;
+
+/// A D⁻¹ = U diag(σ) Vᵀ for an m×n matrix, σ falling, with D = the lengths of A's columns: unknowns of unlike units
+/// (rad beside nT) and priors of unlike sharpness then weigh the same in the rank. The decomposition is
+/// faer's; that Σσ² = ‖A D⁻¹‖² holds is checked at every call.
 #[derive(Clone, Debug)]
 pub struct Svd {
     u: Mat<f64>,
     sigma: Vec<f64>,
     v: Mat<f64>,
+    lengths: Vec<f64>,
     rank: usize,
 }
 
@@ -19,15 +24,18 @@ impl Svd {
     /// Decomposes `a`; singular values below `tolerance` times the largest count as zero.
     pub fn of(a: MatRef<'_, f64>, tolerance: f64) -> Result<Self, Error> {
         let failed = |reason: String| Error::Decomposition { rows: a.nrows(), columns: a.ncols(), reason };
-        let norm_squared = a.squared_norm_l2();
-        if !norm_squared.is_finite() {
-            return Err(failed(format!("its squared norm is {norm_squared}")));
+        let lengths: Vec<f64> = (0..a.ncols())
+            .map(|j| a.col(j).norm_l2())
+            .map(|length| if length == 0.0 { 1.0 } else { length })
+            .collect();
+        if let Some(column) = lengths.iter().position(|length| !length.is_finite()) {
+            return Err(failed(format!("the length of column {column} is {}", lengths[column])));
         }
         // A wide matrix is decomposed with rows of zeros below, so that V has all n columns and the
         // null directions come with it.
         let (m, n) = (a.nrows(), a.ncols());
-        let tall =
-            if m < n { Mat::from_fn(n, n, |i, j| if i < m { a[(i, j)] } else { 0.0 }) } else { a.to_owned() };
+        let tall = Mat::from_fn(m.max(n), n, |i, j| if i < m { a[(i, j)] / lengths[j] } else { 0.0 });
+        let norm_squared = tall.squared_norm_l2();
         let svd = tall.thin_svd().map_err(|error| failed(format!("{error:?}")))?;
         let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
         let sum: f64 = sigma.iter().map(|s| s * s).sum();
@@ -38,7 +46,7 @@ impl Svd {
         }
         let cutoff = tolerance * sigma.first().copied().unwrap_or(0.0);
         let rank = sigma.iter().filter(|s| **s > cutoff).count();
-        Ok(Svd { u: svd.U().subrows(0, m).to_owned(), sigma, v: svd.V().to_owned(), rank })
+        Ok(Svd { u: svd.U().subrows(0, m).to_owned(), sigma, v: svd.V().to_owned(), lengths, rank })
     }
 
     /// Number of singular values that count.
@@ -46,12 +54,13 @@ impl Svd {
         self.rank
     }
 
-    /// The singular values, largest first.
+    /// The singular values of the matrix with columns of unit length, largest first.
     pub fn sigma(&self) -> &[f64] {
         &self.sigma
     }
 
-    /// Minimum-norm least-squares solution of A x = b: x = V σ⁻¹ Uᵀ b over the values that count.
+    /// Least-squares solution of A x = b, x = D⁻¹ V σ⁻¹ Uᵀ b over the values that count: of all solutions the one with
+    /// the least norm in units of 1/D.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.v.nrows()];
         for k in 0..self.rank {
@@ -61,18 +70,41 @@ impl Svd {
                 *x += projection * v;
             }
         }
+        x.iter_mut().zip(&self.lengths).for_each(|(x, length)| *x /= length);
         x
     }
 
-    /// (AᵀA)⁺ = V σ⁻² Vᵀ: the covariance of the solution for rows of unit variance.
+    /// D⁻¹ V σ⁻² Vᵀ D⁻¹: the covariance of the solution for rows of unit variance.
     pub fn covariance(&self) -> Mat<f64> {
-        let scaled = Mat::from_fn(self.v.nrows(), self.rank, |i, k| self.v[(i, k)] / self.sigma[k]);
+        let scaled = Mat::from_fn(self.v.nrows(), self.rank, |i, k| {
+            self.v[(i, k)] / (self.sigma[k] * self.lengths[i])
+        });
         &scaled * scaled.transpose()
     }
 
-    /// Unit vectors of the unknowns that A does not see.
-    pub fn null_directions(&self) -> Vec<Vec<f64>> {
-        (self.rank..self.v.ncols()).map(|k| self.v.col_as_slice(k).to_vec()).collect()
+    /// Directions of the unknowns that A does not see, as far as they show among the unknowns of `subset`: a basis
+    /// of their part there, one direction (over all unknowns, zero outside the subset) for each way in which
+    /// the subset may move unseen.
+    pub fn unseen(&self, subset: &[usize]) -> Vec<Vec<f64>> {
+        let null = self.v.ncols() - self.rank;
+        if null == 0 || subset.is_empty() {
+            return Vec::new();
+        }
+        let part = Mat::from_fn(subset.len(), null, |i, k| self.v[(subset[i], self.rank + k)]);
+        let Ok(svd) = part.thin_svd() else { return Vec::new() };
+        let sigma = svd.S().column_vector();
+        (0..sigma.nrows())
+            .filter(|k| sigma[*k] > UNSEEN)
+            .map(|k| {
+                let mut direction = vec![0.0; self.v.nrows()];
+                for (i, &unknown) in subset.iter().enumerate() {
+                    direction[unknown] = svd.U()[(i, k)] / self.lengths[unknown];
+                }
+                let norm = direction.iter().map(|d| d * d).sum::<f64>().sqrt();
+                direction.iter_mut().for_each(|d| *d /= norm);
+                direction
+            })
+            .collect()
     }
 
     /// Leverage of each row: the diagonal of A A⁺, the share of its own prediction that it decides.
@@ -127,7 +159,7 @@ mod tests {
             let a = &left * &right;
             let svd = Svd::of(a.as_ref(), 1e-9).expect("finite");
             prop_assert!(svd.rank() <= rank);
-            let null = svd.null_directions();
+            let null = svd.unseen(&(0..columns).collect::<Vec<_>>());
             prop_assert_eq!(null.len(), columns - svd.rank());
             for direction in null {
                 for i in 0..rows {

@@ -109,11 +109,12 @@ impl<'a> Context<'a> {
 
     /// A column that `who` cannot do without.
     pub fn column(&self, name: &str, who: &str) -> Result<&'a [f64], Error> {
-        self.recording.column(name).ok_or_else(|| Error::Missing {
-            recording: self.recording.id.clone(),
-            who: who.into(),
-            what: format!("the column `{name}`"),
-        })
+        self.recording.column(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
+    }
+
+    /// The error that `who` lacks `what`.
+    pub fn missing(&self, who: &str, what: &str) -> Error {
+        Error::Missing { recording: self.recording.id.clone(), who: who.into(), what: what.into() }
     }
 }
 

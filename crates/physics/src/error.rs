@@ -46,3 +46,19 @@ pub enum Error {
         effects: String,
     },
 }
+
+impl Error {
+    /// The error at a JSON path of the document or plan that it is about.
+    pub fn at(self, path: &str) -> common::Error {
+        match self {
+            Error::NotARotation { found, expected } => common::Error::document(path, found, expected),
+            Error::Unknown { index, found, expected } => {
+                common::Error::document(format!("{path}.effects[{index}]"), found, expected)
+            }
+            Error::Missing { who, what, .. } => {
+                common::Error::document(path, format!("nothing that {who} could use"), what)
+            }
+            other @ Error::NotInvertible { .. } => common::Error::Unanswerable(other.to_string()),
+        }
+    }
+}

@@ -42,6 +42,13 @@ impl Orientation {
         nominal: Option<&Matrix3x3>,
         theodolite_rad: Option<f64>,
     ) -> Result<Self, Error> {
+        let all = [angles.phi_x_rad, angles.theta_x_rad, angles.phi_y_rad, angles.theta_y_rad];
+        if let Some(angle) = all.iter().find(|angle| angle.abs() > std::f64::consts::TAU) {
+            return Err(Error::NotARotation {
+                found: format!("an angle of {angle} rad, more than a whole turn"),
+                expected: "theodolite angles in rad; these may be degrees".into(),
+            });
+        }
         let x = Vector3::new(
             angles.phi_x_rad.cos() * angles.theta_x_rad.sin(),
             angles.phi_x_rad.sin() * angles.theta_x_rad.sin(),
@@ -148,6 +155,17 @@ pub fn turned<T: Real>(direction: &Vector3<f64>, turn: [T; 2]) -> Vector3<T> {
 /// The angle between two directions, rad; exact also where they nearly agree.
 pub fn angle(a: &Vector3<f64>, b: &Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
+}
+
+/// Rotations from a list of matrices; an error says which of the list it is about.
+pub fn rotations(list: &[Matrix3x3], path: &str) -> Result<Vec<Matrix3<f64>>, common::Error> {
+    list.iter()
+        .enumerate()
+        .map(|(index, rows)| {
+            let orientation = Orientation::from_matrix(rows, None);
+            orientation.map(|given| given.rotation).map_err(|error| error.at(&format!("{path}[{index}]")))
+        })
+        .collect()
 }
 
 /// The 24 rotations of a cube, the identity first.

@@ -29,5 +29,5 @@ pub use context::{Context, References, Unit, orientation};
 pub use effect::{Effect, EffectInstance, ParameterInfo, Place, Real, Surroundings};
 pub use error::Error;
 pub use inverse::field_in_sen;
-pub use model::{Basic, CoilConstants, SensorConstants};
+pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};
 pub use reading::{Reading, field_geo, parallel, reading};

@@ -1,6 +1,6 @@
 //! The constants of the basic chain, as the document states them.
 
-use common::{Axis, Calibration, Document};
+use common::{Axis, Calibration, Document, Quantity, SensorCalibration};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::frames;
@@ -44,7 +44,7 @@ impl Basic<f64> {
     pub fn of(document: &Document, unit: Unit) -> Self {
         let empty = Calibration::default();
         let calibration = document.calibration.as_ref().unwrap_or(&empty);
-        let value = |quantity: Option<&common::Quantity>| quantity.map(common::Quantity::value);
+        let value = |quantity: Option<&Quantity>| quantity.map(Quantity::value);
         let mut basic = Basic {
             coils: [CoilConstants { constant_nt_per_a: 0.0, offset_nt: 0.0 }; 3],
             eta: Matrix3::identity(),
@@ -52,23 +52,18 @@ impl Basic<f64> {
             sensors: [SensorConstants { sensitivity: 1.0, offset_nt: 0.0 }; 3],
         };
         for axis in Axis::ALL {
-            if let Some(coil) = calibration.coils.as_ref().and_then(|coils| coils.get(axis)) {
+            if let Some(coil) = calibration.coil(axis) {
                 basic.coils[axis.index()] = CoilConstants {
                     constant_nt_per_a: value(coil.constant_nt_per_a.as_ref()).unwrap_or(0.0),
                     offset_nt: value(coil.offset_nt.as_ref()).unwrap_or(0.0),
                 };
             }
-            let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis));
+            let sensor = calibration.sensor(axis);
             let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
             basic.sensors[axis.index()] = SensorConstants {
-                sensitivity: match unit {
-                    Unit::Volt => {
-                        value(sensor.and_then(|s| s.sensitivity_nt_per_v.as_ref())).or(nominal).unwrap_or(1.0)
-                    }
-                    Unit::Nanotesla => {
-                        value(sensor.and_then(|s| s.sensitivity_nt_per_nt.as_ref())).unwrap_or(1.0)
-                    }
-                },
+                sensitivity: value(sensor.and_then(|sensor| sensitivity(sensor, unit)))
+                    .or(nominal.filter(|_| unit == Unit::Volt))
+                    .unwrap_or(1.0),
                 offset_nt: value(sensor.and_then(|s| s.offset_nt.as_ref())).unwrap_or(0.0),
             };
         }
@@ -94,6 +89,14 @@ impl Basic<f64> {
                 offset_nt: T::from(sensor.offset_nt),
             }),
         }
+    }
+}
+
+/// The sensitivity that goes with readings of a unit.
+pub fn sensitivity(sensor: &SensorCalibration, unit: Unit) -> Option<&Quantity> {
+    match unit {
+        Unit::Volt => sensor.sensitivity_nt_per_v.as_ref(),
+        Unit::Nanotesla => sensor.sensitivity_nt_per_nt.as_ref(),
     }
 }
 

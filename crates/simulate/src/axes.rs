@@ -14,6 +14,8 @@ pub struct Planned {
     pub rotation: Matrix3<f64>,
     /// JSON path in the plan.
     pub path: String,
+    /// The sensors that are read.
+    pub sensors: Vec<Axis>,
 }
 
 /// The settings of every recording. `currents` turns a field along each coil, nT, into the current that
@@ -23,6 +25,7 @@ pub fn plan(
     path: &str,
     seed: u64,
     theodolite_arcsec: f64,
+    sensors: &[Axis],
     currents: impl Fn(Vector3<f64>) -> Vector3<f64>,
 ) -> Result<Vec<Planned>, Error> {
     let mut planned = Vec::new();
@@ -53,6 +56,7 @@ pub fn plan(
             },
             rotation,
             path: orientation_path.clone(),
+            sensors: sensors.to_vec(),
         };
         match &axes.ac {
             None => {
@@ -119,17 +123,7 @@ fn orientations(given: &Orientations, path: &str) -> Result<Vec<Matrix3<f64>>, E
             format!("\"{name}\""),
             "\"cube\", \"nasa_table_3\", or a list of 3x3 rotations",
         )),
-        Orientations::List(list) => list
-            .iter()
-            .enumerate()
-            .map(|(index, rows)| match frames::Orientation::from_matrix(rows, None) {
-                Ok(orientation) => Ok(orientation.rotation),
-                Err(physics::Error::NotARotation { found, expected }) => {
-                    Err(Error::document(format!("{path}.orientations[{index}]"), found, expected))
-                }
-                Err(other) => Err(Error::Request(other.to_string())),
-            })
-            .collect(),
+        Orientations::List(list) => frames::rotations(list, &format!("{path}.orientations")),
     }
 }
 

@@ -20,13 +20,7 @@ impl From<Error> for common::Error {
     fn from(error: Error) -> Self {
         match error {
             Error::Plan(error) => error,
-            Error::Physics { path, source: physics::Error::NotARotation { found, expected } } => {
-                common::Error::document(path, found, expected)
-            }
-            Error::Physics { source: physics::Error::Unknown { index, found, expected }, .. } => {
-                common::Error::document(format!("truth.model.effects[{index}]"), found, expected)
-            }
-            Error::Physics { path, source } => common::Error::Request(format!("{path}: {source}")),
+            Error::Physics { path, source } => source.at(&path),
         }
     }
 }

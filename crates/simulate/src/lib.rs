@@ -5,6 +5,7 @@
 
 mod axes;
 mod campaign;
+mod check;
 mod error;
 mod noise;
 mod plan;

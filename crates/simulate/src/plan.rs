@@ -1,12 +1,11 @@
-use common::{
-    Axis, Calibration, Columns, Conditions, Extra, Facility, Instrument, Matrix3x3, Model, PerAxis,
-};
+use common::{Axis, Calibration, Columns, Conditions, Facility, Instrument, Matrix3x3, Model, PerAxis};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What is to be simulated: the facility and the instrument as they are stated, what they truly are,
 /// and the procedures in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Plan {
     /// Format version, 1.
     pub fluxcal: u64,
@@ -31,13 +30,11 @@ pub struct Plan {
     pub truth: TruthPlan,
     /// The procedures.
     pub procedures: Vec<Procedure>,
-    /// Keys that this version does not know.
-    #[serde(flatten)]
-    pub extra: Extra,
 }
 
 /// The truth behind the recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct TruthPlan {
     /// True constants and axes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,9 +45,6 @@ pub struct TruthPlan {
     /// Field at the sensors with no drive, GEO, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_field_nt: Option<PerAxis<f64>>,
-    /// Keys that this version does not know.
-    #[serde(flatten)]
-    pub extra: Extra,
 }
 
 /// One procedure of a plan.
@@ -65,6 +59,7 @@ pub enum Procedure {
 
 /// Turn the block through orientations and drive the coils in each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct AxesProcedure {
     /// Beginning of the recordings' ids.
     pub id: String,
@@ -78,9 +73,9 @@ pub struct AxesProcedure {
     /// Readings of each drive.
     #[serde(default = "one")]
     pub repeats: usize,
-    /// The sensors that are read; absent: all.
-    #[serde(default = "all_axes")]
-    pub sensors: Vec<Axis>,
+    /// The sensors that are read; absent: those of the instrument, else all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Vec<Axis>>,
     /// Write the theodolites' angles, not the matrix.
     #[serde(default)]
     pub theodolite_angles: bool,
@@ -94,6 +89,7 @@ pub struct AxesProcedure {
 
 /// A sinusoidal drive of all coils in phase (NASA, "Errors in Magnetic Axis Orientation").
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct AcDrive {
     /// Frequency, Hz.
     pub hz: f64,
@@ -128,6 +124,7 @@ pub enum Drive {
 
 /// A recording with columns of its own; the readings are added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct FreeRun {
     /// The recording's id.
     pub id: String,
@@ -140,10 +137,6 @@ pub struct FreeRun {
 
 fn one_coil_after_the_other() -> Vec<Drive> {
     Axis::ALL.iter().map(|axis| Drive::Named(axis.to_string())).collect()
-}
-
-fn all_axes() -> Vec<Axis> {
-    Axis::ALL.to_vec()
 }
 
 fn one() -> usize {

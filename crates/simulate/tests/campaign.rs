@@ -83,6 +83,32 @@ fn seeds_and_channels() {
 }
 
 #[test]
+fn what_the_truth_does_not_mention_is_as_stated() {
+    let mut partial = plan();
+    partial["truth"]["calibration"]["coils"] = json!({"x": {"constant_nt_per_a": 41000.0}});
+    let (all, partial) = (document(&plan()), document(&partial));
+    let reading = |document: &Value, row: usize| {
+        document["recordings"][0]["columns"]["sensor_x_v"][row].as_f64().expect("a reading")
+    };
+    // Row 1 drives coil x, row 3 coil y.
+    assert!((reading(&partial, 1) / reading(&all, 1) - 41000.0 / 41234.5).abs() < 1e-4);
+    assert_eq!(reading(&partial, 3), reading(&all, 3));
+}
+
+#[test]
+fn without_reference_conditions_the_mean_temperature_is_the_reference() {
+    let simulated = document(&json!({
+        "fluxcal": 1,
+        "calibration": {"coils": {"x": {"constant_nt_per_a": 40000.0}}},
+        "truth": {"model": {"effects": [{"effect": "offset_temperature_lag", "sensor": "x",
+            "parameters": {"coefficient_nt_per_k": 1.0, "lag_s": 1e-6}}]}},
+        "procedures": [{"procedure": "free_run", "id": "run", "columns": {
+            "time_s": [0.0, 600.0], "coil_x_a": [0.0, 0.0], "sensor_temperature_c": [20.0, 26.0]}}]
+    }));
+    assert_eq!(simulated["recordings"][0]["columns"]["sensor_x_nt"][0], json!(-3.0));
+}
+
+#[test]
 fn effects_act_on_the_readings() {
     let run = |effects: Value| {
         document(&json!({
@@ -113,7 +139,7 @@ fn effects_act_on_the_readings() {
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
     type Fault = fn(&mut Value);
-    let cases: [(Fault, &str); 12] = [
+    let cases: [(Fault, &str); 19] = [
         (
             |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
             "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",
@@ -137,7 +163,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
-            "procedures[0].ac: found 1.000e12 samples in one recording; expected at most",
+            "procedures[0].ac: found 1.000e12 samples in one recording; expected at least 5 and at most 2e7",
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
@@ -158,7 +184,41 @@ fn faulty_plans_are_refused_with_their_place() {
             |plan| plan["instrument"]["noise"]["flicker_nt2_per_hz_at_1hz"] = json!(1e-4),
             "instrument.noise.flicker_nt2_per_hz_at_1hz: found flicker noise",
         ),
-        (|plan| plan["procedures"][0]["procedure"] = json!("dance"), "procedures[0]"),
+        (
+            |plan| plan["procedures"][0]["procedure"] = json!("dance"),
+            "procedures[0].procedure: found unknown variant `dance`",
+        ),
+        (
+            |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
+            "procedures[0]: found 1.920e11 rows so far; expected at most 2e7",
+        ),
+        (|plan| plan["procedures"][0]["drives"] = json!([]), "procedures[0].drives: found an empty list"),
+        (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),
+        (
+            |plan| plan["procedures"][0]["drive_nT"] = json!(1),
+            "procedures[0]: found unknown field `drive_nT`; expected one of",
+        ),
+        (
+            |plan| {
+                let first = plan["procedures"][0].clone();
+                plan["procedures"].as_array_mut().expect("a list").push(first);
+            },
+            "recordings[7].id: found \"axes-1\", which recordings[0] has already",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] = json!({"procedure": "free_run", "id": "run",
+                    "columns": {"time_s": [0.0, 1.0], "coil_x_a": [1.0]}});
+            },
+            "recordings[0].columns.coil_x_a: found 1 rows where another column has 2",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_a": [9.0]}});
+            },
+            "procedures[0].columns.coil_x_a: found 371110.5 nT on coil x; expected at most 60000 nT",
+        ),
     ];
     for (fault, message) in cases {
         let mut plan = plan();

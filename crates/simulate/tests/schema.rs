@@ -12,7 +12,7 @@ fn check(schema: Value, file: &str) -> Value {
     }
     let committed: Value =
         serde_json::from_str(&fs::read_to_string(&path).expect("committed")).expect("JSON");
-    assert_eq!(committed, schema, "the types have changed: run with BLESS=1, read the difference, commit it");
+    assert!(committed == schema, "the types have changed: run with BLESS=1, read the difference, commit it");
     schema
 }
 

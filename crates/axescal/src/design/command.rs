@@ -94,16 +94,7 @@ fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, common::Error> {
             path.display()
         ),
     })?;
-    list.iter()
-        .enumerate()
-        .map(|(index, rows)| match frames::Orientation::from_matrix(rows, None) {
-            Ok(orientation) => Ok(orientation.rotation),
-            Err(physics::Error::NotARotation { found, expected }) => {
-                Err(common::Error::document(format!("{}[{index}]", path.display()), found, expected))
-            }
-            Err(other) => Err(common::Error::Request(other.to_string())),
-        })
-        .collect()
+    frames::rotations(&list, &path.display().to_string())
 }
 
 fn words(design: &Design) -> String {

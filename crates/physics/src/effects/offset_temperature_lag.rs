@@ -30,7 +30,10 @@ impl Effect for OffsetTemperatureLag {
         let context = around.context;
         let time = context.times(Self::NAME)?;
         let temperature = context.column("sensor_temperature_c", Self::NAME)?;
-        let reference = context.references.sensor_c.unwrap_or(0.0);
+        let reference = context
+            .references
+            .sensor_c
+            .ok_or_else(|| context.missing(Self::NAME, "a reference temperature"))?;
         let lagged = first_order_lag(time, temperature, parameters[1], None);
         for (value, temperature) in signal.iter_mut().zip(lagged) {
             value[axis.index()] += parameters[0] * (temperature - reference);
