@@ -38,6 +38,11 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
         )
         .into());
     }
+    for axis in Axis::ALL {
+        if ["a", "v"].iter().all(|unit| recording.axis_column("coil", axis, unit).is_some()) {
+            return Err(missing(format!("coil_{axis}_a or coil_{axis}_v, not both")).into());
+        }
+    }
     let in_unit =
         |unit: &str| Axis::ALL.iter().any(|axis| recording.axis_column("sensor", *axis, unit).is_some());
     if in_unit("v") && in_unit("nt") {

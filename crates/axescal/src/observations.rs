@@ -115,7 +115,7 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
         let path = format!("recordings[{index}]");
         checks::columns(recording, &path, &all.sensors)?;
         let context = Context::new(document, recording, references)
-            .map_err(|source| Error::Physics { path: orientation_path(&path, recording), source })?;
+            .map_err(|source| Error::Physics { path: physics_path(&path, recording, &source), source })?;
         all.unit = context.unit;
         let basic = checks::constants(document, recording, &context, &path, &mut all)?;
         let same = conditions.iter().position(|seen| {
@@ -152,7 +152,11 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
     Ok(all)
 }
 
-fn orientation_path(path: &str, recording: &Recording) -> String {
+/// The path that an error of the forward model is about: the orientation, where that is no rotation.
+fn physics_path(path: &str, recording: &Recording, error: &physics::Error) -> String {
+    if !matches!(error, physics::Error::NotARotation { .. }) {
+        return path.to_string();
+    }
     let key = if recording.conditions.theodolite.is_some() { "theodolite" } else { "orientation" };
     format!("{path}.conditions.{key}")
 }

@@ -57,7 +57,8 @@ fn common_axis(observations: &Observations) -> Option<Vector3<f64>> {
         .filter_map(|group| {
             let relative =
                 nalgebra::Rotation3::from_matrix_unchecked(group.orientation.rotation * first.transpose());
-            relative.axis().map(|axis| axis.into_inner())
+            // By way of the quaternion, which knows the axis of a half turn as well.
+            nalgebra::UnitQuaternion::from_rotation_matrix(&relative).axis().map(|axis| axis.into_inner())
         })
         .collect();
     let axis = *axes.first()?;

@@ -14,6 +14,8 @@ use crate::{
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
+/// Singular values below this share of the largest are held still where the iteration wanders along them.
+const COARSE_RANK: f64 = 1e-3;
 /// Rounds in which noise and fit settle.
 const ROUNDS: usize = 30;
 /// Rounding of a reading, as a share of the largest.
@@ -63,7 +65,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let Beginning { state: start, mut findings } = start::begin(document, observations, options)?;
     let freedom = freedom::freedom(document, observations, options)?;
     let problem = AxesProblem::new(observations, &freedom, 1.0);
-    let plain = estimate::solve(&problem, start, None, &Iteration::default())?;
+    let plain = first_fit(&problem, start)?;
     let unseen = rank::unseen_turns(problem.meaning(), &plain.svd);
     if !unseen.is_empty() {
         return Err(Error::RankShort(rank::explain(&problem, &freedom, &plain.state, &unseen)));
@@ -143,6 +145,18 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         fit,
         freedom,
     })
+}
+
+/// The plain fit. Where a combination of turns is all but unseen, the iteration may wander along it; then it is held
+/// still, so that what is wrong can be said.
+fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesState>, Error> {
+    match estimate::solve(problem, start.clone(), None, &Iteration::default()) {
+        Err(estimate::Error::NotConverged { .. }) => {
+            let coarse = Iteration { rank_tolerance: COARSE_RANK, ..Iteration::default() };
+            Ok(estimate::solve(problem, start, None, &coarse)?)
+        }
+        result => Ok(result?),
+    }
 }
 
 fn scatters(noise_factor: f64, (chi_squared, p): (f64, f64), degrees_of_freedom: f64) -> String {

@@ -75,3 +75,77 @@ fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
     );
     assert!(worst_arcsec(&document, &truth) < 1.0);
 }
+
+#[test]
+fn coils_out_of_phase_are_taken_as_they_are() {
+    let mut plan = plan();
+    plan.facility = None;
+    let instrument = plan.instrument.as_mut().expect("an instrument");
+    instrument.quantisation_v = None;
+    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
+        let ac = axes.ac.as_mut().expect("an AC drive");
+        (ac.cycles, ac.rate_hz, ac.dither_nt) = (20.0, 20.0, 0.0);
+        axes.drives =
+            [[5e4, 2e4, 0.0], [0.0, 5e4, 2e4], [2e4, 0.0, 5e4]].map(simulate::Drive::Vector).to_vec();
+    }
+    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    // The second coil of each run is set 0.5 rad behind; the readings are made again by the same linear chain.
+    let (mu, eta) = {
+        let axes = truth.calibration.axes.as_ref().expect("true axes");
+        let of = |part: &Option<common::AxesDirections>| {
+            let mut matrix = matrix(&part.as_ref().and_then(|part| part.matrix).expect("a matrix"));
+            matrix.column_iter_mut().for_each(|mut column| {
+                column.normalize_mut();
+            });
+            matrix
+        };
+        (of(&axes.sensors), of(&axes.coils))
+    };
+    for recording in &mut document.recordings {
+        let rotation = matrix(&recording.conditions.orientation.expect("an orientation"));
+        let time = recording.columns["time_s"].0.clone();
+        let smaller = ["x", "y", "z"].map(|axis| {
+            let column = &recording.columns[&format!("coil_{axis}_a")].0;
+            let largest = column.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+            (largest > 0.1 && largest < 1.0, largest)
+        });
+        for (k, axis) in ["x", "y", "z"].iter().enumerate().filter(|(k, _)| smaller[*k].0) {
+            let late = |t: &f64| smaller[k].1 * (std::f64::consts::TAU * 0.1 * t - 0.5).sin();
+            recording
+                .columns
+                .insert(format!("coil_{axis}_a"), common::Column(time.iter().map(late).collect()));
+        }
+        let coil = |axis: &str, row: usize| recording.columns[&format!("coil_{axis}_a")].0[row] * 40000.0;
+        let readings: Vec<nalgebra::Vector3<f64>> = (0..time.len())
+            .map(|row| {
+                mu.transpose()
+                    * rotation
+                    * eta
+                    * nalgebra::Vector3::new(coil("x", row), coil("y", row), coil("z", row))
+            })
+            .collect();
+        for (k, axis) in ["x", "y", "z"].iter().enumerate() {
+            let values = readings.iter().map(|reading| reading[k] / 6400.0).collect();
+            recording.columns.insert(format!("sensor_{axis}_v"), common::Column(values));
+        }
+    }
+    let document = axescal::run(document, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert!(worst_arcsec(&document, &truth) < 1e-3, "{}", worst_arcsec(&document, &truth));
+    let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
+    assert!(axes.findings.iter().all(|finding| !finding.contains("answers")), "{:?}", axes.findings);
+}
+
+#[test]
+fn a_channel_that_never_leaves_its_code_asks_for_dither() {
+    let mut plan = plan();
+    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
+        let ac = axes.ac.as_mut().expect("an AC drive");
+        (ac.cycles, ac.rate_hz, ac.dither_nt) = (10.0, 10.0, 0.0);
+    }
+    plan.instrument.as_mut().expect("an instrument").noise = None;
+    // Cross signals of about half a nT below codes of 1.92 nT.
+    plan.truth.calibration = None;
+    let document = simulate::campaign(&plan).expect("simulated").document;
+    let error = axescal::run(document, &Options::default()).expect_err("hidden").to_string();
+    assert!(error.contains("never leave one code of the converter") && error.contains("dither"), "{error}");
+}

@@ -155,7 +155,9 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
     let message = message.strip_prefix("invalid type: ").unwrap_or(&message);
     match message.split_once(", expected ") {
         Some((found, expected)) => Error::document(path, found, expected),
-        None => Error::document(path, message, "a value as docs/document.md describes it"),
+        None if message.starts_with("duplicate field") => Error::document(path, message, "each key once"),
+        // Of a choice of forms, serde says only what was expected.
+        None => Error::document(path, "something else", message),
     }
 }
 

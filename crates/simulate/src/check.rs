@@ -71,7 +71,7 @@ fn axes_orientation(axes: &AxesProcedure, plan: &Plan, stated: &Basic, path: &st
             positive(format!("{path}.ac.cycles"), ac.cycles)?;
             positive(format!("{path}.ac.rate_hz"), ac.rate_hz)?;
             let rows = ac.cycles / ac.hz * ac.rate_hz;
-            if rows > MOST_ROWS || rows < 5.0 {
+            if !(5.0..=MOST_ROWS).contains(&rows) {
                 let found = format!("{rows:.3e} samples in one recording");
                 return Err(Error::document(
                     format!("{path}.ac"),
