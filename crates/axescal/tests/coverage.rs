@@ -229,11 +229,20 @@ fn noise_of_1_nt_and_theodolites_of_1_arcsec() {
 
 #[test]
 fn noise_from_the_residuals() {
+    undeclared("1 nT undeclared, 1\" theodolites as matrices", &Options::default());
+}
+
+#[test]
+fn robust_with_noise_from_the_residuals() {
+    undeclared("robust, 1 nT undeclared", &Options { robust: true, ..Options::default() });
+}
+
+/// The document does not state the noise, the recordings have it.
+fn undeclared(title: &str, options: &Options) {
     let mut plan = plan();
     let instrument = plan.instrument.as_mut().expect("an instrument");
     let noise = instrument.noise.take();
     axes_procedure(&mut plan).theodolite_angles = false;
-    // The document does not state the noise, the recordings have it.
     let stated = plan.clone();
     let mut tally = Tally::default();
     for campaign in 0..campaigns() {
@@ -241,7 +250,7 @@ fn noise_from_the_residuals() {
         plan.instrument.as_mut().expect("an instrument").noise = noise.clone();
         let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
         document.instrument.as_mut().expect("an instrument").noise = None;
-        let document = axescal::run(document, &Options::default()).expect("directions");
+        let document = axescal::run(document, options).expect("directions");
         let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
         assert_eq!(axes.fit.as_ref().expect("a fit").noise_source, "residuals");
         let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
@@ -250,7 +259,7 @@ fn noise_from_the_residuals() {
         directions(&mut tally, "sensors", &pair(&axes.sensors), &pair(&true_axes.sensors), factor);
         directions(&mut tally, "coils", &pair(&axes.coils), &pair(&true_axes.coils), factor);
     }
-    tally.judge("1 nT undeclared, 1\" theodolites as matrices", campaigns());
+    tally.judge(title, campaigns());
 }
 
 #[test]
