@@ -28,11 +28,10 @@ pub(crate) fn turns(
     map
 }
 
-/// Matrix, uncertainties and angles from the covariance of the unknowns.
+/// Matrix, uncertainties and angles from the covariance of the unknowns; `map` leads from those to the elements.
 pub(crate) fn directions(
     axes: &[Axis],
     matrix: &Matrix3<f64>,
-    nominal: &Matrix3<f64>,
     map: &Mat<f64>,
     covariance: &Mat<f64>,
 ) -> AxesDirections {
@@ -74,7 +73,7 @@ pub(crate) fn directions(
         }
     }
     let off_nominal = axes.iter().map(|&axis| {
-        let (own, meant) = (column(axis), nominal.column(axis.index()).into_owned());
+        let (own, meant) = (column(axis), Vector3::ith(axis.index(), 1.0));
         let towards = own * own.dot(&meant) - meant;
         let std = if towards.norm() > 1e-9 { std(&[(axis, towards.normalize())]) } else { largest(axis) };
         (axis, Quantity::new(angle(&own, &meant) / ARCSEC, std / ARCSEC))

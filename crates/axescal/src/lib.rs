@@ -42,7 +42,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let solution = solve(&document, &observations, options)?;
     let mut found = result::describe(&document, &observations, &solution, options)?;
     let axes = &mut document.calibration.get_or_insert_default().axes;
-    if options.sensor.is_some() || options.coil.is_some() {
+    if options.is_subset() {
         axes.get_or_insert_default().subset = Some(Box::new(found));
         return Ok(document);
     }

@@ -89,7 +89,12 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         sensor: cli.sensor.map(Letter::axis),
         coil: cli.coil.map(Letter::axis),
     };
-    let arguments = options.arguments();
-    pipe::stage(PROGRAM, &cli.io, arguments, |document| axescal::run(document, &options), axescal::summary)?;
+    pipe::stage(
+        PROGRAM,
+        &cli.io,
+        options.arguments(),
+        |document| axescal::run(document, &options),
+        |document| axescal::summary(document, &options),
+    )?;
     Ok(())
 }

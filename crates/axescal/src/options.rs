@@ -38,6 +38,11 @@ pub enum Start {
 }
 
 impl Options {
+    /// Whether one sensor or one coil alone is asked for.
+    pub fn is_subset(&self) -> bool {
+        self.sensor.is_some() || self.coil.is_some()
+    }
+
     /// What the history records of the request.
     pub fn arguments(&self) -> Vec<String> {
         let mut arguments = Vec::new();

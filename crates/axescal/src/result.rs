@@ -25,7 +25,6 @@ pub fn describe(
         directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
     let coil_turns =
         directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
-    let nominal = Matrix3::identity();
     let mut findings = observations.findings.clone();
     findings.extend(solution.findings.iter().cloned());
     let constants = constants(solution, observations, &mut findings);
@@ -37,14 +36,12 @@ pub fn describe(
         sensors: Some(directions::directions(
             &observations.sensors,
             &state.mu,
-            &nominal,
             &sensor_turns,
             &solution.covariance,
         )),
         coils: Some(directions::directions(
             &observations.coils,
             &state.eta,
-            &nominal,
             &coil_turns,
             &solution.covariance,
         )),

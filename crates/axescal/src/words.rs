@@ -3,10 +3,13 @@
 use common::{AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
 use std::fmt::Write;
 
-/// What was found, with ± and units, and what looks wrong.
-pub fn summary(document: &Document) -> String {
+use crate::Options;
+
+/// What a run with these options found, with ± and units, and what looks wrong.
+pub fn summary(document: &Document, options: &Options) -> String {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    axes.map(|axes| describe(axes.subset.as_deref().unwrap_or(axes))).unwrap_or_default()
+    let found = if options.is_subset() { axes.and_then(|axes| axes.subset.as_deref()) } else { axes };
+    found.map(describe).unwrap_or_default()
 }
 
 fn describe(axes: &AxesCalibration) -> String {
