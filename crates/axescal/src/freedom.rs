@@ -5,9 +5,8 @@ use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, tangents};
 
-use crate::observations::{OrientationGroup, std_of};
 use crate::unknowns::KnownCoils;
-use crate::{Coils, Error, Freedom, Observations, Options};
+use crate::{Coils, Error, Freedom, Observations, Options, OrientationGroup};
 
 /// What may move, from what the document states and what the drives can show.
 pub(crate) fn freedom(
@@ -127,7 +126,7 @@ fn known_coils(
         }
         None => {
             for (n, &axis) in coils.iter().enumerate() {
-                let std = std_of(given.std_arcsec.as_ref(), axis).unwrap_or(0.0) * ARCSEC;
+                let std = given.std_arcsec.as_ref().and_then(|std| std.get(axis)).unwrap_or(0.0) * ARCSEC;
                 covariance[(2 * n, 2 * n)] = std * std;
                 covariance[(2 * n + 1, 2 * n + 1)] = std * std;
             }

@@ -14,6 +14,7 @@ mod error;
 mod freedom;
 mod model;
 mod observations;
+mod observe;
 mod options;
 mod pair;
 mod rank;
@@ -27,7 +28,8 @@ mod words;
 
 pub use error::Error;
 pub use model::AxesProblem;
-pub use observations::{NoiseSource, Observation, Observations, observe};
+pub use observations::{NoiseSource, Observation, Observations, OrientationGroup};
+pub use observe::observe;
 pub use options::{Coils, Options, Start};
 pub use solve::{Solution, solve};
 pub use unknowns::{AxesState, Freedom, KnownCoils};

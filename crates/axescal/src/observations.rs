@@ -1,11 +1,9 @@
-//! From recordings to readings in nT, each with its drive, its orientation and its standard deviation.
+//! Readings in nT, each with its drive, its orientation and its standard deviation.
 
-use common::{Axis, Document, Instrument, Noise, OneOrEach, Recording, procedure};
+use common::{Axis, Instrument, Recording};
 use nalgebra::Vector3;
+use physics::Unit;
 use physics::frames::Orientation;
-use physics::{Basic, Context, References, Unit};
-
-use crate::{Error, Options, ac, checks};
 
 /// One reading of one sensor; an AC run gives one for each sensor, its amplitude in phase with the drive.
 #[derive(Clone, Debug, PartialEq)]
@@ -78,205 +76,12 @@ impl Observations {
     }
 }
 
-/// Coils that are never driven with this share of the largest field are not asked for a direction.
-const LEAST_DRIVE: f64 = 1e-3;
-
-/// Reads every recording of the procedure.
-pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
-    let recordings: Vec<(usize, &Recording)> = document
-        .recordings
-        .iter()
-        .enumerate()
-        .filter(|(_, recording)| recording.procedure == procedure::AXES_ORIENTATION)
-        .collect();
-    if recordings.is_empty() {
-        return Err(common::Error::document(
-            "recordings",
-            "no recording with \"procedure\": \"axes_orientation\"",
-            "at least one, with the drive of the coils, the readings of the sensors and the orientation",
-        )
-        .into());
-    }
-    let sensors = sensors(document, &recordings, options)?;
-    let references = References::of(document);
-    let mut all = Observations {
-        orientations: Vec::new(),
-        readings: Vec::new(),
-        noise: NoiseSource::SineFits,
-        unit: Unit::Volt,
-        sensors,
-        coils: Vec::new(),
-        phases: Vec::new(),
-        findings: Vec::new(),
-    };
-    let mut conditions: Vec<&common::Conditions> = Vec::new();
-    let mut runs = Vec::new();
-    for &(index, recording) in &recordings {
-        let path = format!("recordings[{index}]");
-        checks::columns(recording, &path, &all.sensors)?;
-        let context = Context::new(document, recording, references)
-            .map_err(|source| Error::Physics { path: physics_path(&path, recording, &source), source })?;
-        all.unit = context.unit;
-        let basic = checks::constants(document, recording, &context, &path, &mut all)?;
-        let same = conditions.iter().position(|seen| {
-            let now = &recording.conditions;
-            seen.orientation == now.orientation
-                && seen.theodolite == now.theodolite
-                && seen.setting == now.setting
-        });
-        let orientation = same.unwrap_or_else(|| {
-            if recording.conditions.orientation.is_none() && recording.conditions.theodolite.is_none() {
-                all.findings.push(format!(
-                    "recording \"{}\" states no orientation; the block is taken as aligned with GEO",
-                    recording.id
-                ));
-            }
-            conditions.push(&recording.conditions);
-            all.orientations
-                .push(OrientationGroup { orientation: context.orientation.clone(), recordings: Vec::new() });
-            conditions.len() - 1
-        });
-        all.orientations[orientation].recordings.push(recording.id.clone());
-        match recording.conditions.drive_hz {
-            Some(hz) => {
-                let instrument = document.instrument.as_ref();
-                runs.push(ac::run(index, orientation, hz, instrument, &context, &basic, &all.sensors)?);
-            }
-            None => rows(document, index, orientation, &context, &basic, &mut all),
-        }
-    }
-    ac::join(runs, &mut all);
-    one_noise_for_all(&mut all);
-    choose_coils(&mut all, options)?;
-    checks::scale(&recordings, &all)?;
-    Ok(all)
-}
-
-/// The path that an error of the forward model is about: the orientation, where that is no rotation.
-fn physics_path(path: &str, recording: &Recording, error: &physics::Error) -> String {
-    if !matches!(error, physics::Error::NotARotation { .. }) {
-        return path.to_string();
-    }
-    let key = if recording.conditions.theodolite.is_some() { "theodolite" } else { "orientation" };
-    format!("{path}.conditions.{key}")
-}
-
-/// Where any reading has no declared noise, none is used: one noise for all is then found from the residuals.
-fn one_noise_for_all(all: &mut Observations) {
-    if all.noise == NoiseSource::Residuals {
-        if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
-            all.findings.push(
-                "the noise of some readings is not declared; one noise for all is taken from the residuals"
-                    .into(),
-            );
-        }
-        all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
-    }
-}
-
-/// The sensors to be read: as asked, else as the instrument states, else as the columns say.
-fn sensors(
-    document: &Document,
-    recordings: &[(usize, &Recording)],
-    options: &Options,
-) -> Result<Vec<Axis>, Error> {
-    let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
-    let mut sensors = match (options.sensor, stated) {
-        (Some(sensor), _) => vec![sensor],
-        (None, Some(stated)) => stated,
-        (None, None) => Axis::ALL
-            .into_iter()
-            .filter(|axis| recordings.iter().any(|(_, recording)| sensor_column(recording, *axis).is_some()))
-            .collect(),
-    };
-    sensors.sort();
-    sensors.dedup();
-    if sensors.is_empty()
-        && document.instrument.as_ref().is_some_and(|instrument| instrument.sensors.is_some())
-    {
-        return Err(common::Error::document(
-            "instrument.sensors",
-            "an empty list",
-            "the sensors that it has",
-        )
-        .into());
-    }
-    if sensors.is_empty() {
-        return Err(common::Error::document(
-            format!("recordings[{}].columns", recordings[0].0),
-            "no sensor_*_v and no sensor_*_nt",
-            "the readings of the sensors",
-        )
-        .into());
-    }
-    Ok(sensors)
-}
-
+/// The readings of a sensor with the name of their column.
 pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(String, &[f64])> {
     [Unit::Volt, Unit::Nanotesla].into_iter().find_map(|unit| {
         let name = format!("sensor_{sensor}_{}", unit.suffix());
         recording.column(&name).map(|column| (name, column))
     })
-}
-
-/// Readings of a recording with constant drives, row by row. A missing reading takes out itself alone.
-fn rows(
-    document: &Document,
-    recording: usize,
-    orientation: usize,
-    context: &Context<'_>,
-    basic: &Basic,
-    all: &mut Observations,
-) {
-    let times = context.recording.column("time_s");
-    let (length_s, step_s) = times.map_or((f64::INFINITY, f64::INFINITY), |times| {
-        let span = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
-        (span, span / (times.len().max(2) - 1) as f64)
-    });
-    for sensor in all.sensors.clone() {
-        let Some((_, column)) = sensor_column(context.recording, sensor) else { continue };
-        let noise = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
-        let std_nt = declared_std(document, noise, basic, context.unit, sensor, length_s, step_s);
-        all.noise = match (all.noise, std_nt) {
-            (NoiseSource::Residuals, _) | (_, None) => NoiseSource::Residuals,
-            _ => NoiseSource::Declared,
-        };
-        for (row, value) in column.iter().enumerate() {
-            let drive_nt = drive(basic, &context.current_a[row]);
-            let ambient_nt = context.ambient_nt[row];
-            if value.is_finite() && (drive_nt + ambient_nt).iter().all(|field| field.is_finite()) {
-                let constants = &basic.sensors[sensor.index()];
-                all.readings.push(Observation {
-                    orientation,
-                    recording,
-                    row,
-                    sensor,
-                    drive_nt,
-                    value_nt: constants.sensitivity * value + constants.offset_nt,
-                    std_nt: std_nt.unwrap_or(1.0),
-                    ambient_nt,
-                    constant: true,
-                });
-            }
-        }
-    }
-}
-
-/// White and flicker noise and the rounding of the converter, where noise is declared.
-fn declared_std(
-    document: &Document,
-    noise: Option<&Noise>,
-    basic: &Basic,
-    unit: Unit,
-    sensor: Axis,
-    length_s: f64,
-    step_s: f64,
-) -> Option<f64> {
-    let rms = noise?.rms_nt(length_s, step_s);
-    let code = code(document.instrument.as_ref(), unit).unwrap_or(0.0);
-    let code_nt = code * basic.sensors[sensor.index()].sensitivity;
-    let std = (rms * rms + code_nt * code_nt / 12.0).sqrt();
-    (std > 0.0).then_some(std)
 }
 
 /// Width of one code of the converter, in the unit of the readings.
@@ -285,43 +90,4 @@ pub(crate) fn code(instrument: Option<&Instrument>, unit: Unit) -> Option<f64> {
         Unit::Volt => instrument?.quantisation_v,
         Unit::Nanotesla => instrument?.quantisation_nt,
     }
-}
-
-/// k I + B0 along each coil; a coil without current contributes its offset only where it is known.
-pub(crate) fn drive(basic: &Basic, current_a: &Vector3<f64>) -> Vector3<f64> {
-    Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current_a[c] + basic.coils[c].offset_nt)
-}
-
-/// The coils whose direction is asked for, and the readings that speak of them.
-fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> {
-    if let Some(coil) = options.coil {
-        all.readings.retain(|reading| {
-            let others =
-                (0..3).filter(|c| *c != coil.index()).map(|c| reading.drive_nt[c].abs()).fold(0.0, f64::max);
-            others <= LEAST_DRIVE * reading.drive_nt[coil.index()].abs()
-        });
-    }
-    let largest =
-        |axis: Axis| all.readings.iter().map(|r| r.drive_nt[axis.index()].abs()).fold(0.0, f64::max);
-    let most = Axis::ALL.into_iter().map(largest).fold(0.0, f64::max);
-    all.coils =
-        Axis::ALL.into_iter().filter(|axis| most > 0.0 && largest(*axis) > LEAST_DRIVE * most).collect();
-    if all.coils.is_empty() {
-        return Err(Error::RankShort(
-            "no reading was taken with a coil driven; directions need at least one drive for each coil"
-                .into(),
-        ));
-    }
-    // Undriven coils make no field whose direction matters.
-    for reading in &mut all.readings {
-        for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
-            reading.drive_nt[axis.index()] = 0.0;
-        }
-    }
-    Ok(())
-}
-
-/// One number for an axis out of one for all or one for each.
-pub(crate) fn std_of(given: Option<&OneOrEach>, axis: Axis) -> Option<f64> {
-    given?.get(axis).filter(|std| *std > 0.0)
 }

@@ -6,9 +6,8 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents};
 
-use crate::observations::Observation;
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, AxesState, Freedom, Observations};
+use crate::{AxesProblem, AxesState, Freedom, Observation, Observations};
 
 /// Ways in which directions may turn that no reading shows, over all unknowns.
 pub fn unseen_turns(meaning: &[Unknown], svd: &Svd) -> Vec<Vec<f64>> {
