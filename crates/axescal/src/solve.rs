@@ -18,6 +18,8 @@ const CHI_SQUARED_P: f64 = 1e-3;
 const COARSE_RANK: f64 = 1e-3;
 /// Rounds in which noise and fit settle.
 const ROUNDS: usize = 30;
+/// Relative change of the noise at which it has settled: far below what is ever known of it.
+const SETTLED: f64 = 1e-5;
 /// Rounding of a reading, as a share of the largest.
 const ROUNDING: f64 = 1e-13;
 /// Noise of a fair reading, as a share of the drive: with it, a direction that is still unknown is so for its orientations.
@@ -92,7 +94,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         let largest = observations.readings.iter().map(|r| r.value_nt.abs()).fold(0.0, f64::max);
         for _ in 0..ROUNDS {
             let next = (noise_factor * estimate.scale).max(ROUNDING * largest);
-            let settled = (next / noise_factor - 1.0).abs() < 1e-6;
+            let settled = (next / noise_factor - 1.0).abs() < SETTLED;
             noise_factor = next;
             let problem = AxesProblem::new(observations, &freedom, noise_factor);
             estimate = estimated(&problem, estimate.fit.state, false, options)?;
