@@ -13,6 +13,10 @@ use crate::observations::{Observation, Observations, code, sensor_column};
 /// Phases with a smaller chance than this, among all sensors, are reported as a finding.
 const PHASE_P: f64 = 1e-3;
 
+/// A run that is shorter than this many cycles does not tell a sine from a drift.
+const LEAST_CYCLES: f64 = 0.99;
+/// Coils whose currents differ in phase by more than this are out of phase, rad.
+const OUT_OF_PHASE: f64 = 1e-6;
 /// No amplitude is better known than this share of the drive: rounding.
 const LEAST_STD: f64 = 1e-11;
 
@@ -49,6 +53,16 @@ pub(crate) fn run(
     let time = context
         .times("an AC drive")
         .map_err(|source| Error::Physics { path: format!("{path}.columns"), source })?;
+    let cycles = hz * (time.last().copied().unwrap_or(0.0) - time.first().copied().unwrap_or(0.0));
+    let each_cycle = time.len() as f64 / cycles;
+    if cycles.is_nan() || cycles < LEAST_CYCLES || each_cycle <= 2.0 {
+        return Err(common::Error::document(
+            format!("{path}.columns.time_s"),
+            format!("{cycles:.2} cycles of {hz} Hz with {each_cycle:.1} samples in each"),
+            "at least one cycle, sampled more than twice in each",
+        )
+        .into());
+    }
     let fit = |values: &[f64], column: String, quantiser: Option<Quantiser>| {
         sine::fit(time, values, hz, quantiser).map_err(|error| {
             Error::from(common::Error::document(
@@ -70,23 +84,26 @@ pub(crate) fn run(
     }
     let main = coils.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or_default();
     let turn = if main.norm() > 0.0 { main.conj() / main.norm() } else { Complex::new(1.0, 0.0) };
-    let sensors = sensors
-        .iter()
-        .map(|&sensor| {
-            let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
-            let sensitivity = basic.sensors[sensor.index()].sensitivity;
-            if code(instrument, context.unit).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
-                return Err(Error::RankShort(format!(
-                    "recording \"{}\": the readings of sensor {sensor} never leave one code of the converter, so that a field \
-                     below it stays hidden; drive the other coils a little as well (a dither of some codes)",
-                    context.recording.id
-                )));
-            }
-            let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
-            Ok((sensor, Complex::new(sine.cos, -sine.sin) * turn * sensitivity, (sine.std * sensitivity.abs()).max(LEAST_STD * main.norm())))
-        })
-        .collect::<Result<_, Error>>()?;
+    let rounding = LEAST_STD * main.norm();
+    let channel = |sensor: Axis| {
+        let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
+        let sensitivity = basic.sensors[sensor.index()].sensitivity;
+        if code(instrument, context.unit).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
+            return Err(hidden(&context.recording.id, sensor));
+        }
+        let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
+        let phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
+        Ok((sensor, phasor, (sine.std * sensitivity.abs()).max(rounding)))
+    };
+    let sensors = sensors.iter().map(|sensor| channel(*sensor)).collect::<Result<_, Error>>()?;
     Ok(AcRun { recording, orientation, hz, drive_nt: Vector3::from(coils.map(|coil| coil * turn)), sensors })
+}
+
+fn hidden(recording: &str, sensor: Axis) -> Error {
+    Error::RankShort(format!(
+        "recording \"{recording}\": the readings of sensor {sensor} never leave one code of the converter, so that a \
+         field below it stays hidden; drive the other coils a little as well (a dither of some codes)"
+    ))
 }
 
 /// The converter of a sensor, in the unit of its readings.
@@ -105,10 +122,10 @@ fn quantiser(
 /// Takes each sensor's phase off its phasors and adds the amplitudes to the readings.
 ///
 /// A sensor answers every field of one frequency with the same phase φ: z = e^(iφ) b B_c, b real, B_c the coils'
-/// phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where not every coil was the main one) lies on one line
+/// phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where coils in phase were not each the main one) lies on one line
 /// through zero, and φ = ½ arg Σ (z B_c⁻¹)². Coils out of phase with each other make the imaginary part of z e^(−iφ) a
 /// reading of its own, with the imaginary part of the drive.
-pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) {
+pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error> {
     let mut frequencies: Vec<f64> = runs.iter().map(|run| run.hz).collect();
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
@@ -121,7 +138,7 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) {
                 .filter(|(_, (axis, ..))| *axis == sensor)
                 .map(|(run, (_, phasor, std))| (run, *phasor, *std))
                 .collect();
-            let result = phase(sensor, hz, &phasors);
+            let result = phase(sensor, hz, &phasors)?;
             let (phase, phase_std) = (result.phase_rad.value(), result.phase_rad.std().unwrap_or(0.0));
             if result.p_value * (all.sensors.len() as f64) < PHASE_P {
                 all.findings.push(format!(
@@ -156,11 +173,13 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) {
             }
         }
     }
+    Ok(())
 }
 
 /// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is σ/√Σ|z|².
-fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> PhaseResult {
+fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Result<PhaseResult, Error> {
     let mut orientations: Vec<usize> = phasors.iter().map(|(run, ..)| run.orientation).collect();
+    orientations.sort_unstable();
     orientations.dedup();
     let mut squares = Complex::new(0.0, 0.0);
     for orientation in orientations {
@@ -168,9 +187,18 @@ fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Phas
             phasors.iter().filter(|(run, ..)| run.orientation == orientation).collect();
         let drive = DMatrix::from_fn(own.len(), 3, |row, coil| own[row].0.drive_nt[coil]);
         let answers = DVector::from_fn(own.len(), |row, _| own[row].1);
-        // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped.
         let normal = drive.adjoint() * &drive;
-        let damping = DMatrix::identity(3, 3) * Complex::new(1e-12 * normal.norm(), 0.0);
+        let size = normal.norm();
+        let quadrature = drive.iter().map(|coil| coil.im.abs()).fold(0.0, f64::max);
+        if normal.determinant().norm() < 1e-9 * size.powi(3) && quadrature > OUT_OF_PHASE * size.sqrt() {
+            return Err(Error::RankShort(format!(
+                "coils out of phase in fewer than three independent runs of an orientation: the phase of sensor {sensor} cannot \
+                 be told from the coils'. Drive the coils in phase, or each in turn as the main one (\"{hz} Hz\")"
+            )));
+        }
+        // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped: with coils in
+        // phase it is real but for the sensor's phase, whatever the rank.
+        let damping = DMatrix::identity(3, 3) * Complex::new(1e-12 * size, 0.0);
         if let Some(inverse) = (normal + damping).try_inverse() {
             let answer = inverse * (drive.adjoint() * answers);
             squares += answer.iter().map(|b| b * b).sum::<Complex<f64>>();
@@ -180,11 +208,11 @@ fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Phas
     let power: f64 = phasors.iter().map(|(_, z, _)| z.norm_sqr()).sum();
     let variance: f64 = phasors.iter().map(|(_, z, std)| z.norm_sqr() / power * std * std).sum();
     let std = (variance / power).sqrt();
-    PhaseResult {
+    Ok(PhaseResult {
         sensor,
         drive_hz: hz,
         phase_rad: Quantity::new(phase, std),
         p_value: stats::two_sided_p(phase / std, f64::INFINITY),
         delay_s: -phase / (std::f64::consts::TAU * hz),
-    }
+    })
 }

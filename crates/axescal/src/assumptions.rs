@@ -2,7 +2,6 @@
 
 use common::{Assumption, Axis, Document};
 use estimate::Problem;
-use faer::Mat;
 use nalgebra::{DMatrix, Matrix3};
 use physics::frames::ARCSEC;
 
@@ -69,9 +68,7 @@ fn shift(
     is: &dyn Fn(Unknown) -> bool,
 ) -> DMatrix<f64> {
     let problem = AxesProblem::new(observations, freedom, solution.noise_factor);
-    let mut residual = vec![0.0; problem.rows()];
-    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
-    problem.linearise(&solution.fit.state, &mut residual, jacobian.as_mut());
+    let (_, jacobian) = estimate::linearised(&problem, &solution.fit.state);
     let count = problem.readings();
     let out: Vec<usize> = (0..problem.unknowns()).filter(|place| is(problem.meaning()[*place])).collect();
     let turns: Vec<usize> =

@@ -66,6 +66,7 @@ const NEGLIGIBLE_NT: f64 = 1e-9;
 /// zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives alone.
 pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
     let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    let driven = |axis: Axis| f64::from(observations.coils.contains(&axis));
     (0..observations.orientations.len()).any(|orientation| {
         let rows: Vec<[f64; 4]> = observations
             .readings
@@ -73,8 +74,8 @@ pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> 
             .filter(|reading| {
                 reading.orientation == orientation && reading.constant && reading.sensor == sensor
             })
-            .map(|reading| reading.drive_nt / largest)
-            .map(|drive| [drive[0], drive[1], drive[2], 1.0])
+            .map(|reading| Axis::ALL.map(|axis| driven(axis) * reading.drive_nt[axis.index()] / largest))
+            .map(|[x, y, z]| [x, y, z, 1.0])
             .collect();
         let rank = |columns: usize| {
             let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
@@ -82,6 +83,52 @@ pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> 
         };
         !rows.is_empty() && rank(4) > rank(3)
     })
+}
+
+/// Known coils must be known from elsewhere, and be stated in a form that is understood.
+fn check_known(
+    calibration: &common::Calibration,
+    observations: &Observations,
+    given: &common::AxesDirections,
+) -> Result<(), Error> {
+    let axes = calibration.axes.as_ref();
+    let own = |axes: &common::AxesCalibration| {
+        axes.known_coils.is_none()
+            && axes.fit.is_some()
+            && axes
+                .orientations
+                .iter()
+                .flat_map(|orientation| &orientation.recordings)
+                .any(|id| observations.orientations.iter().any(|group| group.recordings.contains(id)))
+    };
+    if axes.is_some_and(own) {
+        return Err(common::Error::document(
+            "calibration.axes.coils",
+            "directions that axescal found from these same recordings",
+            "known coils from elsewhere, as calibration.axes.known_coils; the readings would count twice",
+        )
+        .into());
+    }
+    let order: Vec<String> = (0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect();
+    if given.covariance.is_some() && given.covariance_order.as_ref().is_some_and(|given| *given != order) {
+        return Err(common::Error::document(
+            "calibration.axes.coils.covariance_order",
+            "another order",
+            format!("column by column, {}", order.join(", ")),
+        )
+        .into());
+    }
+    let negative =
+        |axis: Axis| given.std_arcsec.as_ref().and_then(|std| std.get(axis)).is_some_and(|std| std < 0.0);
+    if Axis::ALL.into_iter().any(negative) {
+        return Err(common::Error::document(
+            "calibration.axes.coils.std_arcsec",
+            "a negative number",
+            "a standard uncertainty, which is not negative",
+        )
+        .into());
+    }
+    Ok(())
 }
 
 /// The coils as `calibration.axes.coils` gives them, where they are to be taken as known.
@@ -95,6 +142,7 @@ fn known_coils(
     }
     let given = calibration.axes.as_ref().and_then(|axes| axes.known_coils.as_ref().or(axes.coils.as_ref()));
     let Some(given) = given else { return Ok(None) };
+    check_known(calibration, observations, given)?;
     let Some(matrix) = given.matrix else { return Ok(None) };
     let matrix = physics::frames::matrix(&matrix);
     let directions = [0, 1, 2].map(|j| matrix.column(j).normalize());

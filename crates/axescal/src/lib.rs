@@ -17,6 +17,7 @@ mod observations;
 mod observe;
 mod options;
 mod pair;
+mod priors;
 mod rank;
 mod readings;
 mod result;
@@ -57,8 +58,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
 
 /// Keys that this version does not know stay, and so does what was given as known.
 fn keep(axes: &mut AxesCalibration, before: AxesCalibration, options: &Options) {
-    if options.coils == Coils::Known {
-        axes.known_coils = before.known_coils.or_else(|| before.coils.clone());
+    axes.known_coils = before.known_coils;
+    if options.coils == Coils::Known && axes.known_coils.is_none() {
+        axes.known_coils = before.coils.clone();
     }
     let pairs = [(&mut axes.sensors, before.sensors), (&mut axes.coils, before.coils)];
     for (now, before) in pairs {

@@ -106,6 +106,17 @@ impl<'a> AxesProblem<'a> {
         &self.unknowns
     }
 
+    /// The rows of prior knowledge, each with its unknown.
+    pub fn prior_rows(&self) -> impl Iterator<Item = (usize, Unknown)> {
+        let first = self.observations.readings.len();
+        self.priors.iter().enumerate().map(move |(row, (place, _))| (first + row, self.unknowns[*place]))
+    }
+
+    /// The rows that hold known coils to their directions.
+    pub fn known_coil_row_numbers(&self) -> std::ops::Range<usize> {
+        self.observations.readings.len() + self.priors.len()..self.rows()
+    }
+
     /// R of an orientation with its correction.
     pub fn rotation(&self, state: &AxesState, orientation: usize) -> Matrix3<f64> {
         let given = &self.observations.orientations[orientation].orientation;

@@ -7,6 +7,8 @@ use physics::{Basic, Context, References, Unit};
 use crate::observations::{code, sensor_column};
 use crate::{Error, NoiseSource, Observation, Observations, Options, OrientationGroup, ac, checks};
 
+/// A coil that makes less than this is as good as off, nT.
+const WEAK_NT: f64 = 5.0;
 /// Coils that are never driven with this share of the largest field are not asked for a direction.
 const LEAST_DRIVE: f64 = 1e-3;
 
@@ -74,7 +76,7 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
             None => rows(document, index, orientation, &context, &basic, &mut all),
         }
     }
-    ac::join(runs, &mut all);
+    ac::join(runs, &mut all)?;
     one_noise_for_all(&mut all);
     choose_coils(&mut all, options)?;
     checks::scale(&recordings, &all)?;
@@ -226,10 +228,12 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
                 .into(),
         ));
     }
-    // Undriven coils make no field whose direction matters.
-    for reading in &mut all.readings {
-        for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
-            reading.drive_nt[axis.index()] = 0.0;
+    for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
+        let field = largest(axis);
+        if field > WEAK_NT {
+            all.findings.push(format!(
+                "coil {axis} makes at most {field:.1} nT, too little for a direction; its field is taken along its nominal axis"
+            ));
         }
     }
     Ok(())

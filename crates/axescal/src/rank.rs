@@ -2,7 +2,6 @@
 
 use common::Axis;
 use estimate::{Problem, Svd};
-use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents};
 
@@ -189,9 +188,7 @@ fn with_one_more(
     let problem = AxesProblem::new(&more, freedom, 1.0);
     let mut state = state.clone();
     state.corrections.push(Vector3::zeros());
-    let mut residual = vec![0.0; problem.rows()];
-    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
-    problem.linearise(&state, &mut residual, jacobian.as_mut());
+    let (_, jacobian) = estimate::linearised(&problem, &state);
     let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
     let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else {
         return Gain { rank: 0, worst: f64::INFINITY };

@@ -9,13 +9,18 @@ use physics::frames::ARCSEC;
 use crate::start::{self, Beginning};
 use crate::unknowns::Unknown;
 use crate::{
-    AxesProblem, AxesState, Error, Freedom, NoiseSource, Observations, Options, freedom, rank, readings,
+    AxesProblem, AxesState, Error, Freedom, NoiseSource, Observations, Options, freedom, priors, rank,
+    readings,
 };
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
 /// Singular values below this share of the largest are held still where the iteration wanders along them.
 const COARSE_RANK: f64 = 1e-3;
+/// A reading of less weight than this is left out.
+const NO_WEIGHT: f64 = 1e-2;
+/// A robust fit that leaves out a larger share than this is refused.
+const MOST_REJECTED: f64 = 0.25;
 /// Rounds in which noise and fit settle.
 const ROUNDS: usize = 30;
 /// Relative change of the noise at which it has settled: far below what is ever known of it.
@@ -75,13 +80,21 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let known_scale = observations.noise != NoiseSource::Residuals;
     let doubtful = readings::doubtful(&problem, &plain, known_scale)?;
     let steps = plain.steps.clone();
+    let mut trusted = vec![1.0; problem.readings()];
+    doubtful.iter().for_each(|doubt| trusted[doubt.reading] = 0.0);
+    let (freedom, contradicted) = priors::settle(observations, freedom, &plain.state, &trusted, known_scale)?;
+    findings.extend(contradicted);
+    let problem = AxesProblem::new(observations, &freedom, 1.0);
 
     let mut estimate = estimated(&problem, plain.state, known_scale, options)?;
-    let chi_squared = known_scale.then(|| {
+    // Weighed-down residuals are no χ²; a robust fit judges the declared noise by its own scale.
+    let chi_squared = (known_scale && !options.robust).then(|| {
         (estimate.sum_of_squares, stats::chi_squared_p(estimate.sum_of_squares, estimate.degrees_of_freedom))
     });
-    let scatter = chi_squared
-        .is_none_or(|(_, p)| p < CHI_SQUARED_P && estimate.degrees_of_freedom >= 1.0 && estimate.scale > 1.0);
+    let scatter = match chi_squared {
+        Some((_, p)) => p < CHI_SQUARED_P && estimate.degrees_of_freedom >= 1.0 && estimate.scale > 1.0,
+        None => !known_scale || estimate.scale > 1.0 + 4.0 / estimate.degrees_of_freedom.max(1.0).sqrt(),
+    };
     let mut noise_factor = 1.0;
     if scatter {
         if estimate.degrees_of_freedom < 0.5 {
@@ -113,12 +126,15 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         NoiseSource::SineFits => "sine fits",
         NoiseSource::Residuals => "residuals",
     };
+    if let Some(weights) = &estimate.weights {
+        findings.extend(rejected(observations, weights, &residuals_nt, noise_factor)?);
+    }
     let noise_source = match chi_squared {
-        Some(chi_squared) if scatter => {
+        _ if scatter && known_scale => {
             findings.push(scatters(noise_factor, chi_squared, estimate.degrees_of_freedom));
             format!("{source}, scaled to the residuals")
         }
-        Some((chi_squared, p)) if 1.0 - p < CHI_SQUARED_P => {
+        Some((chi_squared, p)) if 1.0 - p < CHI_SQUARED_P && observations.noise == NoiseSource::Declared => {
             findings.push(format!(
                 "the readings scatter only {:.2} times as much as declared; the declared noise may be too large",
                 (chi_squared / estimate.degrees_of_freedom).sqrt()
@@ -161,12 +177,48 @@ fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesStat
     }
 }
 
-fn scatters(noise_factor: f64, (chi_squared, p): (f64, f64), degrees_of_freedom: f64) -> String {
+fn scatters(noise_factor: f64, chi_squared: Option<(f64, f64)>, degrees_of_freedom: f64) -> String {
+    let test = chi_squared.map_or_else(String::new, |(chi_squared, p)| {
+        format!(" (χ² = {chi_squared:.1} for {degrees_of_freedom:.0} degrees of freedom, p = {p:.1e})")
+    });
     format!(
-        "the readings scatter {noise_factor:.2} times as much as declared (χ² = {chi_squared:.1} for \
-         {degrees_of_freedom:.0} degrees of freedom, p = {p:.1e}); the uncertainties are scaled up to it. --free-scales \
-         shows whether a constant is off, --robust what single readings do"
+        "the readings scatter {noise_factor:.2} times as much as declared{test}; the uncertainties are scaled up to it. \
+         --free-scales shows whether a constant is off, --robust what single readings do"
     )
+}
+
+/// What a robust fit left out. A large share is no longer a matter of single readings.
+fn rejected(
+    observations: &Observations,
+    weights: &[f64],
+    residuals_nt: &[f64],
+    noise_factor: f64,
+) -> Result<Option<String>, Error> {
+    let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
+    if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
+        let readings = &observations.readings;
+        let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+        let noise_nt = noise_factor * readings.iter().map(|r| r.std_nt).sum::<f64>() / readings.len() as f64;
+        return Err(Error::RankShort(format!(
+            "{} of {} readings belong to another model than the rest. {}",
+            out.len(),
+            weights.len(),
+            misfit(observations, residuals_nt, noise_nt, drive)
+        )));
+    }
+    Ok((!out.is_empty()).then(|| {
+        let mut orientations: Vec<usize> =
+            out.iter().map(|&k| observations.readings[k].orientation + 1).collect();
+        orientations.sort_unstable();
+        orientations.dedup();
+        let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
+        format!(
+            "{} of {} readings were given no weight, in orientation {}",
+            out.len(),
+            weights.len(),
+            list.join(", ")
+        )
+    }))
 }
 
 /// A fit with what it says of the noise.

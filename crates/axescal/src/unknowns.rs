@@ -20,6 +20,31 @@ pub struct Freedom {
     pub offsets: [Option<f64>; 3],
 }
 
+impl Freedom {
+    /// The same with every constant that has a prior left free.
+    pub fn without_priors(&self) -> Self {
+        let free = |std: Option<f64>| std.map(|_| f64::INFINITY);
+        Self {
+            sensor_scale: self.sensor_scale.map(free),
+            coil_scale: self.coil_scale.map(free),
+            residual_field: self.residual_field.map(|_| [f64::INFINITY; 3]),
+            offsets: self.offsets.map(free),
+            ..self.clone()
+        }
+    }
+
+    /// Takes the prior of a constant away. The residual field goes as a whole.
+    pub fn release(&mut self, unknown: Unknown) {
+        match unknown {
+            Unknown::SensorScale(axis) => self.sensor_scale[axis.index()] = Some(f64::INFINITY),
+            Unknown::CoilScale(axis) => self.coil_scale[axis.index()] = Some(f64::INFINITY),
+            Unknown::ResidualField(_) => self.residual_field = Some([f64::INFINITY; 3]),
+            Unknown::Offset(axis) => self.offsets[axis.index()] = Some(f64::INFINITY),
+            Unknown::Sensor(..) | Unknown::Coil(..) | Unknown::Correction(..) => {}
+        }
+    }
+}
+
 /// Directions of the coils given beforehand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownCoils {

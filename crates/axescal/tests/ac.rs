@@ -149,3 +149,29 @@ fn a_channel_that_never_leaves_its_code_asks_for_dither() {
     let error = axescal::run(document, &Options::default()).expect_err("hidden").to_string();
     assert!(error.contains("never leave one code of the converter") && error.contains("dither"), "{error}");
 }
+
+#[test]
+fn runs_that_are_too_short_or_too_few_are_refused_in_words() {
+    let mut plan = plan();
+    plan.instrument.as_mut().expect("an instrument").quantisation_v = None;
+    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
+        let ac = axes.ac.as_mut().expect("an AC drive");
+        (ac.cycles, ac.rate_hz, ac.dither_nt) = (0.6, 100.0, 0.0);
+    }
+    let document = simulate::campaign(&plan).expect("simulated").document;
+    let error = axescal::run(document, &Options::default()).expect_err("too short").to_string();
+    assert!(error.contains("found 0.60 cycles of 0.1 Hz"), "{error}");
+
+    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
+        axes.ac.as_mut().expect("an AC drive").cycles = 3.0;
+        axes.drives.truncate(2);
+    }
+    let mut document = simulate::campaign(&plan).expect("simulated").document;
+    for recording in &mut document.recordings {
+        let time = recording.columns["time_s"].0.clone();
+        let late = time.iter().map(|t| 0.5 * (std::f64::consts::TAU * 0.1 * t - 1.0).sin()).collect();
+        recording.columns.insert("coil_z_a".into(), common::Column(late));
+    }
+    let error = axescal::run(document, &Options::default()).expect_err("out of phase").to_string();
+    assert!(error.contains("coils out of phase in fewer than three independent runs"), "{error}");
+}

@@ -172,3 +172,107 @@ fn settings_keep_visits_of_one_orientation_apart() {
     document.recordings[7].conditions.setting = Some("second visit".into());
     assert_eq!(count(&document), 8);
 }
+
+#[test]
+fn a_statement_that_the_readings_contradict_is_said_and_left_free() {
+    // A residual field of 100 nT where 0.2 nT is stated, seen by zero and reversed drives.
+    let mut field = plan();
+    field.truth.residual_field_nt = Some([(Axis::X, 100.0)].into_iter().collect());
+    let simulate::Campaign { mut document, truth } = simulate::campaign(&field).expect("simulated");
+    document.facility = Some(common::Facility { residual_field_std_nt: Some(0.2), ..Default::default() });
+    let document = solved(document);
+    let found = axes(&document);
+    assert!(
+        found.findings.iter().any(|finding| finding.contains("pull the residual field")),
+        "{:?}",
+        found.findings
+    );
+    let x = found.residual_field_nt.as_ref().and_then(|field| field.x.as_ref()).expect("a field");
+    assert!((x.value() - 100.0).abs() < 4.0 * x.std().expect("an uncertainty"), "{x:?}");
+    assert!(worst_arcsec(&document, &truth) < 2.0);
+
+    // An offset 50 nT off where 0.3 nT is stated, and a coil constant 400 ppm off where 7 ppm are.
+    let mut constants = plan();
+    let mut calibration = constants.calibration.clone().expect("constants");
+    let sensor = calibration.sensors.as_mut().and_then(|sensors| sensors.y.as_mut()).expect("sensor y");
+    sensor.offset_nt = Some(Quantity::Bare(48.2));
+    let coil = calibration.coils.as_mut().and_then(|coils| coils.x.as_mut()).expect("coil x");
+    coil.constant_nt_per_a = Some(Quantity::Bare(41234.5 * 1.0004));
+    calibration.axes = constants.truth.calibration.as_ref().and_then(|truth| truth.axes.clone());
+    constants.truth.calibration = Some(calibration);
+    let simulate::Campaign { document, truth } = simulate::campaign(&constants).expect("simulated");
+    let document = solved(document);
+    let said = axes(&document).findings.join("\n");
+    assert!(
+        said.contains("pull the offset of sensor y") && said.contains("pull the constant of coil x"),
+        "{said}"
+    );
+    assert_eq!(axes(&document).findings.len(), 2, "{said}");
+    let offset =
+        axes(&document).offsets_nt.as_ref().and_then(|offsets| offsets.y.as_ref()).expect("an offset");
+    assert!((offset.value() - 50.0).abs() < 4.0 * offset.std().expect("an uncertainty"), "{offset:?}");
+    assert!(worst_arcsec(&document, &truth) < 2.0, "{}", worst_arcsec(&document, &truth));
+}
+
+#[test]
+fn a_robust_fit_does_not_hide_whole_orientations() {
+    let simulate::Campaign { mut document, .. } = simulate::campaign(&plan()).expect("simulated");
+    let first = document.recordings[1].conditions.clone();
+    document.recordings[1].conditions = document.recordings[4].conditions.clone();
+    document.recordings[4].conditions = first;
+    let robust = Options { robust: true, ..Options::default() };
+    let document = axescal::run(document, &robust).expect("five orientations suffice");
+    let said = axes(&document).findings.join("\n");
+    assert!(said.contains("of 168 readings were given no weight, in orientation 2, 5"), "{said}");
+    // A few wild readings are left out and counted, and nothing is said of clean data.
+    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan()).expect("simulated");
+    let clean = axescal::run(document.clone(), &robust).expect("directions");
+    assert!(axes(&clean).findings.is_empty(), "{:?}", axes(&clean).findings);
+    for (recording, row) in [(0, 1), (3, 4), (5, 2)] {
+        document.recordings[recording].columns.get_mut("sensor_z_v").expect("a column").0[row] += 0.5;
+    }
+    let document = axescal::run(document, &robust).expect("directions");
+    assert!(
+        axes(&document).findings[0].starts_with("3 of 168 readings were given no weight"),
+        "{:?}",
+        axes(&document).findings
+    );
+    assert!(worst_arcsec(&document, &truth) < 2.0);
+}
+
+#[test]
+fn known_coils_are_never_the_result_of_the_same_readings() {
+    let known = Options { coils: Coils::Known, ..Options::default() };
+    let document = solved(simulate::campaign(&plan()).expect("simulated").document);
+    let error = axescal::run(document.clone(), &known).expect_err("counted twice").to_string();
+    assert!(error.contains("found from these same recordings"), "{error}");
+    // What was given as known outlives a run that does not use it.
+    let mut given = document;
+    let axes_before = given.calibration.as_mut().and_then(|c| c.axes.as_mut()).expect("axes");
+    axes_before.known_coils = axes_before.coils.clone();
+    let once = axescal::run(given.clone(), &known).expect("directions");
+    let plain = solved(once.clone());
+    let again = axescal::run(plain, &known).expect("directions");
+    assert_eq!(axes(&again), axes(&once));
+}
+
+#[test]
+fn a_weak_coil_keeps_its_field_and_is_said() {
+    let mut plan = plan();
+    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
+        axes.drives =
+            [[5e4, 0.0, 0.0], [-5e4, 0.0, 0.0], [0.0, 5e4, 0.0], [0.0, -5e4, 0.0], [0.0, 0.0, 45.0]]
+                .map(simulate::Drive::Vector)
+                .to_vec();
+    }
+    let document = solved(simulate::campaign(&plan).expect("simulated").document);
+    let found = axes(&document);
+    assert!(
+        found.findings.iter().any(|finding| finding.starts_with("coil z makes at most 45.0 nT")),
+        "{:?}",
+        found.findings
+    );
+    let z = found.residual_field_nt.as_ref().and_then(|field| field.z.as_ref()).expect("a field");
+    // 45 nT along a coil some 4° off its nominal axis leave at most 3 nT.
+    assert!(z.value().abs() < 3.0, "{z:?}");
+}

@@ -98,6 +98,7 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
 /// The version is looked at first, so that a newer document is not blamed for keys that changed.
 fn check_version(text: &str) -> Result<(), Error> {
     #[derive(Deserialize)]
+    #[serde(expecting = "an object")]
     struct Head {
         fluxcal: Option<Value>,
     }
@@ -154,10 +155,22 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
     }
     let message = message.strip_prefix("invalid type: ").unwrap_or(&message);
     match message.split_once(", expected ") {
-        Some((found, expected)) => Error::document(path, found, expected),
+        Some((found, expected)) => Error::document(path, found, in_words(expected)),
         None if message.starts_with("duplicate field") => Error::document(path, message, "each key once"),
         // Of a choice of forms, serde says only what was expected.
         None => Error::document(path, "something else", message),
+    }
+}
+
+/// serde's names of Rust types in the words of JSON.
+fn in_words(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".into(),
+        "u64" | "usize" => "a whole number".into(),
+        "a sequence" => "a list".into(),
+        "a map" => "an object".into(),
+        _ if expected.starts_with("struct ") => "an object".into(),
+        _ => expected.into(),
     }
 }
 

@@ -145,6 +145,15 @@ pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
             _ => Ok(()),
         };
     };
+    // A link stays a link, and what is no file (a terminal, a named pipe) is written to and not replaced.
+    let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+    if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
+        let opened = fs::OpenOptions::new().write(true).open(&real);
+        return opened
+            .and_then(|mut file| file.write_all(text.as_bytes()))
+            .map_err(|error| failed(path, error));
+    }
+    let path = real.as_path();
     let mut name = OsString::from(".");
     name.push(path.file_name().unwrap_or_default());
     name.push(format!(".{}.part", process::id()));
@@ -183,6 +192,17 @@ mod tests {
         let path = folder.path().join("out.json");
         write(Some(&path), "{}\n").expect("written");
         assert_eq!(fs::read_to_string(&path).expect("there"), "{}\n");
+        #[cfg(unix)]
+        {
+            let link = folder.path().join("link.json");
+            std::os::unix::fs::symlink(&path, &link).expect("a link");
+            write(Some(&link), "[]\n").expect("written");
+            assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+            assert_eq!(fs::read_to_string(&path).expect("there"), "[]\n");
+            write(Some(Path::new("/dev/null")), "gone").expect("written");
+            assert!(!fs::metadata("/dev/null").expect("there").is_file());
+            fs::remove_file(&link).expect("removed");
+        }
         let lost = folder.path().join("absent").join("out.json");
         let error = write(Some(&lost), "{}").expect_err("no such folder");
         assert!(error.to_string().contains("cannot be written"), "{error}");

@@ -29,6 +29,14 @@ pub trait Problem {
     fn advance(&self, state: &Self::State, step: &[f64]) -> Self::State;
 }
 
+/// Residual and Jacobian of a problem at a state.
+pub fn linearised<P: Problem>(problem: &P, state: &P::State) -> (Vec<f64>, Mat<f64>) {
+    let mut residual = vec![0.0; problem.rows()];
+    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
+    problem.linearise(state, &mut residual, jacobian.as_mut());
+    (residual, jacobian)
+}
+
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
@@ -102,9 +110,7 @@ pub fn solve<P: Problem>(
         return Err(Error::TooFew { found: rows, unknowns });
     }
     let linearise = |state: &P::State| {
-        let mut residual = vec![0.0; rows];
-        let mut jacobian = Mat::zeros(rows, unknowns);
-        problem.linearise(state, &mut residual, jacobian.as_mut());
+        let (mut residual, mut jacobian) = linearised(problem, state);
         for (i, weight) in weights.unwrap_or_default().iter().enumerate() {
             let root = weight.sqrt();
             residual[i] *= root;

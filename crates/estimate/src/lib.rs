@@ -10,7 +10,7 @@ pub mod sine;
 pub mod stats;
 pub mod svd;
 
-pub use gauss_newton::{Fit, Options, Problem, Step, solve};
+pub use gauss_newton::{Fit, Options, Problem, Step, linearised, solve};
 pub use svd::Svd;
 
 use thiserror::Error;

@@ -1,8 +1,6 @@
 //! Iteratively reweighted least squares with Tukey's bisquare.
 
-use faer::Mat;
-
-use crate::gauss_newton::{Fit, Options, Problem, solve};
+use crate::gauss_newton::{Fit, Options, Problem, linearised, solve};
 use crate::{Error, stats};
 
 /// Tuning constant of the bisquare: 95 % efficiency for normal errors.
@@ -64,9 +62,7 @@ pub fn solve_robust<P: Problem>(
 
 /// Residuals without their weights, corrected for leverage.
 fn standardised<P: Problem>(problem: &P, fit: &Fit<P::State>, weights: &[f64]) -> Vec<f64> {
-    let mut residual = vec![0.0; problem.rows()];
-    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
-    problem.linearise(&fit.state, &mut residual, jacobian.as_mut());
+    let (residual, _) = linearised(problem, &fit.state);
     let leverage = fit.svd.leverage();
     (0..weights.len())
         .map(|i| residual[i] / (1.0 - weights[i] * leverage[i].min(1.0)).max(1e-9).sqrt())

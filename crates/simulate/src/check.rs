@@ -59,6 +59,20 @@ fn axes_orientation(axes: &AxesProcedure, plan: &Plan, stated: &Basic, path: &st
     if axes.drives.is_empty() {
         return Err(Error::document(format!("{path}.drives"), "an empty list", "at least one drive"));
     }
+    let path_of = |key: &str| format!("{path}.{key}");
+    if axes.fixture_std_arcmin < 0.0 {
+        return Err(Error::document(
+            path_of("fixture_std_arcmin"),
+            "a negative number",
+            "a standard deviation",
+        ));
+    }
+    if axes.sensors.as_ref().is_some_and(Vec::is_empty) {
+        return Err(Error::document(path_of("sensors"), "an empty list", "at least one sensor"));
+    }
+    if matches!(&axes.orientations, Orientations::List(list) if list.is_empty()) {
+        return Err(Error::document(path_of("orientations"), "an empty list", "at least one orientation"));
+    }
     let settings = match &axes.orientations {
         Orientations::Named(_) => 24.0,
         Orientations::List(list) => list.len() as f64,
@@ -82,6 +96,14 @@ fn axes_orientation(axes: &AxesProcedure, plan: &Plan, stated: &Basic, path: &st
             rows
         }
     };
+    let zero = |drive: &Drive| matches!(drive, Drive::Named(name) if name == "zero");
+    if axes.ac.is_some() && (axes.repeats != 1 || axes.drives.iter().any(zero)) {
+        return Err(Error::document(
+            path_of("ac"),
+            "repeats or a drive \"zero\" beside ac",
+            "neither; cycles repeat by themselves",
+        ));
+    }
     for axis in Axis::ALL {
         let named = axes.drives.iter().map(|drive| drive_on(drive, axis, axes.drive_nt)).fold(0.0, f64::max);
         within(plan, stated, axis, named.max(dither), &format!("{path}.drive_nt"))?;
@@ -99,6 +121,16 @@ fn drive_on(drive: &Drive, axis: Axis, drive_nt: f64) -> f64 {
 
 /// Rows of the run.
 fn free_run(run: &FreeRun, plan: &Plan, stated: &Basic, path: &str) -> Result<f64, Error> {
+    if let Some(name) =
+        run.columns.keys().find(|name| name.starts_with("sensor_") && !name.contains("temperature"))
+    {
+        let path = format!("{path}.columns.{name}");
+        return Err(Error::document(
+            path,
+            "a column of readings",
+            "drive, times and temperatures only; the readings are simulated",
+        ));
+    }
     for axis in Axis::ALL {
         let Some(column) = run.columns.get(&format!("coil_{axis}_a")) else { continue };
         let largest = column.0.iter().map(|current| current.abs()).fold(0.0, f64::max);

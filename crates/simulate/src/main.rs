@@ -52,6 +52,11 @@ fn campaign(io: &Io, seed: Option<u64>, truth: Option<PathBuf>) -> anyhow::Resul
         input_sha256: Some(input.sha256()),
         extra: Default::default(),
     });
+    if truth.is_some() && truth == io.output {
+        anyhow::bail!(common::Error::Request(
+            "--truth and --output name the same file; the truth never goes into the document".into()
+        ));
+    }
     if let Some(path) = truth {
         pipe::write(Some(&path), &to_text(&what_is_true))?;
     }

@@ -134,18 +134,24 @@ pub fn worst_arcsec(orientations: &[Matrix3<f64>], error_model: &ErrorModel) -> 
 }
 
 fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<(), common::Error> {
-    let positive = |value: f64| value.is_finite() && value > 0.0;
-    if !positive(model.drive_nt)
-        || model.noise_nt < 0.0
-        || model.quantisation_nt < 0.0
-        || model.theodolite_arcsec < 0.0
+    let errors = [model.noise_nt, model.quantisation_nt, model.theodolite_arcsec];
+    if !(model.drive_nt.is_finite() && model.drive_nt > 0.0)
+        || errors.iter().any(|e| !e.is_finite() || *e < 0.0)
     {
-        return Err(common::Error::Request("the drive must be positive and no error negative".into()));
+        return Err(common::Error::Request(
+            "the drive must be a positive number and no error negative or infinite".into(),
+        ));
     }
-    if !positive(model.noise_nt + model.quantisation_nt) {
+    if model.noise_nt + model.quantisation_nt < 1e-9 * model.drive_nt {
         return Err(common::Error::Request(
             "without noise or quantisation every set is perfect; give --noise-nt".into(),
         ));
+    }
+    if candidates.len() < 3 {
+        return Err(common::Error::Request(format!(
+            "{} candidate orientations; at least 3 are needed",
+            candidates.len()
+        )));
     }
     if number > candidates.len() || number < 2 {
         return Err(common::Error::Request(format!(

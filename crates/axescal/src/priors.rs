@@ -1,0 +1,113 @@
+//! Constants that the readings contradict.
+//!
+//! A stated uncertainty that is too small would bend the directions, and in the end the noise with them. So each
+//! prior is held against what the readings alone say of it: its residual over √(1 − h) is a standard normal number
+//! when the statement is true. A constant that is beyond chance is left free, and said.
+
+use estimate::{Fit, Options as Iteration, Problem, stats};
+
+use crate::unknowns::Unknown;
+use crate::{AxesProblem, AxesState, Error, Freedom, Observations};
+
+/// A pull less probable than this, among all constants, is not taken for chance.
+const VIOLATED_P: f64 = 1e-4;
+/// Priors that decide their unknown alone cannot be tested.
+const TESTABLE: f64 = 1e-6;
+
+/// What may move once the constants that the readings contradict are free, and which those are, in words.
+/// `weights` leaves doubtful readings out.
+pub fn settle(
+    observations: &Observations,
+    mut freedom: Freedom,
+    start: &AxesState,
+    weights: &[f64],
+    known_scale: bool,
+) -> Result<(Freedom, Vec<String>), Error> {
+    let solve = |freedom: &Freedom, factor: f64| {
+        let problem = AxesProblem::new(observations, freedom, factor);
+        estimate::solve(&problem, start.clone(), Some(weights), &Iteration::default())
+    };
+    let count: f64 = weights.iter().sum();
+    let factor = if known_scale {
+        1.0
+    } else {
+        let fit = solve(&freedom.without_priors(), 1.0)?;
+        let leverage: f64 = fit.svd.leverage()[..weights.len()].iter().sum();
+        let squares: f64 = fit.residual[..weights.len()].iter().map(|r| r * r).sum();
+        (squares / (count - leverage).max(1.0)).sqrt().max(f64::MIN_POSITIVE)
+    };
+    let mut findings = Vec::new();
+    loop {
+        let problem = AxesProblem::new(observations, &freedom, factor);
+        let Ok(fit) = solve(&freedom, factor) else { break };
+        let left = if known_scale { f64::INFINITY } else { (count - problem.unknowns() as f64).max(1.0) };
+        let pulls = pulls(&problem, &fit);
+        let constants = pulls.iter().filter(|(unknown, _)| !matches!(unknown, Unknown::Correction(..)));
+        let tested = constants.clone().count() as f64;
+        let Some((unknown, pull)) = constants.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())) else { break };
+        if stats::two_sided_p(*pull, left) * tested >= VIOLATED_P {
+            findings.extend(orientations(&pulls));
+            break;
+        }
+        freedom.release(*unknown);
+        findings.push(format!(
+            "the readings pull {} {:.1} standard uncertainties away from what the document states; it was left free",
+            name(*unknown),
+            pull.abs()
+        ));
+    }
+    let problem = AxesProblem::new(observations, &freedom, factor);
+    if let Ok(fit) = solve(&freedom, factor) {
+        findings.extend(known_coils(&problem, &fit));
+    }
+    Ok((freedom, findings))
+}
+
+/// Each unknown with a prior and how far, in standard deviations, the readings pull it.
+fn pulls(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Vec<(Unknown, f64)> {
+    let leverage = fit.svd.leverage();
+    problem
+        .prior_rows()
+        .filter(|(row, _)| 1.0 - leverage[*row] > TESTABLE)
+        .map(|(row, unknown)| (unknown, fit.residual[row] / (1.0 - leverage[row]).sqrt()))
+        .collect()
+}
+
+/// The theodolites, judged by all their corrections together.
+fn orientations(pulls: &[(Unknown, f64)]) -> Option<String> {
+    let corrections: Vec<f64> = pulls
+        .iter()
+        .filter(|(unknown, _)| matches!(unknown, Unknown::Correction(..)))
+        .map(|(_, pull)| *pull)
+        .collect();
+    let far = corrections.iter().map(|pull| pull.abs()).fold(0.0, f64::max);
+    let p = stats::two_sided_p(far, f64::INFINITY) * corrections.len() as f64;
+    (!corrections.is_empty() && p < VIOLATED_P).then(|| {
+        format!("an orientation turns {far:.1} times as far as the theodolites' uncertainty allows; read it again, or state it larger")
+    })
+}
+
+/// The coils that were given as known, judged by all their turns together.
+fn known_coils(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Option<String> {
+    let leverage = fit.svd.leverage();
+    let rows = problem.known_coil_row_numbers();
+    let freedom: f64 = rows.clone().map(|row| 1.0 - leverage[row]).sum();
+    let squares: f64 = rows.map(|row| fit.residual[row].powi(2)).sum();
+    (freedom > 0.5 && stats::chi_squared_p(squares, freedom) < VIOLATED_P).then(|| {
+        "the readings turn the known coils further than their uncertainty allows; they may not be where they were, or a \
+         constant is off"
+            .into()
+    })
+}
+
+fn name(unknown: Unknown) -> String {
+    match unknown {
+        Unknown::SensorScale(axis) => format!("the sensitivity of sensor {axis}"),
+        Unknown::CoilScale(axis) => format!("the constant of coil {axis}"),
+        Unknown::ResidualField(_) => "the residual field".into(),
+        Unknown::Offset(axis) => format!("the offset of sensor {axis}"),
+        Unknown::Sensor(axis, _) => format!("sensor {axis}"),
+        Unknown::Coil(axis, _) => format!("coil {axis}"),
+        Unknown::Correction(orientation, _) => format!("orientation {}", orientation + 1),
+    }
+}
