@@ -6,6 +6,8 @@ use physics::{Basic, Context, Unit};
 use crate::observations::sensor_column;
 use crate::{Error, Observations};
 
+/// With fewer than three sensors and coils, readings below this share of the drive are in another unit.
+const LEAST_OF_A_PART: f64 = 5e-3;
 /// Readings further from the drive than this factor are in another unit.
 const UNIT_FACTOR: f64 = 3.0;
 
@@ -126,8 +128,10 @@ pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> R
         let own = all.readings.iter().filter(|reading| reading.sensor == sensor);
         let largest = own.map(|reading| reading.value_nt.abs()).fold(0.0, f64::max);
         let ratio = largest / drive;
+        // One sensor with one coil may lie across each other in every orientation.
         let complete = all.sensors.len() == 3 && all.coils.len() == 3;
-        if ratio > UNIT_FACTOR || (complete && ratio < 1.0 / UNIT_FACTOR) {
+        let least = if complete { 1.0 / UNIT_FACTOR } else { LEAST_OF_A_PART };
+        if ratio > UNIT_FACTOR || ratio < least {
             let (index, recording) = recordings[0];
             let name = sensor_column(recording, sensor).map_or_else(String::new, |(name, _)| name);
             let units = [(1e-9, "T"), (1e-6, "mT"), (1e-5, "G"), (1e-3, "µT"), (1e-2, "mG")];
