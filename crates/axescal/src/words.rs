@@ -33,7 +33,7 @@ fn describe(axes: &AxesCalibration) -> String {
         let each: Vec<String> = fit
             .iterations
             .iter()
-            .map(|step| format!("{:.3} nT, turned {:.1e}\"", step.rms_nt, step.turn_arcsec))
+            .map(|step| format!("{:.3} nT, turned {:.4}\"", step.rms_nt, step.turn_arcsec))
             .collect();
         let _ = writeln!(text, "  steps (rms before each): {}", each.join("; "));
     }
