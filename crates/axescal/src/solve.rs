@@ -17,6 +17,8 @@ use crate::{
 const CHI_SQUARED_P: f64 = 1e-3;
 /// Singular values below this share of the largest are held still where the iteration wanders along them.
 const COARSE_RANK: f64 = 1e-3;
+/// A robust scale is not taken for the declared one beyond this over √(degrees of freedom): some four standard deviations.
+const ROBUST_EXCESS: f64 = 4.0;
 /// A reading of less weight than this is left out.
 const NO_WEIGHT: f64 = 1e-2;
 /// A robust fit that leaves out a larger share than this is refused.
@@ -93,7 +95,9 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     });
     let scatter = match chi_squared {
         Some((_, p)) => p < CHI_SQUARED_P && estimate.degrees_of_freedom >= 1.0 && estimate.scale > 1.0,
-        None => !known_scale || estimate.scale > 1.0 + 4.0 / estimate.degrees_of_freedom.max(1.0).sqrt(),
+        None => {
+            !known_scale || estimate.scale > 1.0 + ROBUST_EXCESS / estimate.degrees_of_freedom.max(1.0).sqrt()
+        }
     };
     let mut noise_factor = 1.0;
     if scatter {

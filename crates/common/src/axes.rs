@@ -273,7 +273,7 @@ pub struct AxesReadings {
     pub residual_nt: Vec<f64>,
     /// Share of the prediction that the reading itself decides, 0 to 1.
     pub leverage: Vec<f64>,
-    /// Reading less the prediction made without it, nT.
+    /// Reading less the prediction made without it, nT; after a robust fit as if all weights were 1.
     pub leave_one_out_nt: Vec<f64>,
     /// That over its standard deviation, estimated without it.
     pub t: Vec<f64>,
