@@ -167,7 +167,7 @@ fn rows(
         };
         for (row, value) in column.iter().enumerate() {
             let drive_nt = drive(basic, &context.current_a[row]);
-            let ambient_nt = context.ambient_nt[row];
+            let ambient_nt = context.ambient(row);
             if value.is_finite() && (drive_nt + ambient_nt).iter().all(|field| field.is_finite()) {
                 let constants = &basic.sensors[sensor.index()];
                 all.readings.push(Observation {

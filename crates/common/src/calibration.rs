@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AxesCalibration, Axis, Extra, PerAxis, Quantity};
+use crate::{AxesCalibration, Axis, Extra, Matrix3x3, PerAxis, Quantity};
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -15,6 +15,9 @@ pub struct Calibration {
     /// The directions of sensors and coils, by axescal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<AxesCalibration>,
+    /// One magnetometer against another, by diffmag.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub differential: Option<DifferentialCalibration>,
     /// Temperatures at which the constants hold.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_conditions: Option<ReferenceConditions>,
@@ -61,6 +64,20 @@ pub struct SensorCalibration {
     /// Offset O, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_nt: Option<Quantity>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// The test magnetometer against the reference: T = R η + d, rows are samples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DifferentialCalibration {
+    /// η: column j holds what the reference's x, y, z give to the test's axis j.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<Matrix3x3>,
+    /// d, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_nt: Option<PerAxis<Quantity>>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

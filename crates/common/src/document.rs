@@ -51,7 +51,7 @@ impl Document {
         Ok(document)
     }
 
-    /// Ids are unique, and the columns of a recording have one length.
+    /// Ids are unique, the columns of a recording have one length, and `start` is a moment.
     pub fn check(&self) -> Result<(), Error> {
         let mut seen = HashMap::new();
         for (index, recording) in self.recordings.iter().enumerate() {
@@ -61,6 +61,13 @@ impl Document {
                     format!("{path}.id"),
                     format!("\"{}\", which recordings[{first}] has already", recording.id),
                     "an id that is unique within the document; rename one of the two",
+                ));
+            }
+            if recording.start.is_some() && recording.start().is_none() {
+                return Err(Error::document(
+                    format!("{path}.start"),
+                    format!("\"{}\"", recording.start.as_deref().unwrap_or_default()),
+                    "a moment with its offset from UTC, as in \"1977-05-26T14:44:35Z\" (RFC 3339)",
                 ));
             }
             let rows = recording.rows();

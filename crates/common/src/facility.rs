@@ -43,6 +43,9 @@ pub struct Coil {
     /// Largest field that the coil makes, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_nt: Option<f64>,
+    /// How its field changes along its axis at the centre, for each ampere, nT/(m A).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient_nt_per_m_a: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

@@ -30,6 +30,9 @@ pub struct Instrument {
     /// Noise of a reading: the same for all sensors, or keyed by sensor. Absent: estimated from the recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseOfSensors>,
+    /// Place of each sensor in SEN, m.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub positions_m: Option<PerAxis<[f64; 3]>>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
@@ -70,7 +73,7 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
     }
 }
 
-/// Noise of a reading: white, and flicker P(f) = A f^-α, one-sided, down to one over the record's length.
+/// Noise of a reading: white, flicker P(f) = A f^-α, one-sided, down to one over the record's length, and a random walk.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Noise {
     /// White noise of one reading, nT rms.
@@ -84,6 +87,10 @@ pub struct Noise {
     /// Exponent α of the flicker noise (1 where absent).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flicker_exponent: Option<f64>,
+    /// Random walk: rms change after one second, nT/√s.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[schemars(range(min = 0.0))]
+    pub random_walk_nt_per_sqrt_s: Option<f64>,
     /// Relative standard uncertainty of this declaration.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]

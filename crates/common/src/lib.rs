@@ -18,13 +18,16 @@ pub mod pipe;
 mod quantity;
 mod recording;
 pub mod schema;
+pub mod time;
 
 pub use axes::{
     Assumption, AxesCalibration, AxesDirections, AxesFit, AxesReadings, DoubtfulReading, IterationStep,
     OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
 };
 pub use axis::{Axis, PerAxis};
-pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, SensorCalibration};
+pub use calibration::{
+    Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions, SensorCalibration,
+};
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};

@@ -26,6 +26,9 @@ pub struct AdoptedEffect {
     /// The coil that it acts on, for an effect of one coil.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coil: Option<Axis>,
+    /// The housekeeping column that it follows, for an effect that does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
     /// Its parameters; the unit stands in the key.
     #[serde(default)]
     pub parameters: IndexMap<String, Quantity>,

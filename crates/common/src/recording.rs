@@ -3,12 +3,33 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
 use std::{borrow::Cow, fmt};
 
+use crate::time::Start;
 use crate::{Axis, Extra, Matrix3x3};
 
 /// Names of the procedures that recordings follow.
 pub mod procedure {
+    /// Field of one coil against its current, read by coilcal.
+    pub const COIL_CONSTANT: &str = "coil_constant";
+    /// Field of one coil along its axis, read by coilcal.
+    pub const COIL_GRADIENT: &str = "coil_gradient";
+    /// What the nulling leaves, in a site condition, read by coilcal.
+    pub const NULLING_RESIDUAL: &str = "nulling_residual";
+    /// Readings of one sensor against a coil's field, read by sensorcal.
+    pub const SENSOR_SENSITIVITY: &str = "sensor_sensitivity";
+    /// Readings of one sensor in two opposite positions, read by sensorcal.
+    pub const SENSOR_OFFSET_REVERSAL: &str = "sensor_offset_reversal";
+    /// Readings in a shield, read by sensorcal.
+    pub const SENSOR_NOISE: &str = "sensor_noise";
+    /// One of many reversals at different dates, read by sensorcal.
+    pub const OFFSET_DRIFT: &str = "offset_drift";
+    /// Sensitivity at many temperatures, read by sensorcal.
+    pub const TEMPERATURE_RUN: &str = "temperature_run";
+    /// Sensitivity with fields across the sensor, read by sensorcal.
+    pub const CROSS_FIELD: &str = "cross_field";
     /// Directions of sensors and coils, read by axescal.
     pub const AXES_ORIENTATION: &str = "axes_orientation";
+    /// Two magnetometers side by side, read by diffmag.
+    pub const DIFFERENTIAL: &str = "differential";
     /// Any drive and any readings, read by diagnose.
     pub const FREE_RUN: &str = "free_run";
 }
@@ -41,6 +62,11 @@ pub struct Recording {
 pub type Columns = IndexMap<String, Column>;
 
 impl Recording {
+    /// When it began, where that is said.
+    pub fn start(&self) -> Option<Start> {
+        self.start.as_deref().and_then(Start::parse)
+    }
+
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.columns.values().map(|column| column.0.len()).max().unwrap_or(0)

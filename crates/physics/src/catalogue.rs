@@ -1,73 +1,114 @@
-//! The catalogue: every effect by name. A new effect is one file and one line here.
+//! The catalogue: every effect by name. A new effect is one type and one line here.
 
-use common::{AdoptedEffect, Axis, Document};
+use common::{AdoptedEffect, Document};
 use nalgebra::Vector3;
 
-use crate::effects::{CoilHeating, OffsetTemperatureLag};
-use crate::{Effect, EffectInstance, Error, ParameterInfo, Place, Real, Surroundings};
+use crate::effects::*;
+use crate::{About, Acts, Effect, EffectInstance, Error, ParameterInfo, Place, Real, Role, Surroundings};
 
 macro_rules! catalogue {
     ($($effect:ident),+ $(,)?) => {
         /// The effects that fluxcal knows.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Kind {
             $(#[doc = concat!("See the effect `", stringify!($effect), "`.")] $effect,)+
         }
 
         impl Kind {
-            /// All of them.
+            /// All of them, by place.
             pub const ALL: &'static [Kind] = &[$(Kind::$effect),+];
 
-            /// Name in documents.
-            pub fn name(self) -> &'static str {
-                match self { $(Kind::$effect => $effect::NAME),+ }
-            }
-
-            /// In the field's words.
-            pub fn title(self) -> &'static str {
-                match self { $(Kind::$effect => $effect::TITLE),+ }
-            }
-
-            /// One sentence of physics.
-            pub fn physics(self) -> &'static str {
-                match self { $(Kind::$effect => $effect::PHYSICS),+ }
-            }
-
-            /// The equation of its contribution.
-            pub fn equation(self) -> &'static str {
-                match self { $(Kind::$effect => $effect::EQUATION),+ }
-            }
-
-            /// Where that is written.
-            pub fn source(self) -> &'static str {
-                match self { $(Kind::$effect => $effect::SOURCE),+ }
-            }
-
-            /// Where in the chain it acts.
-            pub fn place(self) -> Place {
-                match self { $(Kind::$effect => $effect::PLACE),+ }
-            }
-
-            /// Its parameters.
-            pub fn parameters(self) -> &'static [ParameterInfo] {
-                match self { $(Kind::$effect => $effect::PARAMETERS),+ }
+            /// What it says of itself.
+            pub fn about(self) -> &'static About {
+                match self { $(Kind::$effect => const { &$effect::ABOUT }),+ }
             }
 
             /// Adds its contribution to a signal; see [`Effect::apply`].
             pub fn apply<T: Real>(
                 self,
                 parameters: &[T],
-                axis: Axis,
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
             ) -> Result<(), Error> {
-                match self { $(Kind::$effect => $effect::apply(parameters, axis, signal, around)),+ }
+                match self { $(Kind::$effect => $effect::apply(parameters, signal, around)),+ }
             }
         }
     };
 }
 
-catalogue![OffsetTemperatureLag, CoilHeating];
+catalogue![
+    QuadraticNonlinearity,
+    CubicNonlinearity,
+    CrossField,
+    CrossFieldSensitivity,
+    OffsetTemperature,
+    OffsetTemperatureLag,
+    SensitivityTemperature,
+    SensitivityTemperatureLag,
+    AxisTemperature,
+    AxisCreep,
+    Hysteresis,
+    Perming,
+    WarmUp,
+    Ageing,
+    SensitivityAgeing,
+    OffsetElectronicsTemperature,
+    OffsetElectronicsTemperatureLag,
+    SensitivityElectronicsTemperature,
+    SensitivityElectronicsTemperatureLag,
+    LoopBandwidth,
+    Delay,
+    Quantisation,
+    DifferentialNonlinearity,
+    Saturation,
+    Clipping,
+    ClockOffset,
+    ClockRate,
+    ReadingStep,
+    Spike,
+    Dropout,
+    CoilTemperature,
+    CoilHeating,
+    EddyCurrents,
+    HardIron,
+    SoftIron,
+    NullingLeakage,
+    CoilGradient,
+    OffCentre,
+    Mains,
+    TractionPower,
+    VehiclePass,
+    WorkingHours,
+    StrayCurrent,
+    ReactionWheel,
+    SunThermoelectric,
+    PillarGradient,
+    InductionDifference,
+    PillarTilt,
+    PillarSettling,
+];
+
+impl Kind {
+    /// The effect of that name.
+    pub fn named(name: &str) -> Option<Kind> {
+        Kind::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// Name in documents.
+    pub fn name(self) -> &'static str {
+        self.about().name
+    }
+
+    /// What it belongs to.
+    pub fn place(self) -> Place {
+        self.about().place
+    }
+
+    /// Its parameters.
+    pub fn parameters(self) -> &'static [ParameterInfo] {
+        self.about().parameters
+    }
+}
 
 /// The effects that a document's model has adopted.
 pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
@@ -77,17 +118,29 @@ pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
 
 fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Error> {
     let refuse = |found: String, expected: String| Error::Unknown { index, found, expected };
-    let kind = Kind::ALL.iter().copied().find(|kind| kind.name() == adopted.effect).ok_or_else(|| {
+    let kind = Kind::named(&adopted.effect).ok_or_else(|| {
         let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
         refuse(format!("the effect \"{}\"", adopted.effect), format!("one of {}", names.join(", ")))
     })?;
-    let (part, axis) = match kind.place() {
-        Place::Coil => ("coil", adopted.coil),
-        _ => ("sensor", adopted.sensor),
+    let without = |key: &str, expected: &str| {
+        refuse(format!("{} without \"{key}\"", kind.name()), format!("\"{key}\": {expected}"))
     };
-    let axis = axis.ok_or_else(|| {
-        refuse(format!("{} without \"{part}\"", kind.name()), format!("\"{part}\": \"x\", \"y\" or \"z\""))
-    })?;
+    let one = "\"x\", \"y\" or \"z\"";
+    let (axis, column) = match kind.about().acts {
+        Acts::OneCoil => (Some(adopted.coil.ok_or_else(|| without("coil", one))?), None),
+        Acts::OneSensor => (Some(adopted.sensor.ok_or_else(|| without("sensor", one))?), None),
+        Acts::Everything => (None, None),
+        Acts::WithColumn => {
+            let column = adopted.column.clone();
+            (None, Some(column.ok_or_else(|| without("column", "the name of a housekeeping column"))?))
+        }
+    };
+    if let Some(name) =
+        adopted.parameters.keys().find(|name| !kind.parameters().iter().any(|p| p.name == **name))
+    {
+        let names: Vec<&str> = kind.parameters().iter().map(|info| info.name).collect();
+        return Err(refuse(format!("the parameter {name} of {}", kind.name()), names.join(", ")));
+    }
     let parameters = kind
         .parameters()
         .iter()
@@ -99,11 +152,11 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
                     format!("a number for {}", info.name),
                 )
             })?;
-            if info.positive && value <= 0.0 {
+            if info.role == Role::Shape && value <= 0.0 {
                 return Err(refuse(format!("{} = {value}", info.name), "a positive number".into()));
             }
             Ok(value)
         })
         .collect::<Result<_, _>>()?;
-    Ok(EffectInstance { kind, axis, parameters })
+    Ok(EffectInstance { kind, axis, column, parameters })
 }

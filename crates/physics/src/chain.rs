@@ -5,14 +5,16 @@ use nalgebra::Vector3;
 use num_dual::Dual64;
 
 use crate::model::column;
-use crate::{Basic, Context, EffectInstance, Error, Place, Real, Surroundings, field_geo, frames, parallel};
+use crate::{Basic, Context, EffectInstance, Error, Real, Stage, Surroundings, field_geo, frames, parallel};
 
 /// What the chain predicts for a recording.
 #[derive(Clone, Debug)]
 pub struct Prediction<T: Real = f64> {
+    /// The field in GEO, nT; a scalar magnetometer there reads its length. Differential recordings: as `field_sen`.
+    pub field_geo: Vec<Vector3<T>>,
     /// The field in SEN at the sensors, nT.
     pub field_sen: Vec<Vector3<T>>,
-    /// The readings of the sensors x, y, z, in the unit of the recording.
+    /// The readings of the sensors x, y, z, in the unit of the recording; those of the test instrument where it is differential.
     pub readings: Vec<Vector3<T>>,
 }
 
@@ -99,65 +101,84 @@ fn run<T: Real>(
     values: &[&[T]],
     context: &Context<'_>,
 ) -> Result<Prediction<T>, Error> {
-    let at = |place: Place, signal: &mut [Vector3<T>], field_sen: &[Vector3<T>]| {
-        apply_at(place, effects, values, signal, &Surroundings { context, field_sen })
-    };
+    let chain = Chain { basic, effects, values, context };
+    if let Some(reference) = &context.reference_nt {
+        let field: Vec<Vector3<T>> = reference.iter().map(|field| field.map(T::from)).collect();
+        let readings = chain.read(&field, &[])?;
+        return Ok(Prediction { field_geo: field.clone(), field_sen: field, readings });
+    }
     let mut coil: Vec<Vector3<T>> = context
         .current_a
         .iter()
         .map(|current| Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current[c]))
         .collect();
-    at(Place::Coil, &mut coil, &[])?;
+    chain.apply(Stage::Coil, &mut coil, &[], &[])?;
     let offsets = Vector3::from_fn(|c, _| basic.coils[c].offset_nt);
-    let mut field: Vec<Vector3<T>> = coil
+    let mut geo: Vec<Vector3<T>> = coil
         .iter()
-        .zip(&context.ambient_nt)
-        .map(|(coil, ambient)| field_geo(&basic.eta, &(coil + offsets), &ambient.map(T::from)))
+        .enumerate()
+        .map(|(row, coil)| field_geo(&basic.eta, &(coil + offsets), &context.ambient(row).map(T::from)))
         .collect();
-    at(Place::Facility, &mut field, &[])?;
-    let rotation = context.orientation.rotation.map(T::from);
-    field.iter_mut().for_each(|field| *field = rotation * *field);
-    let readings = read_field(basic, effects, values, context, &field)?;
-    Ok(Prediction { field_sen: field, readings })
-}
-
-/// The second half of the chain: from the field in SEN to the readings.
-pub(crate) fn read_field<T: Real>(
-    basic: &Basic<T>,
-    effects: &[EffectInstance],
-    values: &[&[T]],
-    context: &Context<'_>,
-    field_sen: &[Vector3<T>],
-) -> Result<Vec<Vector3<T>>, Error> {
-    let at = |place: Place, signal: &mut [Vector3<T>], field_sen: &[Vector3<T>]| {
-        apply_at(place, effects, values, signal, &Surroundings { context, field_sen })
+    chain.apply(Stage::Geo, &mut geo, &coil, &[])?;
+    let field: Vec<Vector3<T>> = if context.attitude.is_empty() {
+        let rotation = context.orientation.rotation.map(T::from);
+        geo.iter().map(|field| rotation * field).collect()
+    } else {
+        geo.iter().enumerate().map(|(row, field)| context.rotation(row).map(T::from) * field).collect()
     };
-    let mut field = field_sen.to_vec();
-    at(Place::SensorBlock, &mut field, field_sen)?;
-    let axes = Axis::ALL.map(|axis| column(&basic.mu, axis));
-    let mut signal: Vec<Vector3<T>> =
-        field.iter().map(|field| Vector3::from_fn(|i, _| parallel(&axes[i], field))).collect();
-    for place in [Place::Sensor, Place::Electronics, Place::Logger] {
-        at(place, &mut signal, &field)?;
-    }
-    for value in &mut signal {
-        for (component, sensor) in value.iter_mut().zip(&basic.sensors) {
-            *component = (*component - sensor.offset_nt) / sensor.sensitivity;
-        }
-    }
-    Ok(signal)
+    let readings = chain.read(&field, &coil)?;
+    Ok(Prediction { field_geo: geo, field_sen: field, readings })
 }
 
-fn apply_at<T: Real>(
-    place: Place,
-    effects: &[EffectInstance],
-    values: &[&[T]],
-    signal: &mut [Vector3<T>],
-    around: &Surroundings<'_, T>,
-) -> Result<(), Error> {
-    let here = effects.iter().zip(values).filter(|(effect, _)| effect.kind.place() == place);
-    for (effect, values) in here {
-        effect.kind.apply(values, effect.axis, signal, around)?;
+/// The chain of one recording with the values of its parameters.
+pub(crate) struct Chain<'a, T: Real> {
+    pub basic: &'a Basic<T>,
+    pub effects: &'a [EffectInstance],
+    pub values: &'a [&'a [T]],
+    pub context: &'a Context<'a>,
+}
+
+impl<T: Real> Chain<'_, T> {
+    /// The second half of the chain: from the field in SEN to the readings.
+    pub fn read(&self, field_sen: &[Vector3<T>], coil_nt: &[Vector3<T>]) -> Result<Vec<Vector3<T>>, Error> {
+        let mut field = field_sen.to_vec();
+        self.apply(Stage::Block, &mut field, coil_nt, field_sen)?;
+        let axes = Axis::ALL.map(|axis| column(&self.basic.mu, axis));
+        let mut signal: Vec<Vector3<T>> =
+            field.iter().map(|field| Vector3::from_fn(|i, _| parallel(&axes[i], field))).collect();
+        for stage in [Stage::Sensor, Stage::Electronics, Stage::Logger] {
+            self.apply(stage, &mut signal, coil_nt, &field)?;
+        }
+        for value in &mut signal {
+            for (component, sensor) in value.iter_mut().zip(&self.basic.sensors) {
+                *component = (*component - sensor.offset_nt) / sensor.sensitivity;
+            }
+        }
+        Ok(signal)
     }
-    Ok(())
+
+    /// The effects of one stage, in the order in which the model lists them.
+    fn apply(
+        &self,
+        stage: Stage,
+        signal: &mut [Vector3<T>],
+        coil_nt: &[Vector3<T>],
+        field_sen: &[Vector3<T>],
+    ) -> Result<(), Error> {
+        for (effect, values) in self.effects.iter().zip(self.values) {
+            if effect.kind.about().stage != stage {
+                continue;
+            }
+            let around = Surroundings {
+                context: self.context,
+                axis: effect.axis.unwrap_or(Axis::X),
+                column: effect.column.as_deref().unwrap_or_default(),
+                basic: self.basic,
+                coil_nt,
+                field_sen,
+            };
+            effect.kind.apply(values, signal, &around)?;
+        }
+        Ok(())
+    }
 }

@@ -1,7 +1,7 @@
 //! What a recording says besides its readings: times, drive, temperatures, orientation.
 
-use common::{Axis, Document, Recording};
-use nalgebra::{Matrix3, Vector3};
+use common::{Axis, Document, Recording, procedure};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::Error;
 use crate::frames::{ARCSEC, Orientation};
@@ -21,6 +21,28 @@ impl Unit {
         match self {
             Unit::Volt => "v",
             Unit::Nanotesla => "nt",
+        }
+    }
+}
+
+/// Whose temperature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Thermometer {
+    /// Of the sensors.
+    Sensor,
+    /// Of the electronics.
+    Electronics,
+    /// Of the coils.
+    Coil,
+}
+
+impl Thermometer {
+    /// Name of its column.
+    pub const fn column(self) -> &'static str {
+        match self {
+            Thermometer::Sensor => "sensor_temperature_c",
+            Thermometer::Electronics => "electronics_temperature_c",
+            Thermometer::Coil => "coil_temperature_c",
         }
     }
 }
@@ -64,14 +86,26 @@ pub struct Context<'a> {
     pub rows: usize,
     /// Current in the coils x, y, z for each row, A; zero where a coil has no column, NaN where a reading is missing.
     pub current_a: Vec<Vector3<f64>>,
-    /// Field besides the coils', GEO, nT, for each row.
+    /// Field besides the coils', GEO, nT: for each row, or one that holds throughout.
     pub ambient_nt: Vec<Vector3<f64>>,
-    /// R, GEO -> SEN.
+    /// R, GEO -> SEN, where it holds throughout.
     pub orientation: Orientation,
+    /// R for each row, where the attitude changes; else empty.
+    pub attitude: Vec<Matrix3<f64>>,
+    /// Differential recordings: what the reference reads, which stands in place of the field in SEN.
+    pub reference_nt: Option<Vec<Vector3<f64>>>,
     /// Unit of the readings.
     pub unit: Unit,
     /// Reference temperatures.
     pub references: References,
+    /// The recording's zero of time on the campaign's clock, s.
+    pub clock_s: f64,
+    /// `start` on the clock of its own offset, seconds since 1970.
+    pub local_start_s: Option<f64>,
+    /// Places of the sensors in SEN, m.
+    pub positions_m: Option<[Vector3<f64>; 3]>,
+    /// Gradients of the coils along their axes, nT/(m A); zero where not stated.
+    pub gradient_nt_per_m_a: Vector3<f64>,
 }
 
 impl<'a> Context<'a> {
@@ -81,30 +115,57 @@ impl<'a> Context<'a> {
         let has = |unit: Unit| {
             Axis::ALL.iter().any(|a| recording.axis_column("sensor", *a, unit.suffix()).is_some())
         };
+        let start = recording.start();
+        let positions = document.instrument.as_ref().and_then(|instrument| instrument.positions_m.as_ref());
         Ok(Self {
             recording,
             rows,
             current_a: currents(document, recording, rows)?,
             ambient_nt: ambient(recording, rows),
             orientation: orientation(document, recording)?,
+            attitude: attitude(recording)?,
+            reference_nt: (recording.procedure == procedure::DIFFERENTIAL)
+                .then(|| reference(recording, rows)),
             unit: if has(Unit::Nanotesla) && !has(Unit::Volt) { Unit::Nanotesla } else { Unit::Volt },
             references,
+            clock_s: start.map_or(0.0, |start| start.unix_s - beginning(document).unwrap_or(start.unix_s)),
+            local_start_s: start.map(|start| start.local_s()),
+            positions_m: positions.map(|positions| {
+                Axis::ALL.map(|axis| positions.get(axis).map_or_else(Vector3::zeros, |p| Vector3::from(*p)))
+            }),
+            gradient_nt_per_m_a: gradients(document),
         })
     }
 
     /// The times, which an effect with memory needs: all there, never running backwards.
     pub fn times(&self, who: &str) -> Result<&'a [f64], Error> {
         let times = self.column("time_s", who)?;
-        match times.windows(2).position(|pair| pair[1].is_nan() || pair[0].is_nan() || pair[1] < pair[0]) {
-            Some(row) => Err(Error::Missing {
-                recording: self.recording.id.clone(),
-                who: who.into(),
-                what: format!(
-                    "times that do not run backwards; after row {row} `time_s` is missing or falls"
-                ),
-            }),
+        let faulty = |pair: &[f64]| pair.iter().any(|t| !t.is_finite()) || pair[1] < pair[0];
+        let fault = times.windows(2).position(faulty);
+        match fault.or((times.len() == 1 && !times[0].is_finite()).then_some(0)) {
+            Some(row) => Err(self.missing(
+                who,
+                &format!("times that do not run backwards; after row {row} `time_s` is missing or falls"),
+            )),
             None => Ok(times),
         }
+    }
+
+    /// The times on the campaign's clock, s. Zero is the earliest `start` of the document; recordings without `start` are on
+    /// that clock already.
+    pub fn clock(&self, who: &str) -> Result<Vec<f64>, Error> {
+        Ok(self.times(who)?.iter().map(|t| t + self.clock_s).collect())
+    }
+
+    /// A temperature and its reference, degC.
+    pub fn temperature(&self, which: Thermometer, who: &str) -> Result<(&'a [f64], f64), Error> {
+        let column = self.column(which.column(), who)?;
+        let reference = match which {
+            Thermometer::Sensor => self.references.sensor_c,
+            Thermometer::Electronics => self.references.electronics_c,
+            Thermometer::Coil => self.references.coil_c,
+        };
+        Ok((column, reference.ok_or_else(|| self.missing(who, "a reference temperature"))?))
     }
 
     /// A column that `who` cannot do without.
@@ -112,10 +173,64 @@ impl<'a> Context<'a> {
         self.recording.column(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
     }
 
+    /// R of a row.
+    pub fn rotation(&self, row: usize) -> Matrix3<f64> {
+        self.attitude.get(row).copied().unwrap_or(self.orientation.rotation)
+    }
+
+    /// The field besides the coils' in a row, GEO, nT.
+    pub fn ambient(&self, row: usize) -> Vector3<f64> {
+        match self.ambient_nt.as_slice() {
+            [throughout] => *throughout,
+            rows => rows[row],
+        }
+    }
+
     /// The error that `who` lacks `what`.
     pub fn missing(&self, who: &str, what: &str) -> Error {
         Error::Missing { recording: self.recording.id.clone(), who: who.into(), what: what.into() }
     }
+}
+
+/// The earliest `start`, seconds since 1970: the zero of the campaign's clock.
+fn beginning(document: &Document) -> Option<f64> {
+    document
+        .recordings
+        .iter()
+        .filter_map(|recording| recording.start())
+        .map(|start| start.unix_s)
+        .reduce(f64::min)
+}
+
+fn gradients(document: &Document) -> Vector3<f64> {
+    let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
+    let gradient = |axis| coils.and_then(|coils| coils.get(axis)).and_then(|coil| coil.gradient_nt_per_m_a);
+    Vector3::from(Axis::ALL.map(|axis| gradient(axis).unwrap_or(0.0)))
+}
+
+/// R for each row from `attitude_{w,x,y,z}`, a unit quaternion GEO -> SEN; empty without such columns.
+fn attitude(recording: &Recording) -> Result<Vec<Matrix3<f64>>, Error> {
+    let column = |part: &str| recording.column(&format!("attitude_{part}"));
+    let (Some(w), Some(x), Some(y), Some(z)) = (column("w"), column("x"), column("y"), column("z")) else {
+        return Ok(Vec::new());
+    };
+    let rotation = |row: usize| {
+        let q = Quaternion::new(w[row], x[row], y[row], z[row]);
+        if q.norm().is_finite() && (q.norm() - 1.0).abs() > 1e-3 {
+            return Err(Error::NotARotation {
+                found: format!("an attitude of length {:.4} in row {row} of \"{}\"", q.norm(), recording.id),
+                expected: "unit quaternions in attitude_{w,x,y,z}".into(),
+            });
+        }
+        Ok(UnitQuaternion::from_quaternion(q).to_rotation_matrix().into_inner())
+    };
+    (0..recording.rows()).map(rotation).collect()
+}
+
+/// `reference_{x,y,z}_nt` of a differential recording; what is missing is NaN.
+fn reference(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
+    let columns = Axis::ALL.map(|axis| recording.axis_column("reference", axis, "nt"));
+    (0..rows).map(|row| Vector3::from(columns.map(|c| c.map_or(f64::NAN, |c| c[row])))).collect()
 }
 
 /// I from `coil_*_a`, or from `coil_*_v` over `facility.coils.*.resistor_ohm`.
@@ -146,18 +261,24 @@ fn resistor(document: &Document, recording: &Recording, axis: Axis) -> Result<f6
     })
 }
 
-/// `ambient_*_nt` (GEO) as columns, or as conditions that hold throughout.
+/// `ambient_*_nt` (GEO) as columns, or as conditions that hold throughout. In a reversal the field that holds in position
+/// +1 is −1 times itself in position −1: turning the sensor is turning the field.
 fn ambient(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
-    let mut ambient = vec![Vector3::zeros(); rows];
-    for axis in Axis::ALL {
-        let name = format!("ambient_{axis}_nt");
-        let constant = recording.conditions.extra.get(&name).and_then(|value| value.as_f64());
-        let column = recording.column(&name);
-        for (row, field) in ambient.iter_mut().enumerate() {
-            field[axis.index()] = column.map_or(constant.unwrap_or(0.0), |column| column[row]);
-        }
+    let columns = Axis::ALL.map(|axis| recording.axis_column("ambient", axis, "nt"));
+    let constant = Axis::ALL.map(|axis| {
+        let value = recording.conditions.extra.get(&format!("ambient_{axis}_nt"));
+        value.and_then(|value| value.as_f64()).unwrap_or(0.0)
+    });
+    let position = recording.column("position");
+    if position.is_none() && columns.iter().all(Option::is_none) {
+        return vec![Vector3::from(constant)];
     }
-    ambient
+    (0..rows)
+        .map(|row| {
+            let field = Vector3::from_fn(|k, _| columns[k].map_or(constant[k], |column| column[row]));
+            field * position.map_or(1.0, |position| position[row])
+        })
+        .collect()
 }
 
 /// R of a recording, from its matrix or from its theodolites; absent: the block is aligned with GEO.

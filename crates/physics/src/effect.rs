@@ -5,7 +5,7 @@ use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar, Vector
 use num_dual::DualNum;
 use std::fmt;
 
-use crate::{Context, Error, Kind};
+use crate::{Basic, Context, Error, Kind};
 
 /// A number that may carry a derivative: `f64` for simulation, a dual number for fits. An effect is
 /// written once for any of them, so a prediction and its Jacobian cannot disagree.
@@ -19,22 +19,91 @@ impl<T> Real for T where
 {
 }
 
-/// Where in the chain an effect acts, in the order of the signal. The signal there is a vector for
-/// each row, in nT.
+/// What an effect belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Place {
+    /// The sensors.
+    Sensor,
+    /// Their electronics.
+    Electronics,
+    /// The data logger.
+    Logger,
+    /// The coil facility.
+    Facility,
+    /// What surrounds it.
+    Environment,
+    /// The spacecraft that carries the sensors.
+    Spacecraft,
+    /// The two places of a differential recording.
+    Sites,
+}
+
+impl Place {
+    /// All places.
+    pub const ALL: [Place; 7] = [
+        Place::Sensor,
+        Place::Electronics,
+        Place::Logger,
+        Place::Facility,
+        Place::Environment,
+        Place::Spacecraft,
+        Place::Sites,
+    ];
+
+    /// The word that documents use.
+    pub fn word(self) -> &'static str {
+        match self {
+            Place::Sensor => "sensor",
+            Place::Electronics => "electronics",
+            Place::Logger => "logger",
+            Place::Facility => "facility",
+            Place::Environment => "environment",
+            Place::Spacecraft => "spacecraft",
+            Place::Sites => "sites",
+        }
+    }
+}
+
+/// Where in the chain an effect adds its contribution, in the order of the signal. The signal there is
+/// a vector for each row, in nT.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
     /// Field along each coil's axis, made by its current.
     Coil,
-    /// Field in GEO: facility and environment.
-    Facility,
+    /// Field in GEO.
+    Geo,
     /// Field in SEN: what is fixed to the sensor block.
-    SensorBlock,
+    Block,
     /// Field along each sensor's axis.
     Sensor,
     /// Output of the electronics, as field.
     Electronics,
     /// What the logger stores, as field.
     Logger,
+}
+
+/// What one instance of an effect acts on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// One sensor.
+    OneSensor,
+    /// One coil.
+    OneCoil,
+    /// Everything at its stage.
+    Everything,
+    /// Everything, in step with one housekeeping column.
+    WithColumn,
+}
+
+/// How a parameter enters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// A size: the contribution is proportional to it (or, for a level, monotonic in it), and may have either sign.
+    Amplitude,
+    /// A time constant, a level, a period: positive, and not linear.
+    Shape,
+    /// A moment of `time_s`: the contribution jumps there, so that its derivative says nothing.
+    Epoch,
 }
 
 /// One parameter of an effect.
@@ -46,14 +115,66 @@ pub struct ParameterInfo {
     pub low: f64,
     /// Largest plausible size.
     pub high: f64,
-    /// Whether only positive values make sense.
-    pub positive: bool,
+    /// How it enters.
+    pub role: Role,
+}
+
+impl ParameterInfo {
+    /// A size of either sign.
+    pub const fn amplitude(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, low, high, role: Role::Amplitude }
+    }
+
+    /// A positive number that enters nonlinearly.
+    pub const fn shape(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, low, high, role: Role::Shape }
+    }
+
+    /// A moment of the recording.
+    pub const fn epoch(name: &'static str) -> Self {
+        Self { name, low: 1.0, high: 1e7, role: Role::Epoch }
+    }
+}
+
+/// What an effect says of itself.
+#[derive(Clone, Copy, Debug)]
+pub struct About {
+    /// The catalogue's name.
+    pub name: &'static str,
+    /// In the field's words.
+    pub title: &'static str,
+    /// One sentence of physics.
+    pub physics: &'static str,
+    /// The equation of its contribution.
+    pub equation: &'static str,
+    /// Where that is written.
+    pub source: &'static str,
+    /// What it belongs to.
+    pub place: Place,
+    /// Where in the chain it acts.
+    pub stage: Stage,
+    /// What one instance acts on.
+    pub acts: Acts,
+    /// Its parameters, in the order that `apply` takes them.
+    pub parameters: &'static [ParameterInfo],
+    /// What a recording must hold besides its drive or field: columns, or conditions in words.
+    pub needs: &'static [&'static str],
+    /// Whether the chain can be run backwards through it.
+    pub invertible: bool,
 }
 
 /// What an effect sees besides the signal that it changes.
-pub struct Surroundings<'a, T> {
+pub struct Surroundings<'a, T: Real> {
     /// The recording.
     pub context: &'a Context<'a>,
+    /// The coil or sensor that is meant; x for an effect on everything.
+    pub axis: Axis,
+    /// The housekeeping column that is meant; empty where there is none.
+    pub column: &'a str,
+    /// The basic chain.
+    pub basic: &'a Basic<T>,
+    /// The field along each coil for each row, nT; empty before the chain has left the coils.
+    pub coil_nt: &'a [Vector3<T>],
     /// The field in SEN for each row, nT; empty before the chain has reached the sensor block.
     pub field_sen: &'a [Vector3<T>],
 }
@@ -61,25 +182,12 @@ pub struct Surroundings<'a, T> {
 /// One piece of physics: it says what it is and adds its contribution to a signal. Simulation, fit,
 /// correction and diagnosis all use this one definition.
 pub trait Effect {
-    /// The catalogue's name.
-    const NAME: &'static str;
-    /// In the field's words.
-    const TITLE: &'static str;
-    /// One sentence of physics.
-    const PHYSICS: &'static str;
-    /// The equation of its contribution.
-    const EQUATION: &'static str;
-    /// Where that is written.
-    const SOURCE: &'static str;
-    /// Where in the chain it acts.
-    const PLACE: Place;
-    /// Its parameters, in the order that `apply` takes them.
-    const PARAMETERS: &'static [ParameterInfo];
+    /// What it is.
+    const ABOUT: About;
 
-    /// Adds the contribution to `signal` (one vector a row, nT) on `axis`: the coil or the sensor that is meant.
+    /// Adds the contribution to `signal` (one vector a row, nT).
     fn apply<T: Real>(
         parameters: &[T],
-        axis: Axis,
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error>;
@@ -90,19 +198,27 @@ pub trait Effect {
 pub struct EffectInstance {
     /// Which effect.
     pub kind: Kind,
-    /// The coil or sensor that it acts on.
-    pub axis: Axis,
+    /// The coil or sensor that it acts on, for an effect of one.
+    pub axis: Option<Axis>,
+    /// The housekeeping column that it follows, for an effect that does.
+    pub column: Option<String>,
     /// Values, in the order of the effect's parameters.
     pub parameters: Vec<f64>,
 }
 
 impl fmt::Display for EffectInstance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let part = if self.kind.place() == Place::Coil { "coil" } else { "sensor" };
-        write!(f, "{} ({part} {}:", self.kind.title(), self.axis)?;
-        for (info, value) in self.kind.parameters().iter().zip(&self.parameters) {
-            write!(f, " {} = {value}", info.name)?;
+        let about = self.kind.about();
+        f.write_str(about.title)?;
+        let part = match about.acts {
+            Acts::OneCoil => self.axis.map(|axis| format!("coil {axis}")),
+            _ => self.axis.map(|axis| format!("sensor {axis}")).or_else(|| self.column.clone()),
+        };
+        let values = about.parameters.iter().zip(&self.parameters);
+        let values: Vec<String> = values.map(|(info, value)| format!("{} = {value}", info.name)).collect();
+        match part {
+            Some(part) => write!(f, " ({part}: {})", values.join(", ")),
+            None => write!(f, " ({})", values.join(", ")),
         }
-        f.write_str(")")
     }
 }

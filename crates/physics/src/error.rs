@@ -31,6 +31,18 @@ pub enum Error {
         /// What the catalogue has.
         expected: String,
     },
+    /// An effect of the chain hides the field: many fields give one reading.
+    #[error(
+        "recording \"{recording}\": the chain cannot be run backwards through {effect} ({title}): many fields give the same reading"
+    )]
+    Hidden {
+        /// The recording.
+        recording: String,
+        /// Its name in the catalogue.
+        effect: String,
+        /// In the field's words.
+        title: String,
+    },
     /// The chain has no inverse for these readings.
     #[error(
         "recording \"{recording}\": the chain cannot be run backwards; after {passes} passes the reading is still missed by {missed_nt:.3e} nT. {effects} may hide the field that made it"
@@ -58,7 +70,9 @@ impl Error {
             Error::Missing { who, what, .. } => {
                 common::Error::document(path, format!("nothing that {who} could use"), what)
             }
-            other @ Error::NotInvertible { .. } => common::Error::Unanswerable(other.to_string()),
+            other @ (Error::NotInvertible { .. } | Error::Hidden { .. }) => {
+                common::Error::Unanswerable(other.to_string())
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::chain::read_field;
+use crate::chain::Chain;
 use crate::{Basic, Context, EffectInstance, Error};
 
 /// Passes before the chain counts as not invertible.
@@ -14,8 +14,8 @@ const TOLERANCE_NT: f64 = 1e-9;
 ///
 /// Solves F(B) = y for the second half F of the forward chain by B ← B + (μᵀ)⁻¹ (y − F(B)): one pass for
 /// effects that do not depend on the field, a few for those that do (NASA's two-pass correction is
-/// its beginning). Where the passes do not settle, the chain is not invertible, and that is said. A
-/// row with a missing reading gives a missing field.
+/// its beginning). Where the passes do not settle, the chain is not invertible, and that is said; an effect that
+/// hides the field (codes, cut-off, frozen readings) is refused. A row with a missing reading gives a missing field.
 pub fn field_in_sen(
     basic: &Basic,
     effects: &[EffectInstance],
@@ -29,15 +29,24 @@ pub fn field_in_sen(
         effects: if effects.is_empty() {
             "Sensor axes that lie in one plane".into()
         } else {
-            effects.iter().map(|effect| effect.kind.title()).collect::<Vec<_>>().join(", ")
+            effects.iter().map(|effect| effect.kind.about().title).collect::<Vec<_>>().join(", ")
         },
     };
+    if let Some(effect) = effects.iter().find(|effect| !effect.kind.about().invertible) {
+        return Err(Error::Hidden {
+            recording: context.recording.id.clone(),
+            effect: effect.kind.name().into(),
+            title: effect.kind.about().title.into(),
+        });
+    }
+    let coil_nt = coil_field(basic, context);
     let unmix = basic.mu.transpose().try_inverse().ok_or_else(|| refuse(0, f64::INFINITY))?;
     let values: Vec<&[f64]> = effects.iter().map(|effect| effect.parameters.as_slice()).collect();
+    let chain = Chain { basic, effects, values: &values, context };
     let mut field = vec![Vector3::zeros(); readings.len()];
     let mut missed_nt = f64::INFINITY;
     for _ in 0..PASSES {
-        let predicted = read_field(basic, effects, &values, context, &field)?;
+        let predicted = chain.read(&field, &coil_nt)?;
         missed_nt = 0.0;
         for ((field, predicted), reading) in field.iter_mut().zip(&predicted).zip(readings) {
             let difference =
@@ -61,4 +70,10 @@ pub fn field_in_sen(
         }
     }
     Ok(field)
+}
+
+/// The field along each coil without effects, nT: what the effects of the second half may refer to.
+fn coil_field(basic: &Basic, context: &Context<'_>) -> Vec<Vector3<f64>> {
+    let constants = Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a);
+    context.current_a.iter().map(|current| current.component_mul(&constants)).collect()
 }

@@ -25,8 +25,10 @@ mod reading;
 
 pub use catalogue::{Kind, adopt};
 pub use chain::{Derivatives, Parameter, Prediction, predict, predict_with_jacobian};
-pub use context::{Context, References, Unit, orientation};
-pub use effect::{Effect, EffectInstance, ParameterInfo, Place, Real, Surroundings};
+pub use context::{Context, References, Thermometer, Unit, orientation};
+pub use effect::{
+    About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings,
+};
 pub use error::Error;
 pub use inverse::field_in_sen;
 pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};

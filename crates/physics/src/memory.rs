@@ -1,53 +1,189 @@
-//! State equations of effects with memory, exact over uneven steps and gaps.
+//! State equations of effects with memory, over the recording's own times, whatever the steps.
+//!
+//! Between its samples a signal is the cubic through them whose slopes are the central differences (those of
+//! `numpy.gradient`). A step more than four times as long as a neighbour is a gap: there the line is straight.
 
 use crate::Real;
 
-/// First-order lag τ y' = x − y over the recording's own times, with x straight between its samples:
-/// over a step Δt with Δx, y₊ = x₊ − τ Δx/Δt + (y − x + τ Δx/Δt) e^(−Δt/τ).
-///
-/// A missing sample (NaN) of x is bridged by its neighbours' straight line. Before its first sample x is
-/// taken as constant. `initial` is y at the first row; None: in equilibrium with x.
-pub fn first_order_lag<T: Real>(time_s: &[f64], x: &[f64], tau_s: T, initial: Option<f64>) -> Vec<T> {
-    let x = bridged(time_s, x);
-    let Some(first) = x.first() else { return Vec::new() };
-    let mut y = T::from(initial.unwrap_or(*first));
-    let mut lagged = Vec::with_capacity(x.len());
-    lagged.push(y);
-    for row in 1..x.len() {
-        let (dt, dx) = (time_s[row] - time_s[row - 1], x[row] - x[row - 1]);
-        if dt > 0.0 {
-            let behind = tau_s * (dx / dt);
-            y = (y - x[row - 1] + behind) * (-tau_s.recip() * dt).exp() - behind + x[row];
-        }
-        lagged.push(y);
+/// A step longer than this many times a neighbouring one is a gap.
+const GAP: f64 = 4.0;
+
+/// A signal between its samples.
+pub struct Signal<'a, T> {
+    time_s: &'a [f64],
+    x: Vec<T>,
+    slopes: Vec<T>,
+}
+
+/// One step of a signal: x(s) = a + b s + c s² + d s³ for s = 0..1 over `step_s` seconds.
+struct Cubic<T> {
+    step_s: f64,
+    powers: [T; 4],
+}
+
+impl<'a, T: Real> Signal<'a, T> {
+    /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by the
+    /// straight line between its neighbours.
+    pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
+        let x = bridged(time_s, x);
+        let rows = x.len();
+        let slope = |from: usize| {
+            let step = time_s[from + 1] - time_s[from];
+            if step > 0.0 { (x[from + 1] - x[from]) / step } else { T::from(0.0) }
+        };
+        let slopes = (0..rows)
+            .map(|row| match (row > 0, row + 1 < rows) {
+                (false, false) => T::from(0.0),
+                (false, true) => slope(0),
+                (true, false) => slope(row - 1),
+                (true, true) => {
+                    let (before, after) = (time_s[row] - time_s[row - 1], time_s[row + 1] - time_s[row]);
+                    if before <= 0.0 {
+                        slope(row)
+                    } else if after <= 0.0 {
+                        slope(row - 1)
+                    } else {
+                        (slope(row - 1) * after + slope(row) * before) / (before + after)
+                    }
+                }
+            })
+            .collect();
+        Self { time_s, x, slopes }
     }
-    lagged
+
+    /// The step that begins at a row.
+    fn cubic(&self, row: usize) -> Cubic<T> {
+        let step_s = self.time_s[row + 1] - self.time_s[row];
+        let (from, rise) = (self.x[row], self.x[row + 1] - self.x[row]);
+        if self.is_gap(row) {
+            return Cubic { step_s, powers: [from, rise, T::from(0.0), T::from(0.0)] };
+        }
+        let (start, end) = (self.slopes[row] * step_s, self.slopes[row + 1] * step_s);
+        Cubic { step_s, powers: [from, start, rise * 3.0 - start * 2.0 - end, start + end - rise * 2.0] }
+    }
+
+    fn is_gap(&self, row: usize) -> bool {
+        let step = |row: usize| self.time_s[row + 1] - self.time_s[row];
+        let longer = |other: usize| step(row) > GAP * step(other) && step(other) > 0.0;
+        (row > 0 && longer(row - 1)) || (row + 2 < self.time_s.len() && longer(row + 1))
+    }
+
+    /// First-order lag τ y' = x − y, exact for the signal. `initial` is y at the first row; None: in equilibrium with x.
+    ///
+    /// Over a step h with u = h/τ: y₊ = y e^(−u) + Σ p_k w_k(u), w_k = u ∫₀¹ e^(−u(1−s)) s^k ds.
+    pub fn lagged(&self, tau_s: T, initial: Option<T>) -> Vec<T> {
+        let Some(first) = self.x.first() else { return Vec::new() };
+        let mut y = initial.unwrap_or(*first);
+        let mut lagged = Vec::with_capacity(self.x.len());
+        lagged.push(y);
+        let (mut known, mut decay, mut weights) = (f64::NAN, T::from(0.0), [T::from(0.0); 4]);
+        for row in 0..self.x.len() - 1 {
+            let cubic = self.cubic(row);
+            if cubic.step_s > 0.0 {
+                if cubic.step_s != known {
+                    known = cubic.step_s;
+                    let steps = tau_s.recip() * known;
+                    decay = (-steps).exp();
+                    weights = moments(steps);
+                }
+                y *= decay;
+                for (power, weight) in cubic.powers.iter().zip(&weights) {
+                    y += *power * *weight;
+                }
+            }
+            lagged.push(y);
+        }
+        lagged
+    }
+
+    /// The signal at times t − delay(row); constant before the first row and after the last.
+    pub fn delayed(&self, delay_s: impl Fn(usize) -> T) -> Vec<T> {
+        let last = self.time_s.len() - 1;
+        let mut row = 0;
+        (0..self.x.len())
+            .map(|at| {
+                let when = -delay_s(at) + self.time_s[at];
+                let t = when.re();
+                if t <= self.time_s[0] {
+                    return self.x[0];
+                }
+                if t >= self.time_s[last] {
+                    return self.x[last];
+                }
+                while row > 0 && self.time_s[row] > t {
+                    row -= 1;
+                }
+                while row + 1 < last && self.time_s[row + 1] <= t {
+                    row += 1;
+                }
+                let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row);
+                let s = (when - self.time_s[row]) / step_s;
+                a + s * (b + s * (c + s * d))
+            })
+            .collect()
+    }
+}
+
+impl Signal<'_, f64> {
+    /// ∫ x dt from the first row to each, exact for the signal.
+    pub fn integral(&self) -> Vec<f64> {
+        let mut sum = 0.0;
+        let steps = (1..self.x.len()).map(|row| {
+            let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row - 1);
+            sum += step_s * (a + b / 2.0 + c / 3.0 + d / 4.0);
+            sum
+        });
+        std::iter::once(0.0).take(self.x.len()).chain(steps).collect()
+    }
+}
+
+/// w_k(u) = u ∫₀¹ e^(−u(1−s)) s^k ds for k = 0..3; w_k = 1 − k w_(k−1)/u, backwards from a series where u is small.
+fn moments<T: Real>(u: T) -> [T; 4] {
+    let one = T::from(1.0);
+    if u.re() > 1.0 {
+        let w0 = one - (-u).exp();
+        let w1 = one - w0 / u;
+        let w2 = one - w1 * 2.0 / u;
+        return [w0, w1, w2, one - w2 * 3.0 / u];
+    }
+    // w_3 = Σ 3! u (−u)^n / (n+4)!; 1/20! is below rounding.
+    let (mut term, mut w3) = (u / 4.0, u / 4.0);
+    for n in 1..=16 {
+        term *= -u / f64::from(n + 4);
+        w3 += term;
+    }
+    let w2 = (one - w3) * u / 3.0;
+    let w1 = (one - w2) * u / 2.0;
+    [(one - w1) * u, w1, w2, w3]
 }
 
 /// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are missing.
-fn bridged(time_s: &[f64], x: &[f64]) -> Vec<f64> {
-    let known: Vec<usize> = (0..x.len()).filter(|&row| x[row].is_finite()).collect();
-    let mut bridged = x.to_vec();
+fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
+    let known: Vec<usize> = (0..x.len()).filter(|&row| x[row].re().is_finite()).collect();
+    if known.len() == x.len() {
+        return x;
+    }
     for row in 0..x.len() {
-        if x[row].is_finite() {
+        if x[row].re().is_finite() {
             continue;
         }
         let after = known.partition_point(|&k| k < row);
-        bridged[row] = match (after.checked_sub(1).map(|i| known[i]), known.get(after)) {
+        x[row] = match (after.checked_sub(1).map(|i| known[i]), known.get(after)) {
             (Some(a), Some(&b)) if time_s[b] > time_s[a] => {
-                x[a] + (x[b] - x[a]) * (time_s[row] - time_s[a]) / (time_s[b] - time_s[a])
+                x[a] + (x[b] - x[a]) * ((time_s[row] - time_s[a]) / (time_s[b] - time_s[a]))
             }
             (Some(a), _) => x[a],
             (None, Some(&b)) => x[b],
-            (None, None) => 0.0,
+            (None, None) => T::from(0.0),
         };
     }
-    bridged
+    x
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use num_dual::Dual64;
 
     #[test]
     fn step_and_ramp_by_hand() {
@@ -55,20 +191,55 @@ mod tests {
         let time = [0.0, 0.1, 0.15, 1.0, 1.0, 7.5, 30.0];
         let ramp: Vec<f64> = time.iter().map(|t| 2.0 * t).collect();
         let tau = 3.0;
-        for (t, y) in time.iter().zip(first_order_lag(&time, &ramp, tau, None)) {
+        for (t, y) in time.iter().zip(Signal::new(&time, ramp).lagged(tau, None)) {
             assert!((y - 2.0 * (t - tau * (1.0 - (-t / tau).exp()))).abs() < 1e-12);
         }
         // A constant 5 from 0: 5 (1 − e^(−t/τ)); the missing sample changes nothing.
         let level = [5.0, 5.0, f64::NAN, 5.0, 5.0, 5.0, 5.0];
-        for (t, y) in time.iter().zip(first_order_lag(&time, &level, tau, Some(0.0))) {
+        for (t, y) in time.iter().zip(Signal::new(&time, level.to_vec()).lagged(tau, Some(0.0))) {
             assert!((y - 5.0 * (1.0 - (-t / tau).exp())).abs() < 1e-12);
         }
     }
 
     #[test]
-    fn a_very_short_lag_follows() {
-        let time = [0.0, 1.0, 2.0];
-        let y = first_order_lag::<f64>(&time, &[1.0, 4.0, 2.0], 1e-9, None);
-        assert!((y[1] - 4.0).abs() < 1e-7 && (y[2] - 2.0).abs() < 1e-7);
+    fn a_sine_lags_by_its_phase_also_where_the_lag_is_short() {
+        // In the long run A/√(1+ω²τ²) sin(ωt − atan ωτ); the cubic is good to a few (ωh)³.
+        let time: Vec<f64> = (0..4000).map(|row| f64::from(row) * 0.05).collect();
+        let x: Vec<f64> = time.iter().map(|t| t.sin()).collect();
+        for tau in [0.001, 0.01, 0.2, 3.0] {
+            let gain = 1.0 / f64::sqrt(1.0 + tau * tau);
+            let signal = Signal::new(&time, x.clone());
+            let lagged = signal.lagged(tau, None);
+            let worst = (3000..3999)
+                .map(|row| (lagged[row] - gain * (time[row] - tau.atan()).sin()).abs())
+                .fold(0.0, f64::max);
+            assert!(worst < 5e-4 * tau.min(1.0), "{tau}: {worst}");
+            let delayed = signal.delayed(|_| tau);
+            let worst =
+                (100..3999).map(|row| (delayed[row] - (time[row] - tau).sin()).abs()).fold(0.0, f64::max);
+            assert!(worst < 5e-4 * tau.min(0.05), "{tau}: {worst}");
+        }
+    }
+
+    #[test]
+    fn a_gap_is_straight() {
+        let time = [0.0, 1.0, 2.0, 100.0, 101.0];
+        let x = [0.0, 1.0, 2.0, 2.0, 3.0];
+        let signal = Signal::new(&time, x.to_vec());
+        assert_eq!(signal.delayed(|row| if row == 3 { 49.0 } else { 0.0 })[3], 2.0);
+    }
+
+    #[test]
+    fn moments_of_both_branches_agree_and_carry_their_derivative() {
+        let (low, high): ([f64; 4], [f64; 4]) = (moments(1.0 - 1e-12), moments(1.0 + 1e-12));
+        assert!(low.iter().zip(&high).all(|(a, b)| (a - b).abs() < 1e-11));
+        for u in [1e-9, 0.3, 2.0, 500.0] {
+            let dual = moments(Dual64::new(u, 1.0));
+            let (ahead, behind) = (moments(u * (1.0 + 1e-6)), moments(u * (1.0 - 1e-6)));
+            for k in 0..4 {
+                let numeric = (ahead[k] - behind[k]) / (2e-6 * u);
+                assert!((dual[k].eps - numeric).abs() < 1e-5 * dual[k].eps.abs().max(1e-3), "{u} {k}");
+            }
+        }
     }
 }

@@ -75,6 +75,22 @@ impl Basic<f64> {
         basic
     }
 
+    /// The chain of a differential recording, T = R η + d: the reference's reading stands in place of the field, the columns
+    /// of η in place of the sensors' directions, and −d in place of the offsets. Not stated: η = 1, d = 0.
+    pub fn differential(document: &Document) -> Self {
+        let mut basic = Basic::of(&Document::default(), Unit::Nanotesla);
+        let calibration =
+            document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref());
+        if let Some(rows) = calibration.and_then(|differential| differential.matrix) {
+            basic.mu = frames::matrix(&rows);
+        }
+        for axis in Axis::ALL {
+            let offset = calibration.and_then(|differential| differential.offset_nt.as_ref()?.get(axis));
+            basic.sensors[axis.index()].offset_nt = -offset.map_or(0.0, Quantity::value);
+        }
+        basic
+    }
+
     /// The same chain in another number type, all derivatives zero.
     pub fn lift<T: Real>(&self) -> Basic<T> {
         Basic {

@@ -1,7 +1,60 @@
-//! The effects, one file each.
+//! The effects. A file holds one idea: effects that share their equation stand together.
 
-mod coil_heating;
-mod offset_temperature_lag;
+mod axis;
+mod bandwidth;
+mod change_points;
+mod clock;
+mod coil;
+mod converter;
+mod cross_field;
+mod gradient;
+mod hysteresis;
+mod iron;
+mod leakage;
+mod lines;
+mod nonlinearity;
+mod sites;
+mod spacecraft;
+mod surroundings;
+mod temperature;
+mod time;
 
-pub use coil_heating::CoilHeating;
-pub use offset_temperature_lag::OffsetTemperatureLag;
+pub use axis::{AxisCreep, AxisTemperature};
+pub use bandwidth::{Delay, LoopBandwidth};
+pub use change_points::{Dropout, ReadingStep, Spike};
+pub use clock::{ClockOffset, ClockRate};
+pub use coil::{CoilHeating, CoilTemperature, EddyCurrents};
+pub use converter::{Clipping, DifferentialNonlinearity, Quantisation, Saturation};
+pub use cross_field::{CrossField, CrossFieldSensitivity};
+pub use gradient::{CoilGradient, OffCentre};
+pub use hysteresis::{Hysteresis, Perming};
+pub use iron::{HardIron, SoftIron};
+pub use leakage::NullingLeakage;
+pub use lines::{Mains, TractionPower};
+pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
+pub use sites::{InductionDifference, PillarGradient, PillarSettling, PillarTilt};
+pub use spacecraft::{ReactionWheel, StrayCurrent, SunThermoelectric};
+pub use surroundings::{VehiclePass, WorkingHours};
+pub use temperature::{
+    OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, OffsetTemperature, OffsetTemperatureLag,
+    SensitivityElectronicsTemperature, SensitivityElectronicsTemperatureLag, SensitivityTemperature,
+    SensitivityTemperatureLag,
+};
+pub use time::{Ageing, SensitivityAgeing, WarmUp};
+
+/// What every effect is written with.
+mod prelude {
+    pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Real, Stage, Surroundings};
+    pub use crate::{Context, Error};
+    pub use nalgebra::Vector3;
+
+    /// Field to which coefficients of powers refer, nT.
+    pub const FULL_NT: f64 = 50_000.0;
+    /// Seconds in a day.
+    pub const DAY_S: f64 = 86_400.0;
+
+    /// The two axes across an axis, in cyclic order: for x they are y and z.
+    pub fn across(axis: common::Axis) -> [usize; 2] {
+        [(axis.index() + 1) % 3, (axis.index() + 2) % 3]
+    }
+}

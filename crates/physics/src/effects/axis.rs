@@ -1,0 +1,89 @@
+use super::prelude::*;
+use crate::context::Thermometer;
+use crate::frames::ARCSEC;
+use crate::memory::Signal;
+
+/// ΔB = u α + v β, with u and v the SEN fields across the sensor and the angles α, β = (a, b) (T_S − T_ref).
+pub struct AxisTemperature;
+
+impl Effect for AxisTemperature {
+    const ABOUT: About = About {
+        name: "axis_temperature",
+        title: "sensor axis turns with temperature",
+        physics: "The block that holds the sensor bends as it warms, and the sensor takes in a part of the field \
+            across it.",
+        equation: "dB = (a u + b v) (T_S - T_ref), u and v the SEN fields across the sensor in cyclic order",
+        source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
+            Rev. Sci. Instrum. 73, 3717",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("first_arcsec_per_k", 0.01, 10.0),
+            ParameterInfo::amplitude("second_arcsec_per_k", 0.01, 10.0),
+        ],
+        needs: &[Thermometer::Sensor.column()],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
+        turn(parameters, |row| T::from(column[row] - reference), signal, around);
+        Ok(())
+    }
+}
+
+/// ΔB = u α + v β with α, β = (a, b) (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row.
+pub struct AxisCreep;
+
+impl Effect for AxisCreep {
+    const ABOUT: About = About {
+        name: "axis_creep",
+        title: "sensor axis creeps after temperature",
+        physics: "Glue and fixings give way slowly after a change of temperature, and the sensor's axis turns with \
+            them.",
+        equation: "dB = (a u + b v) (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
+        source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
+            Rev. Sci. Instrum. 73, 3717",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("first_arcsec_per_k", 0.01, 10.0),
+            ParameterInfo::amplitude("second_arcsec_per_k", 0.01, 10.0),
+            ParameterInfo::shape("lag_s", 10.0, 100_000.0),
+        ],
+        needs: &["time_s", Thermometer::Sensor.column()],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
+        let warmer = column.iter().map(|t| T::from(t - reference)).collect();
+        let warmer = Signal::new(time, warmer).lagged(parameters[2], None);
+        turn(parameters, |row| warmer[row], signal, around);
+        Ok(())
+    }
+}
+
+fn turn<T: Real>(
+    parameters: &[T],
+    warmer: impl Fn(usize) -> T,
+    signal: &mut [Vector3<T>],
+    around: &Surroundings<'_, T>,
+) {
+    let [first, second] = across(around.axis);
+    for (row, (value, field)) in signal.iter_mut().zip(around.field_sen).enumerate() {
+        let turned = parameters[0] * field[first] + parameters[1] * field[second];
+        value[around.axis.index()] += turned * warmer(row) * ARCSEC;
+    }
+}

@@ -1,0 +1,77 @@
+use super::prelude::*;
+use crate::memory::Signal;
+
+const SOURCE: &str = "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
+    2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235";
+
+/// The reading follows B through a first-order lag: τ y' = B − y, in equilibrium at the first row. ΔB ≈ −τ dB/dt.
+pub struct LoopBandwidth;
+
+impl Effect for LoopBandwidth {
+    const ABOUT: About = About {
+        name: "loop_bandwidth",
+        title: "reading follows its field through the loop's first-order lag",
+        physics: "The feedback loop needs a time to balance the field, so that a changing field is read too late and, \
+            above the loop's bandwidth, too small.",
+        equation: "dB = y - B, tau dy/dt = B - y",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::shape("lag_s", 1e-4, 10.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let own = around.axis.index();
+        let lagged = Signal::new(time, signal.iter().map(|value| value[own]).collect());
+        replace(own, lagged.lagged(parameters[0], None), signal);
+        Ok(())
+    }
+}
+
+/// The reading is the field of a moment ago: y(t) = B(t − d), constant before the first row.
+pub struct Delay;
+
+impl Effect for Delay {
+    const ABOUT: About = About {
+        name: "delay",
+        title: "one channel is read late",
+        physics: "A filter or a converter hands one channel's value on a fixed time after it was true.",
+        equation: "dB = B(t - d) - B(t)",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::shape("delay_s", 1e-4, 10.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let own = around.axis.index();
+        let delayed = Signal::new(time, signal.iter().map(|value| value[own]).collect());
+        replace(own, delayed.delayed(|_| parameters[0]), signal);
+        Ok(())
+    }
+}
+
+/// Puts a series in place of one component; what is missing stays missing.
+pub(super) fn replace<T: Real>(component: usize, series: Vec<T>, signal: &mut [Vector3<T>]) {
+    for (value, new) in signal.iter_mut().zip(series) {
+        if value[component].re().is_finite() {
+            value[component] = new;
+        }
+    }
+}

@@ -1,0 +1,108 @@
+use super::prelude::*;
+
+const SOURCE: &str = "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice \
+    (steps, spikes and gaps in records)";
+
+/// ΔB = h from the moment t₀ on (`time_s` of the recording); nT along the sensor.
+pub struct ReadingStep;
+
+impl Effect for ReadingStep {
+    const ABOUT: About = About {
+        name: "reading_step",
+        title: "reading steps at one moment",
+        physics: "A knock, a changed range or a restart of the logger moves one channel by a constant from then on.",
+        equation: "dB = h for t >= t0",
+        source: SOURCE,
+        place: Place::Logger,
+        stage: Stage::Logger,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::amplitude("height_nt", 0.1, 1000.0), ParameterInfo::epoch("time_s")],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        for (value, t) in signal.iter_mut().zip(time) {
+            if *t >= parameters[1].re() {
+                value[around.axis.index()] += parameters[0];
+            }
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = h in the row that is nearest to t₀ (`time_s` of the recording).
+pub struct Spike;
+
+impl Effect for Spike {
+    const ABOUT: About = About {
+        name: "spike",
+        title: "one reading jumps",
+        physics: "A bit error or a switching transient falls into one sample.",
+        equation: "dB = h in the row nearest to t0",
+        source: SOURCE,
+        place: Place::Logger,
+        stage: Stage::Logger,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::amplitude("height_nt", 1.0, 100_000.0), ParameterInfo::epoch("time_s")],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let when = parameters[1].re();
+        let after = time.partition_point(|t| *t < when);
+        let nearest = [after.saturating_sub(1), after.min(time.len().saturating_sub(1))]
+            .into_iter()
+            .min_by(|a, b| (time[*a] - when).abs().total_cmp(&(time[*b] - when).abs()));
+        if let Some(value) = nearest.and_then(|row| signal.get_mut(row)) {
+            value[around.axis.index()] += parameters[0];
+        }
+        Ok(())
+    }
+}
+
+/// From t₀ on, for a time d, the logger repeats the last reading before t₀.
+pub struct Dropout;
+
+impl Effect for Dropout {
+    const ABOUT: About = About {
+        name: "dropout",
+        title: "reading freezes for a while",
+        physics: "The connection fails and the logger stores the last value until it is back.",
+        equation: "dB = B(t0) - B(t) for t0 <= t < t0 + d",
+        source: SOURCE,
+        place: Place::Logger,
+        stage: Stage::Logger,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::epoch("time_s"), ParameterInfo::epoch("duration_s")],
+        needs: &["time_s"],
+        invertible: false,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let (from, to) = (parameters[0].re(), parameters[0].re() + parameters[1].re());
+        let own = around.axis.index();
+        for row in 1..signal.len() {
+            if (from..to).contains(&time[row]) {
+                signal[row][own] = signal[row - 1][own];
+            }
+        }
+        Ok(())
+    }
+}

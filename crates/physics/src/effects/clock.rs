@@ -1,0 +1,74 @@
+use super::bandwidth::replace;
+use super::prelude::*;
+use crate::memory::Signal;
+
+const SOURCE: &str =
+    "INTERMAGNET Technical Reference Manual (time-stamp accuracy); ΔB = Δt dB/dt to first order";
+
+/// The logger's clock is ahead by Δt: what it stamps t was true at t − Δt. ΔB ≈ −Δt dB/dt, common to all sensors.
+pub struct ClockOffset;
+
+impl Effect for ClockOffset {
+    const ABOUT: About = About {
+        name: "clock_offset",
+        title: "readings carry a wrong time",
+        physics: "The logger's clock differs from the clock of the drive by a fixed time, so that all sensors err in \
+            proportion to the rate of the field.",
+        equation: "dB = B(t - dt) - B(t), all sensors",
+        source: SOURCE,
+        place: Place::Logger,
+        stage: Stage::Logger,
+        acts: Acts::Everything,
+        parameters: &[ParameterInfo::amplitude("offset_s", 1e-3, 60.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        shift(time, |_| parameters[0], signal);
+        Ok(())
+    }
+}
+
+/// The logger's clock gains r: what it stamps t was true at t − r t, t from the campaign's beginning.
+pub struct ClockRate;
+
+impl Effect for ClockRate {
+    const ABOUT: About = About {
+        name: "clock_rate",
+        title: "the logger's clock gains or loses",
+        physics: "The logger's quartz runs at another rate than the clock of the drive, so that the time error grows \
+            through the campaign.",
+        equation: "dB = B(t - r t) - B(t), all sensors",
+        source: SOURCE,
+        place: Place::Logger,
+        stage: Stage::Logger,
+        acts: Acts::Everything,
+        parameters: &[ParameterInfo::amplitude("rate_ppm", 0.1, 1000.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let clock = around.context.clock(Self::ABOUT.name)?;
+        shift(time, |row| parameters[0] * (clock[row] * 1e-6), signal);
+        Ok(())
+    }
+}
+
+fn shift<T: Real>(time: &[f64], delay: impl Fn(usize) -> T, signal: &mut [Vector3<T>]) {
+    for component in 0..3 {
+        let series = Signal::new(time, signal.iter().map(|value| value[component]).collect());
+        replace(component, series.delayed(&delay), signal);
+    }
+}

@@ -1,0 +1,116 @@
+use super::prelude::*;
+use crate::context::Thermometer;
+use crate::memory::Signal;
+
+/// k = k₀ (1 + a (T_C − T_ref)), a in ppm/K; along the coil's axis.
+pub struct CoilTemperature;
+
+impl Effect for CoilTemperature {
+    const ABOUT: About = About {
+        name: "coil_temperature",
+        title: "coil constant follows coil temperature",
+        physics: "The coil's former expands as it warms, and the same current makes less field.",
+        equation: "B = k (1 + a (T_C - T_ref) 1e-6) I",
+        source: "NASA CR-156638, description of test facility (a second winding on each coil against its temperature \
+            dependence)",
+        place: Place::Facility,
+        stage: Stage::Coil,
+        acts: Acts::OneCoil,
+        parameters: &[ParameterInfo::amplitude("coefficient_ppm_per_k", 0.1, 100.0)],
+        needs: &[Thermometer::Coil.column()],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let (column, reference) = around.context.temperature(Thermometer::Coil, Self::ABOUT.name)?;
+        for (value, temperature) in signal.iter_mut().zip(column) {
+            let own = &mut value[around.axis.index()];
+            *own += *own * parameters[0] * ((temperature - reference) * 1e-6);
+        }
+        Ok(())
+    }
+}
+
+/// A coil constant that falls as the coil heats: k = k₀ (1 − a P), τ dP/dt = I² − P, P = 0 at the first row.
+/// Along the coil's axis, so that it is the same in GEO for every sensor and orientation.
+pub struct CoilHeating;
+
+impl Effect for CoilHeating {
+    const ABOUT: About = About {
+        name: "coil_heating",
+        title: "coil constant falls as the coil heats itself",
+        physics: "The current warms the winding, its former expands, and the same current makes less field; the \
+            warmth comes and goes with the coil's thermal time constant.",
+        equation: "B = k (1 - a P 1e-6) I, tau dP/dt = I^2 - P",
+        source: "NASA CR-156638, description of test facility (temperature dependence of the main winding)",
+        place: Place::Facility,
+        stage: Stage::Coil,
+        acts: Acts::OneCoil,
+        parameters: &[
+            ParameterInfo::amplitude("fall_ppm_per_a2", 1.0, 2000.0),
+            ParameterInfo::shape("lag_s", 30.0, 20_000.0),
+        ],
+        needs: &["time_s", "drive of the coil"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let context = around.context;
+        let time = context.times(Self::ABOUT.name)?;
+        let own = around.axis.index();
+        let squared = context.current_a.iter().map(|current| T::from(current[own].powi(2))).collect();
+        let warmth = Signal::new(time, squared).lagged(parameters[1], Some(T::from(0.0)));
+        for (field, warmth) in signal.iter_mut().zip(warmth) {
+            let cold = field[own];
+            field[own] -= cold * warmth * parameters[0] * 1e-6;
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, in equilibrium at the first row: the field of currents that oppose the change.
+pub struct EddyCurrents;
+
+impl Effect for EddyCurrents {
+    const ABOUT: About = About {
+        name: "eddy_currents",
+        title: "eddy currents near the coil oppose its changes",
+        physics: "A changing coil field induces currents in nearby metal, whose own field opposes the change and \
+            decays with the metal's time constant.",
+        equation: "dB = -s (B_c - L) 1e-6, tau dL/dt = B_c - L",
+        source: "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
+            Trans. ANE-8, 95",
+        place: Place::Facility,
+        stage: Stage::Coil,
+        acts: Acts::OneCoil,
+        parameters: &[
+            ParameterInfo::amplitude("share_ppm", 1.0, 50_000.0),
+            ParameterInfo::shape("time_constant_s", 1e-3, 1000.0),
+        ],
+        needs: &["time_s", "drive of the coil"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let own = around.axis.index();
+        let drive = Signal::new(time, signal.iter().map(|field| field[own]).collect());
+        for (field, lagged) in signal.iter_mut().zip(drive.lagged(parameters[1], None)) {
+            let driven = field[own];
+            field[own] -= (driven - lagged) * parameters[0] * 1e-6;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,136 @@
+use super::prelude::*;
+use std::f64::consts::TAU;
+
+const SOURCE: &str = "Kester (ed.) 2005, The Data Conversion Handbook; IEEE Std 1241";
+
+/// The reading is a whole number of codes: y = q round(B/q).
+pub struct Quantisation;
+
+impl Effect for Quantisation {
+    const ABOUT: About = About {
+        name: "quantisation",
+        title: "reading comes in coarse codes",
+        physics: "The converter has fewer bits than the field asks for, and the reading is a staircase.",
+        equation: "dB = q round(B / q) - B",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::shape("width_nt", 0.01, 50.0)],
+        needs: &[],
+        invertible: false,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            *own = parameters[0] * (own.re() / parameters[0].re()).round();
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = a sin(2πB/p) + b cos(2πB/p): codes that are wider and narrower in turn, with the period p of a bit.
+pub struct DifferentialNonlinearity;
+
+impl Effect for DifferentialNonlinearity {
+    const ABOUT: About = About {
+        name: "differential_nonlinearity",
+        title: "codes of the converter differ in width",
+        physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
+        equation: "dB = a sin(2 pi B / p) + b cos(2 pi B / p)",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("sine_nt", 0.02, 5.0),
+            ParameterInfo::amplitude("cosine_nt", 0.02, 5.0),
+            ParameterInfo::shape("period_nt", 2.0, 20_000.0),
+        ],
+        needs: &[],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            let phase = *own / parameters[2] * TAU;
+            *own += parameters[0] * phase.sin() + parameters[1] * phase.cos();
+        }
+        Ok(())
+    }
+}
+
+/// y = B / (1 + (B/L)⁸)^(1/8): the reading approaches ±L smoothly.
+pub struct Saturation;
+
+impl Effect for Saturation {
+    const ABOUT: About = About {
+        name: "saturation",
+        title: "reading saturates towards the end of the range",
+        physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
+        equation: "dB = B / (1 + (B / L)^8)^(1/8) - B",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::shape("level_nt", 30_000.0, 200_000.0)],
+        needs: &[],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            *own *= ((*own / parameters[0]).powi(8) + 1.0).powf(-0.125);
+        }
+        Ok(())
+    }
+}
+
+/// y = B within ±L, else ±L.
+pub struct Clipping;
+
+impl Effect for Clipping {
+    const ABOUT: About = About {
+        name: "clipping",
+        title: "reading is cut off at a level",
+        physics: "The amplifier or the converter ends before the field does: beyond the level every field reads \
+            the same.",
+        equation: "dB = min(max(B, -L), L) - B",
+        source: SOURCE,
+        place: Place::Electronics,
+        stage: Stage::Electronics,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::shape("level_nt", 10_000.0, 100_000.0)],
+        needs: &[],
+        invertible: false,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            if own.re().abs() > parameters[0].re() {
+                *own = parameters[0] * own.re().signum();
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+use super::prelude::*;
+
+const SOURCE: &str = "Brauer et al. 1997, Transverse field effect in fluxgate sensors, Sens. Actuators A 59, 70; \
+    NASA CR-156638, orthogonal field effects";
+
+/// ΔB = (a u² + b v² + c u v) / (50 000 nT)², u and v the fields across the sensor (for sensor x: SEN y and z). A part
+/// linear in them is a turned axis, which belongs to μ.
+pub struct CrossField;
+
+impl Effect for CrossField {
+    const ABOUT: About = About {
+        name: "cross_field",
+        title: "offset depends on the square of the field across the sensor",
+        physics: "A field across the core saturates parts of it and shifts the balance of the sensor, whatever the \
+            field along its axis.",
+        equation: "dB = (a u^2 + b v^2 + c u v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",
+        source: SOURCE,
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("first_nt", 0.1, 50.0),
+            ParameterInfo::amplitude("second_nt", 0.1, 50.0),
+            ParameterInfo::amplitude("mixed_nt", 0.1, 50.0),
+        ],
+        needs: &[],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let axis = around.axis;
+        for (value, field) in signal.iter_mut().zip(around.field_sen) {
+            let [u, v] = across(axis).map(|k| field[k] / FULL_NT);
+            value[axis.index()] += parameters[0] * u * u + parameters[1] * v * v + parameters[2] * u * v;
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = B (a u + b v) / (50 000 nT)², B the field along the sensor, u and v those across it.
+pub struct CrossFieldSensitivity;
+
+impl Effect for CrossFieldSensitivity {
+    const ABOUT: About = About {
+        name: "cross_field_sensitivity",
+        title: "sensitivity depends on the field across the sensor",
+        physics: "A field across the core changes its permeability, and with it the share of the field that the \
+            sensor sees.",
+        equation: "dB = B (a u + b v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",
+        source: SOURCE,
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("first_nt", 0.1, 50.0),
+            ParameterInfo::amplitude("second_nt", 0.1, 50.0),
+        ],
+        needs: &[],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let axis = around.axis;
+        for (value, field) in signal.iter_mut().zip(around.field_sen) {
+            let [u, v] = across(axis).map(|k| field[k] / FULL_NT);
+            let own = &mut value[axis.index()];
+            *own += *own / FULL_NT * (parameters[0] * u + parameters[1] * v);
+        }
+        Ok(())
+    }
+}

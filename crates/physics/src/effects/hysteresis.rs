@@ -1,0 +1,94 @@
+use super::prelude::*;
+
+/// ΔB = h z, dz/dB = (sign dB − z)/B_c: z goes to ±1 over a change of the field by B_c (Duhem). Demagnetised (z = 0) at
+/// the first row; the field is taken as monotonic between rows.
+pub struct Hysteresis;
+
+impl Effect for Hysteresis {
+    const ABOUT: About = About {
+        name: "hysteresis",
+        title: "reading lags behind the field in a loop",
+        physics: "Domains in the core follow the field only after it has turned by a coercive field, so that the way \
+            up and the way down differ by the same amount everywhere but near the turning points.",
+        equation: "dB = h z, dz/dB = (sign(dB) - z) / B_c",
+        source: "Coleman and Hodgdon 1986, A constitutive relation for rate-independent hysteresis, Int. J. Eng. Sci. \
+            24, 897; Ripka 2001, Magnetic Sensors and Magnetometers",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("amplitude_nt", 0.05, 20.0),
+            ParameterInfo::shape("coercivity_nt", 10.0, 10_000.0),
+        ],
+        needs: &["rows in the order taken"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let (mut last, mut z): (Option<T>, T) = (None, T::from(0.0));
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            if !own.re().is_finite() {
+                continue;
+            }
+            let change = *own - last.unwrap_or(*own);
+            last = Some(*own);
+            let end = if change.re() > 0.0 { 1.0 } else { -1.0 };
+            let (left, towards) = if change.re() > 0.0 { (-change, end) } else { (change, end) };
+            z = (z - towards) * (left / parameters[1]).exp() + towards;
+            *own += parameters[0] * z;
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = r p, with p the play of half-width B_t: p stays within ±B_t of the field and moves only when pushed. Fields
+/// within ±B_t leave no trace; a larger one leaves r times its excess until an opposite one takes it back.
+pub struct Perming;
+
+impl Effect for Perming {
+    const ABOUT: About = About {
+        name: "perming",
+        title: "offset steps after a large field",
+        physics: "A field beyond a threshold magnetises the core or parts near it, and a share of the excess stays \
+            when the field has gone.",
+        equation: "dB = r p, p = min(max(p, B - B_t), B + B_t), p = 0 at first",
+        source: "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis (play); Primdahl 1979, The fluxgate \
+            magnetometer, J. Phys. E 12, 241 (perming)",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("remanence_ppm", 1.0, 1000.0),
+            ParameterInfo::shape("threshold_nt", 1000.0, 200_000.0),
+        ],
+        needs: &["rows in the order taken"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let mut play = T::from(0.0);
+        for value in signal {
+            let own = &mut value[around.axis.index()];
+            if !own.re().is_finite() {
+                continue;
+            }
+            let (low, high) = (*own - parameters[1], *own + parameters[1]);
+            if play.re() < low.re() {
+                play = low;
+            } else if play.re() > high.re() {
+                play = high;
+            }
+            *own += parameters[0] * play * 1e-6;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,74 @@
+use super::prelude::*;
+use std::f64::consts::TAU;
+
+const SOURCE: &str = "Lowes 2009, DC railways and the magnetic fields they produce, Earth Planets Space 61, i; \
+    Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
+
+/// One line in GEO: ΔB = s sin(2πft) + c cos(2πft), t on the campaign's clock. Samples are instantaneous, so that a
+/// line above the Nyquist frequency appears at its alias by itself.
+macro_rules! line {
+    ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $low:literal, $high:literal) => {
+        #[doc = $doc]
+        pub struct $effect;
+
+        impl Effect for $effect {
+            const ABOUT: About = About {
+                name: $name,
+                title: $title,
+                physics: $physics,
+                equation: "dB_geo = s sin(2 pi f t) + c cos(2 pi f t)",
+                source: SOURCE,
+                place: Place::Environment,
+                stage: Stage::Geo,
+                acts: Acts::Everything,
+                parameters: &[
+                    ParameterInfo::amplitude("north_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("north_cosine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("east_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("east_cosine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("down_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("down_cosine_nt", 0.01, 100.0),
+                    ParameterInfo::shape("frequency_hz", $low, $high),
+                ],
+                needs: &["time_s"],
+                invertible: true,
+            };
+
+            fn apply<T: Real>(
+                parameters: &[T],
+                signal: &mut [Vector3<T>],
+                around: &Surroundings<'_, T>,
+            ) -> Result<(), Error> {
+                let clock = around.context.clock($name)?;
+                for (field, t) in signal.iter_mut().zip(clock) {
+                    let phase = parameters[6] * (TAU * t);
+                    let (sine, cosine) = phase.sin_cos();
+                    for axis in 0..3 {
+                        field[axis] += parameters[2 * axis] * sine + parameters[2 * axis + 1] * cosine;
+                    }
+                }
+                Ok(())
+            }
+        }
+    };
+}
+
+line!(
+    Mains,
+    "mains",
+    "Field of the mains at 50 or 60 Hz, or of its alias where the frequency is given so.",
+    "mains field",
+    "Currents of the power supply make a field at the mains' frequency, seen at its alias by a slow logger.",
+    40.0,
+    70.0
+);
+
+line!(
+    TractionPower,
+    "traction_power",
+    "Field of railway power at 16.7 Hz.",
+    "field of railway power",
+    "Currents of an electric railway flow in the rails and in the ground and make a field at the railway's frequency.",
+    15.0,
+    18.0
+);

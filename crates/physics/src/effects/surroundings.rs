@@ -1,0 +1,89 @@
+use super::prelude::*;
+use common::time::{hour_of_day, is_weekday};
+
+const VECTOR: [ParameterInfo; 3] = [
+    ParameterInfo::amplitude("north_nt", 0.1, 200.0),
+    ParameterInfo::amplitude("east_nt", 0.1, 200.0),
+    ParameterInfo::amplitude("down_nt", 0.1, 200.0),
+];
+
+/// ΔB = v / (1 + ((t − t₀)/w)²)^(3/2) in GEO: a dipole at constant speed, nearest at t₀, gone after a few w.
+pub struct VehiclePass;
+
+impl Effect for VehiclePass {
+    const ABOUT: About = About {
+        name: "vehicle_pass",
+        title: "a vehicle passes",
+        physics: "A car or a train is a moving dipole, whose field rises and falls as it goes by.",
+        equation: "dB_geo = v / (1 + ((t - t0) / w)^2)^(3/2)",
+        source: "Jackson, Classical Electrodynamics (field of a dipole); Jankowski and Sucksdorff 1996, IAGA Guide for \
+            Magnetic Measurements and Observatory Practice",
+        place: Place::Environment,
+        stage: Stage::Geo,
+        acts: Acts::Everything,
+        parameters: &[
+            VECTOR[0],
+            VECTOR[1],
+            VECTOR[2],
+            ParameterInfo::epoch("time_s"),
+            ParameterInfo::shape("duration_s", 1.0, 1000.0),
+        ],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let time = around.context.times(Self::ABOUT.name)?;
+        let vector = Vector3::from_column_slice(&parameters[..3]);
+        for (field, t) in signal.iter_mut().zip(time) {
+            let away = (-parameters[3] + *t) / parameters[4];
+            *field += vector * (away * away + 1.0).powf(-1.5);
+        }
+        Ok(())
+    }
+}
+
+/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`.
+pub struct WorkingHours;
+
+impl Effect for WorkingHours {
+    const ABOUT: About = About {
+        name: "working_hours",
+        title: "field of machines in working hours",
+        physics: "Machines, lifts and direct-current railways run by day from Monday to Friday and add a field while \
+            they do.",
+        equation: "dB_geo = v from Monday to Friday, 7 h to 17 h by the clock of `start`",
+        source: "NASA CR-156638, test of the Earth field nulling system (site conditions); Lowes 2009, DC railways and \
+            the magnetic fields they produce, Earth Planets Space 61, i",
+        place: Place::Environment,
+        stage: Stage::Geo,
+        acts: Acts::Everything,
+        parameters: &VECTOR,
+        needs: &["time_s", "start"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let context = around.context;
+        let time = context.times(Self::ABOUT.name)?;
+        let start = context.local_start_s.ok_or_else(|| {
+            context.missing(Self::ABOUT.name, "the recording's `start`, with its offset from UTC")
+        })?;
+        let vector = Vector3::from_column_slice(parameters);
+        for (field, t) in signal.iter_mut().zip(time) {
+            let local = start + t;
+            if is_weekday(local) && (7.0..17.0).contains(&hour_of_day(local)) {
+                *field += vector;
+            }
+        }
+        Ok(())
+    }
+}

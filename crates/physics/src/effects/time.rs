@@ -1,0 +1,101 @@
+use super::prelude::*;
+
+/// ΔB = a e^(−t/τ), t on the campaign's clock; nT along the sensor.
+pub struct WarmUp;
+
+impl Effect for WarmUp {
+    const ABOUT: About = About {
+        name: "warm_up",
+        title: "offset settles after switch-on",
+        physics: "The instrument warms itself after it is switched on, at the campaign's beginning, and its offset \
+            goes to its final value exponentially.",
+        equation: "dB = a exp(-t / tau)",
+        source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[
+            ParameterInfo::amplitude("amplitude_nt", 0.1, 100.0),
+            ParameterInfo::shape("time_constant_s", 60.0, 100_000.0),
+        ],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let clock = around.context.clock(Self::ABOUT.name)?;
+        for (value, t) in signal.iter_mut().zip(clock) {
+            value[around.axis.index()] += parameters[0] * (-parameters[1].recip() * t).exp();
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = b t, t on the campaign's clock in days; nT along the sensor.
+pub struct Ageing;
+
+impl Effect for Ageing {
+    const ABOUT: About = About {
+        name: "ageing",
+        title: "offset drifts with time",
+        physics: "Stress in the core relaxes and parts of the electronics age, at a rate that is constant over a \
+            campaign.",
+        equation: "dB = b t",
+        source: "NASA CR-156638, temporal drift in sensor offset",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::amplitude("rate_nt_per_day", 0.0005, 5.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let clock = around.context.clock(Self::ABOUT.name)?;
+        for (value, t) in signal.iter_mut().zip(clock) {
+            value[around.axis.index()] += parameters[0] * (t / DAY_S);
+        }
+        Ok(())
+    }
+}
+
+/// ΔB = B b t, t on the campaign's clock in days, b in ppm/day.
+pub struct SensitivityAgeing;
+
+impl Effect for SensitivityAgeing {
+    const ABOUT: About = About {
+        name: "sensitivity_ageing",
+        title: "sensitivity drifts with time",
+        physics: "The voltage reference and the feedback coil age, and the scale of the readings goes with them.",
+        equation: "dB = B b t 1e-6",
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration of the Swarm magnetometry package, Earth \
+            Planets Space 68, 129",
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::OneSensor,
+        parameters: &[ParameterInfo::amplitude("rate_ppm_per_day", 0.001, 100.0)],
+        needs: &["time_s"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let clock = around.context.clock(Self::ABOUT.name)?;
+        for (value, t) in signal.iter_mut().zip(clock) {
+            let own = &mut value[around.axis.index()];
+            *own += *own * parameters[0] * (t / DAY_S * 1e-6);
+        }
+        Ok(())
+    }
+}
