@@ -1,0 +1,160 @@
+//! Noise as an instrument declares it ([`common::Noise`]), made from a seed.
+//!
+//! Every channel draws from a stream of its own name, so that a channel more changes no other, and so does each kind
+//! of noise within it. The same seed and name give the same numbers on any number of threads.
+
+mod power_law;
+mod stream;
+
+pub use power_law::{power_law, random_walk};
+pub use stream::Stream;
+
+use common::Noise;
+use std::borrow::Cow;
+use thiserror::Error;
+
+/// Points of the grid on which noise with memory is made, at most.
+const MOST_POINTS: f64 = 1e8;
+
+/// Why noise cannot be made.
+#[derive(Debug, Error, PartialEq)]
+pub enum NoiseError {
+    /// The exponent is none.
+    #[error("flicker noise with the exponent {0}")]
+    Exponent(f64),
+    /// The times span more steps than fit.
+    #[error("noise with memory over {0:.1e} steps, from gaps in the times")]
+    Length(f64),
+}
+
+/// The declared noise of one channel, nT: white + flicker + random walk.
+///
+/// Flicker noise and the random walk need the times; without them, or with one row, only white noise is made. At uneven
+/// times flicker noise is made on an even grid of the median step and read off by straight lines.
+pub fn series(
+    noise: &Noise,
+    seed: u64,
+    channel: &str,
+    rows: usize,
+    time_s: Option<&[f64]>,
+) -> Result<Vec<f64>, NoiseError> {
+    let white = noise.white_rms_nt.unwrap_or(0.0);
+    let mut stream = Stream::new(seed, channel);
+    let mut readings: Vec<f64> = (0..rows).map(|_| stream.normal() * white).collect();
+    let Some(time) = time_s.filter(|time| time.len() == rows && rows > 1) else { return Ok(readings) };
+    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+    if amplitude > 0.0 {
+        let exponent = noise.flicker_exponent.unwrap_or(1.0);
+        if !(0.0..=2.0).contains(&exponent) {
+            return Err(NoiseError::Exponent(exponent));
+        }
+        let mut stream = Stream::new(seed, &format!("{channel}/flicker"));
+        let grid = Grid::of(time)?;
+        let flicker = power_law(&mut stream, grid.points, grid.step_s, amplitude, exponent);
+        for (reading, flicker) in readings.iter_mut().zip(grid.read(time, &flicker).iter()) {
+            *reading += flicker;
+        }
+    }
+    let rate = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0);
+    if rate > 0.0 {
+        let mut stream = Stream::new(seed, &format!("{channel}/walk"));
+        for (reading, walk) in readings.iter_mut().zip(random_walk(&mut stream, time, rate)) {
+            *reading += walk;
+        }
+    }
+    Ok(readings)
+}
+
+/// Rounds to whole codes of a width; a width of zero rounds nothing.
+pub fn quantise(readings: &mut [f64], width: f64) {
+    if width > 0.0 {
+        readings.iter_mut().for_each(|reading| *reading = (*reading / width).round() * width);
+    }
+}
+
+/// An even grid over times that may be uneven.
+struct Grid {
+    points: usize,
+    step_s: f64,
+    even: bool,
+}
+
+impl Grid {
+    fn of(time: &[f64]) -> Result<Self, NoiseError> {
+        let length_s = time[time.len() - 1] - time[0];
+        let mean = length_s / (time.len() - 1) as f64;
+        let steps = || time.windows(2).map(|pair| pair[1] - pair[0]);
+        if steps().all(|step| (step - mean).abs() <= 1e-6 * mean) {
+            return Ok(Self { points: time.len(), step_s: mean, even: true });
+        }
+        let mut sorted: Vec<f64> = steps().filter(|step| *step > 0.0).collect();
+        sorted.sort_by(f64::total_cmp);
+        let step_s = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+        let points = length_s / step_s + 2.0;
+        if points <= MOST_POINTS {
+            Ok(Self { points: points as usize, step_s, even: false })
+        } else {
+            Err(NoiseError::Length(points))
+        }
+    }
+
+    /// The values of a series on the grid at the times.
+    fn read<'a>(&self, time: &[f64], series: &'a [f64]) -> Cow<'a, [f64]> {
+        if self.even {
+            return series.into();
+        }
+        time.iter()
+            .map(|t| {
+                let at = (t - time[0]) / self.step_s;
+                let row = (at as usize).min(series.len() - 2);
+                series[row] + (series[row + 1] - series[row]) * (at - row as f64)
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_whole() {
+        let mut readings = [0.3, -0.8, 7.49];
+        quantise(&mut readings, 0.5);
+        assert_eq!(readings, [0.5, -1.0, 7.5]);
+        quantise(&mut readings, 0.0);
+        assert_eq!(readings, [0.5, -1.0, 7.5]);
+    }
+
+    #[test]
+    fn uneven_times_read_the_grid() {
+        let time = [0.0, 1.0, 2.0, 3.5, 4.0, 5.0];
+        let grid = Grid::of(&time).expect("a grid");
+        assert_eq!((grid.points, grid.step_s), (7, 1.0));
+        let ramp: Vec<f64> = (0..7).map(f64::from).collect();
+        assert_eq!(grid.read(&time, &ramp).as_ref(), time);
+        let far = [0.0, 1e-6, 2e-6, 1e6];
+        assert!(matches!(Grid::of(&far), Err(NoiseError::Length(_))));
+    }
+
+    #[test]
+    fn each_kind_of_noise_has_its_own_stream() {
+        let time: Vec<f64> = (0..64).map(f64::from).collect();
+        let make = |json: &str| {
+            let noise: Noise = serde_json::from_str(json).expect("a noise");
+            series(&noise, 7, "run/sensor_x_v", 64, Some(&time)).expect("noise")
+        };
+        let white = make(r#"{"white_rms_nt": 2.0}"#);
+        let flicker = make(r#"{"flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2}"#);
+        let walk = make(r#"{"random_walk_nt_per_sqrt_s": 0.1}"#);
+        let all = make(
+            r#"{"white_rms_nt": 2.0, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.1}"#,
+        );
+        for row in 0..64 {
+            assert!((all[row] - white[row] - flicker[row] - walk[row]).abs() < 1e-12);
+        }
+        let steep: Noise =
+            serde_json::from_str(r#"{"flicker_nt2_per_hz_at_1hz": 1.0, "flicker_exponent": 2.5}"#).expect("a noise");
+        assert_eq!(series(&steep, 1, "x", 64, Some(&time)), Err(NoiseError::Exponent(2.5)));
+    }
+}
