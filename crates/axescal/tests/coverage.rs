@@ -218,7 +218,7 @@ fn plan() -> simulate::Plan {
 fn axes_procedure(plan: &mut simulate::Plan) -> &mut simulate::AxesProcedure {
     match &mut plan.procedures[0] {
         simulate::Procedure::AxesOrientation(axes) => axes,
-        simulate::Procedure::FreeRun(_) => panic!("the plan begins with the axes"),
+        _ => panic!("the plan begins with the axes"),
     }
 }
 

@@ -135,34 +135,84 @@ where
 /// Writes text to a file (beside it first, then renamed) or to standard output.
 /// A reader that has gone is no error.
 pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
-    let failed = |path: &Path, source| Error::File { path: path.into(), action: "written", source };
-    let Some(path) = output else {
-        let mut stdout = io::stdout().lock();
-        return match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-                Err(failed(Path::new("standard output"), error))
-            }
-            _ => Ok(()),
+    let mut sink = Sink::open(output)?;
+    sink.write(text)?;
+    sink.finish()
+}
+
+/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a device.
+pub struct Sink {
+    /// As it is named in errors.
+    path: PathBuf,
+    target: Target,
+}
+
+enum Target {
+    Stdout,
+    /// A link stays a link, and what is no file (a terminal, a named pipe) is written to and not replaced.
+    Device(fs::File),
+    Beside {
+        file: fs::File,
+        beside: PathBuf,
+        real: PathBuf,
+        done: bool,
+    },
+}
+
+impl Sink {
+    /// Opens a file, or standard output where none is given.
+    pub fn open(output: Option<&Path>) -> Result<Self, Error> {
+        let Some(path) = output else {
+            return Ok(Self { path: "standard output".into(), target: Target::Stdout });
         };
-    };
-    // A link stays a link, and what is no file (a terminal, a named pipe) is written to and not replaced.
-    let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
-    if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
-        let opened = fs::OpenOptions::new().write(true).open(&real);
-        return opened
-            .and_then(|mut file| file.write_all(text.as_bytes()))
-            .map_err(|error| failed(path, error));
+        let failed = |source| Error::File { path: path.into(), action: "written", source };
+        let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+        if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
+            let file = fs::OpenOptions::new().write(true).open(&real).map_err(failed)?;
+            return Ok(Self { path: path.into(), target: Target::Device(file) });
+        }
+        let mut name = OsString::from(".");
+        name.push(real.file_name().unwrap_or_default());
+        name.push(format!(".{}.part", process::id()));
+        let beside = real.with_file_name(name);
+        let file = fs::File::create(&beside).map_err(failed)?;
+        Ok(Self { path: path.into(), target: Target::Beside { file, beside, real, done: false } })
     }
-    let path = real.as_path();
-    let mut name = OsString::from(".");
-    name.push(path.file_name().unwrap_or_default());
-    name.push(format!(".{}.part", process::id()));
-    let beside = path.with_file_name(name);
-    fs::write(&beside, text).and_then(|()| fs::rename(&beside, path)).map_err(|error| {
-        // The half-written neighbour is of no use to anyone; that it cannot be removed changes nothing.
-        let _ = fs::remove_file(&beside);
-        failed(path, error)
-    })
+
+    /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is wanted.
+    pub fn write(&mut self, text: &str) -> Result<bool, Error> {
+        let result = match &mut self.target {
+            Target::Stdout => {
+                let mut stdout = io::stdout().lock();
+                stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
+            }
+            Target::Device(file) | Target::Beside { file, .. } => file.write_all(text.as_bytes()),
+        };
+        match (&self.target, result) {
+            (_, Ok(())) => Ok(true),
+            (Target::Stdout, Err(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+            (_, Err(source)) => Err(Error::File { path: self.path.clone(), action: "written", source }),
+        }
+    }
+
+    /// Gives the file its name.
+    pub fn finish(mut self) -> Result<(), Error> {
+        if let Target::Beside { beside, real, done, .. } = &mut self.target {
+            let path = self.path.clone();
+            fs::rename(beside, real).map_err(|source| Error::File { path, action: "written", source })?;
+            *done = true;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Sink {
+    fn drop(&mut self) {
+        if let Target::Beside { beside, done: false, .. } = &self.target {
+            // The half-written neighbour is of no use to anyone; that it cannot be removed changes nothing.
+            let _ = fs::remove_file(beside);
+        }
+    }
 }
 
 /// People's words, to standard error. A closed standard error is no reason to fail.

@@ -154,7 +154,8 @@ mod tests {
             assert!((all[row] - white[row] - flicker[row] - walk[row]).abs() < 1e-12);
         }
         let steep: Noise =
-            serde_json::from_str(r#"{"flicker_nt2_per_hz_at_1hz": 1.0, "flicker_exponent": 2.5}"#).expect("a noise");
+            serde_json::from_str(r#"{"flicker_nt2_per_hz_at_1hz": 1.0, "flicker_exponent": 2.5}"#)
+                .expect("a noise");
         assert_eq!(series(&steep, 1, "x", 64, Some(&time)), Err(NoiseError::Exponent(2.5)));
     }
 }

@@ -75,6 +75,18 @@ impl Basic<f64> {
         basic
     }
 
+    /// As `of`, with what axescal found that is to be added to the sensors' offsets (`axes.offsets_nt`): the chain for
+    /// predicting recordings.
+    pub fn found(document: &Document, unit: Unit) -> Self {
+        let mut basic = Basic::of(document, unit);
+        let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+        for (axis, offset) in axes.and_then(|axes| axes.offsets_nt.as_ref()).iter().flat_map(|all| all.iter())
+        {
+            basic.sensors[axis.index()].offset_nt += offset.value();
+        }
+        basic
+    }
+
     /// The chain of a differential recording, T = R η + d: the reference's reading stands in place of the field, the columns
     /// of η in place of the sensors' directions, and −d in place of the offsets. Not stated: η = 1, d = 0.
     pub fn differential(document: &Document) -> Self {

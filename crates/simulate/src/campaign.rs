@@ -1,18 +1,15 @@
 //! A whole campaign: every procedure of a plan, with what is true behind it.
 
-use common::{
-    Axis, Calibration, Column, Document, FORMAT_VERSION, Facility, Matrix3x3, Model, Recording, procedure,
-};
+use common::{Axis, Document, Error, FORMAT_VERSION, Facility};
 use nalgebra::Vector3;
-use physics::{Basic, Context, References, Unit, frames};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use physics::{Basic, EffectInstance, References, Unit, frames};
 
-use crate::axes::{self, Planned};
-use crate::noise::{Stream, disturb};
-use crate::plan::{FreeRun, Plan, Procedure};
-use crate::{Error, check};
+use crate::bench::{Bench, MOST_ROWS};
+use crate::make::{self, World};
+use crate::plan::{CalibrationPart, DriveRecord, Plan};
+use crate::planned::Planned;
+use crate::schedule::{Scheduled, schedule};
+use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
 
 /// The document that a campaign gives, and what is true behind it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,30 +20,20 @@ pub struct Campaign {
     pub truth: Truth,
 }
 
-/// What is true behind a simulated document. It goes to a file of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct Truth {
-    /// Format version, 1.
-    pub fluxcal: u64,
-    /// The seed.
-    pub seed: u64,
-    /// True constants and axes.
-    pub calibration: Calibration,
-    /// Effects that acted.
-    pub model: Model,
-    /// Field at the sensors with no drive, GEO, nT.
-    pub residual_field_nt: [f64; 3],
-    /// True orientation of each recording.
-    pub orientations: Vec<TrueOrientation>,
-}
-
-/// The true orientation of a recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct TrueOrientation {
-    /// The recording.
-    pub recording: String,
-    /// R, GEO -> SEN.
-    pub orientation: Matrix3x3,
+/// Everything that is decided before the first reading.
+pub struct Prepared {
+    /// What the document states, without recordings.
+    pub document: Document,
+    /// The same with what is true instead, exact.
+    pub true_document: Document,
+    /// The true chain.
+    pub basic: Basic,
+    /// The effects that act.
+    pub effects: Vec<EffectInstance>,
+    /// Unit of the readings.
+    pub unit: Unit,
+    /// The recordings in time.
+    pub scheduled: Vec<Scheduled>,
 }
 
 /// Carries out a plan.
@@ -54,6 +41,66 @@ pub struct TrueOrientation {
 /// The operator sets the currents by what the plan states; the field, the readings and their errors
 /// follow from what is true. Errors name the place in the plan.
 pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
+    let Prepared { mut document, mut true_document, basic, effects, unit, scheduled } = prepare(plan)?;
+    let mut written = Vec::with_capacity(scheduled.len());
+    let mut orientations = Vec::with_capacity(scheduled.len());
+    for Scheduled { planned, clock_s, local_s, .. } in scheduled {
+        let Planned { mut recording, rotation, path, reads, surroundings, amplification, outside, .. } =
+            planned;
+        orientations
+            .push(TrueOrientation { recording: recording.id.clone(), orientation: frames::rows(&rotation) });
+        // What theodolites read of an orientation is not what it is: the true chain gets it exactly.
+        let conditions = recording.conditions.clone();
+        recording.conditions.theodolite = None;
+        recording.conditions.orientation = Some(frames::rows(&rotation));
+        written.push(make::Written {
+            conditions,
+            path,
+            reads,
+            surroundings,
+            amplification,
+            outside,
+            clock_s,
+            local_s,
+        });
+        true_document.recordings.push(recording);
+    }
+    true_document.check()?;
+    let electrical = match plan.drive {
+        DriveRecord::Current => None,
+        DriveRecord::Voltage => Some(Electrical::draw(plan)?),
+    };
+    let world = World {
+        plan,
+        document: &true_document,
+        basic: &basic,
+        effects: &effects,
+        unit,
+        references: References::of(&true_document),
+        residual_field_nt: vector(plan.truth.residual_field_nt.as_ref()),
+        shield_field_nt: vector(plan.truth.shield_field_nt.as_ref()),
+        electrical: electrical.as_ref(),
+        wander: make::wander(plan, &true_document, &written)?,
+    };
+    document.recordings = world.recordings(&written)?;
+    let truth = Truth {
+        fluxcal: FORMAT_VERSION,
+        seed: plan.seed,
+        residual_field_nt: world.residual_field_nt.into(),
+        offset_wander: world.wander,
+        shield_field_nt: plan.truth.shield_field_nt.clone(),
+        coil_profile: plan.truth.coil_profile.clone(),
+        electrical,
+        differential: plan.truth.differential.clone(),
+        model: plan.truth.model.clone().unwrap_or_default(),
+        calibration: true_document.calibration.unwrap_or_default(),
+        orientations,
+    };
+    Ok(Campaign { document, truth })
+}
+
+/// Checks a plan and puts its recordings in order.
+pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     let mut document = Document {
         fluxcal: FORMAT_VERSION,
         title: plan.title.clone(),
@@ -62,132 +109,78 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         calibration: plan.calibration.clone(),
         ..Document::default()
     };
+    if plan.procedures.is_empty() {
+        return Err(Error::document("procedures", "an empty list", "at least one procedure"));
+    }
+    check_noise(plan)?;
     let unit = unit(&document);
     let stated = Basic::of(&document, unit);
-    check::plan(plan, &stated)?;
-    let planned = planned(plan, &document, &stated)?;
-    document.recordings = planned.iter().map(|planned| planned.recording.clone()).collect();
-    document.check()?;
-
-    let truth = true_calibration(plan)?;
     let true_document = Document {
-        calibration: Some(truth.clone()),
+        calibration: Some(true_calibration(plan)?),
         model: plan.truth.model.clone(),
-        // What theodolites read of an orientation is not what it is: here it is exact.
         facility: plan.facility.clone().map(|facility| Facility { theodolite_arcsec: None, ..facility }),
         ..document.clone()
     };
-    let mut basic = Basic::of(&true_document, unit);
+    let effects = physics::adopt(&true_document).map_err(|error| error.at("truth.model"))?;
+    let basic = unit_directions(Basic::of(&true_document, unit))?;
+    let bench = Bench { plan, document: &document, stated: &stated, truth: &basic };
+    let mut rows = 0.0;
+    for (index, procedure) in plan.procedures.iter().enumerate() {
+        let path = format!("procedures[{index}]");
+        rows += procedure.sequence().rows(&bench, &path)?;
+        if rows > MOST_ROWS {
+            let found = format!("{rows:.3e} rows so far");
+            return Err(Error::document(path, found, format!("at most {MOST_ROWS:.0e} in all")));
+        }
+    }
+    let mut planned = Vec::new();
+    for (index, procedure) in plan.procedures.iter().enumerate() {
+        planned.extend(procedure.sequence().plan(&bench, &format!("procedures[{index}]"))?);
+    }
+    let scheduled = schedule(plan, planned)?;
+    if let Some(calibration) = &mut document.calibration {
+        for part in &plan.unstated {
+            match part {
+                CalibrationPart::Coils => calibration.coils = None,
+                CalibrationPart::Sensors => calibration.sensors = None,
+                CalibrationPart::Axes => calibration.axes = None,
+                CalibrationPart::Differential => calibration.differential = None,
+            }
+        }
+    }
+    Ok(Prepared { document, true_document, basic, effects, unit, scheduled })
+}
+
+/// The instrument's noise can be made.
+fn check_noise(plan: &Plan) -> Result<(), Error> {
+    let Some(instrument) = &plan.instrument else { return Ok(()) };
+    for axis in Axis::ALL {
+        let exponent = instrument.noise_of(axis).and_then(|noise| noise.flicker_exponent).unwrap_or(1.0);
+        if !(0.0..=2.0).contains(&exponent) {
+            let path = "instrument.noise.flicker_exponent";
+            return Err(Error::document(
+                path,
+                exponent.to_string(),
+                "an exponent from 0 (white) to 2 (random walk)",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn unit_directions(mut basic: Basic) -> Result<Basic, Error> {
     for axis in 0..3 {
         for (matrix, key) in [(&mut basic.eta, "coils"), (&mut basic.mu, "sensors")] {
             let length = matrix.column(axis).norm();
             if (length - 1.0).abs() > 1e-3 {
                 let path = format!("truth.calibration.axes.{key}.matrix");
                 let found = format!("a column of length {length:.6}");
-                return Err(common::Error::document(path, found, "columns that are unit vectors").into());
+                return Err(Error::document(path, found, "columns that are unit vectors"));
             }
             matrix.column_mut(axis).normalize_mut();
         }
     }
-    let effects = physics::adopt(&true_document)
-        .map_err(|source| Error::Physics { path: "truth.model".into(), source })?;
-    let residual = plan.truth.residual_field_nt.as_ref();
-    let residual_field_nt =
-        Axis::ALL.map(|axis| residual.and_then(|field| field.get(axis)).copied().unwrap_or(0.0));
-    let references = References::of(&true_document);
-
-    let mut orientations = Vec::new();
-    for (Planned { recording, rotation, path, sensors }, written) in
-        planned.into_iter().zip(&mut document.recordings)
-    {
-        let failed = |source| Error::Physics { path: path.clone(), source };
-        orientations
-            .push(TrueOrientation { recording: recording.id.clone(), orientation: frames::rows(&rotation) });
-        let mut set = recording;
-        set.conditions.theodolite = None;
-        set.conditions.orientation = Some(frames::rows(&rotation));
-        let mut context = Context::new(&true_document, &set, references).map_err(failed)?;
-        context.unit = unit;
-        context.ambient_nt.iter_mut().for_each(|field| *field += Vector3::from(residual_field_nt));
-        let readings = physics::predict(&basic, &effects, &context).map_err(failed)?.readings;
-        read(plan, &basic, unit, &sensors, &readings, written);
-    }
-    let truth = Truth {
-        fluxcal: FORMAT_VERSION,
-        seed: plan.seed,
-        calibration: truth,
-        model: plan.truth.model.clone().unwrap_or_default(),
-        residual_field_nt,
-        orientations,
-    };
-    Ok(Campaign { document, truth })
-}
-
-/// Every recording of the plan, without its readings.
-fn planned(plan: &Plan, document: &Document, stated: &Basic) -> Result<Vec<Planned>, Error> {
-    let instrument = plan.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
-    let all = instrument.unwrap_or_else(|| Axis::ALL.to_vec());
-    let theodolite_arcsec = plan.facility.as_ref().and_then(|f| f.theodolite_arcsec).unwrap_or(0.0);
-    let mut planned = Vec::new();
-    for (index, procedure) in plan.procedures.iter().enumerate() {
-        let path = format!("procedures[{index}]");
-        match procedure {
-            Procedure::AxesOrientation(axes) => {
-                let sensors = axes.sensors.clone().unwrap_or_else(|| all.clone());
-                let set = |field| currents(stated, field);
-                planned.extend(axes::plan(axes, &path, plan.seed, theodolite_arcsec, &sensors, set)?);
-            }
-            Procedure::FreeRun(run) => planned.push(free_run(run, document, path, all.clone())?),
-        }
-    }
-    Ok(planned)
-}
-
-/// The readings with noise and quantisation, as columns.
-fn read(
-    plan: &Plan,
-    basic: &Basic,
-    unit: Unit,
-    sensors: &[Axis],
-    readings: &[Vector3<f64>],
-    recording: &mut Recording,
-) {
-    let instrument = plan.instrument.clone().unwrap_or_default();
-    let step = match unit {
-        Unit::Volt => instrument.quantisation_v,
-        Unit::Nanotesla => instrument.quantisation_nt,
-    };
-    for &sensor in sensors {
-        let mut column: Vec<f64> = readings.iter().map(|reading| reading[sensor.index()]).collect();
-        let name = format!("sensor_{sensor}_{}", unit.suffix());
-        let mut stream = Stream::new(plan.seed, &format!("{}/{name}", recording.id));
-        let sensitivity = basic.sensors[sensor.index()].sensitivity;
-        disturb(&instrument, sensor, sensitivity, step.unwrap_or(0.0), &mut stream, &mut column);
-        recording.columns.insert(name, Column(column));
-    }
-}
-
-/// What is stated, with what the truth says otherwise, key by key.
-fn true_calibration(plan: &Plan) -> Result<Calibration, common::Error> {
-    fn merge(stated: &mut Value, truth: Value) {
-        match (stated, truth) {
-            (Value::Object(stated), Value::Object(truth)) => {
-                for (key, value) in truth {
-                    merge(stated.entry(key).or_insert(Value::Null), value);
-                }
-            }
-            (stated, truth) => *stated = truth,
-        }
-    }
-    let wrong = |error: serde_json::Error| {
-        common::Error::document("truth.calibration", error.to_string(), "a calibration")
-    };
-    let mut merged = serde_json::to_value(plan.calibration.clone().unwrap_or_default()).map_err(wrong)?;
-    merge(
-        &mut merged,
-        serde_json::to_value(plan.truth.calibration.clone().unwrap_or_default()).map_err(wrong)?,
-    );
-    serde_json::from_value(merged).map_err(wrong)
+    Ok(basic)
 }
 
 /// Volts where a sensitivity in nT/V is stated.
@@ -198,26 +191,6 @@ fn unit(stated: &Document) -> Unit {
     if nominal || calibrated { Unit::Volt } else { Unit::Nanotesla }
 }
 
-fn currents(stated: &Basic, field_nt: Vector3<f64>) -> Vector3<f64> {
-    Vector3::from_fn(|c, _| {
-        let coil = &stated.coils[c];
-        if coil.constant_nt_per_a == 0.0 {
-            0.0
-        } else {
-            (field_nt[c] - coil.offset_nt) / coil.constant_nt_per_a
-        }
-    })
-}
-
-fn free_run(run: &FreeRun, document: &Document, path: String, sensors: Vec<Axis>) -> Result<Planned, Error> {
-    let recording = Recording {
-        id: run.id.clone(),
-        procedure: procedure::FREE_RUN.into(),
-        conditions: run.conditions.clone(),
-        columns: run.columns.clone(),
-        ..Recording::default()
-    };
-    let at = |source| Error::Physics { path: format!("{path}.conditions.orientation"), source };
-    let rotation = physics::orientation(document, &recording).map_err(at)?.rotation;
-    Ok(Planned { recording, rotation, path, sensors })
+fn vector(field: Option<&common::PerAxis<f64>>) -> Vector3<f64> {
+    Vector3::from(Axis::ALL.map(|axis| field.and_then(|field| field.get(axis)).copied().unwrap_or(0.0)))
 }

@@ -3,13 +3,28 @@
 //! The readings come from the same forward model that the calibrations fit ([`physics::predict`]), with
 //! noise and quantisation on top. What is true goes to a file of its own, never into the document.
 
-mod axes;
+mod bench;
 mod campaign;
-mod check;
-mod error;
-mod noise;
+mod differential;
+mod effects;
+mod make;
+mod outside;
 mod plan;
+mod planned;
+mod procedures;
+mod replay;
+mod run_sheet;
+mod schedule;
+mod sweep;
+mod truth;
 
-pub use campaign::{Campaign, TrueOrientation, Truth, campaign};
-pub use error::Error;
-pub use plan::{AcDrive, AxesProcedure, Drive, FreeRun, Orientations, Plan, Procedure, TruthPlan};
+pub use campaign::{Campaign, campaign};
+pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes};
+pub use effects::{Layout, catalogue};
+pub use outside::{OutsidePlan, Site, SiteNoise, SitePlan, Storm};
+pub use plan::{CalibrationPart, DriveRecord, Plan, Profile, Temperatures, Timing, TruthPlan};
+pub use procedures::*;
+pub use replay::{Replayed, replay};
+pub use run_sheet::{RunSheet, run_sheet};
+pub use sweep::{Case, Variation, cases, plan_of};
+pub use truth::{Electrical, TrueOrientation, Truth, Wander};

@@ -1,8 +1,11 @@
 //! `simulate`: from a plan to the recordings that a campaign would give.
 
-use clap::{Parser, Subcommand};
-use common::pipe::{self, Input, Io, Program};
-use common::{HistoryEntry, to_text};
+use clap::{Args, Parser, Subcommand};
+use common::pipe::{self, Input, Io, Program, Sink};
+use common::{Document, Error, HistoryEntry, Recording, to_text};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -12,7 +15,12 @@ const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VE
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Example:\n  simulate campaign fixtures/plans/magsat-axes.json | axescal > result.json"
+    after_help = "Examples:\n  \
+        simulate campaign fixtures/plans/magsat.json --truth truth.json > campaign.json\n  \
+        simulate campaign fixtures/plans/magsat.json --run-sheet > settings.csv\n  \
+        simulate replay result.json > predicted.json\n  \
+        simulate sweep fixtures/plans/magsat-axes.json --seeds 1..100 > campaigns.ndjson\n  \
+        simulate effects coil_heating"
 )]
 struct Cli {
     #[command(subcommand)]
@@ -22,52 +30,244 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Carry out every procedure of a plan and write the document
-    Campaign {
-        #[command(flatten)]
-        io: Io,
-        /// Seed of all noise, instead of the plan's
-        #[arg(long)]
-        seed: Option<u64>,
-        /// Write what is true to this file
-        #[arg(long, value_name = "FILE")]
-        truth: Option<PathBuf>,
+    Campaign(CampaignArgs),
+    /// Replace a document's readings by what its calibration and model predict
+    Replay(ReplayArgs),
+    /// Carry out a plan for many seeds or values, one document a line
+    Sweep(SweepArgs),
+    /// Print the catalogue of effects
+    Effects {
+        /// One effect; absent: all
+        effect: Option<String>,
+        /// How it is laid out
+        #[arg(long, value_enum, default_value_t)]
+        layout: Layout,
     },
 }
 
-fn main() -> ExitCode {
-    let Command::Campaign { io, seed, truth } = Cli::parse().command;
-    pipe::finish(PROGRAM, campaign(&io, seed, truth))
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  simulate campaign fixtures/plans/magsat-axes.json | axescal > result.json"
+)]
+struct CampaignArgs {
+    #[command(flatten)]
+    io: Io,
+    /// Seed of all noise, instead of the plan's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Write what is true to this file
+    #[arg(long, value_name = "FILE", conflicts_with = "run_sheet")]
+    truth: Option<PathBuf>,
+    /// Write the sequence of settings as CSV instead of the document
+    #[arg(long)]
+    run_sheet: bool,
 }
 
-fn campaign(io: &Io, seed: Option<u64>, truth: Option<PathBuf>) -> anyhow::Result<()> {
-    let input = Input::read(io.file.as_deref())?;
-    let mut plan: simulate::Plan = common::parse(&input.text).map_err(|error| input.locate(error))?;
-    plan.seed = seed.unwrap_or(plan.seed);
-    let simulate::Campaign { mut document, truth: what_is_true } =
-        simulate::campaign(&plan).map_err(|error| input.locate(error.into()))?;
-    document.history.push(HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments: vec!["campaign".into(), format!("--seed={}", plan.seed)],
-        input_sha256: Some(input.sha256()),
-        extra: Default::default(),
-    });
-    if truth.is_some() && truth == io.output {
-        anyhow::bail!(common::Error::Request(
-            "--truth and --output name the same file; the truth never goes into the document".into()
-        ));
+#[derive(Args)]
+#[command(after_help = "Example:\n  simulate replay result.json > predicted.json")]
+struct ReplayArgs {
+    #[command(flatten)]
+    io: Io,
+    /// Add the declared noise and round to codes
+    #[arg(long)]
+    noise: bool,
+    /// Seed of that noise
+    #[arg(long, default_value_t = 0, requires = "noise")]
+    seed: u64,
+}
+
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  simulate sweep plan.json --seeds 1..20 --set truth.model.effects[0].parameters.lag_s=100,300 --truth truth.ndjson > campaigns.ndjson"
+)]
+struct SweepArgs {
+    #[command(flatten)]
+    io: Io,
+    /// Seeds: `1..100` (both ends count) or `1,5,9`; absent: the plan's
+    #[arg(long, value_parser = seeds)]
+    seeds: Option<Seeds>,
+    /// A value of the plan in several versions: PATH=VALUE,VALUE,…; give it again for every combination
+    #[arg(long, value_name = "PATH=VALUES", value_parser = variation)]
+    set: Vec<Variation>,
+    /// Write what is true to this file, one line for each document
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
+}
+
+#[derive(Clone)]
+struct Seeds(Vec<u64>);
+
+fn seeds(text: &str) -> Result<Seeds, String> {
+    let number = |part: &str| part.trim().parse::<u64>().map_err(|_| format!("\"{part}\" is no seed"));
+    match text.split_once("..") {
+        Some((from, to)) => {
+            let (from, to) = (number(from)?, number(to)?);
+            if to < from || to - from >= 10_000_000 {
+                return Err("expected a range that grows, of at most ten million seeds".into());
+            }
+            Ok(Seeds((from..=to).collect()))
+        }
+        None => text.split(',').map(number).collect::<Result<_, _>>().map(Seeds),
     }
+}
+
+fn variation(text: &str) -> Result<Variation, String> {
+    let (path, values) = text.split_once('=').ok_or("expected PATH=VALUE,VALUE,…")?;
+    let list = serde_json::from_str(&format!("[{values}]"));
+    let values = list.map_err(|_| format!("\"{values}\" are no JSON values; put text into double quotes"))?;
+    Ok(Variation { path: path.trim().into(), values })
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Campaign(args) => campaign(&args),
+        Command::Replay(args) => replay(&args),
+        Command::Sweep(args) => sweep(&args),
+        Command::Effects { effect, layout } => effects(effect.as_deref(), layout),
+    };
+    pipe::finish(PROGRAM, result)
+}
+
+fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
+    let CampaignArgs { io, seed, truth, run_sheet } = args;
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    let mut plan: simulate::Plan = common::parse(&input.text).map_err(located)?;
+    plan.seed = seed.unwrap_or(plan.seed);
+    if *run_sheet {
+        let RunSheet { csv, steps, length_s, work_s } = simulate::run_sheet(&plan).map_err(located)?;
+        pipe::write(io.output.as_deref(), &csv)?;
+        let words = format!("{steps} settings, {} of work in {}", duration(work_s), duration(length_s));
+        say(io, &words);
+        return Ok(());
+    }
+    apart(io, truth)?;
+    let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
+    let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
+    document.history.push(history(arguments, input.sha256()));
     if let Some(path) = truth {
-        pipe::write(Some(&path), &to_text(&what_is_true))?;
+        pipe::write(Some(path), &to_text(&what_is_true))?;
     }
     pipe::write(io.output.as_deref(), &to_text(&document))?;
-    if !io.quiet {
-        let rows: usize = document.recordings.iter().map(common::Recording::rows).sum();
-        pipe::say(&format!(
-            "simulate: {} recordings, {rows} rows, seed {}",
-            document.recordings.len(),
-            plan.seed
-        ));
+    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
+    say(io, &format!("{} recordings, {rows} rows, seed {}", document.recordings.len(), plan.seed));
+    Ok(())
+}
+
+fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
+    let ReplayArgs { io, noise, seed } = args;
+    let seed = noise.then_some(*seed);
+    let arguments =
+        ["replay".to_string()].into_iter().chain(seed.map(|seed| format!("--noise --seed={seed}")));
+    let mut notes = Vec::new();
+    let run = |document: Document| {
+        let replayed = simulate::replay(&document, seed);
+        replayed.map(|Replayed { document, notes: said }| {
+            notes = said;
+            document
+        })
+    };
+    let words = |document: &Document| format!("simulate: {} recordings predicted", document.recordings.len());
+    pipe::stage(PROGRAM, io, arguments.collect(), run, words)?;
+    notes.iter().for_each(|note| say(io, note));
+    Ok(())
+}
+
+fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
+    let SweepArgs { io, seeds, set, truth } = args;
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    apart(io, truth)?;
+    let seeds = seeds.as_ref().map(|seeds| seeds.0.as_slice()).unwrap_or_default();
+    let cases = simulate::cases(seeds, set);
+    // What the values set is looked at before the first line is written; the seed cannot be wrong.
+    for case in simulate::cases(&[], set) {
+        simulate::run_sheet(&simulate::plan_of(&input.text, &case).map_err(located)?).map_err(located)?;
+    }
+    let mut documents = Sink::open(io.output.as_deref())?;
+    let mut truths = truth.as_deref().map(|path| Sink::open(Some(path))).transpose()?;
+    let truth_wanted = truths.is_some();
+    let progress = progress(cases.len(), io.quiet);
+    let sha256 = input.sha256();
+    let one = |(number, case): (usize, &Case)| -> Result<(String, String), Error> {
+        let plan = simulate::plan_of(&input.text, case)?;
+        let Campaign { mut document, truth } = simulate::campaign(&plan)?;
+        let arguments = vec!["sweep".into(), format!("--seed={}", plan.seed), format!("case {}", number + 1)];
+        document.history.push(history(arguments, sha256.clone()));
+        let line = |text: serde_json::Result<String>| text.expect("string keys and finite numbers") + "\n";
+        let truth = if truth_wanted { line(serde_json::to_string(&truth)) } else { String::new() };
+        Ok((line(serde_json::to_string(&document)), truth))
+    };
+    // As many at a time as there are threads: the memory does not grow with the number of cases.
+    let at_once = rayon::current_num_threads();
+    let numbered: Vec<(usize, &Case)> = cases.iter().enumerate().collect();
+    'all: for batch in numbered.chunks(at_once) {
+        let made: Vec<_> = batch.par_iter().map(|case| one(*case)).collect();
+        for made in made {
+            let (document, truth) = made.map_err(located)?;
+            if let Some(truths) = &mut truths {
+                truths.write(&truth)?;
+            }
+            if !documents.write(&document)? {
+                break 'all;
+            }
+            progress.inc(1);
+        }
+    }
+    progress.finish_and_clear();
+    if let Some(truths) = truths {
+        truths.finish()?;
+    }
+    documents.finish()?;
+    say(io, &format!("{} documents", cases.len()));
+    Ok(())
+}
+
+fn effects(effect: Option<&str>, layout: Layout) -> anyhow::Result<()> {
+    Ok(pipe::write(None, &simulate::catalogue(effect, layout)?)?)
+}
+
+/// The truth never goes into the document.
+fn apart(io: &Io, truth: &Option<PathBuf>) -> Result<(), Error> {
+    if truth.is_some() && *truth == io.output {
+        let words = "--truth and --output name the same file; the truth never goes into the document";
+        return Err(Error::Request(words.into()));
     }
     Ok(())
+}
+
+fn history(arguments: Vec<String>, sha256: String) -> HistoryEntry {
+    HistoryEntry {
+        stage: PROGRAM.name.into(),
+        version: PROGRAM.version.into(),
+        arguments,
+        input_sha256: Some(sha256),
+        extra: Default::default(),
+    }
+}
+
+fn say(io: &Io, words: &str) {
+    if !io.quiet {
+        pipe::say(&format!("{}: {words}", PROGRAM.name));
+    }
+}
+
+/// A bar on standard error where that is a terminal.
+fn progress(length: usize, quiet: bool) -> ProgressBar {
+    if quiet {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len}, {eta} left").expect("a good template");
+    ProgressBar::new(length as u64).with_style(style)
+}
+
+/// Seconds as days, hours and minutes.
+fn duration(seconds: f64) -> String {
+    let minutes = (seconds / 60.0).round() as u64;
+    let (days, hours, minutes) = (minutes / 1440, minutes / 60 % 24, minutes % 60);
+    match (days, hours) {
+        (0, 0) => format!("{minutes} min"),
+        (0, _) => format!("{hours} h {minutes} min"),
+        _ => format!("{days} d {hours} h {minutes} min"),
+    }
 }

@@ -1,6 +1,10 @@
-use common::{Axis, Calibration, Columns, Conditions, Facility, Instrument, Matrix3x3, Model, PerAxis};
+use common::{Calibration, Facility, Instrument, Model, Noise, PerAxis};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::differential::DifferentialTruth;
+use crate::outside::{OutsidePlan, SitePlan};
+use crate::procedures::Procedure;
 
 /// What is to be simulated: the facility and the instrument as they are stated, what they truly are,
 /// and the procedures in order.
@@ -15,8 +19,12 @@ pub struct Plan {
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,
-    /// The facility, as the document will state it. Its theodolite uncertainty is also what the simulated
-    /// theodolites err by.
+    /// When the campaign begins (RFC 3339, with the local offset from UTC). Absent: recordings carry no `start` and share
+    /// the campaign's clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
+    /// The facility, as the document will state it. Its uncertainties are also what the simulated theodolites, resistors,
+    /// voltmeter and scalar reference err by.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facility: Option<Facility>,
     /// The instrument, as the document will state it; its noise and quantisation are applied.
@@ -25,11 +33,96 @@ pub struct Plan {
     /// The calibration that the document will state.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub calibration: Option<Calibration>,
+    /// What of `calibration` the stages are to find: it serves the operator for setting the drives and stays out of the
+    /// document (`coils`, `sensors`, `axes`, `differential`).
+    #[serde(default)]
+    pub unstated: Vec<CalibrationPart>,
+    /// How the drive is written: as current, or as the voltmeter reads it over the precision resistors.
+    #[serde(default)]
+    pub drive: DriveRecord,
+    /// Temperatures of the rooms; absent: no temperature columns but in a temperature run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperatures: Option<Temperatures>,
+    /// How long things take.
+    #[serde(default)]
+    pub timing: Timing,
     /// What is true; where it says nothing, what is stated is true.
     #[serde(default)]
     pub truth: TruthPlan,
     /// The procedures.
     pub procedures: Vec<Procedure>,
+}
+
+/// A part of the calibration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CalibrationPart {
+    /// Coil constants and offsets.
+    Coils,
+    /// Sensitivities and offsets.
+    Sensors,
+    /// Directions.
+    Axes,
+    /// One magnetometer against the other.
+    Differential,
+}
+
+/// How the drive of the coils is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum DriveRecord {
+    /// `coil_*_a`, exact.
+    #[default]
+    Current,
+    /// `coil_*_v`, with the errors of resistor and voltmeter, the same through the whole campaign.
+    Voltage,
+}
+
+/// Temperatures of the rooms, with a daily wave.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Temperatures {
+    /// Of the sensors, mean, degC.
+    pub sensor_temperature_c: f64,
+    /// Of the electronics, mean, degC.
+    pub electronics_temperature_c: f64,
+    /// Of the coils, mean, degC.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil_temperature_c: Option<f64>,
+    /// Half of the daily swing, K; warmest at 15 h.
+    #[serde(default)]
+    pub daily_k: f64,
+    /// Slow change, K per day.
+    #[serde(default)]
+    pub trend_k_per_day: f64,
+}
+
+/// How long things take, s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Timing {
+    /// After a change of the drive, before the reading.
+    pub field_settle_s: f64,
+    /// One reading.
+    pub reading_s: f64,
+    /// Setting up a procedure, or turning the block to another orientation.
+    pub orientation_s: f64,
+    /// After a change of temperature (NASA: about half an hour).
+    pub temperature_settle_s: f64,
+    /// Turning a sensor by 180°.
+    pub reversal_s: f64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            field_settle_s: 10.0,
+            reading_s: 1.0,
+            orientation_s: 900.0,
+            temperature_settle_s: 1800.0,
+            reversal_s: 60.0,
+        }
+    }
 }
 
 /// The truth behind the recordings.
@@ -45,100 +138,43 @@ pub struct TruthPlan {
     /// Field at the sensors with no drive, GEO, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residual_field_nt: Option<PerAxis<f64>>,
-}
-
-/// One procedure of a plan.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "procedure", rename_all = "snake_case")]
-pub enum Procedure {
-    /// Directions of sensors and coils.
-    AxesOrientation(AxesProcedure),
-    /// Any drive.
-    FreeRun(Box<FreeRun>),
-}
-
-/// Turn the block through orientations and drive the coils in each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AxesProcedure {
-    /// Beginning of the recordings' ids.
-    pub id: String,
-    /// The orientations.
-    pub orientations: Orientations,
-    /// Field of a named drive, nT.
-    pub drive_nt: f64,
-    /// The drives in each orientation.
-    #[serde(default = "one_coil_after_the_other")]
-    pub drives: Vec<Drive>,
-    /// Readings of each drive.
-    #[serde(default = "one")]
-    pub repeats: usize,
-    /// The sensors that are read; absent: those of the instrument, else all.
+    /// Field left in the shield, SEN, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sensors: Option<Vec<Axis>>,
-    /// Write the theodolites' angles, not the matrix.
-    #[serde(default)]
-    pub theodolite_angles: bool,
-    /// How far the fixture may miss its nominal orientation (standard deviation), arcmin.
-    #[serde(default)]
-    pub fixture_std_arcmin: f64,
-    /// Drive with a sine; absent: with constant currents.
+    pub shield_field_nt: Option<PerAxis<f64>>,
+    /// Field of each coil along its axis, for the survey of its gradient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ac: Option<AcDrive>,
+    pub coil_profile: Option<PerAxis<Profile>>,
+    /// How each sensor's offset wanders from date to date in `offset_drift`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_wander: Option<Noise>,
+    /// The natural field outside.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside: Option<OutsidePlan>,
+    /// Noise of the site by hour and weekday.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub site: Option<SitePlan>,
+    /// The two magnetometers of a differential recording.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub differential: Option<DifferentialTruth>,
 }
 
-/// A sinusoidal drive of all coils in phase (NASA, "Errors in Magnetic Axis Orientation").
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct AcDrive {
-    /// Frequency, Hz.
-    pub hz: f64,
-    /// Cycles recorded.
-    pub cycles: f64,
-    /// Samples per second.
-    pub rate_hz: f64,
-    /// Amplitude on the coils that a drive does not name, nT: the dither.
-    #[serde(default)]
-    pub dither_nt: f64,
+/// Field along a coil's axis over the field at its centre: 1 + (a x + b x² + c x⁴) 1e-6, x in m.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Profile {
+    /// a.
+    pub first_ppm_per_m: f64,
+    /// b.
+    pub second_ppm_per_m2: f64,
+    /// c.
+    pub fourth_ppm_per_m4: f64,
 }
 
-/// Orientations by name or one by one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "\"cube\", \"nasa_table_3\", or a list of 3x3 rotations")]
-pub enum Orientations {
-    /// `cube` (24) or `nasa_table_3` (7).
-    Named(String),
-    /// R, GEO -> SEN, each.
-    List(Vec<Matrix3x3>),
-}
-
-/// A drive by name or as a vector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "\"x\", \"-x\", \"zero\", or [x, y, z] in nT")]
-pub enum Drive {
-    /// `x`, `-x`, … at the procedure's field, or `zero`.
-    Named(String),
-    /// Field of each coil, nT.
-    Vector([f64; 3]),
-}
-
-/// A recording with columns of its own; the readings are added.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct FreeRun {
-    /// The recording's id.
-    pub id: String,
-    /// What holds throughout.
-    #[serde(default)]
-    pub conditions: Conditions,
-    /// Times, drive, temperatures.
-    pub columns: Columns,
-}
-
-fn one_coil_after_the_other() -> Vec<Drive> {
-    Axis::ALL.iter().map(|axis| Drive::Named(axis.to_string())).collect()
-}
-
-fn one() -> usize {
-    1
+impl Profile {
+    /// Field over the field at the centre.
+    pub fn at(&self, x: f64) -> f64 {
+        let ppm =
+            self.first_ppm_per_m * x + self.second_ppm_per_m2 * x * x + self.fourth_ppm_per_m4 * x.powi(4);
+        1.0 + ppm * 1e-6
+    }
 }

@@ -163,7 +163,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
-            "procedures[0].ac: found 1.000e12 samples in one recording; expected at least 5 and at most 2e7",
+            "procedures[0].ac: found 1.000e12 samples in one recording; expected at least 5 and at most 1e8",
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
@@ -181,8 +181,8 @@ fn faulty_plans_are_refused_with_their_place() {
             "truth.model.effects[0]: found lag_s = -1; expected a positive number",
         ),
         (
-            |plan| plan["instrument"]["noise"]["flicker_nt2_per_hz_at_1hz"] = json!(1e-4),
-            "instrument.noise.flicker_nt2_per_hz_at_1hz: found flicker noise",
+            |plan| plan["instrument"]["noise"]["flicker_exponent"] = json!(3),
+            "instrument.noise.flicker_exponent: found 3; expected an exponent from 0 (white) to 2 (random walk)",
         ),
         (
             |plan| plan["procedures"][0]["procedure"] = json!("dance"),
@@ -190,7 +190,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
-            "procedures[0]: found 1.920e11 rows so far; expected at most 2e7",
+            "procedures[0]: found 1.920e11 rows so far; expected at most 1e8",
         ),
         (|plan| plan["procedures"][0]["drives"] = json!([]), "procedures[0].drives: found an empty list"),
         (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),

@@ -1,7 +1,7 @@
 use super::prelude::*;
 
-/// ΔB = h z, dz/dB = (sign dB − z)/B_c: z goes to ±1 over a change of the field by B_c (Duhem). Demagnetised (z = 0) at
-/// the first row; the field is taken as monotonic between rows.
+/// ΔB = h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c (Duhem).
+/// Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
 pub struct Hysteresis;
 
 impl Effect for Hysteresis {
@@ -10,7 +10,7 @@ impl Effect for Hysteresis {
         title: "reading lags behind the field in a loop",
         physics: "Domains in the core follow the field only after it has turned by a coercive field, so that the way \
             up and the way down differ by the same amount everywhere but near the turning points.",
-        equation: "dB = h z, dz/dB = (sign(dB) - z) / B_c",
+        equation: "dB = h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",
         source: "Coleman and Hodgdon 1986, A constitutive relation for rate-independent hysteresis, Int. J. Eng. Sci. \
             24, 897; Ripka 2001, Magnetic Sensors and Magnetometers",
         place: Place::Sensor,

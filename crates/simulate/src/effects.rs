@@ -1,0 +1,179 @@
+//! The catalogue of effects, for people and for programs.
+
+use clap::ValueEnum;
+use common::{Error, to_text};
+use physics::{Acts, Kind, ParameterInfo, Place, Role};
+use serde::Serialize;
+
+/// How the catalogue is laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Layout {
+    /// For people.
+    #[default]
+    Table,
+    /// For programs.
+    Json,
+    /// The page in docs/.
+    Markdown,
+}
+
+#[derive(Serialize)]
+struct Entry {
+    effect: &'static str,
+    title: &'static str,
+    physics: &'static str,
+    equation: &'static str,
+    source: &'static str,
+    place: &'static str,
+    acts_on: &'static str,
+    parameters: Vec<Parameter>,
+    needs: &'static [&'static str],
+    invertible: bool,
+}
+
+#[derive(Serialize)]
+struct Parameter {
+    name: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    plausible: Option<[f64; 2]>,
+    role: &'static str,
+}
+
+/// The effects of that name, or all, in a layout.
+pub fn catalogue(name: Option<&str>, layout: Layout) -> Result<String, Error> {
+    let kinds: Vec<Kind> = match name {
+        None => Kind::ALL.to_vec(),
+        Some(name) => vec![Kind::named(name).ok_or_else(|| {
+            let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+            Error::Request(format!("there is no effect \"{name}\"; expected one of {}", names.join(", ")))
+        })?],
+    };
+    Ok(match layout {
+        Layout::Table => table(&kinds),
+        Layout::Json => to_text(&kinds.iter().map(|kind| entry(*kind)).collect::<Vec<_>>()),
+        Layout::Markdown => markdown(&kinds),
+    })
+}
+
+fn entry(kind: Kind) -> Entry {
+    let about = kind.about();
+    let parameter = |info: &ParameterInfo| Parameter {
+        name: info.name,
+        plausible: (info.role != Role::Epoch).then_some([info.low, info.high]),
+        role: role(info.role),
+    };
+    Entry {
+        effect: about.name,
+        title: about.title,
+        physics: about.physics,
+        equation: about.equation,
+        source: about.source,
+        place: about.place.word(),
+        acts_on: acts_on(about.acts),
+        parameters: about.parameters.iter().map(parameter).collect(),
+        needs: about.needs,
+        invertible: about.invertible,
+    }
+}
+
+fn acts_on(acts: Acts) -> &'static str {
+    match acts {
+        Acts::OneSensor => "sensor",
+        Acts::OneCoil => "coil",
+        Acts::Everything => "all",
+        Acts::WithColumn => "column",
+    }
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::Amplitude => "amplitude",
+        Role::Shape => "shape",
+        Role::Epoch => "epoch",
+    }
+}
+
+fn of(kinds: &[Kind], place: Place) -> impl Iterator<Item = Entry> {
+    kinds.iter().filter(move |kind| kind.place() == place).map(|kind| entry(*kind))
+}
+
+fn range(parameter: &Parameter) -> String {
+    match parameter.plausible {
+        Some([low, high]) => format!("{} {low} to {high}", parameter.name),
+        None => format!("{} (a moment of the recording)", parameter.name),
+    }
+}
+
+fn table(kinds: &[Kind]) -> String {
+    let mut text = String::new();
+    for place in Place::ALL {
+        for (number, entry) in of(kinds, place).enumerate() {
+            if number == 0 {
+                text += &format!("{}\n", place.word());
+            }
+            let parameters: Vec<String> = entry.parameters.iter().map(range).collect();
+            text += &format!("  {}: {}\n", entry.effect, entry.title);
+            text += &format!("      {}\n", entry.equation);
+            text += &format!("      {}\n", parameters.join("; "));
+            text += &format!("      {}\n", entry.source);
+        }
+    }
+    text
+}
+
+fn markdown(kinds: &[Kind]) -> String {
+    let mut text = String::from(HEAD);
+    for place in Place::ALL {
+        text += &format!("\n## {}{}\n", place.word()[..1].to_uppercase(), &place.word()[1..]);
+        for entry in of(kinds, place) {
+            text += &format!("\n### `{}`\n\n{}. {}\n\n", entry.effect, capital(entry.title), entry.physics);
+            text += &format!("```text\n{}\n```\n\n", entry.equation);
+            let key = match entry.acts_on {
+                "all" => "nothing".to_string(),
+                key => format!("`{key}`"),
+            };
+            let parameters: Vec<String> = entry
+                .parameters
+                .iter()
+                .map(|p| format!("`{}`", range(p).replacen(' ', "` ", 1).trim_end_matches('`')))
+                .collect();
+            let parameters =
+                parameters.iter().map(|p| p.trim_end_matches('`').to_string()).collect::<Vec<_>>();
+            text += &format!("- Takes {key}; parameters {}.\n", parameters.join(", "));
+            if !entry.needs.is_empty() {
+                let needs: Vec<String> = entry.needs.iter().map(|need| code(need)).collect();
+                text += &format!("- Needs {}.\n", needs.join(", "));
+            }
+            if !entry.invertible {
+                text += "- Has no inverse: many fields give one reading.\n";
+            }
+            text += &format!("- Source: {}.\n", entry.source);
+        }
+    }
+    text
+}
+
+/// A column's name as code, words as words.
+fn code(need: &str) -> String {
+    if need.contains(' ') { need.into() } else { format!("`{need}`") }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}
+
+const HEAD: &str = "# The effects\n\n\
+    Physics that a first model of a magnetometer leaves out. Each effect is one definition, in `crates/physics/src/effects`, that is\n\
+    simulated, fitted, and taken out of readings again. This page is made by `simulate effects --layout markdown`.\n\n\
+    A document adopts an effect under `model.effects`, a plan lets it act under `truth.model.effects`:\n\n\
+    ```json\n\
+    {\"effect\": \"offset_temperature_lag\", \"sensor\": \"x\", \"parameters\": {\"coefficient_nt_per_k\": 1.3, \"lag_s\": 900}}\n\
+    ```\n\n\
+    An effect takes `sensor` or `coil` where it acts on one, `column` where it follows a housekeeping column, and nothing where it acts on\n\
+    all. Effects act in the order of the signal: coil, field in GEO, sensor block, sensor, electronics, logger; at one place in the order in\n\
+    which they are listed. B is the field along the sensor at that place, dB what is added to it, in nT; T_S, T_E and T_C are\n\
+    `sensor_temperature_c`, `electronics_temperature_c` and `coil_temperature_c`, T_ref the reference conditions. t counts on the\n\
+    campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Memory begins anew with each\n\
+    recording, in equilibrium with its first row. Between samples a signal is the cubic whose slopes are the central differences; a step more\n\
+    than four times as long as a neighbour is a gap, and straight. Ranges are plausible sizes, not limits.\n";

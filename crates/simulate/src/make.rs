@@ -1,0 +1,309 @@
+//! From what is set to what is read: the chain, the world around, noise and codes.
+
+use common::{Axis, Column, Conditions, Document, Error, Noise, Recording, procedure};
+use nalgebra::Vector3;
+use noise::NoiseError;
+use physics::{Basic, Context, EffectInstance, References, Unit};
+use rayon::prelude::*;
+
+use crate::outside::Moments;
+use crate::plan::Plan;
+use crate::planned::{Reads, Surroundings};
+use crate::truth::{Electrical, Wander};
+
+/// What of a recording is not in the true document.
+pub struct Written {
+    /// As the document states them.
+    pub conditions: Conditions,
+    /// JSON path in the plan.
+    pub path: String,
+    /// What is read.
+    pub reads: Reads,
+    /// Where it is made.
+    pub surroundings: Surroundings,
+    /// What a code of the converter is divided by.
+    pub amplification: f64,
+    /// Whether the natural field outside is recorded beside.
+    pub outside: bool,
+    /// Its zero on the campaign's clock, s.
+    pub clock_s: f64,
+    /// Its zero on the local clock.
+    pub local_s: Option<f64>,
+}
+
+/// What is true for all recordings.
+pub struct World<'a> {
+    /// The plan.
+    pub plan: &'a Plan,
+    /// The recordings as they are set, with what is true.
+    pub document: &'a Document,
+    /// The true chain.
+    pub basic: &'a Basic,
+    /// The effects that act.
+    pub effects: &'a [EffectInstance],
+    /// Unit of the readings.
+    pub unit: Unit,
+    /// Reference temperatures.
+    pub references: References,
+    /// Field left in the coils, GEO.
+    pub residual_field_nt: Vector3<f64>,
+    /// Field left in the shield, SEN.
+    pub shield_field_nt: Vector3<f64>,
+    /// Errors of resistors and voltmeter.
+    pub electrical: Option<&'a Electrical>,
+    /// Wander of the offsets, by recording.
+    pub wander: Vec<Wander>,
+}
+
+impl World<'_> {
+    /// All recordings, with their readings. The first fault in the plan's order is the one that is told.
+    pub fn recordings(&self, written: &[Written]) -> Result<Vec<Recording>, Error> {
+        let made: Vec<Result<Recording, Error>> = self
+            .document
+            .recordings
+            .par_iter()
+            .zip(written)
+            .map(|(set, written)| self.recording(set, written))
+            .collect();
+        made.into_iter().collect()
+    }
+
+    fn recording(&self, set: &Recording, written: &Written) -> Result<Recording, Error> {
+        let failed = |error: NoiseError| {
+            let expected = "exponents from 0 to 2, and times without such gaps";
+            Error::document(written.path.clone(), error.to_string(), expected)
+        };
+        let mut read = Recording { conditions: written.conditions.clone(), ..set.clone() };
+        let mut set = std::borrow::Cow::Borrowed(set);
+        let time = set.column("time_s").map(<[f64]>::to_vec);
+        let moments = time.as_ref().map(|time_s| Moments {
+            seed: self.plan.seed,
+            id: &read.id,
+            time_s,
+            clock_s: written.clock_s,
+            local_s: written.local_s,
+        });
+        let natural = match (&self.plan.truth.outside, &moments) {
+            (Some(outside), Some(moments)) => Some((outside, outside.field(moments).map_err(failed)?)),
+            _ => None,
+        };
+        let mut station = None;
+        if written.outside {
+            let Some(((outside, field), moments)) = natural.as_ref().zip(moments.as_ref()) else {
+                let expected = "the natural field (truth.outside) and times, for the station outside";
+                return Err(Error::document(format!("{}.outside", written.path), "true", expected));
+            };
+            for (axis, column) in Axis::ALL.iter().zip(by_axis(field)) {
+                set.to_mut().columns.insert(format!("outside_{axis}_nt"), Column(column));
+            }
+            station = Some(outside.station(moments, field).map_err(failed)?);
+        }
+        if let Some(station) = station {
+            for (axis, column) in Axis::ALL.iter().zip(station) {
+                read.columns.insert(format!("outside_{axis}_nt"), Column(column));
+            }
+        }
+        self.follow_profile(&mut set);
+        let at = |error: physics::Error| error.at(&written.path);
+        let mut context = Context::new(self.document, &set, self.references).map_err(at)?;
+        context.unit = self.unit;
+        match written.surroundings {
+            Surroundings::Coils => {
+                context.ambient_nt.iter_mut().for_each(|field| *field += self.residual_field_nt);
+                if let (Some(site), Some(moments)) = (&self.plan.truth.site, &moments) {
+                    let noise = site.field(moments).map_err(failed)?;
+                    context.ambient_nt =
+                        noise.iter().enumerate().map(|(row, noise)| context.ambient(row) + noise).collect();
+                }
+            }
+            Surroundings::Shield => {
+                let position = set.column("position");
+                context.ambient_nt = (0..context.rows)
+                    .map(|row| self.shield_field_nt * position.map_or(1.0, |position| position[row]))
+                    .collect();
+            }
+            Surroundings::Open => {
+                if let Some((_, field)) = natural {
+                    context.ambient_nt = field;
+                }
+            }
+        }
+        match &written.reads {
+            Reads::Sensors(sensors) => {
+                self.read_sensors(sensors, &context, written, &mut read, at, failed)?
+            }
+            Reads::Scalar => self.read_scalar(&context, &mut read, at, failed)?,
+            Reads::Differential => self.read_differential(context, &mut read, at, failed)?,
+        }
+        self.write_voltages(&mut read)?;
+        Ok(read)
+    }
+
+    fn read_sensors(
+        &self,
+        sensors: &[Axis],
+        context: &Context<'_>,
+        written: &Written,
+        read: &mut Recording,
+        at: impl Fn(physics::Error) -> Error,
+        failed: impl Fn(NoiseError) -> Error,
+    ) -> Result<(), Error> {
+        let readings = physics::predict(self.basic, self.effects, context).map_err(at)?.readings;
+        let instrument = self.plan.instrument.clone().unwrap_or_default();
+        let width = match self.unit {
+            Unit::Volt => instrument.quantisation_v,
+            Unit::Nanotesla => instrument.quantisation_nt,
+        };
+        let wandered = self.wander.iter().find(|wander| wander.recording == read.id);
+        let wandered = wandered.map_or(0.0, |wander| wander.offset_nt);
+        let time = context.recording.column("time_s");
+        let columns: Vec<Result<(String, Vec<f64>), NoiseError>> = sensors
+            .par_iter()
+            .map(|sensor| {
+                let name = format!("sensor_{sensor}_{}", self.unit.suffix());
+                let declared = instrument.noise_of(*sensor).cloned().unwrap_or_default();
+                let channel = format!("{}/{name}", read.id);
+                let mut column = noise::series(&declared, self.plan.seed, &channel, context.rows, time)?;
+                let sensitivity = self.basic.sensors[sensor.index()].sensitivity;
+                for (value, reading) in column.iter_mut().zip(&readings) {
+                    *value = reading[sensor.index()] + (*value - wandered) / sensitivity;
+                }
+                noise::quantise(&mut column, width.unwrap_or(0.0) / written.amplification);
+                Ok((name, column))
+            })
+            .collect();
+        for column in columns {
+            let (name, column) = column.map_err(&failed)?;
+            read.columns.insert(name, Column(column));
+        }
+        Ok(())
+    }
+
+    fn read_scalar(
+        &self,
+        context: &Context<'_>,
+        read: &mut Recording,
+        at: impl Fn(physics::Error) -> Error,
+        failed: impl Fn(NoiseError) -> Error,
+    ) -> Result<(), Error> {
+        let field = physics::predict(self.basic, self.effects, context).map_err(at)?.field_geo;
+        let std = self.plan.facility.as_ref().and_then(|facility| facility.reference_std_nt);
+        let declared = Noise { white_rms_nt: std, ..Noise::default() };
+        let channel = format!("{}/reference_nt", read.id);
+        let mut column =
+            noise::series(&declared, self.plan.seed, &channel, context.rows, None).map_err(failed)?;
+        column.iter_mut().zip(&field).for_each(|(value, field)| *value += field.norm());
+        read.columns.insert("reference_nt".into(), Column(column));
+        Ok(())
+    }
+
+    fn read_differential(
+        &self,
+        mut context: Context<'_>,
+        read: &mut Recording,
+        at: impl Fn(physics::Error) -> Error,
+        failed: impl Fn(NoiseError) -> Error,
+    ) -> Result<(), Error> {
+        let Some(truth) = &self.plan.truth.differential else { return Ok(()) };
+        let matrix = truth.reference_matrix();
+        let reference: Vec<Vector3<f64>> = context.ambient_nt.iter().map(|field| matrix * field).collect();
+        context.reference_nt = Some(reference.clone());
+        let basic = Basic::differential(self.document);
+        let test = physics::predict(&basic, self.effects, &context).map_err(at)?.readings;
+        let instrument = self.plan.instrument.clone().unwrap_or_default();
+        let time = context.recording.column("time_s");
+        for (prefix, series) in [("reference", reference), ("test", test)] {
+            for (axis, mut column) in Axis::ALL.iter().zip(by_axis(&series)) {
+                let name = format!("{prefix}_{axis}_nt");
+                let declared = match prefix {
+                    "test" => instrument.noise_of(*axis).cloned(),
+                    _ => truth.reference_noise.clone(),
+                };
+                let channel = format!("{}/{name}", read.id);
+                let errors = noise::series(
+                    &declared.unwrap_or_default(),
+                    self.plan.seed,
+                    &channel,
+                    column.len(),
+                    time,
+                )
+                .map_err(&failed)?;
+                column.iter_mut().zip(errors).for_each(|(value, error)| *value += error);
+                noise::quantise(&mut column, instrument.quantisation_nt.unwrap_or(0.0));
+                read.columns.insert(name, Column(column));
+            }
+        }
+        Ok(())
+    }
+
+    /// In a survey along the axis the coil's field is that of the place.
+    fn follow_profile(&self, set: &mut std::borrow::Cow<'_, Recording>) {
+        let (Some(coil), Some(position)) = (set.conditions.coil, set.column("position_m")) else { return };
+        let profile = self.plan.truth.coil_profile.as_ref().and_then(|profiles| profiles.get(coil));
+        let Some(profile) = profile.filter(|_| set.procedure == procedure::COIL_GRADIENT) else { return };
+        let position = position.to_vec();
+        if let Some(column) = set.to_mut().columns.get_mut(&format!("coil_{coil}_a")) {
+            column.0.iter_mut().zip(position).for_each(|(current, x)| *current *= profile.at(x));
+        }
+    }
+
+    /// Currents as the voltmeter reads them.
+    fn write_voltages(&self, read: &mut Recording) -> Result<(), Error> {
+        let Some(electrical) = self.electrical.filter(|_| read.procedure != procedure::FREE_RUN) else {
+            return Ok(());
+        };
+        let columns = std::mem::take(&mut read.columns);
+        for (name, column) in columns {
+            let coil = Axis::ALL.into_iter().find(|axis| name == format!("coil_{axis}_a"));
+            let Some(coil) = coil else {
+                read.columns.insert(name, column);
+                continue;
+            };
+            let reads = |current: &f64| electrical.reads(coil, *current);
+            let volts: Option<Vec<f64>> = column.0.iter().map(reads).collect();
+            let volts = volts.ok_or_else(|| {
+                let expected = "its resistance, which \"drive\": \"voltage\" needs";
+                Error::document(format!("facility.coils.{coil}.resistor_ohm"), "no such key", expected)
+            })?;
+            read.columns.insert(format!("coil_{coil}_v"), Column(volts));
+        }
+        Ok(())
+    }
+}
+
+/// The wander of each sensor's offset over the dates of `offset_drift`, on an even grid of dates.
+pub fn wander(plan: &Plan, document: &Document, written: &[Written]) -> Result<Vec<Wander>, Error> {
+    let Some(noise) = &plan.truth.offset_wander else { return Ok(Vec::new()) };
+    let mut all = Vec::new();
+    for sensor in Axis::ALL {
+        let dates: Vec<(&Recording, f64)> = document
+            .recordings
+            .iter()
+            .zip(written)
+            .filter(|(set, _)| {
+                set.procedure == procedure::OFFSET_DRIFT && set.conditions.sensor == Some(sensor)
+            })
+            .map(|(set, written)| (set, written.clock_s))
+            .collect();
+        let times: Vec<f64> = dates.iter().map(|(_, clock_s)| *clock_s).collect();
+        let name = format!("offset_wander_{sensor}");
+        let series = noise::series(noise, plan.seed, &name, times.len(), Some(&times)).map_err(|error| {
+            Error::document(
+                "truth.offset_wander",
+                error.to_string(),
+                "an exponent from 0 to 2, and even dates",
+            )
+        })?;
+        all.extend(
+            dates
+                .iter()
+                .zip(series)
+                .map(|((set, _), offset_nt)| Wander { recording: set.id.clone(), offset_nt }),
+        );
+    }
+    Ok(all)
+}
+
+fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {
+    Axis::ALL.map(|axis| field.iter().map(|field| field[axis.index()]).collect())
+}

@@ -1,0 +1,253 @@
+use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, procedure};
+use nalgebra::{Matrix3, Vector3};
+use noise::Stream;
+use physics::frames::{self, ARCSEC};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Sequence, one};
+use crate::bench::{Bench, deviation, positive, samples};
+use crate::planned::{Planned, Reads, Rows};
+
+/// Turn the block through orientations and drive the coils in each: what the report's MAGSIM (one sensor, one coil) and
+/// NEWSIM (three of each) did, with errors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AxesProcedure {
+    /// Beginning of the recordings' ids.
+    pub id: String,
+    /// The orientations.
+    pub orientations: Orientations,
+    /// Field of a named drive, nT.
+    pub drive_nt: f64,
+    /// The drives in each orientation.
+    #[serde(default = "one_coil_after_the_other")]
+    pub drives: Vec<Drive>,
+    /// Readings of each drive.
+    #[serde(default = "one")]
+    pub repeats: usize,
+    /// The sensors that are read; absent: those of the instrument, else all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Vec<Axis>>,
+    /// Write the theodolites' angles, not the matrix.
+    #[serde(default)]
+    pub theodolite_angles: bool,
+    /// How far the fixture may miss its nominal orientation (standard deviation), arcmin.
+    #[serde(default)]
+    pub fixture_std_arcmin: f64,
+    /// Drive with a sine; absent: with constant currents.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ac: Option<AcDrive>,
+}
+
+/// A sinusoidal drive of all coils in phase (NASA, "Errors in Magnetic Axis Orientation").
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AcDrive {
+    /// Frequency, Hz.
+    pub hz: f64,
+    /// Cycles recorded.
+    pub cycles: f64,
+    /// Samples per second.
+    pub rate_hz: f64,
+    /// Amplitude on the coils that a drive does not name, nT: the dither.
+    #[serde(default)]
+    pub dither_nt: f64,
+}
+
+/// Orientations by name or one by one.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations")]
+pub enum Orientations {
+    /// `cube` (24), `nasa_table_3` (7) or `nasa_figure_9` (its first four).
+    Named(String),
+    /// R, GEO -> SEN, each.
+    List(Vec<Matrix3x3>),
+}
+
+/// A drive by name or as a vector.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "\"x\", \"-x\", \"zero\", or [x, y, z] in nT")]
+pub enum Drive {
+    /// `x`, `-x`, … at the procedure's field, or `zero`.
+    Named(String),
+    /// Field of each coil, nT.
+    Vector([f64; 3]),
+}
+
+fn one_coil_after_the_other() -> Vec<Drive> {
+    Axis::ALL.iter().map(|axis| Drive::Named(axis.to_string())).collect()
+}
+
+impl Sequence for AxesProcedure {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        let path_of = |key: &str| format!("{path}.{key}");
+        positive(path, "drive_nt", self.drive_nt)?;
+        positive(path, "repeats", self.repeats as f64)?;
+        deviation(path, "fixture_std_arcmin", self.fixture_std_arcmin)?;
+        if self.drives.is_empty() {
+            return Err(Error::document(path_of("drives"), "an empty list", "at least one drive"));
+        }
+        bench.sensors(&self.sensors, path)?;
+        let settings = match &self.orientations {
+            Orientations::Named(_) => 24.0,
+            Orientations::List(list) if list.is_empty() => {
+                return Err(Error::document(
+                    path_of("orientations"),
+                    "an empty list",
+                    "at least one orientation",
+                ));
+            }
+            Orientations::List(list) => list.len() as f64,
+        };
+        let rows = match &self.ac {
+            None => self.repeats as f64,
+            Some(ac) => self.samples(ac, path)?,
+        };
+        let dither = self.ac.as_ref().map_or(0.0, |ac| ac.dither_nt.abs());
+        for drive in self.drives(path)? {
+            for coil in Axis::ALL {
+                bench.within(coil, drive[coil.index()].abs().max(dither), &path_of("drive_nt"))?;
+            }
+        }
+        Ok(rows * settings * self.drives.len() as f64)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let mut planned = Vec::new();
+        let drives = self.drives(path)?;
+        let sensors = bench.sensors(&self.sensors, path)?;
+        for (index, nominal) in self.rotations(path)?.into_iter().enumerate() {
+            let id = format!("{}-{}", self.id, index + 1);
+            let (rotation, conditions) = self.setting(bench, &id, nominal);
+            let recording = |id: String, rows: Rows, conditions: Conditions| Planned {
+                rotation,
+                nominal,
+                path: format!("{path}.orientations[{index}]"),
+                reads: Reads::Sensors(sensors.clone()),
+                ..Planned::new(procedure::AXES_ORIENTATION, id, path.into(), conditions, rows, &Axis::ALL)
+            };
+            let turn =
+                || Rows::new(format!("block to orientation {}", index + 1), bench.timing().orientation_s);
+            let Some(ac) = &self.ac else {
+                let mut rows = turn();
+                for drive in &drives {
+                    let action = format!("drive {:?} nT", [drive.x, drive.y, drive.z]);
+                    rows.step(bench.set(action, *drive, self.repeats), bench.timing(), &[]);
+                }
+                planned.push(recording(id, rows, conditions));
+                continue;
+            };
+            for (number, drive) in drives.iter().enumerate() {
+                let amplitude = drive.map(|field| if field == 0.0 { ac.dither_nt } else { field });
+                let mut rows = if number == 0 { turn() } else { Rows::new("same orientation", 0.0) };
+                let action =
+                    format!("drive {:?} nT at {} Hz", [amplitude.x, amplitude.y, amplitude.z], ac.hz);
+                let mut step = bench.record(action, ac.cycles / ac.hz, 1.0 / ac.rate_hz);
+                step.current_a = bench.currents(amplitude);
+                rows.series(step, 1.0 / ac.rate_hz, |t| {
+                    bench.currents(amplitude * (std::f64::consts::TAU * ac.hz * t).sin())
+                });
+                let conditions = Conditions { drive_hz: Some(ac.hz), ..conditions.clone() };
+                planned.push(recording(format!("{id}-{}", number + 1), rows, conditions));
+            }
+        }
+        Ok(planned)
+    }
+}
+
+impl AxesProcedure {
+    fn samples(&self, ac: &AcDrive, path: &str) -> Result<f64, Error> {
+        let path = format!("{path}.ac");
+        positive(&path, "hz", ac.hz)?;
+        positive(&path, "cycles", ac.cycles)?;
+        positive(&path, "rate_hz", ac.rate_hz)?;
+        let rows = samples(&path, ac.cycles / ac.hz * ac.rate_hz, 5.0)?;
+        let zero = |drive: &Drive| matches!(drive, Drive::Named(name) if name == "zero");
+        if self.repeats != 1 || self.drives.iter().any(zero) {
+            let found = "repeats or a drive \"zero\" beside ac";
+            return Err(Error::document(path, found, "neither; cycles repeat by themselves"));
+        }
+        Ok(rows)
+    }
+
+    /// The true rotation of a setting, and what the theodolites say of it.
+    fn setting(&self, bench: &Bench<'_>, id: &str, nominal: Matrix3<f64>) -> (Matrix3<f64>, Conditions) {
+        let mut stream = Stream::new(bench.plan.seed, &format!("{id}/theodolite"));
+        let mut vector = |std: f64| bench.random(&mut stream, std);
+        let fixture = frames::small_rotation(&vector(self.fixture_std_arcmin * 60.0 * ARCSEC));
+        let arcsec = bench.plan.facility.as_ref().and_then(|f| f.theodolite_arcsec).unwrap_or(0.0);
+        let sigma = arcsec * ARCSEC;
+        let rotation = nominal * fixture;
+        if self.theodolite_angles {
+            let errors = [vector(sigma), vector(sigma)];
+            let angles = theodolite(&fixture, nominal, errors);
+            return (rotation, Conditions { theodolite: Some(angles), ..Conditions::default() });
+        }
+        let seen = frames::small_rotation(&vector(sigma)) * rotation;
+        (rotation, Conditions { orientation: Some(frames::rows(&seen)), ..Conditions::default() })
+    }
+
+    fn rotations(&self, path: &str) -> Result<Vec<Matrix3<f64>>, Error> {
+        let path = format!("{path}.orientations");
+        let nasa = |count: usize| NASA_TABLE_3.iter().take(count).map(frames::matrix).collect();
+        match &self.orientations {
+            Orientations::Named(name) => match name.as_str() {
+                "cube" => Ok(frames::cube_rotations()),
+                "nasa_table_3" => Ok(nasa(7)),
+                "nasa_figure_9" => Ok(nasa(4)),
+                _ => Err(Error::document(
+                    path,
+                    format!("\"{name}\""),
+                    "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations",
+                )),
+            },
+            Orientations::List(list) => frames::rotations(list, &path),
+        }
+    }
+
+    /// The field along each coil for each drive, nT.
+    fn drives(&self, path: &str) -> Result<Vec<Vector3<f64>>, Error> {
+        let drive = |(index, drive): (usize, &Drive)| match drive {
+            Drive::Vector(vector) => Ok(Vector3::from(*vector)),
+            Drive::Named(name) if name == "zero" => Ok(Vector3::zeros()),
+            Drive::Named(name) => {
+                let (sign, letter) =
+                    name.strip_prefix('-').map_or((1.0, name.as_str()), |letter| (-1.0, letter));
+                let axis = Axis::ALL.into_iter().find(|axis| axis.letter() == letter).ok_or_else(|| {
+                    Error::document(
+                        format!("{path}.drives[{index}]"),
+                        format!("\"{name}\""),
+                        "\"x\", \"-x\", \"y\", \"-y\", \"z\", \"-z\", \"zero\", or [x, y, z] in nT",
+                    )
+                })?;
+                Ok(Vector3::ith(axis.index(), sign * self.drive_nt))
+            }
+        };
+        self.drives.iter().enumerate().map(drive).collect()
+    }
+}
+
+/// What two theodolites read of the faces F, each angle with its error (NASA eq. 7 and 8).
+fn theodolite(faces: &Matrix3<f64>, nominal: Matrix3<f64>, errors: [Vector3<f64>; 2]) -> Theodolite {
+    Theodolite {
+        phi_x_rad: faces[(0, 1)].atan2(faces[(0, 0)]) + errors[0].x,
+        theta_x_rad: faces[(0, 2)].acos() + errors[0].y,
+        phi_y_rad: (-faces[(1, 0)]).atan2(faces[(1, 1)]) + errors[1].x,
+        theta_y_rad: faces[(1, 2)].acos() + errors[1].y,
+        nominal_rotation: Some(frames::rows(&nominal)),
+        extra: Default::default(),
+    }
+}
+
+/// The seven orientations of NASA's Table 3; the four of figure 9 are its first ones (two quarter turns about the azimuth
+/// axis, then one about the elevation axis).
+const NASA_TABLE_3: [Matrix3x3; 7] = [
+    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],
+    [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]],
+    [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]],
+    [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]],
+    [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]],
+    [[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]],
+];

@@ -1,0 +1,112 @@
+use common::{Axis, Error, procedure};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Sequence;
+use super::sensitivity::full;
+use crate::bench::{Aligned, Bench, on, positive, samples, sweep};
+use crate::planned::{Planned, Reads, Rows};
+
+/// Sensitivity and offset of each sensor with a constant field across it: 0 and ±60 000 nT, or −60 000 to 60 000 nT in
+/// steps of 20 000, on each of the two other coils.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CrossFieldProcedure {
+    /// Beginning of the recordings' ids.
+    pub id: String,
+    /// The sensors; absent: those of the instrument, else all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Vec<Axis>>,
+    /// The coil along which each is turned; absent: its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil: Option<Axis>,
+    /// The coils across it; absent: both others.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub across: Option<Vec<Axis>>,
+    /// Fields across, nT.
+    #[serde(default = "report")]
+    pub levels_nt: Vec<f64>,
+    /// Largest field along the sensor, nT.
+    #[serde(default = "full")]
+    pub to_nt: f64,
+    /// Fields from −to to +to at each level.
+    #[serde(default = "eleven")]
+    pub steps: usize,
+}
+
+fn report() -> Vec<f64> {
+    vec![0.0, 60_000.0, -60_000.0]
+}
+
+fn eleven() -> usize {
+    11
+}
+
+impl CrossFieldProcedure {
+    /// The coils across a coil.
+    fn across(&self, coil: Axis, path: &str) -> Result<Vec<Axis>, Error> {
+        let others = || Axis::ALL.into_iter().filter(|axis| *axis != coil).collect();
+        let across = self.across.clone().unwrap_or_else(others);
+        if across.is_empty() || across.contains(&coil) {
+            let found = format!("{across:?} across coil {coil}").to_lowercase();
+            return Err(Error::document(format!("{path}.across"), found, "the other coils, at least one"));
+        }
+        Ok(across)
+    }
+}
+
+impl Sequence for CrossFieldProcedure {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        positive(path, "to_nt", self.to_nt)?;
+        if self.levels_nt.is_empty() {
+            return Err(Error::document(
+                format!("{path}.levels_nt"),
+                "an empty list",
+                "at least one field across",
+            ));
+        }
+        let steps = samples(&format!("{path}.steps"), self.steps as f64, 2.0)?;
+        let mut rows = 0.0;
+        for sensor in bench.sensors(&self.sensors, path)? {
+            let coil = self.coil.unwrap_or(sensor);
+            bench.within(coil, self.to_nt, &format!("{path}.to_nt"))?;
+            for across in self.across(coil, path)? {
+                for (index, level) in self.levels_nt.iter().enumerate() {
+                    bench.within(across, *level, &format!("{path}.levels_nt[{index}]"))?;
+                }
+                rows += steps * self.levels_nt.len() as f64;
+            }
+        }
+        Ok(rows)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let mut planned = Vec::new();
+        for sensor in bench.sensors(&self.sensors, path)? {
+            let coil = self.coil.unwrap_or(sensor);
+            for across in self.across(coil, path)? {
+                let id = format!("{}-{sensor}-{across}", self.id);
+                let Aligned { conditions, rotation, nominal } = bench.along(&id, sensor, coil, 0.0);
+                let mut rows =
+                    Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
+                for level in &self.levels_nt {
+                    for field in sweep(self.to_nt, self.steps) {
+                        let action = format!("{field} nT on coil {coil}, {level} nT on coil {across}");
+                        let step = bench.set(action, on(coil, field) + on(across, *level), 1);
+                        rows.step(step, bench.timing(), &[]);
+                    }
+                }
+                let mut coils = [coil, across];
+                coils.sort();
+                let kind = procedure::CROSS_FIELD;
+                planned.push(Planned {
+                    rotation,
+                    nominal,
+                    reads: Reads::Sensors(vec![sensor]),
+                    ..Planned::new(kind, id, path.into(), conditions, rows, &coils)
+                });
+            }
+        }
+        Ok(planned)
+    }
+}

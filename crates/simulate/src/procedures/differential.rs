@@ -1,0 +1,59 @@
+use common::{Conditions, Error, procedure};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Sequence;
+use crate::bench::{Bench, positive, samples};
+use crate::planned::{Planned, Reads, Rows, Surroundings};
+
+/// A reference and a test magnetometer side by side in the natural field: a month at one sample a minute.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DifferentialProcedure {
+    /// The recording's id.
+    pub id: String,
+    /// Length, s.
+    #[serde(default = "month")]
+    pub length_s: f64,
+    /// From one sample to the next, s.
+    #[serde(default = "minute")]
+    pub step_s: f64,
+}
+
+fn month() -> f64 {
+    30.0 * 86_400.0
+}
+
+fn minute() -> f64 {
+    60.0
+}
+
+impl Sequence for DifferentialProcedure {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        positive(path, "length_s", self.length_s)?;
+        positive(path, "step_s", self.step_s)?;
+        if bench.plan.truth.outside.is_none() {
+            let expected = "the natural field that both magnetometers see: main_field_nt and its variations";
+            return Err(Error::document("truth.outside", "no such key", expected));
+        }
+        if bench.plan.truth.differential.is_none() {
+            let expected = "the axes and scales of the two magnetometers";
+            return Err(Error::document("truth.differential", "no such key", expected));
+        }
+        samples(path, self.length_s / self.step_s, 5.0)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let mut rows = Rows::new("both magnetometers on their pillars", bench.timing().orientation_s);
+        let action = format!("record {} s at {} s", self.length_s, self.step_s);
+        rows.series(bench.record(action, self.length_s, self.step_s), self.step_s, |_| {
+            nalgebra::Vector3::zeros()
+        });
+        let (id, kind) = (self.id.clone(), procedure::DIFFERENTIAL);
+        Ok(vec![Planned {
+            reads: Reads::Differential,
+            surroundings: Surroundings::Open,
+            ..Planned::new(kind, id, path.into(), Conditions::default(), rows, &[])
+        }])
+    }
+}

@@ -1,0 +1,81 @@
+use common::{Axis, Columns, Conditions, Error, Recording, procedure};
+use nalgebra::Vector3;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::Sequence;
+use crate::bench::Bench;
+use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
+
+/// A recording with columns of its own; the readings are added.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FreeRun {
+    /// The recording's id.
+    pub id: String,
+    /// What holds throughout.
+    #[serde(default)]
+    pub conditions: Conditions,
+    /// Times, drive, temperatures.
+    pub columns: Columns,
+    /// Record the natural field outside beside.
+    #[serde(default)]
+    pub outside: bool,
+}
+
+impl Sequence for FreeRun {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        let readings = |name: &&String| name.starts_with("sensor_") && !name.contains("temperature");
+        if let Some(name) = self.columns.keys().find(readings) {
+            let path = format!("{path}.columns.{name}");
+            return Err(Error::document(
+                path,
+                "a column of readings",
+                "drive, times and temperatures only; the readings are simulated",
+            ));
+        }
+        for axis in Axis::ALL {
+            let Some(column) = self.columns.get(&format!("coil_{axis}_a")) else { continue };
+            let largest = column.0.iter().map(|current| current.abs()).fold(0.0, f64::max);
+            let constant = bench.stated.coils[axis.index()].constant_nt_per_a;
+            let field = if constant == 0.0 { largest } else { largest * constant.abs() };
+            bench.within(axis, field, &format!("{path}.columns.coil_{axis}_a"))?;
+        }
+        Ok(self.columns.values().map(|column| column.0.len()).max().unwrap_or(0) as f64)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let recording = Recording {
+            id: self.id.clone(),
+            procedure: procedure::FREE_RUN.into(),
+            conditions: self.conditions.clone(),
+            columns: self.columns.clone(),
+            ..Recording::default()
+        };
+        let rotation = physics::orientation(bench.document, &recording)
+            .map_err(|error| error.at(&format!("{path}.conditions.orientation")))?
+            .rotation;
+        let times = recording.column("time_s").unwrap_or_default();
+        let last = times.iter().copied().filter(|t| t.is_finite()).fold(0.0, f64::max);
+        let step = Step {
+            action: "as the columns say".into(),
+            current_a: Vector3::zeros(),
+            temperatures_c: None,
+            wait_s: 0.0,
+            readings: recording.rows(),
+            length_s: last,
+        };
+        Ok(vec![Planned {
+            recording,
+            rotation,
+            nominal: rotation,
+            path: path.into(),
+            reads: Reads::Sensors(bench.sensors(&None, path)?),
+            surroundings: Surroundings::Coils,
+            amplification: 1.0,
+            outside: self.outside,
+            begins: Begins::After(0.0),
+            steps: vec![step],
+        }])
+    }
+}

@@ -1,0 +1,82 @@
+use common::{Axis, Error, procedure};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Sequence, one};
+use crate::bench::{Aligned, Bench, deviation, on, positive, samples, sweep};
+use crate::planned::{Planned, Reads, Rows};
+
+/// Readings of each sensor, turned along a coil, against the coil's field: 101 steps of 1 000 nT over ±50 000 nT.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SensitivityProcedure {
+    /// Beginning of the recordings' ids.
+    pub id: String,
+    /// The sensors; absent: those of the instrument, else all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensors: Option<Vec<Axis>>,
+    /// The coil along which each is turned; absent: its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coil: Option<Axis>,
+    /// Largest field, nT.
+    #[serde(default = "full")]
+    pub to_nt: f64,
+    /// Fields from −to to +to.
+    #[serde(default = "report")]
+    pub steps: usize,
+    /// Readings of each.
+    #[serde(default = "one")]
+    pub repeats: usize,
+    /// How far the sensor may miss the coil's direction after adjustment (standard deviation), arcmin.
+    #[serde(default)]
+    pub alignment_std_arcmin: f64,
+    /// Record the natural field outside beside.
+    #[serde(default)]
+    pub outside: bool,
+}
+
+pub(super) fn full() -> f64 {
+    50_000.0
+}
+
+fn report() -> usize {
+    101
+}
+
+impl Sequence for SensitivityProcedure {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        positive(path, "to_nt", self.to_nt)?;
+        positive(path, "repeats", self.repeats as f64)?;
+        deviation(path, "alignment_std_arcmin", self.alignment_std_arcmin)?;
+        let sensors = bench.sensors(&self.sensors, path)?;
+        for sensor in &sensors {
+            bench.within(self.coil.unwrap_or(*sensor), self.to_nt, &format!("{path}.to_nt"))?;
+        }
+        let rows = samples(&format!("{path}.steps"), self.steps as f64 * self.repeats as f64, 2.0)?;
+        Ok(rows * sensors.len() as f64)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let mut planned = Vec::new();
+        for sensor in bench.sensors(&self.sensors, path)? {
+            let coil = self.coil.unwrap_or(sensor);
+            let id = format!("{}-{sensor}", self.id);
+            let Aligned { conditions, rotation, nominal } =
+                bench.along(&id, sensor, coil, self.alignment_std_arcmin);
+            let mut rows =
+                Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
+            for field in sweep(self.to_nt, self.steps) {
+                let step = bench.set(format!("{field} nT on coil {coil}"), on(coil, field), self.repeats);
+                rows.step(step, bench.timing(), &[]);
+            }
+            let mut recording =
+                Planned::new(procedure::SENSOR_SENSITIVITY, id, path.into(), conditions, rows, &[coil]);
+            recording.rotation = rotation;
+            recording.nominal = nominal;
+            recording.reads = Reads::Sensors(vec![sensor]);
+            recording.outside = self.outside;
+            planned.push(recording);
+        }
+        Ok(planned)
+    }
+}

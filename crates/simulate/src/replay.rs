@@ -1,0 +1,179 @@
+//! A document with calibration and model, its readings replaced by what they predict.
+
+use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
+use nalgebra::Vector3;
+use physics::{Basic, Context, EffectInstance, References};
+use rayon::prelude::*;
+
+/// A replayed document and what is to be said of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replayed {
+    /// The document.
+    pub document: Document,
+    /// What was assumed, in words.
+    pub notes: Vec<String>,
+}
+
+/// Replaces the readings of every recording by what `calibration` and `model` predict for its drive, orientation,
+/// temperatures and times. Missing readings stay missing.
+///
+/// With a seed the declared noise and the codes are added. What the document does not state is nominal, and said; a drive of
+/// a coil without a constant, or a reading in V without a sensitivity, is refused.
+pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
+    let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
+    let references = References::of(document);
+    let replayed: Vec<Result<Recording, Error>> = document
+        .recordings
+        .par_iter()
+        .enumerate()
+        .map(|(index, _)| recording(document, index, &effects, references, noise_seed))
+        .collect();
+    let recordings = replayed.into_iter().collect::<Result<_, _>>()?;
+    Ok(Replayed { document: Document { recordings, ..document.clone() }, notes: notes(document, &effects) })
+}
+
+fn recording(
+    document: &Document,
+    index: usize,
+    effects: &[EffectInstance],
+    references: References,
+    noise_seed: Option<u64>,
+) -> Result<Recording, Error> {
+    let recorded = &document.recordings[index];
+    let path = format!("recordings[{index}]");
+    if recorded.table.is_some() {
+        let expected = "the readings under `columns`, which is what replay can replace";
+        return Err(Error::document(format!("{path}.table"), "a file beside the document", expected));
+    }
+    let at = |error: physics::Error| error.at(&path);
+    let mut context = Context::new(document, recorded, references).map_err(at)?;
+    let differential = context.reference_nt.is_some();
+    let prefix = if differential { "test" } else { "sensor" };
+    let basic =
+        if differential { Basic::differential(document) } else { Basic::found(document, context.unit) };
+    if !differential {
+        let left = residual_field(document);
+        if recorded.columns.keys().any(|name| name.starts_with("coil_")) {
+            context.ambient_nt.iter_mut().for_each(|field| *field += left);
+        }
+        check_coils(&basic, &context, &path)?;
+    }
+    let suffix = if differential { "nt" } else { context.unit.suffix() };
+    let prediction = physics::predict(&basic, effects, &context).map_err(at)?;
+    let mut replayed = recorded.clone();
+    for axis in Axis::ALL {
+        let name = format!("{prefix}_{axis}_{suffix}");
+        let Some(column) = replayed.columns.get_mut(&name) else { continue };
+        let sensitivity = basic.sensors[axis.index()].sensitivity;
+        if suffix == "v" && !states_sensitivity(document, axis) {
+            let expected = format!(
+                "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v"
+            );
+            return Err(Error::document(
+                format!("{path}.columns.{name}"),
+                "readings in V without a sensitivity",
+                expected,
+            ));
+        }
+        let values = prediction.readings.iter().map(|reading| reading[axis.index()]);
+        let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(axis));
+        let errors = errors(noise_seed, recorded, &name, declared, &path)?;
+        fill(column, values.zip(errors).map(|(value, error)| value + error / sensitivity));
+        if noise_seed.is_some() {
+            let instrument = document.instrument.clone().unwrap_or_default();
+            let width = if suffix == "v" { instrument.quantisation_v } else { instrument.quantisation_nt };
+            noise::quantise(&mut column.0, width.unwrap_or(0.0));
+        }
+    }
+    let scalar = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT].contains(&recorded.procedure.as_str());
+    if let Some(column) = replayed.columns.get_mut("reference_nt").filter(|_| scalar) {
+        let std = document.facility.as_ref().and_then(|facility| facility.reference_std_nt);
+        let declared = Noise { white_rms_nt: std, ..Noise::default() };
+        let errors = errors(noise_seed, recorded, "reference_nt", Some(&declared), &path)?;
+        let lengths = prediction.field_geo.iter().map(Vector3::norm);
+        fill(column, lengths.zip(errors).map(|(value, error)| value + error));
+    }
+    Ok(replayed)
+}
+
+/// New values where there were readings.
+fn fill(column: &mut Column, values: impl Iterator<Item = f64>) {
+    column.0.iter_mut().zip(values).filter(|(old, _)| old.is_finite()).for_each(|(old, new)| *old = new);
+}
+
+/// The declared noise of a column, nT; zero without a seed.
+fn errors(
+    seed: Option<u64>,
+    recorded: &Recording,
+    name: &str,
+    declared: Option<&Noise>,
+    path: &str,
+) -> Result<Vec<f64>, Error> {
+    let rows = recorded.rows();
+    let (Some(seed), Some(declared)) = (seed, declared) else { return Ok(vec![0.0; rows]) };
+    let time = recorded.column("time_s").filter(|time| time.iter().all(|t| t.is_finite()));
+    noise::series(declared, seed, &format!("{}/{name}", recorded.id), rows, time).map_err(|error| {
+        Error::document(path, error.to_string(), "exponents from 0 to 2, and times without such gaps")
+    })
+}
+
+fn states_sensitivity(document: &Document, axis: Axis) -> bool {
+    let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+    sensor.is_some_and(|sensor| sensor.sensitivity_nt_per_v.is_some())
+        || document.instrument.as_ref().is_some_and(|i| i.nominal_sensitivity_nt_per_v.is_some())
+}
+
+fn check_coils(basic: &Basic, context: &Context<'_>, path: &str) -> Result<(), Error> {
+    for coil in Axis::ALL {
+        let driven = context.current_a.iter().any(|current| current[coil.index()].abs() > 0.0);
+        if driven && basic.coils[coil.index()].constant_nt_per_a == 0.0 {
+            let found = format!("a drive of coil {coil}, whose constant is not known");
+            let expected =
+                format!("calibration.coils.{coil}.constant_nt_per_a; run coilcal first, or state it");
+            return Err(Error::document(path, found, expected));
+        }
+    }
+    Ok(())
+}
+
+/// What axescal found to be left in the coils without drive, GEO, nT.
+fn residual_field(document: &Document) -> Vector3<f64> {
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let found = axes.and_then(|axes| axes.residual_field_nt.as_ref());
+    Vector3::from(Axis::ALL.map(|axis| found.and_then(|f| f.get(axis)).map_or(0.0, common::Quantity::value)))
+}
+
+fn notes(document: &Document, effects: &[EffectInstance]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let calibration = document.calibration.as_ref();
+    let axes = calibration.and_then(|calibration| calibration.axes.as_ref());
+    let differential = |recording: &Recording| recording.procedure == procedure::DIFFERENTIAL;
+    if document.recordings.iter().any(|recording| !differential(recording)) {
+        if axes.is_none_or(|axes| axes.sensors.is_none()) {
+            notes.push("directions of the sensors are not stated: taken along SEN".into());
+        }
+        if axes.is_none_or(|axes| axes.coils.is_none()) {
+            notes.push("directions of the coils are not stated: taken along GEO".into());
+        }
+    }
+    if document.recordings.iter().any(differential) && calibration.is_none_or(|c| c.differential.is_none()) {
+        notes.push(
+            "calibration.differential is not stated: the test instrument is taken to read as the reference"
+                .into(),
+        );
+    }
+    let needs = |column: &str| effects.iter().any(|effect| effect.kind.about().needs.contains(&column));
+    let references = calibration.and_then(|calibration| calibration.reference_conditions.as_ref());
+    for (column, given) in [
+        ("sensor_temperature_c", references.and_then(|r| r.sensor_temperature_c)),
+        ("electronics_temperature_c", references.and_then(|r| r.electronics_temperature_c)),
+        ("coil_temperature_c", references.and_then(|r| r.coil_temperature_c)),
+    ] {
+        if given.is_none() && needs(column) {
+            notes.push(format!(
+                "calibration.reference_conditions.{column} is not stated: the mean of the recordings is taken"
+            ));
+        }
+    }
+    notes
+}
