@@ -1,6 +1,6 @@
 //! The catalogue: every effect by name. A new effect is one type and one line here.
 
-use common::{AdoptedEffect, Document};
+use common::{AdoptedEffect, Document, procedure};
 use nalgebra::Vector3;
 
 use crate::effects::*;
@@ -102,6 +102,20 @@ impl Kind {
     /// What it belongs to.
     pub fn place(self) -> Place {
         self.about().place
+    }
+
+    /// Whether it can act in recordings of a procedure: two sites in differential ones only, nothing of the facility there,
+    /// and neither facility nor environment in a shield.
+    pub fn acts_in(self, recorded: &str) -> bool {
+        let shield = [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT]
+            .contains(&recorded);
+        let differential = recorded == procedure::DIFFERENTIAL;
+        match self.place() {
+            Place::Sites => differential,
+            Place::Facility => !shield && !differential,
+            Place::Environment => !shield,
+            _ => true,
+        }
     }
 
     /// Its parameters.

@@ -166,7 +166,7 @@ impl<T: Real> Chain<'_, T> {
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
         for (effect, values) in self.effects.iter().zip(self.values) {
-            if effect.kind.about().stage != stage {
+            if effect.kind.about().stage != stage || !effect.kind.acts_in(&self.context.recording.procedure) {
                 continue;
             }
             let around = Surroundings {

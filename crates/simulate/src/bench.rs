@@ -76,11 +76,21 @@ impl Bench<'_> {
         coils.get(coil)?.max_nt
     }
 
-    /// A sensor turned along a coil, as a procedure begins.
-    pub fn along(&self, id: &str, sensor: Axis, coil: Axis, alignment_arcmin: f64) -> Aligned {
+    /// A sensor turned along a coil, and the block about it by quarter turns, as a procedure begins.
+    pub fn along(
+        &self,
+        id: &str,
+        sensor: Axis,
+        coil: Axis,
+        alignment_arcmin: f64,
+        quarter_turns: u8,
+    ) -> Aligned {
         // The nominal turn takes the coil's axis to the sensor's; the fixture is then adjusted to the largest reading.
         let steps = (3 + sensor.index() - coil.index()) % 3;
-        let nominal = Matrix3::from_fn(|row, column| f64::from(u8::from(row == (column + steps) % 3)));
+        let mut nominal = Matrix3::from_fn(|row, column| f64::from(u8::from(row == (column + steps) % 3)));
+        for _ in 0..quarter_turns % 4 {
+            nominal = quarter_turn(sensor) * nominal;
+        }
         let from = nominal * self.truth.eta.column(coil.index());
         let to = self.truth.mu.column(sensor.index()).into_owned();
         let between =
@@ -128,6 +138,16 @@ impl Bench<'_> {
             length_s,
         }
     }
+}
+
+/// A quarter turn about an axis.
+fn quarter_turn(axis: Axis) -> Matrix3<f64> {
+    let (first, second) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
+    let mut turn = Matrix3::zeros();
+    turn[(axis.index(), axis.index())] = 1.0;
+    turn[(first, second)] = -1.0;
+    turn[(second, first)] = 1.0;
+    turn
 }
 
 /// A sensor along a coil.

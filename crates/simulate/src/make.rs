@@ -3,7 +3,7 @@
 use common::{Axis, Column, Conditions, Document, Error, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use noise::NoiseError;
-use physics::{Basic, Context, EffectInstance, References, Unit};
+use physics::{Basic, Context, EffectInstance, Kind, References, Unit};
 use rayon::prelude::*;
 
 use crate::outside::Moments;
@@ -75,33 +75,31 @@ impl World<'_> {
         };
         let mut read = Recording { conditions: written.conditions.clone(), ..set.clone() };
         let mut set = std::borrow::Cow::Borrowed(set);
+        let id = read.id.clone();
         let time = set.column("time_s").map(<[f64]>::to_vec);
         let moments = time.as_ref().map(|time_s| Moments {
             seed: self.plan.seed,
-            id: &read.id,
+            id: &id,
             time_s,
             clock_s: written.clock_s,
             local_s: written.local_s,
         });
-        let natural = match (&self.plan.truth.outside, &moments) {
-            (Some(outside), Some(moments)) => Some((outside, outside.field(moments).map_err(failed)?)),
-            _ => None,
-        };
-        let mut station = None;
-        if written.outside {
-            let Some(((outside, field), moments)) = natural.as_ref().zip(moments.as_ref()) else {
-                let expected = "the natural field (truth.outside) and times, for the station outside";
-                return Err(Error::document(format!("{}.outside", written.path), "true", expected));
-            };
-            for (axis, column) in Axis::ALL.iter().zip(by_axis(field)) {
-                set.to_mut().columns.insert(format!("outside_{axis}_nt"), Column(column));
+        let leaks = self.effects.iter().any(|effect| effect.kind == Kind::NullingLeakage);
+        let wanted = written.outside || leaks || written.surroundings == Surroundings::Open;
+        let mut natural = None;
+        if let (Some(outside), Some(moments), true) = (&self.plan.truth.outside, &moments, wanted) {
+            let field = outside.field(moments).map_err(failed)?;
+            if written.outside {
+                let station = outside.station(moments, &field).map_err(failed)?;
+                insert_outside(&mut read, station);
             }
-            station = Some(outside.station(moments, field).map_err(failed)?);
-        }
-        if let Some(station) = station {
-            for (axis, column) in Axis::ALL.iter().zip(station) {
-                read.columns.insert(format!("outside_{axis}_nt"), Column(column));
+            if leaks && set.column("outside_x_nt").is_none() {
+                insert_outside(set.to_mut(), by_axis(&field));
             }
+            natural = Some(field);
+        } else if written.outside {
+            let expected = "the natural field (truth.outside) and times, for the station outside";
+            return Err(Error::document(format!("{}.outside", written.path), "true", expected));
         }
         self.follow_profile(&mut set);
         let at = |error: physics::Error| error.at(&written.path);
@@ -123,7 +121,7 @@ impl World<'_> {
                     .collect();
             }
             Surroundings::Open => {
-                if let Some((_, field)) = natural {
+                if let Some(field) = natural {
                     context.ambient_nt = field;
                 }
             }
@@ -139,6 +137,18 @@ impl World<'_> {
         Ok(read)
     }
 
+    /// The effects that act in a recording: those of a spacecraft only on board, where their housekeeping is.
+    fn effects_in(&self, recording: &Recording) -> Vec<EffectInstance> {
+        let aboard = |effect: &&EffectInstance| {
+            let column = match effect.kind {
+                Kind::SunThermoelectric => Some("sun_azimuth_rad"),
+                _ => effect.column.as_deref(),
+            };
+            column.is_none_or(|column| recording.column(column).is_some())
+        };
+        self.effects.iter().filter(aboard).cloned().collect()
+    }
+
     fn read_sensors(
         &self,
         sensors: &[Axis],
@@ -148,7 +158,8 @@ impl World<'_> {
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
     ) -> Result<(), Error> {
-        let readings = physics::predict(self.basic, self.effects, context).map_err(at)?.readings;
+        let readings =
+            physics::predict(self.basic, &self.effects_in(context.recording), context).map_err(at)?.readings;
         let instrument = self.plan.instrument.clone().unwrap_or_default();
         let width = match self.unit {
             Unit::Volt => instrument.quantisation_v,
@@ -186,7 +197,8 @@ impl World<'_> {
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
     ) -> Result<(), Error> {
-        let field = physics::predict(self.basic, self.effects, context).map_err(at)?.field_geo;
+        let field =
+            physics::predict(self.basic, &self.effects_in(context.recording), context).map_err(at)?.field_geo;
         let std = self.plan.facility.as_ref().and_then(|facility| facility.reference_std_nt);
         let declared = Noise { white_rms_nt: std, ..Noise::default() };
         let channel = format!("{}/reference_nt", read.id);
@@ -209,7 +221,8 @@ impl World<'_> {
         let reference: Vec<Vector3<f64>> = context.ambient_nt.iter().map(|field| matrix * field).collect();
         context.reference_nt = Some(reference.clone());
         let basic = Basic::differential(self.document);
-        let test = physics::predict(&basic, self.effects, &context).map_err(at)?.readings;
+        let effects = self.effects_in(context.recording);
+        let test = physics::predict(&basic, &effects, &context).map_err(at)?.readings;
         let instrument = self.plan.instrument.clone().unwrap_or_default();
         let time = context.recording.column("time_s");
         for (prefix, series) in [("reference", reference), ("test", test)] {
@@ -302,6 +315,12 @@ pub fn wander(plan: &Plan, document: &Document, written: &[Written]) -> Result<V
         );
     }
     Ok(all)
+}
+
+fn insert_outside(recording: &mut Recording, columns: [Vec<f64>; 3]) {
+    for (axis, column) in Axis::ALL.iter().zip(columns) {
+        recording.columns.insert(format!("outside_{axis}_nt"), Column(column));
+    }
 }
 
 fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {

@@ -2,7 +2,7 @@
 
 use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
 use nalgebra::Vector3;
-use physics::{Basic, Context, EffectInstance, References};
+use physics::{Basic, Context, EffectInstance, Prediction, References};
 use rayon::prelude::*;
 
 /// A replayed document and what is to be said of it.
@@ -22,14 +22,16 @@ pub struct Replayed {
 pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let references = References::of(document);
-    let replayed: Vec<Result<Recording, Error>> = document
+    let replayed: Vec<Result<(Recording, Vec<String>), Error>> = document
         .recordings
         .par_iter()
         .enumerate()
         .map(|(index, _)| recording(document, index, &effects, references, noise_seed))
         .collect();
-    let recordings = replayed.into_iter().collect::<Result<_, _>>()?;
-    Ok(Replayed { document: Document { recordings, ..document.clone() }, notes: notes(document, &effects) })
+    let replayed = replayed.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (recordings, left_out): (_, Vec<Vec<String>>) = replayed.into_iter().unzip();
+    let notes = notes(document, &effects).into_iter().chain(left_out.into_iter().flatten()).collect();
+    Ok(Replayed { document: Document { recordings, ..document.clone() }, notes })
 }
 
 fn recording(
@@ -38,7 +40,7 @@ fn recording(
     effects: &[EffectInstance],
     references: References,
     noise_seed: Option<u64>,
-) -> Result<Recording, Error> {
+) -> Result<(Recording, Vec<String>), Error> {
     let recorded = &document.recordings[index];
     let path = format!("recordings[{index}]");
     if recorded.table.is_some() {
@@ -59,7 +61,7 @@ fn recording(
         check_coils(&basic, &context, &path)?;
     }
     let suffix = if differential { "nt" } else { context.unit.suffix() };
-    let prediction = physics::predict(&basic, effects, &context).map_err(at)?;
+    let (prediction, left_out) = predict(&basic, effects, &context).map_err(at)?;
     let mut replayed = recorded.clone();
     for axis in Axis::ALL {
         let name = format!("{prefix}_{axis}_{suffix}");
@@ -93,7 +95,29 @@ fn recording(
         let lengths = prediction.field_geo.iter().map(Vector3::norm);
         fill(column, lengths.zip(errors).map(|(value, error)| value + error));
     }
-    Ok(replayed)
+    Ok((replayed, left_out))
+}
+
+/// The prediction with every effect that the recording lets act; the others by their error.
+fn predict(
+    basic: &Basic,
+    effects: &[EffectInstance],
+    context: &Context<'_>,
+) -> Result<(Prediction, Vec<String>), physics::Error> {
+    let mut acting = effects.to_vec();
+    let mut left_out = Vec::new();
+    loop {
+        match physics::predict(basic, &acting, context) {
+            Err(physics::Error::Missing { recording, who, what })
+                if acting.iter().any(|effect| effect.kind.name() == who) =>
+            {
+                acting.retain(|effect| effect.kind.name() != who);
+                left_out
+                    .push(format!("recording \"{recording}\" does not have {what}: {who} is left out there"));
+            }
+            other => return other.map(|prediction| (prediction, left_out)),
+        }
+    }
 }
 
 /// New values where there were readings.

@@ -23,6 +23,9 @@ pub struct CrossFieldProcedure {
     /// The coils across it; absent: both others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Vec<Axis>>,
+    /// Quarter turns of the block about the sensor, so that one strong coil reaches both of its sides.
+    #[serde(default)]
+    pub quarter_turns: u8,
     /// Fields across, nT.
     #[serde(default = "report")]
     pub levels_nt: Vec<f64>,
@@ -86,7 +89,8 @@ impl Sequence for CrossFieldProcedure {
             let coil = self.coil.unwrap_or(sensor);
             for across in self.across(coil, path)? {
                 let id = format!("{}-{sensor}-{across}", self.id);
-                let Aligned { conditions, rotation, nominal } = bench.along(&id, sensor, coil, 0.0);
+                let Aligned { conditions, rotation, nominal } =
+                    bench.along(&id, sensor, coil, 0.0, self.quarter_turns);
                 let mut rows =
                     Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
                 for level in &self.levels_nt {
