@@ -3,6 +3,7 @@
 use common::Axis;
 use nalgebra::Vector3;
 use num_dual::Dual64;
+use std::borrow::Cow;
 
 use crate::model::column;
 use crate::{Basic, Context, EffectInstance, Error, Real, Stage, Surroundings, field_geo, frames, parallel};
@@ -141,8 +142,10 @@ pub(crate) struct Chain<'a, T: Real> {
 impl<T: Real> Chain<'_, T> {
     /// The second half of the chain: from the field in SEN to the readings.
     pub fn read(&self, field_sen: &[Vector3<T>], coil_nt: &[Vector3<T>]) -> Result<Vec<Vector3<T>>, Error> {
-        let mut field = field_sen.to_vec();
-        self.apply(Stage::Block, &mut field, coil_nt, field_sen)?;
+        let mut field = Cow::Borrowed(field_sen);
+        if self.effects.iter().any(|effect| effect.kind.about().stage == Stage::Block) {
+            self.apply(Stage::Block, field.to_mut(), coil_nt, field_sen)?;
+        }
         let axes = Axis::ALL.map(|axis| column(&self.basic.mu, axis));
         let mut signal: Vec<Vector3<T>> =
             field.iter().map(|field| Vector3::from_fn(|i, _| parallel(&axes[i], field))).collect();

@@ -7,12 +7,13 @@ use crate::Real;
 
 /// A step longer than this many times a neighbouring one is a gap.
 const GAP: f64 = 4.0;
+/// Steps that differ by less than this share are one.
+const SAME_STEP: f64 = 1e-9;
 
 /// A signal between its samples.
 pub struct Signal<'a, T> {
     time_s: &'a [f64],
     x: Vec<T>,
-    slopes: Vec<T>,
 }
 
 /// One step of a signal: x(s) = a + b s + c s² + d s³ for s = 0..1 over `step_s` seconds.
@@ -25,46 +26,39 @@ impl<'a, T: Real> Signal<'a, T> {
     /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by the
     /// straight line between its neighbours.
     pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
-        let x = bridged(time_s, x);
-        let rows = x.len();
-        let slope = |from: usize| {
-            let step = time_s[from + 1] - time_s[from];
-            if step > 0.0 { (x[from + 1] - x[from]) / step } else { T::from(0.0) }
-        };
-        let slopes = (0..rows)
-            .map(|row| match (row > 0, row + 1 < rows) {
-                (false, false) => T::from(0.0),
-                (false, true) => slope(0),
-                (true, false) => slope(row - 1),
-                (true, true) => {
-                    let (before, after) = (time_s[row] - time_s[row - 1], time_s[row + 1] - time_s[row]);
-                    if before <= 0.0 {
-                        slope(row)
-                    } else if after <= 0.0 {
-                        slope(row - 1)
-                    } else {
-                        (slope(row - 1) * after + slope(row) * before) / (before + after)
-                    }
-                }
-            })
-            .collect();
-        Self { time_s, x, slopes }
+        Self { time_s, x: bridged(time_s, x) }
+    }
+
+    fn step_s(&self, row: usize) -> f64 {
+        self.time_s[row + 1] - self.time_s[row]
+    }
+
+    /// Central difference at a row, one-sided at the ends and beside a step of no length.
+    fn slope(&self, row: usize) -> T {
+        let over = |from: usize| (self.x[from + 1] - self.x[from]) / self.step_s(from);
+        let before = if row > 0 { self.step_s(row - 1) } else { 0.0 };
+        let after = if row + 1 < self.x.len() { self.step_s(row) } else { 0.0 };
+        match (before > 0.0, after > 0.0) {
+            (true, true) => (over(row - 1) * after + over(row) * before) / (before + after),
+            (true, false) => over(row - 1),
+            (false, true) => over(row),
+            (false, false) => T::from(0.0),
+        }
     }
 
     /// The step that begins at a row.
     fn cubic(&self, row: usize) -> Cubic<T> {
-        let step_s = self.time_s[row + 1] - self.time_s[row];
+        let step_s = self.step_s(row);
         let (from, rise) = (self.x[row], self.x[row + 1] - self.x[row]);
         if self.is_gap(row) {
             return Cubic { step_s, powers: [from, rise, T::from(0.0), T::from(0.0)] };
         }
-        let (start, end) = (self.slopes[row] * step_s, self.slopes[row + 1] * step_s);
+        let (start, end) = (self.slope(row) * step_s, self.slope(row + 1) * step_s);
         Cubic { step_s, powers: [from, start, rise * 3.0 - start * 2.0 - end, start + end - rise * 2.0] }
     }
 
     fn is_gap(&self, row: usize) -> bool {
-        let step = |row: usize| self.time_s[row + 1] - self.time_s[row];
-        let longer = |other: usize| step(row) > GAP * step(other) && step(other) > 0.0;
+        let longer = |other: usize| self.step_s(row) > GAP * self.step_s(other) && self.step_s(other) > 0.0;
         (row > 0 && longer(row - 1)) || (row + 2 < self.time_s.len() && longer(row + 1))
     }
 
@@ -80,7 +74,8 @@ impl<'a, T: Real> Signal<'a, T> {
         for row in 0..self.x.len() - 1 {
             let cubic = self.cubic(row);
             if cubic.step_s > 0.0 {
-                if cubic.step_s != known {
+                // Times are rounded: a step that differs by less than that is the same.
+                if (cubic.step_s - known).abs() > SAME_STEP * known || known.is_nan() {
                     known = cubic.step_s;
                     let steps = tau_s.recip() * known;
                     decay = (-steps).exp();
@@ -159,10 +154,10 @@ fn moments<T: Real>(u: T) -> [T; 4] {
 
 /// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are missing.
 fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
-    let known: Vec<usize> = (0..x.len()).filter(|&row| x[row].re().is_finite()).collect();
-    if known.len() == x.len() {
+    if x.iter().all(|x| x.re().is_finite()) {
         return x;
     }
+    let known: Vec<usize> = (0..x.len()).filter(|&row| x[row].re().is_finite()).collect();
     for row in 0..x.len() {
         if x[row].re().is_finite() {
             continue;

@@ -77,7 +77,9 @@ fn text_peer_formatting(bencher: Bencher) {
     let document = simulate::campaign(&plan(ROWS / 10)).expect("simulated").document;
     bencher.bench_local(|| {
         let mut text = String::new();
-        for value in document.recordings.iter().flat_map(|recording| recording.columns.values()).flat_map(|c| &c.0) {
+        for value in
+            document.recordings.iter().flat_map(|recording| recording.columns.values()).flat_map(|c| &c.0)
+        {
             write!(text, "{value}, ").expect("memory");
         }
         text

@@ -1,6 +1,6 @@
 //! A whole campaign: every procedure of a plan, with what is true behind it.
 
-use common::{Axis, Document, Error, FORMAT_VERSION, Facility};
+use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, EffectInstance, References, Unit, frames};
 
@@ -66,6 +66,8 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         true_document.recordings.push(recording);
     }
     true_document.check()?;
+    let references = References::of(&true_document);
+    let set = take_columns(&mut true_document);
     let electrical = match plan.drive {
         DriveRecord::Current => None,
         DriveRecord::Voltage => Some(Electrical::draw(plan)?),
@@ -76,13 +78,13 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         basic: &basic,
         effects: &effects,
         unit,
-        references: References::of(&true_document),
+        references,
         residual_field_nt: vector(plan.truth.residual_field_nt.as_ref()),
         shield_field_nt: vector(plan.truth.shield_field_nt.as_ref()),
         electrical: electrical.as_ref(),
-        wander: make::wander(plan, &true_document, &written)?,
+        wander: make::wander(plan, &set, &written)?,
     };
-    document.recordings = world.recordings(&written)?;
+    document.recordings = world.recordings(set, &written)?;
     let truth = Truth {
         fluxcal: FORMAT_VERSION,
         seed: plan.seed,
@@ -97,6 +99,18 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         orientations,
     };
     Ok(Campaign { document, truth })
+}
+
+/// The recordings of a document; it keeps their ids and beginnings.
+fn take_columns(document: &mut Document) -> Vec<Recording> {
+    let bare = |set: &Recording| Recording {
+        id: set.id.clone(),
+        procedure: set.procedure.clone(),
+        start: set.start.clone(),
+        ..Recording::default()
+    };
+    let bare: Vec<Recording> = document.recordings.iter().map(bare).collect();
+    std::mem::replace(&mut document.recordings, bare)
 }
 
 /// Checks a plan and puts its recordings in order.

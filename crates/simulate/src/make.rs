@@ -35,7 +35,7 @@ pub struct Written {
 pub struct World<'a> {
     /// The plan.
     pub plan: &'a Plan,
-    /// The recordings as they are set, with what is true.
+    /// What is true of facility and calibration; its recordings without columns.
     pub document: &'a Document,
     /// The true chain.
     pub basic: &'a Basic,
@@ -55,61 +55,88 @@ pub struct World<'a> {
     pub wander: Vec<Wander>,
 }
 
+/// Columns by name.
+type Read = Vec<(String, Vec<f64>)>;
+
 impl World<'_> {
     /// All recordings, with their readings. The first fault in the plan's order is the one that is told.
-    pub fn recordings(&self, written: &[Written]) -> Result<Vec<Recording>, Error> {
-        let made: Vec<Result<Recording, Error>> = self
-            .document
-            .recordings
-            .par_iter()
-            .zip(written)
-            .map(|(set, written)| self.recording(set, written))
-            .collect();
+    pub fn recordings(&self, set: Vec<Recording>, written: &[Written]) -> Result<Vec<Recording>, Error> {
+        let made: Vec<Result<Recording, Error>> =
+            set.into_par_iter().zip(written).map(|(set, written)| self.recording(set, written)).collect();
         made.into_iter().collect()
     }
 
-    fn recording(&self, set: &Recording, written: &Written) -> Result<Recording, Error> {
+    /// One recording: what is set is made true, the chain predicts, and what is written is put in its place.
+    fn recording(&self, mut set: Recording, written: &Written) -> Result<Recording, Error> {
         let failed = |error: NoiseError| {
             let expected = "exponents from 0 to 2, and times without such gaps";
             Error::document(written.path.clone(), error.to_string(), expected)
         };
-        let mut read = Recording { conditions: written.conditions.clone(), ..set.clone() };
-        let mut set = std::borrow::Cow::Borrowed(set);
-        let id = read.id.clone();
-        let time = set.column("time_s").map(<[f64]>::to_vec);
-        let moments = time.as_ref().map(|time_s| Moments {
-            seed: self.plan.seed,
-            id: &id,
-            time_s,
-            clock_s: written.clock_s,
-            local_s: written.local_s,
-        });
-        let leaks = self.effects.iter().any(|effect| effect.kind == Kind::NullingLeakage);
-        let wanted = written.outside || leaks || written.surroundings == Surroundings::Open;
-        let mut natural = None;
-        if let (Some(outside), Some(moments), true) = (&self.plan.truth.outside, &moments, wanted) {
-            let field = outside.field(moments).map_err(failed)?;
-            if written.outside {
-                let station = outside.station(moments, &field).map_err(failed)?;
-                insert_outside(&mut read, station);
-            }
-            if leaks && set.column("outside_x_nt").is_none() {
-                insert_outside(set.to_mut(), by_axis(&field));
-            }
-            natural = Some(field);
-        } else if written.outside {
+        let natural = self.natural(&set, written).map_err(failed)?;
+        if written.outside && natural.is_none() {
             let expected = "the natural field (truth.outside) and times, for the station outside";
             return Err(Error::document(format!("{}.outside", written.path), "true", expected));
         }
-        self.follow_profile(&mut set);
+        let given_outside = set.column("outside_x_nt").is_some();
+        if let Some(natural) = natural.as_ref().filter(|_| !given_outside) {
+            insert(&mut set, outside_columns(by_axis(natural)));
+        }
+        let currents = self.follow_profile(&mut set);
+        let read = self.read(&set, written, natural.as_deref(), failed)?;
+        set.conditions = written.conditions.clone();
+        if let Some((name, currents)) = currents {
+            set.columns.insert(name, currents);
+        }
+        if !given_outside {
+            Axis::ALL.iter().for_each(|axis| {
+                set.columns.shift_remove(&format!("outside_{axis}_nt"));
+            });
+            if let (Some(outside), Some(field), true) = (&self.plan.truth.outside, &natural, written.outside)
+            {
+                let moments = self.moments(&set, written);
+                let station =
+                    moments.map(|moments| outside.station(&moments, field)).transpose().map_err(failed)?;
+                insert(&mut set, station.map(outside_columns).unwrap_or_default());
+            }
+        }
+        insert(&mut set, read);
+        self.write_voltages(&mut set)?;
+        Ok(set)
+    }
+
+    fn moments<'r>(&self, set: &'r Recording, written: &Written) -> Option<Moments<'r>> {
+        Some(Moments {
+            seed: self.plan.seed,
+            id: &set.id,
+            time_s: set.column("time_s")?,
+            clock_s: written.clock_s,
+            local_s: written.local_s,
+        })
+    }
+
+    /// The natural field, where the recording or an effect on it takes notice of it.
+    fn natural(&self, set: &Recording, written: &Written) -> Result<Option<Vec<Vector3<f64>>>, NoiseError> {
+        let leaks = self.effects.iter().any(|effect| effect.kind == Kind::NullingLeakage);
+        let wanted = written.outside || leaks || written.surroundings == Surroundings::Open;
+        let outside = self.plan.truth.outside.as_ref().filter(|_| wanted);
+        outside.zip(self.moments(set, written)).map(|(outside, moments)| outside.field(&moments)).transpose()
+    }
+
+    fn read(
+        &self,
+        set: &Recording,
+        written: &Written,
+        natural: Option<&[Vector3<f64>]>,
+        failed: impl Fn(NoiseError) -> Error + Copy,
+    ) -> Result<Read, Error> {
         let at = |error: physics::Error| error.at(&written.path);
-        let mut context = Context::new(self.document, &set, self.references).map_err(at)?;
+        let mut context = Context::new(self.document, set, self.references).map_err(at)?;
         context.unit = self.unit;
         match written.surroundings {
             Surroundings::Coils => {
                 context.ambient_nt.iter_mut().for_each(|field| *field += self.residual_field_nt);
-                if let (Some(site), Some(moments)) = (&self.plan.truth.site, &moments) {
-                    let noise = site.field(moments).map_err(failed)?;
+                if let (Some(site), Some(moments)) = (&self.plan.truth.site, self.moments(set, written)) {
+                    let noise = site.field(&moments).map_err(failed)?;
                     context.ambient_nt =
                         noise.iter().enumerate().map(|(row, noise)| context.ambient(row) + noise).collect();
                 }
@@ -120,21 +147,13 @@ impl World<'_> {
                     .map(|row| self.shield_field_nt * position.map_or(1.0, |position| position[row]))
                     .collect();
             }
-            Surroundings::Open => {
-                if let Some(field) = natural {
-                    context.ambient_nt = field;
-                }
-            }
+            Surroundings::Open => context.ambient_nt = natural.unwrap_or_default().to_vec(),
         }
         match &written.reads {
-            Reads::Sensors(sensors) => {
-                self.read_sensors(sensors, &context, written, &mut read, at, failed)?
-            }
-            Reads::Scalar => self.read_scalar(&context, &mut read, at, failed)?,
-            Reads::Differential => self.read_differential(context, &mut read, at, failed)?,
+            Reads::Sensors(sensors) => self.read_sensors(sensors, &context, written, at, failed),
+            Reads::Scalar => self.read_scalar(&context, at, failed),
+            Reads::Differential => self.read_differential(context, at, failed),
         }
-        self.write_voltages(&mut read)?;
-        Ok(read)
     }
 
     /// The effects that act in a recording: those of a spacecraft only on board, where their housekeeping is.
@@ -154,69 +173,65 @@ impl World<'_> {
         sensors: &[Axis],
         context: &Context<'_>,
         written: &Written,
-        read: &mut Recording,
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
-    ) -> Result<(), Error> {
-        let readings =
-            physics::predict(self.basic, &self.effects_in(context.recording), context).map_err(at)?.readings;
+    ) -> Result<Read, Error> {
         let instrument = self.plan.instrument.clone().unwrap_or_default();
         let width = match self.unit {
             Unit::Volt => instrument.quantisation_v,
             Unit::Nanotesla => instrument.quantisation_nt,
         };
-        let wandered = self.wander.iter().find(|wander| wander.recording == read.id);
+        let wandered = self.wander.iter().find(|wander| wander.recording == context.recording.id);
         let wandered = wandered.map_or(0.0, |wander| wander.offset_nt);
         let time = context.recording.column("time_s");
-        let columns: Vec<Result<(String, Vec<f64>), NoiseError>> = sensors
-            .par_iter()
-            .map(|sensor| {
-                let name = format!("sensor_{sensor}_{}", self.unit.suffix());
-                let declared = instrument.noise_of(*sensor).cloned().unwrap_or_default();
-                let channel = format!("{}/{name}", read.id);
-                let mut column = noise::series(&declared, self.plan.seed, &channel, context.rows, time)?;
-                let sensitivity = self.basic.sensors[sensor.index()].sensitivity;
-                for (value, reading) in column.iter_mut().zip(&readings) {
-                    *value = reading[sensor.index()] + (*value - wandered) / sensitivity;
-                }
-                noise::quantise(&mut column, width.unwrap_or(0.0) / written.amplification);
-                Ok((name, column))
-            })
-            .collect();
-        for column in columns {
-            let (name, column) = column.map_err(&failed)?;
-            read.columns.insert(name, Column(column));
-        }
-        Ok(())
+        let errors = |sensor: &Axis| {
+            let name = format!("sensor_{sensor}_{}", self.unit.suffix());
+            let declared = instrument.noise_of(*sensor).cloned().unwrap_or_default();
+            let channel = format!("{}/{name}", context.recording.id);
+            let errors = noise::series(&declared, self.plan.seed, &channel, context.rows, time)?;
+            Ok((name, errors))
+        };
+        let (prediction, errors): (_, Vec<Result<_, NoiseError>>) = rayon::join(
+            || physics::predict(self.basic, &self.effects_in(context.recording), context),
+            || sensors.par_iter().map(errors).collect(),
+        );
+        let readings = prediction.map_err(at)?.readings;
+        let mut read = errors.into_iter().collect::<Result<Read, _>>().map_err(failed)?;
+        read.par_iter_mut().zip(sensors).for_each(|((_, column), sensor)| {
+            let sensitivity = self.basic.sensors[sensor.index()].sensitivity;
+            for (value, reading) in column.iter_mut().zip(&readings) {
+                *value = reading[sensor.index()] + (*value - wandered) / sensitivity;
+            }
+            noise::quantise(column, width.unwrap_or(0.0) / written.amplification);
+        });
+        Ok(read)
     }
 
     fn read_scalar(
         &self,
         context: &Context<'_>,
-        read: &mut Recording,
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
-    ) -> Result<(), Error> {
+    ) -> Result<Read, Error> {
         let field =
             physics::predict(self.basic, &self.effects_in(context.recording), context).map_err(at)?.field_geo;
         let std = self.plan.facility.as_ref().and_then(|facility| facility.reference_std_nt);
         let declared = Noise { white_rms_nt: std, ..Noise::default() };
-        let channel = format!("{}/reference_nt", read.id);
+        let channel = format!("{}/reference_nt", context.recording.id);
         let mut column =
             noise::series(&declared, self.plan.seed, &channel, context.rows, None).map_err(failed)?;
         column.iter_mut().zip(&field).for_each(|(value, field)| *value += field.norm());
-        read.columns.insert("reference_nt".into(), Column(column));
-        Ok(())
+        Ok(vec![("reference_nt".into(), column)])
     }
 
     fn read_differential(
         &self,
         mut context: Context<'_>,
-        read: &mut Recording,
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
-    ) -> Result<(), Error> {
-        let Some(truth) = &self.plan.truth.differential else { return Ok(()) };
+    ) -> Result<Read, Error> {
+        let Some(truth) = &self.plan.truth.differential else { return Ok(Read::new()) };
+        let mut read = Read::new();
         let matrix = truth.reference_matrix();
         let reference: Vec<Vector3<f64>> = context.ambient_nt.iter().map(|field| matrix * field).collect();
         context.reference_nt = Some(reference.clone());
@@ -232,7 +247,7 @@ impl World<'_> {
                     "test" => instrument.noise_of(*axis).cloned(),
                     _ => truth.reference_noise.clone(),
                 };
-                let channel = format!("{}/{name}", read.id);
+                let channel = format!("{}/{name}", context.recording.id);
                 let errors = noise::series(
                     &declared.unwrap_or_default(),
                     self.plan.seed,
@@ -243,21 +258,22 @@ impl World<'_> {
                 .map_err(&failed)?;
                 column.iter_mut().zip(errors).for_each(|(value, error)| *value += error);
                 noise::quantise(&mut column, instrument.quantisation_nt.unwrap_or(0.0));
-                read.columns.insert(name, Column(column));
+                read.push((name, column));
             }
         }
-        Ok(())
+        Ok(read)
     }
 
-    /// In a survey along the axis the coil's field is that of the place.
-    fn follow_profile(&self, set: &mut std::borrow::Cow<'_, Recording>) {
-        let (Some(coil), Some(position)) = (set.conditions.coil, set.column("position_m")) else { return };
-        let profile = self.plan.truth.coil_profile.as_ref().and_then(|profiles| profiles.get(coil));
-        let Some(profile) = profile.filter(|_| set.procedure == procedure::COIL_GRADIENT) else { return };
-        let position = position.to_vec();
-        if let Some(column) = set.to_mut().columns.get_mut(&format!("coil_{coil}_a")) {
-            column.0.iter_mut().zip(position).for_each(|(current, x)| *current *= profile.at(x));
-        }
+    /// In a survey along the axis the coil's field is that of the place. Gives the currents that were set.
+    fn follow_profile(&self, set: &mut Recording) -> Option<(String, Column)> {
+        let coil = set.conditions.coil.filter(|_| set.procedure == procedure::COIL_GRADIENT)?;
+        let profile = self.plan.truth.coil_profile.as_ref()?.get(coil)?;
+        let position = set.column("position_m")?.to_vec();
+        let name = format!("coil_{coil}_a");
+        let column = set.columns.get_mut(&name)?;
+        let currents = column.clone();
+        column.0.iter_mut().zip(position).for_each(|(current, x)| *current *= profile.at(x));
+        Some((name, currents))
     }
 
     /// Currents as the voltmeter reads them.
@@ -285,12 +301,11 @@ impl World<'_> {
 }
 
 /// The wander of each sensor's offset over the dates of `offset_drift`, on an even grid of dates.
-pub fn wander(plan: &Plan, document: &Document, written: &[Written]) -> Result<Vec<Wander>, Error> {
+pub fn wander(plan: &Plan, set: &[Recording], written: &[Written]) -> Result<Vec<Wander>, Error> {
     let Some(noise) = &plan.truth.offset_wander else { return Ok(Vec::new()) };
     let mut all = Vec::new();
     for sensor in Axis::ALL {
-        let dates: Vec<(&Recording, f64)> = document
-            .recordings
+        let dates: Vec<(&Recording, f64)> = set
             .iter()
             .zip(written)
             .filter(|(set, _)| {
@@ -317,10 +332,12 @@ pub fn wander(plan: &Plan, document: &Document, written: &[Written]) -> Result<V
     Ok(all)
 }
 
-fn insert_outside(recording: &mut Recording, columns: [Vec<f64>; 3]) {
-    for (axis, column) in Axis::ALL.iter().zip(columns) {
-        recording.columns.insert(format!("outside_{axis}_nt"), Column(column));
-    }
+fn insert(recording: &mut Recording, columns: Read) {
+    recording.columns.extend(columns.into_iter().map(|(name, column)| (name, Column(column))));
+}
+
+fn outside_columns(columns: [Vec<f64>; 3]) -> Read {
+    Axis::ALL.into_iter().zip(columns).map(|(axis, column)| (format!("outside_{axis}_nt"), column)).collect()
 }
 
 fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {
