@@ -114,7 +114,8 @@ fn run<T: Real>(
         .map(|current| Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current[c]))
         .collect();
     chain.apply(Stage::Coil, &mut coil, &[], &[])?;
-    let offsets = Vector3::from_fn(|c, _| basic.coils[c].offset_nt);
+    let offsets =
+        Vector3::from_fn(|c, _| if context.in_coils { basic.coils[c].offset_nt } else { T::from(0.0) });
     let mut geo: Vec<Vector3<T>> = coil
         .iter()
         .enumerate()

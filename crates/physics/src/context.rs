@@ -86,6 +86,8 @@ pub struct Context<'a> {
     pub rows: usize,
     /// Current in the coils x, y, z for each row, A; zero where a coil has no column, NaN where a reading is missing.
     pub current_a: Vec<Vector3<f64>>,
+    /// Whether it is made in the coils, so that their offsets act: it has a column of drive, or is a nulling residual.
+    pub in_coils: bool,
     /// Field besides the coils', GEO, nT: for each row, or one that holds throughout.
     pub ambient_nt: Vec<Vector3<f64>>,
     /// R, GEO -> SEN, where it holds throughout.
@@ -121,6 +123,8 @@ impl<'a> Context<'a> {
             recording,
             rows,
             current_a: currents(document, recording, rows)?,
+            in_coils: recording.procedure == procedure::NULLING_RESIDUAL
+                || recording.columns.keys().any(|name| is_drive(name)),
             ambient_nt: ambient(recording, rows),
             orientation: orientation(document, recording)?,
             attitude: attitude(recording)?,
@@ -231,6 +235,11 @@ fn attitude(recording: &Recording) -> Result<Vec<Matrix3<f64>>, Error> {
 fn reference(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
     let columns = Axis::ALL.map(|axis| recording.axis_column("reference", axis, "nt"));
     (0..rows).map(|row| Vector3::from(columns.map(|c| c.map_or(f64::NAN, |c| c[row])))).collect()
+}
+
+/// Whether a column is `coil_{x,y,z}_a` or `coil_{x,y,z}_v`.
+fn is_drive(name: &str) -> bool {
+    Axis::ALL.iter().any(|axis| name == format!("coil_{axis}_a") || name == format!("coil_{axis}_v"))
 }
 
 /// I from `coil_*_a`, or from `coil_*_v` over `facility.coils.*.resistor_ohm`.

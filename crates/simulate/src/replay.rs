@@ -55,7 +55,7 @@ fn recording(
         if differential { Basic::differential(document) } else { Basic::found(document, context.unit) };
     if !differential {
         let left = residual_field(document);
-        if recorded.columns.keys().any(|name| name.starts_with("coil_")) {
+        if context.in_coils {
             context.ambient_nt.iter_mut().for_each(|field| *field += left);
         }
         check_coils(&basic, &context, &path)?;
