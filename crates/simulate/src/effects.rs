@@ -97,10 +97,10 @@ fn of(kinds: &[Kind], place: Place) -> impl Iterator<Item = Entry> {
     kinds.iter().filter(move |kind| kind.place() == place).map(|kind| entry(*kind))
 }
 
-fn range(parameter: &Parameter) -> String {
+fn plausible(parameter: &Parameter) -> String {
     match parameter.plausible {
-        Some([low, high]) => format!("{} {low} to {high}", parameter.name),
-        None => format!("{} (a moment of the recording)", parameter.name),
+        Some([low, high]) => format!("{low} to {high}"),
+        None => "(of the recording)".into(),
     }
 }
 
@@ -111,7 +111,8 @@ fn table(kinds: &[Kind]) -> String {
             if number == 0 {
                 text += &format!("{}\n", place.word());
             }
-            let parameters: Vec<String> = entry.parameters.iter().map(range).collect();
+            let parameter = |parameter: &Parameter| format!("{} {}", parameter.name, plausible(parameter));
+            let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
             text += &format!("  {}: {}\n", entry.effect, entry.title);
             text += &format!("      {}\n", entry.equation);
             text += &format!("      {}\n", parameters.join("; "));
@@ -132,13 +133,8 @@ fn markdown(kinds: &[Kind]) -> String {
                 "all" => "nothing".to_string(),
                 key => format!("`{key}`"),
             };
-            let parameters: Vec<String> = entry
-                .parameters
-                .iter()
-                .map(|p| format!("`{}`", range(p).replacen(' ', "` ", 1).trim_end_matches('`')))
-                .collect();
-            let parameters =
-                parameters.iter().map(|p| p.trim_end_matches('`').to_string()).collect::<Vec<_>>();
+            let parameter = |parameter: &Parameter| format!("`{}` {}", parameter.name, plausible(parameter));
+            let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
             text += &format!("- Takes {key}; parameters {}.\n", parameters.join(", "));
             if !entry.needs.is_empty() {
                 let needs: Vec<String> = entry.needs.iter().map(|need| code(need)).collect();
@@ -176,4 +172,4 @@ const HEAD: &str = "# The effects\n\n\
     `sensor_temperature_c`, `electronics_temperature_c` and `coil_temperature_c`, T_ref the reference conditions. t counts on the\n\
     campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Memory begins anew with each\n\
     recording, in equilibrium with its first row. Between samples a signal is the cubic whose slopes are the central differences; a step more\n\
-    than four times as long as a neighbour is a gap, and straight. Ranges are plausible sizes, not limits.\n";
+    than four times as long as a neighbour is a gap, and straight. The letters\n    of an equation come in the order of its parameters; their ranges are plausible sizes, not limits.\n";

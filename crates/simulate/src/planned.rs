@@ -58,8 +58,10 @@ pub enum Begins {
     Next,
     /// At the next such day of the week (0 = Monday) and hour, on the local clock.
     At { day: u8, hour: f64 },
-    /// So many seconds after the campaign's beginning.
+    /// So many seconds after the procedure's first recording.
     After(f64),
+    /// As its own times say, which are on the campaign's clock; where the campaign has a date, as `Next`.
+    AsItSays,
 }
 
 /// What the operator does, for the run sheet.

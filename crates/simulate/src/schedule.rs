@@ -32,11 +32,24 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
         })?),
     };
     let mut free_s = 0.0;
+    let mut first = (String::new(), 0.0);
     let mut scheduled = Vec::with_capacity(planned.len());
     for mut planned in planned {
         let begins_s = match planned.begins {
             Begins::Next => free_s,
-            Begins::After(moment) => moment,
+            Begins::AsItSays => {
+                if start.is_some() {
+                    free_s
+                } else {
+                    0.0
+                }
+            }
+            Begins::After(wait) => {
+                if first.0 != planned.path {
+                    first = (planned.path.clone(), free_s);
+                }
+                first.1 + wait
+            }
             Begins::At { day, hour } => {
                 next(start.map_or(MONDAY_S, |start| start.local_s()) + free_s, day, hour) + free_s
             }
@@ -48,7 +61,7 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
             planned.recording.start = moment.text();
             (clock_s, local_s) = (begins_s, Some(moment.local_s()));
         } else if let Some(time) = planned.recording.columns.get_mut("time_s")
-            && !matches!(planned.begins, Begins::After(_))
+            && planned.begins != Begins::AsItSays
         {
             time.0.iter_mut().for_each(|t| *t += begins_s);
         }

@@ -94,7 +94,7 @@ impl Effect for SunThermoelectric {
         physics: "Sunlight warms one side of a metal structure, and currents between unlike metals flow that depend on \
             the direction of the Sun and vanish in eclipse.",
         equation: "dB_sen = sunlit cos(el) (c cos(az) + s sin(az))",
-        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration of the Swarm magnetometry package, Earth \
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
             Planets Space 68, 129",
         place: Place::Spacecraft,
         stage: Stage::Block,

@@ -144,8 +144,7 @@ instant!(
     "sensitivity follows sensor temperature",
     "The feedback coil and its former expand, and the same feedback current balances another field.",
     "dB = B (c (T_S - T_ref) + q (T_S - T_ref)^2) 1e-6",
-    "NASA CR-156638, eq. 29; Tøffner-Clausen et al. 2016, In-flight scalar calibration of the Swarm \
-        magnetometry package, Earth Planets Space 68, 129",
+    "NASA CR-156638, eq. 29; Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth Planets Space 68, 129",
     Sensor,
     Sensor,
     Sensitivity,

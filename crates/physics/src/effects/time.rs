@@ -76,7 +76,7 @@ impl Effect for SensitivityAgeing {
         title: "sensitivity drifts with time",
         physics: "The voltage reference and the feedback coil age, and the scale of the readings goes with them.",
         equation: "dB = B b t 1e-6",
-        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration of the Swarm magnetometry package, Earth \
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
             Planets Space 68, 129",
         place: Place::Sensor,
         stage: Stage::Sensor,

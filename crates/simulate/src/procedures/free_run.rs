@@ -74,7 +74,7 @@ impl Sequence for FreeRun {
             surroundings: Surroundings::Coils,
             amplification: 1.0,
             outside: self.outside,
-            begins: Begins::After(0.0),
+            begins: Begins::AsItSays,
             steps: vec![step],
         }])
     }

@@ -1,0 +1,90 @@
+//! Many campaigns, one document a line; the same bytes on any number of threads.
+
+use serde_json::Value;
+use std::process::Command;
+
+const SIMULATE: &str = env!("CARGO_BIN_EXE_simulate");
+
+fn plan(name: &str) -> String {
+    testkit::fixture(&format!("plans/{name}.json")).to_str().expect("UTF-8").to_string()
+}
+
+fn run(threads: &str, arguments: &[&str]) -> Vec<u8> {
+    let output =
+        Command::new(SIMULATE).args(arguments).env("RAYON_NUM_THREADS", threads).output().expect("it runs");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+#[test]
+fn one_thread_and_two_give_the_same_bytes() {
+    for name in ["cubesat", "magsat"] {
+        let campaign = ["campaign", "-q", &plan(name)];
+        assert!(run("1", &campaign) == run("2", &campaign), "{name}");
+    }
+    let sweep = ["sweep", "-q", &plan("magsat-axes"), "--seeds", "1..5"];
+    assert!(run("1", &sweep) == run("2", &sweep));
+}
+
+#[test]
+fn seeds_and_values_in_every_combination() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let truth = folder.path().join("truth.ndjson");
+    let text = run(
+        "2",
+        &[
+            "sweep",
+            &plan("magsat-axes"),
+            "--seeds",
+            "3,8",
+            "--set",
+            "instrument.noise.white_rms_nt=0.5,2",
+            "--set",
+            "truth.residual_field_nt.z=5",
+            "--truth",
+            truth.to_str().expect("UTF-8"),
+        ],
+    );
+    let lines = |text: &str| -> Vec<Value> {
+        text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    let documents = lines(std::str::from_utf8(&text).expect("UTF-8"));
+    let truths = lines(&std::fs::read_to_string(&truth).expect("there"));
+    assert_eq!((documents.len(), truths.len()), (4, 4));
+    let seeds: Vec<_> = truths.iter().map(|truth| truth["seed"].as_u64().expect("a seed")).collect();
+    assert_eq!(seeds, [3, 8, 3, 8]);
+    let noise: Vec<_> =
+        documents.iter().map(|d| d["instrument"]["noise"]["white_rms_nt"].as_f64().expect("noise")).collect();
+    assert_eq!(noise, [0.5, 0.5, 2.0, 2.0]);
+    assert!(truths.iter().all(|truth| truth["residual_field_nt"][2] == 5.0));
+    assert_eq!(documents[3]["history"][0]["arguments"][1], "--seed=8");
+    assert!(!String::from_utf8_lossy(&text).contains("residual_field_nt\""));
+    // A line is the campaign of its seed.
+    let campaign = run("1", &["campaign", "-q", "--seed", "8", &plan("magsat-axes")]);
+    let mut campaign: Value = serde_json::from_slice(&campaign).expect("JSON");
+    let swept = run("2", &["sweep", "-q", &plan("magsat-axes"), "--seeds", "8"]);
+    let mut swept: Value = serde_json::from_slice(&swept).expect("JSON");
+    for document in [&mut campaign, &mut swept] {
+        document.as_object_mut().expect("an object").remove("history");
+    }
+    assert_eq!(campaign, swept);
+}
+
+#[test]
+fn a_fault_is_told_before_the_first_line() {
+    let faults = [
+        ("procedures[0].drive_nt=70000", "procedures[0].drive_nt: found 70000 nT on coil x"),
+        ("procedures[3].drive_nt=1", "the plan has no \"[3]\" there"),
+        ("title.text=1", "the plan has no \"text\" there"),
+        ("seed=x", "are no JSON values"),
+    ];
+    for (set, message) in faults {
+        let output = Command::new(SIMULATE)
+            .args(["sweep", &plan("magsat-axes"), "--seeds", "1..3", "--set", set])
+            .output()
+            .expect("it runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{set}: {said}");
+        assert!(said.contains(message), "{set}: {said}");
+    }
+}
