@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use num_dual::Dual64;
 use std::borrow::Cow;
 
+use crate::memory::Signal;
 use crate::model::column;
 use crate::{Basic, Context, EffectInstance, Error, Real, Stage, Surroundings, field_geo, frames, parallel};
 
@@ -153,12 +154,27 @@ impl<T: Real> Chain<'_, T> {
         for stage in [Stage::Sensor, Stage::Electronics, Stage::Logger] {
             self.apply(stage, &mut signal, coil_nt, &field)?;
         }
+        self.integrate(&mut signal);
         for value in &mut signal {
             for (component, sensor) in value.iter_mut().zip(&self.basic.sensors) {
                 *component = (*component - sensor.offset_nt) / sensor.sensitivity;
             }
         }
         Ok(signal)
+    }
+
+    /// What is stored is the mean over `conditions.integration_s` about each time, where that is said and times are known.
+    fn integrate(&self, signal: &mut [Vector3<T>]) {
+        let width = self.context.recording.conditions.integration_s.filter(|width| *width > 0.0);
+        let (Some(width), Ok(time)) = (width, self.context.times("integration_s")) else { return };
+        for component in 0..3 {
+            let series = Signal::new(time, signal.iter().map(|value| value[component]).collect());
+            for (value, mean) in signal.iter_mut().zip(series.averaged(width)) {
+                if value[component].re().is_finite() {
+                    value[component] = mean;
+                }
+            }
+        }
     }
 
     /// The effects of one stage, in the order in which the model lists them.

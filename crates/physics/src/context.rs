@@ -2,6 +2,7 @@
 
 use common::{Axis, Document, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use std::borrow::Cow;
 
 use crate::Error;
 use crate::frames::{ARCSEC, Orientation};
@@ -63,8 +64,11 @@ impl References {
     pub fn of(document: &Document) -> Self {
         let given = document.calibration.as_ref().and_then(|c| c.reference_conditions.as_ref());
         let mean = |name: &str| {
-            let all = document.recordings.iter().filter_map(|recording| recording.column(name)).flatten();
-            let (sum, count) = all.filter(|t| t.is_finite()).fold((0.0, 0.0), |(s, n), t| (s + t, n + 1.0));
+            let (mut sum, mut count) = (0.0, 0.0);
+            for column in document.recordings.iter().filter_map(|recording| series(recording, name)) {
+                let known = column.iter().filter(|t| t.is_finite());
+                (sum, count) = known.fold((sum, count), |(s, n), t| (s + t, n + 1.0));
+            }
             (count > 0.0).then(|| sum / count)
         };
         Self {
@@ -143,7 +147,8 @@ impl<'a> Context<'a> {
 
     /// The times, which an effect with memory needs: all there, never running backwards.
     pub fn times(&self, who: &str) -> Result<&'a [f64], Error> {
-        let times = self.column("time_s", who)?;
+        let times =
+            self.recording.column("time_s").ok_or_else(|| self.missing(who, "the column `time_s`"))?;
         let faulty = |pair: &[f64]| pair.iter().any(|t| !t.is_finite()) || pair[1] < pair[0];
         let fault = times.windows(2).position(faulty);
         match fault.or((times.len() == 1 && !times[0].is_finite()).then_some(0)) {
@@ -162,7 +167,7 @@ impl<'a> Context<'a> {
     }
 
     /// A temperature and its reference, degC.
-    pub fn temperature(&self, which: Thermometer, who: &str) -> Result<(&'a [f64], f64), Error> {
+    pub fn temperature(&self, which: Thermometer, who: &str) -> Result<(Cow<'a, [f64]>, f64), Error> {
         let column = self.column(which.column(), who)?;
         let reference = match which {
             Thermometer::Sensor => self.references.sensor_c,
@@ -172,9 +177,14 @@ impl<'a> Context<'a> {
         Ok((column, reference.ok_or_else(|| self.missing(who, "a reference temperature"))?))
     }
 
-    /// A column that `who` cannot do without.
-    pub fn column(&self, name: &str, who: &str) -> Result<&'a [f64], Error> {
-        self.recording.column(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
+    /// A column that `who` cannot do without, or the condition of that name, which holds throughout.
+    pub fn column(&self, name: &str, who: &str) -> Result<Cow<'a, [f64]>, Error> {
+        self.optional(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
+    }
+
+    /// A column, or the condition of that name, where there is one.
+    pub fn optional(&self, name: &str) -> Option<Cow<'a, [f64]>> {
+        series(self.recording, name)
     }
 
     /// R of a row.
@@ -194,6 +204,14 @@ impl<'a> Context<'a> {
     pub fn missing(&self, who: &str, what: &str) -> Error {
         Error::Missing { recording: self.recording.id.clone(), who: who.into(), what: what.into() }
     }
+}
+
+/// A column, or the condition of that name in every row.
+fn series<'a>(recording: &'a Recording, name: &str) -> Option<Cow<'a, [f64]>> {
+    recording.column(name).map(Cow::Borrowed).or_else(|| {
+        let value = recording.conditions.extra.get(name)?.as_f64()?;
+        Some(Cow::Owned(vec![value; recording.rows()]))
+    })
 }
 
 /// The earliest `start`, seconds since 1970: the zero of the campaign's clock.

@@ -119,13 +119,50 @@ impl<'a, T: Real> Signal<'a, T> {
     }
 }
 
+impl<T: Real> Signal<'_, T> {
+    /// The mean over `width_s` about each row: what a logger stores that averages. Constant beyond the ends.
+    pub fn averaged(&self, width_s: f64) -> Vec<T> {
+        let last = self.x.len() - 1;
+        let mut first = 0;
+        (0..=last)
+            .map(|row| {
+                let (from, to) = (self.time_s[row] - width_s / 2.0, self.time_s[row] + width_s / 2.0);
+                while first < last && self.time_s[first + 1] <= from {
+                    first += 1;
+                }
+                // About the row's own value, so that long sums do not lose it.
+                let own = self.x[row];
+                let before = (self.time_s[0] - from).clamp(0.0, width_s);
+                let after = (to - self.time_s[last]).clamp(0.0, width_s);
+                let mut sum = (self.x[0] - own) * before + (self.x[last] - own) * after;
+                for step in (first..last).take_while(|step| self.time_s[*step] < to) {
+                    let cubic = self.cubic(step);
+                    if cubic.step_s > 0.0 {
+                        let share = |t: f64| ((t - self.time_s[step]) / cubic.step_s).clamp(0.0, 1.0);
+                        sum += cubic.integral(share(from), share(to), own);
+                    }
+                }
+                own + sum / width_s
+            })
+            .collect()
+    }
+}
+
+impl<T: Real> Cubic<T> {
+    /// ∫ (x − level) dt over a share of the step.
+    fn integral(&self, from: f64, to: f64, level: T) -> T {
+        let [a, b, c, d] = self.powers;
+        let up_to = |s: f64| ((a - level) + (b / 2.0 + (c / 3.0 + d / 4.0 * s) * s) * s) * s;
+        (up_to(to) - up_to(from)) * self.step_s
+    }
+}
+
 impl Signal<'_, f64> {
     /// ∫ x dt from the first row to each, exact for the signal.
     pub fn integral(&self) -> Vec<f64> {
         let mut sum = 0.0;
         let steps = (1..self.x.len()).map(|row| {
-            let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row - 1);
-            sum += step_s * (a + b / 2.0 + c / 3.0 + d / 4.0);
+            sum += self.cubic(row - 1).integral(0.0, 1.0, 0.0);
             sum
         });
         std::iter::once(0.0).take(self.x.len()).chain(steps).collect()
@@ -214,6 +251,24 @@ mod tests {
                 (100..3999).map(|row| (delayed[row] - (time[row] - tau).sin()).abs()).fold(0.0, f64::max);
             assert!(worst < 5e-4 * tau.min(0.05), "{tau}: {worst}");
         }
+    }
+
+    #[test]
+    fn the_mean_of_a_sine_over_a_window() {
+        // sin t · sin(w/2)/(w/2); a constant and a ramp keep their value.
+        let time: Vec<f64> = (0..2000).map(|row| f64::from(row) * 0.05).collect();
+        let x: Vec<f64> = time.iter().map(|t| 5e4 + t.sin()).collect();
+        let signal = Signal::new(&time, x);
+        for width in [0.01f64, 0.05, 0.77] {
+            let gain = (width / 2.0).sin() / (width / 2.0);
+            for (row, mean) in signal.averaged(width).iter().enumerate().take(1900).skip(100) {
+                assert!((mean - 5e4 - gain * time[row].sin()).abs() < 1e-6, "{width}: {row}");
+            }
+        }
+        let ramp = Signal::new(&time[..3], vec![1.0f64, 2.0, 3.0]);
+        assert!((ramp.averaged(0.05)[1] - 2.0).abs() < 1e-12);
+        // Half of the window lies before the first row, where the value is the first.
+        assert!((ramp.averaged(0.1)[0] - 1.25).abs() < 1e-12);
     }
 
     #[test]

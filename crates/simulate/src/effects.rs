@@ -172,4 +172,5 @@ const HEAD: &str = "# The effects\n\n\
     `sensor_temperature_c`, `electronics_temperature_c` and `coil_temperature_c`, T_ref the reference conditions. t counts on the\n\
     campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Memory begins anew with each\n\
     recording, in equilibrium with its first row. Between samples a signal is the cubic whose slopes are the central differences; a step more\n\
-    than four times as long as a neighbour is a gap, and straight. The letters\n    of an equation come in the order of its parameters; their ranges are plausible sizes, not limits.\n";
+    than four times as long as a neighbour is a gap, and straight. The letters of\n\
+    an equation come in the order of its parameters; their ranges are plausible sizes, not limits.\n";

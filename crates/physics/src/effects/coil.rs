@@ -27,7 +27,7 @@ impl Effect for CoilTemperature {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let (column, reference) = around.context.temperature(Thermometer::Coil, Self::ABOUT.name)?;
-        for (value, temperature) in signal.iter_mut().zip(column) {
+        for (value, temperature) in signal.iter_mut().zip(column.iter()) {
             let own = &mut value[around.axis.index()];
             *own += *own * parameters[0] * ((temperature - reference) * 1e-6);
         }

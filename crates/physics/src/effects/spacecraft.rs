@@ -32,7 +32,7 @@ impl Effect for StrayCurrent {
     ) -> Result<(), Error> {
         let current = around.context.column(around.column, Self::ABOUT.name)?;
         let vector = Vector3::from_column_slice(parameters);
-        for (field, current) in signal.iter_mut().zip(current) {
+        for (field, current) in signal.iter_mut().zip(current.iter()) {
             *field += vector * T::from(*current);
         }
         Ok(())
@@ -71,7 +71,7 @@ impl Effect for ReactionWheel {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
-        let rate = around.context.column(around.column, Self::ABOUT.name)?.to_vec();
+        let rate = around.context.column(around.column, Self::ABOUT.name)?.into_owned();
         let turns = Signal::new(time, rate).integral();
         for (field, turns) in signal.iter_mut().zip(turns) {
             let (sine, cosine) = (turns.fract() * TAU).sin_cos();
@@ -117,10 +117,11 @@ impl Effect for SunThermoelectric {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let azimuth = around.context.column("sun_azimuth_rad", Self::ABOUT.name)?;
-        let elevation = around.context.recording.column("sun_elevation_rad");
-        let sunlit = around.context.recording.column("sunlit");
+        let elevation = around.context.optional("sun_elevation_rad");
+        let sunlit = around.context.optional("sunlit");
         for (row, field) in signal.iter_mut().enumerate() {
-            let light = sunlit.map_or(1.0, |lit| lit[row]) * elevation.map_or(1.0, |angle| angle[row].cos());
+            let light = sunlit.as_ref().map_or(1.0, |lit| lit[row])
+                * elevation.as_ref().map_or(1.0, |angle| angle[row].cos());
             let (sine, cosine) = azimuth[row].sin_cos();
             for axis in 0..3 {
                 field[axis] +=
