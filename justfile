@@ -11,15 +11,16 @@ test:
 
 # Golden cases and schemas only
 golden:
-    cargo test --workspace --test golden --test schema --test bad_input
+    cargo test --workspace --test golden --test schema --test bad_input --test effects
 
 # Write golden documents, messages and schemas anew; read the difference before it is kept
 bless:
-    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input
+    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input --test effects
 
 # Speed, as ratios against a peer in the same run
 bench:
     cargo bench -p axescal --bench axescal
+    cargo bench -p simulate --bench simulate
 
 # Coverage of every interval over 5 000 campaigns
 prove:

@@ -33,7 +33,7 @@ fn commands_of_the_pages() {
     symlink(binaries, folder.path().join("target/release")).expect("a link");
     symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
     let mut run = 0;
-    for page in ["README.md", "docs/axescal.md", "docs/document.md"] {
+    for page in ["README.md", "docs/axescal.md", "docs/document.md", "docs/simulate.md"] {
         for block in commands(&fs::read_to_string(root.join(page)).expect("a page")) {
             // Building and testing is what runs this test.
             let block = block.replace("cargo build --release && ", "");
@@ -50,7 +50,7 @@ fn commands_of_the_pages() {
             run += 1;
         }
     }
-    assert!(run >= 6, "only {run} blocks ran");
+    assert!(run >= 9, "only {run} blocks ran");
 }
 
 #[test]
