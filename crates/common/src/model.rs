@@ -29,6 +29,9 @@ pub struct AdoptedEffect {
     /// The housekeeping column that it follows, for an effect that does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub column: Option<String>,
+    /// The recording in which it acts, by its id; absent: all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
     /// Its parameters; the unit stands in the key.
     #[serde(default)]
     pub parameters: IndexMap<String, Quantity>,

@@ -23,7 +23,7 @@ pub enum NoiseError {
     #[error("flicker noise with the exponent {0}")]
     Exponent(f64),
     /// The times span more steps than fit.
-    #[error("noise with memory over {0:.1e} steps, from gaps in the times")]
+    #[error("noise with memory over {0:.1e} steps, from gaps or repeats in the times")]
     Length(f64),
 }
 
@@ -84,14 +84,16 @@ impl Grid {
         let length_s = time[time.len() - 1] - time[0];
         let mean = length_s / (time.len() - 1) as f64;
         let steps = || time.windows(2).map(|pair| pair[1] - pair[0]);
-        if steps().all(|step| (step - mean).abs() <= 1e-6 * mean) {
+        // Times that are rounded or jitter by less than a quarter of a step are even.
+        let even = |(row, t): (usize, &f64)| (t - time[0] - row as f64 * mean).abs() <= mean / 4.0;
+        if mean > 0.0 && time.iter().enumerate().all(even) {
             return Ok(Self { points: time.len(), step_s: mean, even: true });
         }
         let mut sorted: Vec<f64> = steps().filter(|step| *step > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
         let step_s = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
         let points = length_s / step_s + 2.0;
-        if points <= MOST_POINTS {
+        if points.is_finite() && points <= MOST_POINTS {
             Ok(Self { points: points as usize, step_s, even: false })
         } else {
             Err(NoiseError::Length(points))

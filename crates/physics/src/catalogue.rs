@@ -79,8 +79,10 @@ catalogue![
     TractionPower,
     VehiclePass,
     WorkingHours,
+    MeasuredTilt,
     StrayCurrent,
     ReactionWheel,
+    ReactionWheelHarmonic,
     SunThermoelectric,
     PillarGradient,
     InductionDifference,
@@ -172,5 +174,5 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
             Ok(value)
         })
         .collect::<Result<_, _>>()?;
-    Ok(EffectInstance { kind, axis, column, parameters })
+    Ok(EffectInstance { kind, axis, column, recording: adopted.recording.clone(), parameters })
 }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use num_dual::Dual64;
 use std::borrow::Cow;
 
-use crate::memory::Signal;
+use crate::effects::add_known_gradient;
 use crate::model::column;
 use crate::{Basic, Context, EffectInstance, Error, Real, Stage, Surroundings, field_geo, frames, parallel};
 
@@ -105,7 +105,9 @@ fn run<T: Real>(
 ) -> Result<Prediction<T>, Error> {
     let chain = Chain { basic, effects, values, context };
     if let Some(reference) = &context.reference_nt {
-        let field: Vec<Vector3<T>> = reference.iter().map(|field| field.map(T::from)).collect();
+        // What comes from the surroundings comes to the test instrument; the reference is as it was read.
+        let mut field: Vec<Vector3<T>> = reference.iter().map(|field| field.map(T::from)).collect();
+        chain.apply(Stage::Geo, &mut field, &[], &[])?;
         let readings = chain.read(&field, &[])?;
         return Ok(Prediction { field_geo: field.clone(), field_sen: field, readings });
     }
@@ -151,30 +153,22 @@ impl<T: Real> Chain<'_, T> {
         let axes = Axis::ALL.map(|axis| column(&self.basic.mu, axis));
         let mut signal: Vec<Vector3<T>> =
             field.iter().map(|field| Vector3::from_fn(|i, _| parallel(&axes[i], field))).collect();
-        for stage in [Stage::Sensor, Stage::Electronics, Stage::Logger] {
+        add_known_gradient(self.basic, self.context, &mut signal);
+        for stage in [Stage::Sensor, Stage::Electronics, Stage::Sampling] {
             self.apply(stage, &mut signal, coil_nt, &field)?;
         }
-        self.integrate(&mut signal);
+        for (signal, noise) in signal.iter_mut().zip(&self.context.noise_nt) {
+            *signal += noise.map(T::from);
+        }
+        for stage in [Stage::Converter, Stage::Logger] {
+            self.apply(stage, &mut signal, coil_nt, &field)?;
+        }
         for value in &mut signal {
             for (component, sensor) in value.iter_mut().zip(&self.basic.sensors) {
                 *component = (*component - sensor.offset_nt) / sensor.sensitivity;
             }
         }
         Ok(signal)
-    }
-
-    /// What is stored is the mean over `conditions.integration_s` about each time, where that is said and times are known.
-    fn integrate(&self, signal: &mut [Vector3<T>]) {
-        let width = self.context.recording.conditions.integration_s.filter(|width| *width > 0.0);
-        let (Some(width), Ok(time)) = (width, self.context.times("integration_s")) else { return };
-        for component in 0..3 {
-            let series = Signal::new(time, signal.iter().map(|value| value[component]).collect());
-            for (value, mean) in signal.iter_mut().zip(series.averaged(width)) {
-                if value[component].re().is_finite() {
-                    value[component] = mean;
-                }
-            }
-        }
     }
 
     /// The effects of one stage, in the order in which the model lists them.
@@ -186,7 +180,9 @@ impl<T: Real> Chain<'_, T> {
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
         for (effect, values) in self.effects.iter().zip(self.values) {
-            if effect.kind.about().stage != stage || !effect.kind.acts_in(&self.context.recording.procedure) {
+            let recording = self.context.recording;
+            let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != recording.id);
+            if effect.kind.about().stage != stage || elsewhere || !effect.kind.acts_in(&recording.procedure) {
                 continue;
             }
             let around = Surroundings {

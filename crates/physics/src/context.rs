@@ -4,8 +4,9 @@ use common::{Axis, Document, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::borrow::Cow;
 
-use crate::Error;
 use crate::frames::{ARCSEC, Orientation};
+use crate::memory::{bridged, held};
+use crate::{Error, Real};
 
 /// The unit of the readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +49,7 @@ impl Thermometer {
     }
 }
 
-/// Temperatures at which the constants hold, degC.
+/// What a whole document has in common: the temperatures at which the constants hold, degC, and its zero of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct References {
     /// Of the sensors.
@@ -57,6 +58,8 @@ pub struct References {
     pub electronics_c: Option<f64>,
     /// Of the coils.
     pub coil_c: Option<f64>,
+    /// The campaign's beginning: the earliest `start` of the document, seconds since 1970.
+    pub beginning_s: Option<f64>,
 }
 
 impl References {
@@ -77,6 +80,7 @@ impl References {
                 .and_then(|g| g.electronics_temperature_c)
                 .or_else(|| mean("electronics_temperature_c")),
             coil_c: given.and_then(|g| g.coil_temperature_c).or_else(|| mean("coil_temperature_c")),
+            beginning_s: beginning(document),
         }
     }
 }
@@ -92,6 +96,8 @@ pub struct Context<'a> {
     pub current_a: Vec<Vector3<f64>>,
     /// Whether it is made in the coils, so that their offsets act: it has a column of drive, or is a nulling residual.
     pub in_coils: bool,
+    /// Rows in which the drive is held; see [`held`].
+    pub held: Vec<bool>,
     /// Field besides the coils', GEO, nT: for each row, or one that holds throughout.
     pub ambient_nt: Vec<Vector3<f64>>,
     /// R, GEO -> SEN, where it holds throughout.
@@ -100,6 +106,8 @@ pub struct Context<'a> {
     pub attitude: Vec<Matrix3<f64>>,
     /// Differential recordings: what the reference reads, which stands in place of the field in SEN.
     pub reference_nt: Option<Vec<Vector3<f64>>>,
+    /// Noise of the readings as field along each sensor, where it is simulated; else empty, nT.
+    pub noise_nt: Vec<Vector3<f64>>,
     /// Unit of the readings.
     pub unit: Unit,
     /// Reference temperatures.
@@ -123,10 +131,18 @@ impl<'a> Context<'a> {
         };
         let start = recording.start();
         let positions = document.instrument.as_ref().and_then(|instrument| instrument.positions_m.as_ref());
+        let current_a = currents(document, recording, rows)?;
+        let held = match recording.column("time_s") {
+            Some(time) => {
+                held(time, current_a.iter().map(|current| current.data.0[0]).collect::<Vec<_>>().as_slice())
+            }
+            None => Vec::new(),
+        };
         Ok(Self {
             recording,
             rows,
-            current_a: currents(document, recording, rows)?,
+            current_a,
+            held,
             in_coils: recording.procedure == procedure::NULLING_RESIDUAL
                 || recording.columns.keys().any(|name| is_drive(name)),
             ambient_nt: ambient(recording, rows),
@@ -134,9 +150,10 @@ impl<'a> Context<'a> {
             attitude: attitude(recording)?,
             reference_nt: (recording.procedure == procedure::DIFFERENTIAL)
                 .then(|| reference(recording, rows)),
+            noise_nt: Vec::new(),
             unit: if has(Unit::Nanotesla) && !has(Unit::Volt) { Unit::Nanotesla } else { Unit::Volt },
             references,
-            clock_s: start.map_or(0.0, |start| start.unix_s - beginning(document).unwrap_or(start.unix_s)),
+            clock_s: start.map_or(0.0, |start| start.unix_s - references.beginning_s.unwrap_or(start.unix_s)),
             local_start_s: start.map(|start| start.local_s()),
             positions_m: positions.map(|positions| {
                 Axis::ALL.map(|axis| positions.get(axis).map_or_else(Vector3::zeros, |p| Vector3::from(*p)))
@@ -182,9 +199,16 @@ impl<'a> Context<'a> {
         self.optional(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
     }
 
-    /// A column, or the condition of that name, where there is one.
+    /// A column, or the condition of that name, where there is one. Missing samples are bridged by straight lines where
+    /// the times are known.
     pub fn optional(&self, name: &str) -> Option<Cow<'a, [f64]>> {
-        series(self.recording, name)
+        let series = series(self.recording, name)?;
+        match self.recording.column("time_s") {
+            Some(time) if series.iter().any(|value| value.is_nan()) && time.iter().all(|t| t.is_finite()) => {
+                Some(Cow::Owned(bridged(time, series.into_owned())))
+            }
+            _ => Some(series),
+        }
     }
 
     /// R of a row.
@@ -197,6 +221,25 @@ impl<'a> Context<'a> {
         match self.ambient_nt.as_slice() {
             [throughout] => *throughout,
             rows => rows[row],
+        }
+    }
+
+    /// An angle from its column in rad or in deg, rad.
+    pub fn angle(&self, name: &str) -> Option<Cow<'a, [f64]>> {
+        self.optional(&format!("{name}_rad")).or_else(|| {
+            let degrees = self.optional(&format!("{name}_deg"))?;
+            Some(Cow::Owned(degrees.iter().map(|angle| angle.to_radians()).collect()))
+        })
+    }
+
+    /// What is left of a wave of a frequency in samples that are means over `conditions.integration_s`: sin(πfw)/(πfw).
+    pub(crate) fn averaged<T: Real>(&self, frequency_hz: T) -> T {
+        match self.recording.conditions.integration_s {
+            Some(width) if width > 0.0 && frequency_hz.re() != 0.0 => {
+                let angle = frequency_hz * (std::f64::consts::PI * width);
+                angle.sin() / angle
+            }
+            _ => T::from(1.0),
         }
     }
 
@@ -296,7 +339,9 @@ fn ambient(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
         let value = recording.conditions.extra.get(&format!("ambient_{axis}_nt"));
         value.and_then(|value| value.as_f64()).unwrap_or(0.0)
     });
-    let position = recording.column("position");
+    let reversal =
+        [procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT].contains(&recording.procedure.as_str());
+    let position = recording.column("position").filter(|_| reversal);
     if position.is_none() && columns.iter().all(Option::is_none) {
         return vec![Vector3::from(constant)];
     }

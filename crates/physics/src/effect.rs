@@ -78,6 +78,10 @@ pub enum Stage {
     Sensor,
     /// Output of the electronics, as field.
     Electronics,
+    /// The same at the times at which it is truly taken; the noise of a reading comes in here.
+    Sampling,
+    /// What the converter makes of it.
+    Converter,
     /// What the logger stores, as field.
     Logger,
 }
@@ -102,7 +106,7 @@ pub enum Role {
     Amplitude,
     /// A time constant, a level, a period: positive, and not linear.
     Shape,
-    /// A moment of `time_s`: the contribution jumps there, so that its derivative says nothing.
+    /// A moment or a span of `time_s` of one recording: the contribution jumps there, so that its derivative says nothing.
     Epoch,
 }
 
@@ -202,6 +206,8 @@ pub struct EffectInstance {
     pub axis: Option<Axis>,
     /// The housekeeping column that it follows, for an effect that does.
     pub column: Option<String>,
+    /// The recording in which it acts; absent: all.
+    pub recording: Option<String>,
     /// Values, in the order of the effect's parameters.
     pub parameters: Vec<f64>,
 }

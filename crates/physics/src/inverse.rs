@@ -44,17 +44,30 @@ pub fn field_in_sen(
     let values: Vec<&[f64]> = effects.iter().map(|effect| effect.parameters.as_slice()).collect();
     let chain = Chain { basic, effects, values: &values, context };
     let mut field = vec![Vector3::zeros(); readings.len()];
+    // A row without a reading, or without a prediction, has no field; memory bridges it like any missing sample.
+    let missing = Vector3::repeat(f64::NAN);
+    let lost = |row: &Vector3<f64>| row.iter().any(|value| !value.is_finite());
+    field
+        .iter_mut()
+        .zip(readings)
+        .filter(|(_, reading)| lost(reading))
+        .for_each(|(field, _)| *field = missing);
     let mut missed_nt = f64::INFINITY;
     for _ in 0..PASSES {
         let predicted = chain.read(&field, &coil_nt)?;
         missed_nt = 0.0;
         for ((field, predicted), reading) in field.iter_mut().zip(&predicted).zip(readings) {
+            if lost(field) {
+                continue;
+            }
+            if lost(predicted) {
+                *field = missing;
+                continue;
+            }
             let difference =
                 Vector3::from_fn(|i, _| (reading[i] - predicted[i]) * basic.sensors[i].sensitivity);
-            if difference.iter().all(|d| d.is_finite()) {
-                missed_nt = f64::max(missed_nt, difference.amax());
-                *field += unmix * difference;
-            }
+            missed_nt = f64::max(missed_nt, difference.amax());
+            *field += unmix * difference;
         }
         if missed_nt <= TOLERANCE_NT || !missed_nt.is_finite() {
             break;
@@ -63,11 +76,6 @@ pub fn field_in_sen(
     // Rounding in fields of 64 000 nT leaves some 1e-11 nT.
     if missed_nt > TOLERANCE_NT {
         return Err(refuse(PASSES, missed_nt));
-    }
-    for (field, reading) in field.iter_mut().zip(readings) {
-        if reading.iter().any(|value| !value.is_finite()) {
-            *field = Vector3::repeat(f64::NAN);
-        }
     }
     Ok(field)
 }

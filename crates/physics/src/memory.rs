@@ -1,12 +1,18 @@
 //! State equations of effects with memory, over the recording's own times, whatever the steps.
 //!
 //! Between its samples a signal is the cubic through them whose slopes are the central differences (those of
-//! `numpy.gradient`). A step more than four times as long as a neighbour is a gap: there the line is straight.
+//! `numpy.gradient`), with two exceptions. A step more than four times as long as a neighbour is a gap: there the line is
+//! straight. Where the drive is held, before and after a jump, the slope of a field is zero, so that nothing answers to a jump
+//! before it comes. Beyond its ends a signal goes on straight for one step and is constant from there.
+//!
+//! All of this is linear in the signal: which steps are gaps and where the drive is held depends on what was set alone.
 
 use crate::Real;
 
 /// A step longer than this many times a neighbouring one is a gap.
 const GAP: f64 = 4.0;
+/// A step whose slope is less than this share of a neighbour's is flat.
+const FLAT: f64 = 0.02;
 /// Steps that differ by less than this share are one.
 const SAME_STEP: f64 = 1e-9;
 
@@ -14,6 +20,18 @@ const SAME_STEP: f64 = 1e-9;
 pub struct Signal<'a, T> {
     time_s: &'a [f64],
     x: Vec<T>,
+    held: &'a [bool],
+}
+
+/// What a lag was before the first row.
+#[derive(Clone, Copy, Debug)]
+pub enum Before<T> {
+    /// In equilibrium with the first sample.
+    Equilibrium,
+    /// Following a signal that moved as it does in the first step.
+    Moving,
+    /// At a value.
+    At(T),
 }
 
 /// One step of a signal: x(s) = a + b s + c s² + d s³ for s = 0..1 over `step_s` seconds.
@@ -26,15 +44,23 @@ impl<'a, T: Real> Signal<'a, T> {
     /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by the
     /// straight line between its neighbours.
     pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
-        Self { time_s, x: bridged(time_s, x) }
+        Self { time_s, x: bridged(time_s, x), held: &[] }
+    }
+
+    /// The same with slopes of zero in the rows where the drive is held; see [`held`].
+    pub fn holding(self, held: &'a [bool]) -> Self {
+        Self { held, ..self }
     }
 
     fn step_s(&self, row: usize) -> f64 {
         self.time_s[row + 1] - self.time_s[row]
     }
 
-    /// Central difference at a row, one-sided at the ends and beside a step of no length.
+    /// Central difference at a row, one-sided at the ends and beside a step of no length; zero where the signal is held.
     fn slope(&self, row: usize) -> T {
+        if self.held.get(row) == Some(&true) {
+            return T::from(0.0);
+        }
         let over = |from: usize| (self.x[from + 1] - self.x[from]) / self.step_s(from);
         let before = if row > 0 { self.step_s(row - 1) } else { 0.0 };
         let after = if row + 1 < self.x.len() { self.step_s(row) } else { 0.0 };
@@ -62,12 +88,21 @@ impl<'a, T: Real> Signal<'a, T> {
         (row > 0 && longer(row - 1)) || (row + 2 < self.time_s.len() && longer(row + 1))
     }
 
-    /// First-order lag τ y' = x − y, exact for the signal. `initial` is y at the first row; None: in equilibrium with x.
+    /// First-order lag τ y' = x − y, exact for the signal.
     ///
     /// Over a step h with u = h/τ: y₊ = y e^(−u) + Σ p_k w_k(u), w_k = u ∫₀¹ e^(−u(1−s)) s^k ds.
-    pub fn lagged(&self, tau_s: T, initial: Option<T>) -> Vec<T> {
+    pub fn lagged(&self, tau_s: T, before: Before<T>) -> Vec<T> {
         let Some(first) = self.x.first() else { return Vec::new() };
-        let mut y = initial.unwrap_or(*first);
+        let mut y = match before {
+            Before::Equilibrium => *first,
+            Before::At(value) => value,
+            // A straight line for one step before the first row, constant before that.
+            Before::Moving if self.x.len() > 1 && self.step_s(0) > 0.0 && !self.is_gap(0) => {
+                let left = (-tau_s.recip() * self.step_s(0)).exp();
+                *first - self.slope(0) * tau_s * (-left + 1.0)
+            }
+            Before::Moving => *first,
+        };
         let mut lagged = Vec::with_capacity(self.x.len());
         lagged.push(y);
         let (mut known, mut decay, mut weights) = (f64::NAN, T::from(0.0), [T::from(0.0); 4]);
@@ -91,69 +126,41 @@ impl<'a, T: Real> Signal<'a, T> {
         lagged
     }
 
-    /// The signal at times t − delay(row); constant before the first row and after the last.
+    /// The signal at times t − delay(row).
     pub fn delayed(&self, delay_s: impl Fn(usize) -> T) -> Vec<T> {
-        let last = self.time_s.len() - 1;
         let mut row = 0;
         (0..self.x.len())
             .map(|at| {
                 let when = -delay_s(at) + self.time_s[at];
-                let t = when.re();
-                if t <= self.time_s[0] {
-                    return self.x[0];
-                }
-                if t >= self.time_s[last] {
-                    return self.x[last];
-                }
-                while row > 0 && self.time_s[row] > t {
-                    row -= 1;
-                }
-                while row + 1 < last && self.time_s[row + 1] <= t {
-                    row += 1;
-                }
-                let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row);
-                let s = (when - self.time_s[row]) / step_s;
-                a + s * (b + s * (c + s * d))
+                self.at(when, &mut row)
             })
             .collect()
     }
-}
 
-impl<T: Real> Signal<'_, T> {
-    /// The mean over `width_s` about each row: what a logger stores that averages. Constant beyond the ends.
-    pub fn averaged(&self, width_s: f64) -> Vec<T> {
+    /// The value at a time; `row` is where the search begins and where it ended.
+    fn at(&self, when: T, row: &mut usize) -> T {
         let last = self.x.len() - 1;
-        let mut first = 0;
-        (0..=last)
-            .map(|row| {
-                let (from, to) = (self.time_s[row] - width_s / 2.0, self.time_s[row] + width_s / 2.0);
-                while first < last && self.time_s[first + 1] <= from {
-                    first += 1;
-                }
-                // About the row's own value, so that long sums do not lose it.
-                let own = self.x[row];
-                let before = (self.time_s[0] - from).clamp(0.0, width_s);
-                let after = (to - self.time_s[last]).clamp(0.0, width_s);
-                let mut sum = (self.x[0] - own) * before + (self.x[last] - own) * after;
-                for step in (first..last).take_while(|step| self.time_s[*step] < to) {
-                    let cubic = self.cubic(step);
-                    if cubic.step_s > 0.0 {
-                        let share = |t: f64| ((t - self.time_s[step]) / cubic.step_s).clamp(0.0, 1.0);
-                        sum += cubic.integral(share(from), share(to), own);
-                    }
-                }
-                own + sum / width_s
-            })
-            .collect()
-    }
-}
-
-impl<T: Real> Cubic<T> {
-    /// ∫ (x − level) dt over a share of the step.
-    fn integral(&self, from: f64, to: f64, level: T) -> T {
-        let [a, b, c, d] = self.powers;
-        let up_to = |s: f64| ((a - level) + (b / 2.0 + (c / 3.0 + d / 4.0 * s) * s) * s) * s;
-        (up_to(to) - up_to(from)) * self.step_s
+        let t = when.re();
+        // Beyond the ends: straight for one step, then constant.
+        if last == 0 || t <= self.time_s[0] {
+            let reach = if last > 0 && !self.is_gap(0) { self.step_s(0) } else { 0.0 };
+            let away = if t < self.time_s[0] - reach { T::from(-reach) } else { when - self.time_s[0] };
+            return if reach > 0.0 { self.x[0] + self.slope(0) * away } else { self.x[0] };
+        }
+        if t >= self.time_s[last] {
+            let reach = if self.is_gap(last - 1) { 0.0 } else { self.step_s(last - 1) };
+            let away = if t > self.time_s[last] + reach { T::from(reach) } else { when - self.time_s[last] };
+            return if reach > 0.0 { self.x[last] + self.slope(last) * away } else { self.x[last] };
+        }
+        while *row > 0 && self.time_s[*row] > t {
+            *row -= 1;
+        }
+        while *row + 1 < last && self.time_s[*row + 1] <= t {
+            *row += 1;
+        }
+        let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(*row);
+        let s = (when - self.time_s[*row]) / step_s;
+        a + s * (b + s * (c + s * d))
     }
 }
 
@@ -162,7 +169,8 @@ impl Signal<'_, f64> {
     pub fn integral(&self) -> Vec<f64> {
         let mut sum = 0.0;
         let steps = (1..self.x.len()).map(|row| {
-            sum += self.cubic(row - 1).integral(0.0, 1.0, 0.0);
+            let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row - 1);
+            sum += step_s * (a + b / 2.0 + c / 3.0 + d / 4.0);
             sum
         });
         std::iter::once(0.0).take(self.x.len()).chain(steps).collect()
@@ -189,8 +197,33 @@ fn moments<T: Real>(u: T) -> [T; 4] {
     [(one - w1) * u, w1, w2, w3]
 }
 
+/// The rows at an end of a step in which every series of a drive is held: it is [`FLAT`] times less steep than beside it, where
+/// at least one jumps. A crest between two equal samples is not held. Empty where no row is.
+pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
+    let rate = |step: usize, k: usize| match time_s[step + 1] - time_s[step] {
+        length if length > 0.0 => (drive[step + 1][k] - drive[step][k]) / length,
+        _ => 0.0,
+    };
+    let steps = drive.len().min(time_s.len()).saturating_sub(1);
+    let mut rows = vec![false; drive.len()];
+    for step in 0..steps {
+        let mut jumps = false;
+        let flat = (0..N).all(|k| {
+            let before = if step > 0 { rate(step - 1, k) } else { 0.0 };
+            let after = if step + 1 < steps { rate(step + 1, k) } else { 0.0 };
+            let beside = before.abs().max(after.abs());
+            jumps |= beside > 0.0;
+            rate(step, k).abs() <= FLAT * beside && before * after >= 0.0
+        });
+        if flat && jumps && time_s[step + 1] > time_s[step] {
+            (rows[step], rows[step + 1]) = (true, true);
+        }
+    }
+    if rows.contains(&true) { rows } else { Vec::new() }
+}
+
 /// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are missing.
-fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
+pub(crate) fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
     if x.iter().all(|x| x.re().is_finite()) {
         return x;
     }
@@ -223,12 +256,17 @@ mod tests {
         let time = [0.0, 0.1, 0.15, 1.0, 1.0, 7.5, 30.0];
         let ramp: Vec<f64> = time.iter().map(|t| 2.0 * t).collect();
         let tau = 3.0;
-        for (t, y) in time.iter().zip(Signal::new(&time, ramp).lagged(tau, None)) {
+        for (t, y) in time.iter().zip(Signal::new(&time, ramp.clone()).lagged(tau, Before::Equilibrium)) {
             assert!((y - 2.0 * (t - tau * (1.0 - (-t / tau).exp()))).abs() < 1e-12);
+        }
+        // Having moved like that for one step before: the ramp began at −0.1 s.
+        for (t, y) in time.iter().zip(Signal::new(&time, ramp).lagged(tau, Before::Moving)) {
+            let began = t + 0.1;
+            assert!((y + 0.2 - 2.0 * (began - tau * (1.0 - (-began / tau).exp()))).abs() < 1e-12);
         }
         // A constant 5 from 0: 5 (1 − e^(−t/τ)); the missing sample changes nothing.
         let level = [5.0, 5.0, f64::NAN, 5.0, 5.0, 5.0, 5.0];
-        for (t, y) in time.iter().zip(Signal::new(&time, level.to_vec()).lagged(tau, Some(0.0))) {
+        for (t, y) in time.iter().zip(Signal::new(&time, level.to_vec()).lagged(tau, Before::At(0.0))) {
             assert!((y - 5.0 * (1.0 - (-t / tau).exp())).abs() < 1e-12);
         }
     }
@@ -241,7 +279,7 @@ mod tests {
         for tau in [0.001, 0.01, 0.2, 3.0] {
             let gain = 1.0 / f64::sqrt(1.0 + tau * tau);
             let signal = Signal::new(&time, x.clone());
-            let lagged = signal.lagged(tau, None);
+            let lagged = signal.lagged(tau, Before::Moving);
             let worst = (3000..3999)
                 .map(|row| (lagged[row] - gain * (time[row] - tau.atan()).sin()).abs())
                 .fold(0.0, f64::max);
@@ -254,21 +292,31 @@ mod tests {
     }
 
     #[test]
-    fn the_mean_of_a_sine_over_a_window() {
-        // sin t · sin(w/2)/(w/2); a constant and a ramp keep their value.
-        let time: Vec<f64> = (0..2000).map(|row| f64::from(row) * 0.05).collect();
-        let x: Vec<f64> = time.iter().map(|t| 5e4 + t.sin()).collect();
-        let signal = Signal::new(&time, x);
-        for width in [0.01f64, 0.05, 0.77] {
-            let gain = (width / 2.0).sin() / (width / 2.0);
-            for (row, mean) in signal.averaged(width).iter().enumerate().take(1900).skip(100) {
-                assert!((mean - 5e4 - gain * time[row].sin()).abs() < 1e-6, "{width}: {row}");
-            }
-        }
-        let ramp = Signal::new(&time[..3], vec![1.0f64, 2.0, 3.0]);
-        assert!((ramp.averaged(0.05)[1] - 2.0).abs() < 1e-12);
-        // Half of the window lies before the first row, where the value is the first.
-        assert!((ramp.averaged(0.1)[0] - 1.25).abs() < 1e-12);
+    fn nothing_answers_to_a_jump_before_it_comes() {
+        let time: Vec<f64> = (0..8).map(f64::from).collect();
+        let drive = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
+        let mask = held(&time, &drive.map(|x| [x]));
+        assert_eq!(mask, [false, true, true, true, true, false, false, false]);
+        let signal = Signal::new(&time, drive.to_vec()).holding(&mask);
+        let lagged: Vec<f64> = signal.lagged(0.1, Before::Moving);
+        assert!(lagged[..3].iter().all(|y| *y == 0.0) && (lagged[4] - 1.0).abs() < 1e-3, "{lagged:?}");
+        assert_eq!(signal.delayed(|_| 0.2)[2], 0.0);
+        // A crest between two equal samples is no plateau, nor is a drive beside which another one moves.
+        let crest: Vec<[f64; 1]> = time.iter().map(|t| [-(t - 3.5) * (t - 3.5)]).collect();
+        assert!(held(&time, &crest).is_empty());
+        let both: Vec<[f64; 2]> = drive.iter().zip(&time).map(|(x, t)| [*x, 0.1 * t]).collect();
+        assert!(held(&time, &both).is_empty());
+    }
+
+    #[test]
+    fn beyond_the_ends_it_is_straight_for_one_step() {
+        let time = [0.0, 1.0, 2.0];
+        let signal = Signal::new(&time, vec![0.0, 1.0, 2.0]);
+        let shifted = |delay: f64| signal.delayed(|_| delay);
+        assert_eq!(shifted(0.5), [-0.5, 0.5, 1.5]);
+        assert_eq!(shifted(5.0), [-1.0, -1.0, -1.0]);
+        assert_eq!(shifted(-9.0), [3.0, 3.0, 3.0]);
+        assert!(Signal::<f64>::new(&[], Vec::new()).delayed(|_| 1.0).is_empty());
     }
 
     #[test]

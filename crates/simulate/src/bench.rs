@@ -10,7 +10,7 @@ use crate::plan::{Plan, Timing};
 use crate::planned::Step;
 
 /// Rows that a campaign may have in all its recordings together.
-pub const MOST_ROWS: f64 = 1e8;
+pub const MOST_ROWS: f64 = 5e7;
 
 /// What the operator knows and has.
 pub struct Bench<'a> {
@@ -36,6 +36,9 @@ impl Bench<'_> {
             return Err(Error::document(format!("{path}.sensors"), "an empty list", "at least one sensor"));
         }
         let instrument = self.plan.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
+        if instrument.as_ref().is_some_and(Vec::is_empty) {
+            return Err(Error::document("instrument.sensors", "an empty list", "at least one sensor"));
+        }
         Ok(own.clone().or(instrument).unwrap_or_else(|| Axis::ALL.to_vec()))
     }
 
@@ -169,6 +172,14 @@ pub fn positive(path: &str, key: &str, value: f64) -> Result<(), Error> {
     }
 }
 
+/// Refuses a list without content.
+pub fn filled<T>(path: &str, key: &str, list: &[T]) -> Result<(), Error> {
+    if list.is_empty() {
+        return Err(Error::document(format!("{path}.{key}"), "an empty list", "at least one entry"));
+    }
+    Ok(())
+}
+
 /// Refuses a negative standard deviation.
 pub fn deviation(path: &str, key: &str, value: f64) -> Result<(), Error> {
     if value >= 0.0 {
@@ -183,7 +194,8 @@ pub fn samples(path: &str, count: f64, least: f64) -> Result<f64, Error> {
     if (least..=MOST_ROWS).contains(&count) {
         return Ok(count);
     }
-    let found = format!("{count:.3e} samples in one recording");
+    let count = if count < 1e6 { format!("{count}") } else { format!("{count:.3e}") };
+    let found = format!("{count} samples in one recording");
     Err(Error::document(path, found, format!("at least {least} and at most {MOST_ROWS:.0e}")))
 }
 

@@ -1,12 +1,13 @@
 //! A whole campaign: every procedure of a plan, with what is true behind it.
 
-use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Recording};
+use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Noise, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, EffectInstance, References, Unit, frames};
+use std::collections::HashSet;
 
-use crate::bench::{Bench, MOST_ROWS};
+use crate::bench::{Bench, MOST_ROWS, positive};
 use crate::make::{self, World};
-use crate::plan::{CalibrationPart, DriveRecord, Plan};
+use crate::plan::{CalibrationPart, DriveRecord, Plan, Timing, TruthPlan};
 use crate::planned::Planned;
 use crate::schedule::{Scheduled, schedule};
 use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
@@ -72,6 +73,7 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         DriveRecord::Current => None,
         DriveRecord::Voltage => Some(Electrical::draw(plan)?),
     };
+    let wander = make::wander(plan, &set, &written)?;
     let world = World {
         plan,
         document: &true_document,
@@ -82,14 +84,14 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         residual_field_nt: vector(plan.truth.residual_field_nt.as_ref()),
         shield_field_nt: vector(plan.truth.shield_field_nt.as_ref()),
         electrical: electrical.as_ref(),
-        wander: make::wander(plan, &set, &written)?,
+        wander: wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt)).collect(),
     };
     document.recordings = world.recordings(set, &written)?;
     let truth = Truth {
         fluxcal: FORMAT_VERSION,
         seed: plan.seed,
         residual_field_nt: world.residual_field_nt.into(),
-        offset_wander: world.wander,
+        offset_wander: wander,
         shield_field_nt: plan.truth.shield_field_nt.clone(),
         coil_profile: plan.truth.coil_profile.clone(),
         electrical,
@@ -127,16 +129,17 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
         return Err(Error::document("procedures", "an empty list", "at least one procedure"));
     }
     check_noise(plan)?;
-    let unit = unit(&document);
+    check_timing(&plan.timing)?;
+    let unit = unit(&document, &plan.truth);
     let stated = Basic::of(&document, unit);
-    let true_document = Document {
+    let mut true_document = Document {
         calibration: Some(true_calibration(plan)?),
         model: plan.truth.model.clone(),
         facility: plan.facility.clone().map(|facility| Facility { theodolite_arcsec: None, ..facility }),
         ..document.clone()
     };
     let effects = physics::adopt(&true_document).map_err(|error| error.at("truth.model"))?;
-    let basic = unit_directions(Basic::of(&true_document, unit))?;
+    let basic = unit_directions(Basic::of(&true_document, unit), &mut true_document)?;
     let bench = Bench { plan, document: &document, stated: &stated, truth: &basic };
     let mut rows = 0.0;
     for (index, procedure) in plan.procedures.iter().enumerate() {
@@ -152,6 +155,8 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
         planned.extend(procedure.sequence().plan(&bench, &format!("procedures[{index}]"))?);
     }
     let scheduled = schedule(plan, planned)?;
+    check_ids(&scheduled)?;
+    check_columns(&effects, &scheduled)?;
     if let Some(calibration) = &mut document.calibration {
         for part in &plan.unstated {
             match part {
@@ -165,43 +170,127 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     Ok(Prepared { document, true_document, basic, effects, unit, scheduled })
 }
 
-/// The instrument's noise can be made.
+/// Every noise of the plan can be made.
 fn check_noise(plan: &Plan) -> Result<(), Error> {
-    let Some(instrument) = &plan.instrument else { return Ok(()) };
+    let mut all: Vec<(String, &Noise)> = Vec::new();
+    let outside = plan.truth.outside.as_ref();
     for axis in Axis::ALL {
-        let exponent = instrument.noise_of(axis).and_then(|noise| noise.flicker_exponent).unwrap_or(1.0);
+        let instrument = plan.instrument.as_ref().and_then(|instrument| instrument.noise_of(axis));
+        all.extend(instrument.map(|noise| ("instrument.noise".to_string(), noise)));
+    }
+    let of_outside = outside.map(|outside| {
+        let unrest = outside.storm.as_ref().and_then(|storm| storm.unrest.as_ref());
+        [
+            ("background", outside.background.as_ref()),
+            ("station", outside.station.as_ref()),
+            ("storm.unrest", unrest),
+        ]
+    });
+    for (key, noise) in of_outside.into_iter().flatten() {
+        all.extend(noise.map(|noise| (format!("truth.outside.{key}"), noise)));
+    }
+    for (site, noise) in plan.truth.site.iter().flat_map(|site| site.all()) {
+        all.push((format!("truth.site.{}.noise", site.name()), &noise.noise));
+    }
+    all.extend(plan.truth.offset_wander.iter().map(|noise| ("truth.offset_wander".to_string(), noise)));
+    let reference = plan.truth.differential.as_ref().and_then(|two| two.reference_noise.as_ref());
+    all.extend(reference.map(|noise| ("truth.differential.reference_noise".to_string(), noise)));
+    for (path, noise) in all {
+        let exponent = noise.flicker_exponent.unwrap_or(1.0);
         if !(0.0..=2.0).contains(&exponent) {
-            let path = "instrument.noise.flicker_exponent";
+            let expected = "an exponent from 0 (white) to 2 (random walk)";
+            return Err(Error::document(format!("{path}.flicker_exponent"), exponent.to_string(), expected));
+        }
+    }
+    if let Some(storm) = outside.and_then(|outside| outside.storm.as_ref()) {
+        positive("truth.outside.storm", "growth_s", storm.growth_s)?;
+        positive("truth.outside.storm", "recovery_s", storm.recovery_s)?;
+    }
+    Ok(())
+}
+
+/// Times that run forwards.
+fn check_timing(timing: &Timing) -> Result<(), Error> {
+    for (key, value) in [
+        ("field_settle_s", timing.field_settle_s),
+        ("orientation_s", timing.orientation_s),
+        ("temperature_settle_s", timing.temperature_settle_s),
+        ("reversal_s", timing.reversal_s),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return Err(Error::document(
+                format!("timing.{key}"),
+                value.to_string(),
+                "a time that is not negative",
+            ));
+        }
+    }
+    positive("timing", "reading_s", timing.reading_s)
+}
+
+/// An effect that follows a column has it in some recording.
+fn check_columns(effects: &[EffectInstance], scheduled: &[Scheduled]) -> Result<(), Error> {
+    for (index, effect) in effects.iter().enumerate() {
+        let Some(column) = &effect.column else { continue };
+        if !scheduled.iter().any(|scheduled| make::holds(&scheduled.planned.recording, column)) {
+            let path = format!("truth.model.effects[{index}].column");
             return Err(Error::document(
                 path,
-                exponent.to_string(),
-                "an exponent from 0 (white) to 2 (random walk)",
+                format!("\"{column}\""),
+                "a column that one of the recordings has",
             ));
         }
     }
     Ok(())
 }
 
-fn unit_directions(mut basic: Basic) -> Result<Basic, Error> {
-    for axis in 0..3 {
-        for (matrix, key) in [(&mut basic.eta, "coils"), (&mut basic.mu, "sensors")] {
+/// Each recording has an id of its own.
+fn check_ids(scheduled: &[Scheduled]) -> Result<(), Error> {
+    let mut seen = HashSet::new();
+    for Scheduled { planned, .. } in scheduled {
+        if !seen.insert(planned.recording.id.as_str()) {
+            let found = format!("a second recording \"{}\"", planned.recording.id);
+            let expected = "ids of recordings that are unique; change the procedure's `id`, or name each sensor and coil once";
+            return Err(Error::document(planned.path.clone(), found, expected));
+        }
+    }
+    Ok(())
+}
+
+/// Makes the columns of μ and η unit vectors, in the chain and in what is told of the truth.
+fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, Error> {
+    let axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
+    let (mut sensors, mut coils) = match axes {
+        Some(axes) => (axes.sensors.as_mut(), axes.coils.as_mut()),
+        None => (None, None),
+    };
+    for (matrix, told, key) in
+        [(&mut basic.eta, &mut coils, "coils"), (&mut basic.mu, &mut sensors, "sensors")]
+    {
+        for axis in 0..3 {
             let length = matrix.column(axis).norm();
             if (length - 1.0).abs() > 1e-3 {
                 let path = format!("truth.calibration.axes.{key}.matrix");
                 let found = format!("a column of length {length:.6}");
-                return Err(Error::document(path, found, "columns that are unit vectors"));
+                let expected = "columns that are unit vectors, here or, where the truth says nothing, in `calibration.axes`";
+                return Err(Error::document(path, found, expected));
             }
             matrix.column_mut(axis).normalize_mut();
+        }
+        if let Some(told) = told.as_mut().and_then(|told| told.matrix.as_mut()) {
+            *told = frames::rows(matrix);
         }
     }
     Ok(basic)
 }
 
-/// Volts where a sensitivity in nT/V is stated.
-fn unit(stated: &Document) -> Unit {
+/// Volts where a sensitivity in nT/V is stated or true.
+fn unit(stated: &Document, truth: &TruthPlan) -> Unit {
     let nominal = stated.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v).is_some();
-    let sensors = stated.calibration.as_ref().and_then(|calibration| calibration.sensors.as_ref());
-    let calibrated = sensors.is_some_and(|all| all.iter().any(|(_, s)| s.sensitivity_nt_per_v.is_some()));
+    let calibrated = [&stated.calibration, &truth.calibration].into_iter().flatten().any(|calibration| {
+        let sensors = calibration.sensors.iter().flat_map(|all| all.iter());
+        sensors.into_iter().any(|(_, sensor)| sensor.sensitivity_nt_per_v.is_some())
+    });
     if nominal || calibrated { Unit::Volt } else { Unit::Nanotesla }
 }
 

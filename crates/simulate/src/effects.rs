@@ -171,6 +171,7 @@ const HEAD: &str = "# The effects\n\n\
     which they are listed. B is the field along the sensor at that place, dB what is added to it, in nT; T_S, T_E and T_C are\n\
     `sensor_temperature_c`, `electronics_temperature_c` and `coil_temperature_c`, T_ref the reference conditions. t counts on the\n\
     campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Memory begins anew with each\n\
-    recording, in equilibrium with its first row. Between samples a signal is the cubic whose slopes are the central differences; a step more\n\
-    than four times as long as a neighbour is a gap, and straight. The letters of\n\
-    an equation come in the order of its parameters; their ranges are plausible sizes, not limits.\n";
+    recording: a temperature in equilibrium with its first row, a field as it moves there. Between samples a signal is the cubic whose slopes\n\
+    are the central differences; a step more than four times as long as a neighbour is a gap, and straight; where a drive is held before or\n\
+    after a jump, the slope is zero. The letters of an equation come in the order of its parameters, matrices row by row; their ranges are\n\
+    plausible sizes, not limits. With `recording` an effect acts in that recording only; moments (`time_s`) count from the recording's zero.\n";

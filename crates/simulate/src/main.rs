@@ -114,8 +114,12 @@ fn seeds(text: &str) -> Result<Seeds, String> {
 fn variation(text: &str) -> Result<Variation, String> {
     let (path, values) = text.split_once('=').ok_or("expected PATH=VALUE,VALUE,…")?;
     let list = serde_json::from_str(&format!("[{values}]"));
-    let values = list.map_err(|_| format!("\"{values}\" are no JSON values; put text into double quotes"))?;
-    Ok(Variation { path: path.trim().into(), values })
+    let list: Vec<serde_json::Value> =
+        list.map_err(|_| format!("\"{values}\" are no JSON values; put text into double quotes"))?;
+    if list.is_empty() {
+        return Err("expected at least one value after =".into());
+    }
+    Ok(Variation { path: path.trim().into(), values: list })
 }
 
 fn main() -> ExitCode {
@@ -157,8 +161,9 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
 fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
     let ReplayArgs { io, noise, seed } = args;
     let seed = noise.then_some(*seed);
-    let arguments =
-        ["replay".to_string()].into_iter().chain(seed.map(|seed| format!("--noise --seed={seed}")));
+    let arguments = ["replay".to_string()]
+        .into_iter()
+        .chain(seed.iter().flat_map(|seed| ["--noise".into(), format!("--seed={seed}")]));
     let mut notes = Vec::new();
     let run = |document: Document| {
         let replayed = simulate::replay(&document, seed);
@@ -198,6 +203,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         let truth = if truth_wanted { line(serde_json::to_string(&truth)) } else { String::new() };
         Ok((line(serde_json::to_string(&document)), truth))
     };
+    let mut written = 0;
     // As many at a time as there are threads: the memory does not grow with the number of cases.
     let at_once = rayon::current_num_threads();
     let numbered: Vec<(usize, &Case)> = cases.iter().enumerate().collect();
@@ -211,6 +217,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
             if !documents.write(&document)? {
                 break 'all;
             }
+            written += 1;
             progress.inc(1);
         }
     }
@@ -219,7 +226,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         truths.finish()?;
     }
     documents.finish()?;
-    say(io, &format!("{} documents", cases.len()));
+    say(io, &format!("{written} documents"));
     Ok(())
 }
 
@@ -229,7 +236,8 @@ fn effects(effect: Option<&str>, layout: Layout) -> anyhow::Result<()> {
 
 /// The truth never goes into the document.
 fn apart(io: &Io, truth: &Option<PathBuf>) -> Result<(), Error> {
-    if truth.is_some() && *truth == io.output {
+    let real = |path: &PathBuf| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
+    if truth.is_some() && truth.as_ref().and_then(real) == io.output.as_ref().and_then(real) {
         let words = "--truth and --output name the same file; the truth never goes into the document";
         return Err(Error::Request(words.into()));
     }

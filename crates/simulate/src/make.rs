@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use noise::NoiseError;
 use physics::{Basic, Context, EffectInstance, Kind, References, Unit};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 use crate::outside::Moments;
 use crate::plan::Plan;
@@ -51,8 +52,8 @@ pub struct World<'a> {
     pub shield_field_nt: Vector3<f64>,
     /// Errors of resistors and voltmeter.
     pub electrical: Option<&'a Electrical>,
-    /// Wander of the offsets, by recording.
-    pub wander: Vec<Wander>,
+    /// What is added to the offset, nT, by recording.
+    pub wander: HashMap<String, f64>,
 }
 
 /// Columns by name.
@@ -77,7 +78,7 @@ impl World<'_> {
             let expected = "the natural field (truth.outside) and times, for the station outside";
             return Err(Error::document(format!("{}.outside", written.path), "true", expected));
         }
-        let given_outside = set.column("outside_x_nt").is_some();
+        let given_outside = set.columns.keys().any(|name| name.starts_with("outside_"));
         if let Some(natural) = natural.as_ref().filter(|_| !given_outside) {
             insert(&mut set, outside_columns(by_axis(natural)));
         }
@@ -129,10 +130,12 @@ impl World<'_> {
         natural: Option<&[Vector3<f64>]>,
         failed: impl Fn(NoiseError) -> Error + Copy,
     ) -> Result<Read, Error> {
-        let at = |error: physics::Error| error.at(&written.path);
+        let at = |error: physics::Error| advise(error, &written.path);
         let mut context = Context::new(self.document, set, self.references).map_err(at)?;
         context.unit = self.unit;
         match written.surroundings {
+            // In the natural field, without coils, there is only what the recording says.
+            Surroundings::Coils if !context.in_coils => {}
             Surroundings::Coils => {
                 context.ambient_nt.iter_mut().for_each(|field| *field += self.residual_field_nt);
                 if let (Some(site), Some(moments)) = (&self.plan.truth.site, self.moments(set, written)) {
@@ -150,7 +153,7 @@ impl World<'_> {
             Surroundings::Open => context.ambient_nt = natural.unwrap_or_default().to_vec(),
         }
         match &written.reads {
-            Reads::Sensors(sensors) => self.read_sensors(sensors, &context, written, at, failed),
+            Reads::Sensors(sensors) => self.read_sensors(sensors, context, written, at, failed),
             Reads::Scalar => self.read_scalar(&context, at, failed),
             Reads::Differential => self.read_differential(context, at, failed),
         }
@@ -163,7 +166,7 @@ impl World<'_> {
                 Kind::SunThermoelectric => Some("sun_azimuth_rad"),
                 _ => effect.column.as_deref(),
             };
-            column.is_none_or(|column| recording.column(column).is_some())
+            column.is_none_or(|column| holds(recording, column))
         };
         self.effects.iter().filter(aboard).cloned().collect()
     }
@@ -171,7 +174,7 @@ impl World<'_> {
     fn read_sensors(
         &self,
         sensors: &[Axis],
-        context: &Context<'_>,
+        mut context: Context<'_>,
         written: &Written,
         at: impl Fn(physics::Error) -> Error,
         failed: impl Fn(NoiseError) -> Error,
@@ -181,8 +184,7 @@ impl World<'_> {
             Unit::Volt => instrument.quantisation_v,
             Unit::Nanotesla => instrument.quantisation_nt,
         };
-        let wandered = self.wander.iter().find(|wander| wander.recording == context.recording.id);
-        let wandered = wandered.map_or(0.0, |wander| wander.offset_nt);
+        let wandered = self.wander.get(&context.recording.id).copied().unwrap_or(0.0);
         let time = context.recording.column("time_s");
         let errors = |sensor: &Axis| {
             let name = format!("sensor_{sensor}_{}", self.unit.suffix());
@@ -191,17 +193,18 @@ impl World<'_> {
             let errors = noise::series(&declared, self.plan.seed, &channel, context.rows, time)?;
             Ok((name, errors))
         };
-        let (prediction, errors): (_, Vec<Result<_, NoiseError>>) = rayon::join(
-            || physics::predict(self.basic, &self.effects_in(context.recording), context),
-            || sensors.par_iter().map(errors).collect(),
-        );
-        let readings = prediction.map_err(at)?.readings;
+        let errors: Vec<Result<_, NoiseError>> = sensors.par_iter().map(errors).collect();
         let mut read = errors.into_iter().collect::<Result<Read, _>>().map_err(failed)?;
-        read.par_iter_mut().zip(sensors).for_each(|((_, column), sensor)| {
-            let sensitivity = self.basic.sensors[sensor.index()].sensitivity;
-            for (value, reading) in column.iter_mut().zip(&readings) {
-                *value = reading[sensor.index()] + (*value - wandered) / sensitivity;
+        context.noise_nt = vec![Vector3::zeros(); context.rows];
+        for ((_, errors), sensor) in read.iter().zip(sensors) {
+            for (noise, error) in context.noise_nt.iter_mut().zip(errors) {
+                noise[sensor.index()] = error - wandered;
             }
+        }
+        let prediction = physics::predict(self.basic, &self.effects_in(context.recording), &context);
+        let readings = prediction.map_err(at)?.readings;
+        read.par_iter_mut().zip(sensors).for_each(|((_, column), sensor)| {
+            column.iter_mut().zip(&readings).for_each(|(value, reading)| *value = reading[sensor.index()]);
             noise::quantise(column, width.unwrap_or(0.0) / written.amplification);
         });
         Ok(read)
@@ -235,30 +238,33 @@ impl World<'_> {
         let matrix = truth.reference_matrix();
         let reference: Vec<Vector3<f64>> = context.ambient_nt.iter().map(|field| matrix * field).collect();
         context.reference_nt = Some(reference.clone());
+        let instrument = self.plan.instrument.clone().unwrap_or_default();
+        let time = context.recording.column("time_s");
+        let noise = |prefix: &str, axis: Axis| {
+            let declared = match prefix {
+                "test" => instrument.noise_of(axis).cloned(),
+                _ => truth.reference_noise.clone(),
+            };
+            let channel = format!("{}/{prefix}_{axis}_nt", context.recording.id);
+            noise::series(&declared.unwrap_or_default(), self.plan.seed, &channel, context.rows, time)
+                .map_err(&failed)
+        };
+        let mut errors = vec![Vector3::zeros(); context.rows];
+        for axis in Axis::ALL {
+            errors.iter_mut().zip(noise("test", axis)?).for_each(|(all, error)| all[axis.index()] = error);
+        }
+        let mut reference_read = by_axis(&reference);
+        for (axis, column) in Axis::ALL.into_iter().zip(&mut reference_read) {
+            column.iter_mut().zip(noise("reference", axis)?).for_each(|(value, error)| *value += error);
+        }
+        context.noise_nt = errors;
         let basic = Basic::differential(self.document);
         let effects = self.effects_in(context.recording);
         let test = physics::predict(&basic, &effects, &context).map_err(at)?.readings;
-        let instrument = self.plan.instrument.clone().unwrap_or_default();
-        let time = context.recording.column("time_s");
-        for (prefix, series) in [("reference", reference), ("test", test)] {
-            for (axis, mut column) in Axis::ALL.iter().zip(by_axis(&series)) {
-                let name = format!("{prefix}_{axis}_nt");
-                let declared = match prefix {
-                    "test" => instrument.noise_of(*axis).cloned(),
-                    _ => truth.reference_noise.clone(),
-                };
-                let channel = format!("{}/{name}", context.recording.id);
-                let errors = noise::series(
-                    &declared.unwrap_or_default(),
-                    self.plan.seed,
-                    &channel,
-                    column.len(),
-                    time,
-                )
-                .map_err(&failed)?;
-                column.iter_mut().zip(errors).for_each(|(value, error)| *value += error);
+        for (prefix, series) in [("reference", reference_read), ("test", by_axis(&test))] {
+            for (axis, mut column) in Axis::ALL.iter().zip(series) {
                 noise::quantise(&mut column, instrument.quantisation_nt.unwrap_or(0.0));
-                read.push((name, column));
+                read.push((format!("{prefix}_{axis}_nt"), column));
             }
         }
         Ok(read)
@@ -297,6 +303,28 @@ impl World<'_> {
             read.columns.insert(format!("coil_{coil}_v"), Column(volts));
         }
         Ok(())
+    }
+}
+
+/// Whether a recording has a column, or a condition of that name.
+pub fn holds(recording: &Recording, name: &str) -> bool {
+    recording.column(name).is_some() || recording.conditions.extra.contains_key(name)
+}
+
+/// What an effect lacks, with the key of the plan that gives it.
+fn advise(error: physics::Error, path: &str) -> Error {
+    match error {
+        physics::Error::Missing { who, what, .. } => {
+            let key = if what.contains("temperature") {
+                "; state `temperatures` in the plan"
+            } else if what.contains("outside") {
+                "; state `truth.outside` in the plan"
+            } else {
+                ""
+            };
+            Error::document(path, format!("nothing that {who} could use"), format!("{what}{key}"))
+        }
+        other => other.at(path),
     }
 }
 

@@ -234,6 +234,11 @@ impl SitePlan {
         }
     }
 
+    /// All conditions.
+    pub fn all(&self) -> [(Site, &SiteNoise); 4] {
+        Site::ALL.map(|site| (site, self.of(site)))
+    }
+
     /// The noise at each moment, GEO, nT, by the condition of that moment.
     pub fn field(&self, moments: &Moments<'_>) -> Result<Vec<Vector3<f64>>, NoiseError> {
         let conditions: Vec<Site> =

@@ -58,17 +58,25 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
         let (mut clock_s, mut local_s) = (0.0, None);
         if let Some(start) = start {
             let moment = start.after(begins_s);
-            planned.recording.start = moment.text();
+            planned.recording.start = Some(moment.text().ok_or_else(|| {
+                let found = format!("a recording {begins_s:.3e} s after the beginning");
+                Error::document(planned.path.clone(), found, "dates before the year 10000")
+            })?);
             (clock_s, local_s) = (begins_s, Some(moment.local_s()));
         } else if let Some(time) = planned.recording.columns.get_mut("time_s")
             && planned.begins != Begins::AsItSays
         {
             time.0.iter_mut().for_each(|t| *t += begins_s);
         }
-        if let Some(temperatures) = &plan.temperatures {
-            add_temperatures(temperatures, &mut planned, clock_s, local_s.unwrap_or(MONDAY_S));
-        }
         scheduled.push(Scheduled { planned, begins_s, clock_s, local_s });
+    }
+    // The campaign's clock, as every reader of the document sees it, begins with its first recording.
+    let first_s = scheduled.iter().map(|scheduled| scheduled.clock_s).fold(f64::INFINITY, f64::min);
+    for Scheduled { planned, clock_s, local_s, .. } in &mut scheduled {
+        *clock_s -= first_s;
+        if let Some(temperatures) = &plan.temperatures {
+            add_temperatures(temperatures, planned, *clock_s, local_s.unwrap_or(MONDAY_S));
+        }
     }
     Ok(scheduled)
 }

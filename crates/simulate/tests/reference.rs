@@ -1,4 +1,4 @@
-//! Numbers from outside: a campaign of the basic chain and sixteen effects, recomputed by fixtures/reference/campaign_scipy.py with
+//! Numbers from outside: a campaign of the basic chain and fourteen kinds of effects, recomputed by fixtures/reference/campaign_scipy.py with
 //! SciPy's ODE solver.
 
 use serde_json::Value;

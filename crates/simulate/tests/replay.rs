@@ -120,7 +120,7 @@ fn missing_readings_stay_missing_and_noise_is_added_when_asked() {
     let rms = (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt();
     assert!((2.4..3.7).contains(&rms), "{rms}");
     assert!(column(&noisy, Axis::X).iter().all(|value| value.fract() == 0.0));
-    assert_eq!(noisy.history.last().expect("history").arguments, ["replay", "--noise --seed=4"]);
+    assert_eq!(noisy.history.last().expect("history").arguments, ["replay", "--noise", "--seed=4"]);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use super::prelude::*;
 use crate::context::Thermometer;
 use crate::frames::ARCSEC;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
 /// ΔB = u α + v β, with u and v the SEN fields across the sensor and the angles α, β = (a, b) (T_S − T_ref).
 pub struct AxisTemperature;
@@ -69,7 +69,7 @@ impl Effect for AxisCreep {
         let time = around.context.times(Self::ABOUT.name)?;
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-        let warmer = Signal::new(time, warmer).lagged(parameters[2], None);
+        let warmer = Signal::new(time, warmer).lagged(parameters[2], Before::Equilibrium);
         turn(parameters, |row| warmer[row], signal, around);
         Ok(())
     }

@@ -1,10 +1,10 @@
 use super::prelude::*;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
 const SOURCE: &str = "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
     2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235";
 
-/// The reading follows B through a first-order lag: τ y' = B − y, in equilibrium at the first row. ΔB ≈ −τ dB/dt.
+/// The reading follows B through a first-order lag: τ y' = B − y, following B at the first row. ΔB ≈ −τ dB/dt.
 pub struct LoopBandwidth;
 
 impl Effect for LoopBandwidth {
@@ -30,13 +30,14 @@ impl Effect for LoopBandwidth {
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let lagged = Signal::new(time, signal.iter().map(|value| value[own]).collect());
-        replace(own, lagged.lagged(parameters[0], None), signal);
+        let lagged =
+            Signal::new(time, signal.iter().map(|value| value[own]).collect()).holding(&around.context.held);
+        replace(own, lagged.lagged(parameters[0], Before::Moving), signal);
         Ok(())
     }
 }
 
-/// The reading is the field of a moment ago: y(t) = B(t − d), constant before the first row.
+/// The reading is the field of a moment ago: y(t) = B(t − d).
 pub struct Delay;
 
 impl Effect for Delay {
@@ -61,7 +62,8 @@ impl Effect for Delay {
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let delayed = Signal::new(time, signal.iter().map(|value| value[own]).collect());
+        let delayed =
+            Signal::new(time, signal.iter().map(|value| value[own]).collect()).holding(&around.context.held);
         replace(own, delayed.delayed(|_| parameters[0]), signal);
         Ok(())
     }

@@ -64,9 +64,17 @@ impl Effect for Spike {
         let after = time.partition_point(|t| *t < when);
         let nearest = [after.saturating_sub(1), after.min(time.len().saturating_sub(1))]
             .into_iter()
+            .filter(|row| *row < time.len())
             .min_by(|a, b| (time[*a] - when).abs().total_cmp(&(time[*b] - when).abs()));
-        if let Some(value) = nearest.and_then(|row| signal.get_mut(row)) {
-            value[around.axis.index()] += parameters[0];
+        // Beyond half a step from every row it falls between the rows.
+        let step = |row: usize| {
+            let before = row.checked_sub(1).map(|before| time[row] - time[before]);
+            let after = time.get(row + 1).map(|after| after - time[row]);
+            before.into_iter().chain(after).fold(0.0, f64::max)
+        };
+        let hit = nearest.filter(|row| (time[*row] - when).abs() <= step(*row) / 2.0);
+        if let Some(row) = hit {
+            signal[row][around.axis.index()] += parameters[0];
         }
         Ok(())
     }
@@ -98,9 +106,12 @@ impl Effect for Dropout {
         let time = around.context.times(Self::ABOUT.name)?;
         let (from, to) = (parameters[0].re(), parameters[0].re() + parameters[1].re());
         let own = around.axis.index();
-        for row in 1..signal.len() {
-            if (from..to).contains(&time[row]) {
-                signal[row][own] = signal[row - 1][own];
+        let mut held = None;
+        for (value, t) in signal.iter_mut().zip(time) {
+            match held {
+                Some(last) if (from..to).contains(t) => value[own] = last,
+                _ if value[own].re().is_finite() => held = Some(value[own]),
+                _ => {}
             }
         }
         Ok(())

@@ -17,7 +17,7 @@ impl Effect for ClockOffset {
         equation: "dB = B(t - dt) - B(t), all sensors",
         source: SOURCE,
         place: Place::Logger,
-        stage: Stage::Logger,
+        stage: Stage::Sampling,
         acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("offset_s", 1e-3, 60.0)],
         needs: &["time_s"],
@@ -30,7 +30,7 @@ impl Effect for ClockOffset {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
-        shift(time, |_| parameters[0], signal);
+        shift(around.context, time, |_| parameters[0], signal);
         Ok(())
     }
 }
@@ -47,7 +47,7 @@ impl Effect for ClockRate {
         equation: "dB = B(t - r t) - B(t), all sensors",
         source: SOURCE,
         place: Place::Logger,
-        stage: Stage::Logger,
+        stage: Stage::Sampling,
         acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("rate_ppm", 0.1, 1000.0)],
         needs: &["time_s"],
@@ -61,14 +61,20 @@ impl Effect for ClockRate {
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
         let clock = around.context.clock(Self::ABOUT.name)?;
-        shift(time, |row| parameters[0] * (clock[row] * 1e-6), signal);
+        shift(around.context, time, |row| parameters[0] * (clock[row] * 1e-6), signal);
         Ok(())
     }
 }
 
-fn shift<T: Real>(time: &[f64], delay: impl Fn(usize) -> T, signal: &mut [Vector3<T>]) {
+fn shift<T: Real>(
+    context: &Context<'_>,
+    time: &[f64],
+    delay: impl Fn(usize) -> T,
+    signal: &mut [Vector3<T>],
+) {
     for component in 0..3 {
-        let series = Signal::new(time, signal.iter().map(|value| value[component]).collect());
+        let series =
+            Signal::new(time, signal.iter().map(|value| value[component]).collect()).holding(&context.held);
         replace(component, series.delayed(&delay), signal);
     }
 }

@@ -1,6 +1,6 @@
 use super::prelude::*;
 use crate::context::Thermometer;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
 /// k = k₀ (1 + a (T_C − T_ref)), a in ppm/K; along the coil's axis.
 pub struct CoilTemperature;
@@ -67,7 +67,8 @@ impl Effect for CoilHeating {
         let time = context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
         let squared = context.current_a.iter().map(|current| T::from(current[own].powi(2))).collect();
-        let warmth = Signal::new(time, squared).lagged(parameters[1], Some(T::from(0.0)));
+        let warmth =
+            Signal::new(time, squared).holding(&context.held).lagged(parameters[1], Before::At(T::from(0.0)));
         for (field, warmth) in signal.iter_mut().zip(warmth) {
             let cold = field[own];
             field[own] -= cold * warmth * parameters[0] * 1e-6;
@@ -76,7 +77,7 @@ impl Effect for CoilHeating {
     }
 }
 
-/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, in equilibrium at the first row: the field of currents that oppose the change.
+/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, following the drive at the first row: the field of currents that oppose the change.
 pub struct EddyCurrents;
 
 impl Effect for EddyCurrents {
@@ -106,8 +107,9 @@ impl Effect for EddyCurrents {
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let drive = Signal::new(time, signal.iter().map(|field| field[own]).collect());
-        for (field, lagged) in signal.iter_mut().zip(drive.lagged(parameters[1], None)) {
+        let drive =
+            Signal::new(time, signal.iter().map(|field| field[own]).collect()).holding(&around.context.held);
+        for (field, lagged) in signal.iter_mut().zip(drive.lagged(parameters[1], Before::Moving)) {
             let driven = field[own];
             field[own] -= (driven - lagged) * parameters[0] * 1e-6;
         }

@@ -1,9 +1,14 @@
 use super::prelude::*;
 use std::f64::consts::TAU;
 
-const SOURCE: &str = "Kester (ed.) 2005, The Data Conversion Handbook; IEEE Std 1241";
+const SOURCE: &str = "Kester (ed.) 2005, Data Conversion Handbook; IEEE Std 1241";
 
-/// The reading is a whole number of codes: y = q round(B/q).
+/// What a converter gets is the output, B without the offset O, nT.
+fn offset<T: Real>(around: &Surroundings<'_, T>) -> T {
+    around.basic.sensors[around.axis.index()].offset_nt
+}
+
+/// The reading is a whole number of codes: y = q round(M/q), M = B − O.
 pub struct Quantisation;
 
 impl Effect for Quantisation {
@@ -11,12 +16,12 @@ impl Effect for Quantisation {
         name: "quantisation",
         title: "reading comes in coarse codes",
         physics: "The converter has fewer bits than the field asks for, and the reading is a staircase.",
-        equation: "dB = q round(B / q) - B",
+        equation: "dB = q round(M / q) - M, M = B - O what the converter gets",
         source: SOURCE,
         place: Place::Electronics,
-        stage: Stage::Electronics,
+        stage: Stage::Converter,
         acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::shape("width_nt", 0.01, 50.0)],
+        parameters: &[ParameterInfo::shape("width_nt", 0.02, 60.0)],
         needs: &[],
         invertible: false,
     };
@@ -26,15 +31,18 @@ impl Effect for Quantisation {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
+        let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
-            *own = parameters[0] * (own.re() / parameters[0].re()).round();
+            let reading = *own - offset;
+            let codes = (reading.re() / parameters[0].re()).round();
+            *own = offset + parameters[0] * codes;
         }
         Ok(())
     }
 }
 
-/// ΔB = a sin(2πB/p) + b cos(2πB/p): codes that are wider and narrower in turn, with the period p of a bit.
+/// ΔB = a sin(2πM/p) + b cos(2πM/p), M = B − O: codes that are wider and narrower in turn, with the period p of a bit.
 pub struct DifferentialNonlinearity;
 
 impl Effect for DifferentialNonlinearity {
@@ -42,10 +50,10 @@ impl Effect for DifferentialNonlinearity {
         name: "differential_nonlinearity",
         title: "codes of the converter differ in width",
         physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
-        equation: "dB = a sin(2 pi B / p) + b cos(2 pi B / p)",
+        equation: "dB = a sin(2 pi M / p) + b cos(2 pi M / p), M = B - O",
         source: SOURCE,
         place: Place::Electronics,
-        stage: Stage::Electronics,
+        stage: Stage::Converter,
         acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::amplitude("sine_nt", 0.02, 5.0),
@@ -61,16 +69,17 @@ impl Effect for DifferentialNonlinearity {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
+        let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
-            let phase = *own / parameters[2] * TAU;
+            let phase = (*own - offset) / parameters[2] * TAU;
             *own += parameters[0] * phase.sin() + parameters[1] * phase.cos();
         }
         Ok(())
     }
 }
 
-/// y = B / (1 + (B/L)⁸)^(1/8): the reading approaches ±L smoothly.
+/// y = M / (1 + (M/L)⁸)^(1/8), M = B − O: the reading approaches ±L smoothly.
 pub struct Saturation;
 
 impl Effect for Saturation {
@@ -78,10 +87,10 @@ impl Effect for Saturation {
         name: "saturation",
         title: "reading saturates towards the end of the range",
         physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
-        equation: "dB = B / (1 + (B / L)^8)^(1/8) - B",
+        equation: "dB = M / (1 + (M / L)^8)^(1/8) - M, M = B - O",
         source: SOURCE,
         place: Place::Electronics,
-        stage: Stage::Electronics,
+        stage: Stage::Converter,
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("level_nt", 30_000.0, 200_000.0)],
         needs: &[],
@@ -93,15 +102,17 @@ impl Effect for Saturation {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
+        let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
-            *own *= ((*own / parameters[0]).powi(8) + 1.0).powf(-0.125);
+            let reading = *own - offset;
+            *own = offset + reading * ((reading / parameters[0]).powi(8) + 1.0).powf(-0.125);
         }
         Ok(())
     }
 }
 
-/// y = B within ±L, else ±L.
+/// y = M within ±L, else ±L, M = B − O.
 pub struct Clipping;
 
 impl Effect for Clipping {
@@ -110,12 +121,12 @@ impl Effect for Clipping {
         title: "reading is cut off at a level",
         physics: "The amplifier or the converter ends before the field does: beyond the level every field reads \
             the same.",
-        equation: "dB = min(max(B, -L), L) - B",
+        equation: "dB = min(max(M, -L), L) - M, M = B - O",
         source: SOURCE,
         place: Place::Electronics,
-        stage: Stage::Electronics,
+        stage: Stage::Converter,
         acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::shape("level_nt", 10_000.0, 100_000.0)],
+        parameters: &[ParameterInfo::shape("level_nt", 1_000.0, 100_000.0)],
         needs: &[],
         invertible: false,
     };
@@ -125,10 +136,12 @@ impl Effect for Clipping {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
+        let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
-            if own.re().abs() > parameters[0].re() {
-                *own = parameters[0] * own.re().signum();
+            let reading = (*own - offset).re();
+            if reading.abs() > parameters[0].re() {
+                *own = offset + parameters[0] * reading.signum();
             }
         }
         Ok(())

@@ -113,3 +113,19 @@ impl Effect for OffCentre {
         Ok(())
     }
 }
+
+/// What is known of the coils' gradients (`facility.coils.*.gradient_nt_per_m_a`) at the sensors' known places
+/// (`instrument.positions_m`): a part of the basic chain, in nT along each sensor.
+pub fn add_known_gradient<T: Real>(basic: &Basic<T>, context: &Context<'_>, signal: &mut [Vector3<T>]) {
+    let Some(positions) = &context.positions_m else { return };
+    for coil in Axis::ALL {
+        let gradient = context.gradient_nt_per_m_a[coil.index()];
+        for (row, value) in signal.iter_mut().enumerate().filter(|_| gradient != 0.0) {
+            let strength = gradient * context.current_a[row][coil.index()];
+            for sensor in Axis::ALL {
+                let p = positions[sensor.index()].map(T::from);
+                value[sensor.index()] += seen(basic, context, row, coil, sensor, &p) * strength;
+            }
+        }
+    }
+}

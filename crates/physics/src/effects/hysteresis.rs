@@ -1,6 +1,6 @@
 use super::prelude::*;
 
-/// ΔB = h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c (Duhem).
+/// ΔB = −h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c (Duhem).
 /// Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
 pub struct Hysteresis;
 
@@ -10,7 +10,7 @@ impl Effect for Hysteresis {
         title: "reading lags behind the field in a loop",
         physics: "Domains in the core follow the field only after it has turned by a coercive field, so that the way \
             up and the way down differ by the same amount everywhere but near the turning points.",
-        equation: "dB = h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",
+        equation: "dB = -h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",
         source: "Coleman and Hodgdon 1986, A constitutive relation for rate-independent hysteresis, Int. J. Eng. Sci. \
             24, 897; Ripka 2001, Magnetic Sensors and Magnetometers",
         place: Place::Sensor,
@@ -40,7 +40,7 @@ impl Effect for Hysteresis {
             let end = if change.re() > 0.0 { 1.0 } else { -1.0 };
             let (left, towards) = if change.re() > 0.0 { (-change, end) } else { (change, end) };
             z = (z - towards) * (left / parameters[1]).exp() + towards;
-            *own += parameters[0] * z;
+            *own -= parameters[0] * z;
         }
         Ok(())
     }

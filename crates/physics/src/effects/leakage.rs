@@ -1,7 +1,7 @@
 use super::prelude::*;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
-/// ΔB = g ∘ L in GEO, τ dL/dt = U − L, U the station's variation about its mean, in equilibrium at the first row.
+/// ΔB = g ∘ L in GEO, τ dL/dt = U − L, U the station's variation about its mean.
 pub struct NullingLeakage;
 
 impl Effect for NullingLeakage {
@@ -40,7 +40,7 @@ impl Effect for NullingLeakage {
             let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
             let mean = if count > 0.0 { sum / count } else { 0.0 };
             let variation = Signal::new(time, outside.iter().map(|value| T::from(value - mean)).collect());
-            for (field, leaked) in signal.iter_mut().zip(variation.lagged(parameters[3], None)) {
+            for (field, leaked) in signal.iter_mut().zip(variation.lagged(parameters[3], Before::Moving)) {
                 field[axis.index()] += leaked * parameters[axis.index()] * 1e-6;
             }
         }

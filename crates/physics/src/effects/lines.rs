@@ -1,11 +1,12 @@
 use super::prelude::*;
 use std::f64::consts::TAU;
 
-const SOURCE: &str = "Lowes 2009, DC railways and the magnetic fields they produce, Earth Planets Space 61, i; \
-    Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
+const SOURCE: &str =
+    "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
 
 /// One line in GEO: ΔB = s sin(2πft) + c cos(2πft), t on the campaign's clock. Samples are instantaneous, so that a
-/// line above the Nyquist frequency appears at its alias by itself.
+/// line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s` says that they are
+/// means over w, the line is smaller by sin(πfw)/(πfw).
 macro_rules! line {
     ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $low:literal, $high:literal) => {
         #[doc = $doc]
@@ -40,11 +41,13 @@ macro_rules! line {
                 around: &Surroundings<'_, T>,
             ) -> Result<(), Error> {
                 let clock = around.context.clock($name)?;
+                let share = around.context.averaged(parameters[6]);
                 for (field, t) in signal.iter_mut().zip(clock) {
                     let phase = parameters[6] * (TAU * t);
                     let (sine, cosine) = phase.sin_cos();
                     for axis in 0..3 {
-                        field[axis] += parameters[2 * axis] * sine + parameters[2 * axis + 1] * cosine;
+                        field[axis] +=
+                            (parameters[2 * axis] * sine + parameters[2 * axis + 1] * cosine) * share;
                     }
                 }
                 Ok(())
@@ -56,11 +59,11 @@ macro_rules! line {
 line!(
     Mains,
     "mains",
-    "Field of the mains at 50 or 60 Hz, or of its alias where the frequency is given so.",
+    "Field of the mains at 50 or 60 Hz, or at a harmonic.",
     "mains field",
-    "Currents of the power supply make a field at the mains' frequency, seen at its alias by a slow logger.",
+    "Currents of the power supply make a field at the mains' frequency and its harmonics, seen at an alias by a slow logger.",
     40.0,
-    70.0
+    400.0
 );
 
 line!(

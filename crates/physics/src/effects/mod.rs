@@ -26,14 +26,14 @@ pub use clock::{ClockOffset, ClockRate};
 pub use coil::{CoilHeating, CoilTemperature, EddyCurrents};
 pub use converter::{Clipping, DifferentialNonlinearity, Quantisation, Saturation};
 pub use cross_field::{CrossField, CrossFieldSensitivity};
-pub use gradient::{CoilGradient, OffCentre};
+pub use gradient::{CoilGradient, OffCentre, add_known_gradient};
 pub use hysteresis::{Hysteresis, Perming};
 pub use iron::{HardIron, SoftIron};
 pub use leakage::NullingLeakage;
 pub use lines::{Mains, TractionPower};
 pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
-pub use sites::{InductionDifference, PillarGradient, PillarSettling, PillarTilt};
-pub use spacecraft::{ReactionWheel, StrayCurrent, SunThermoelectric};
+pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};
+pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent, SunThermoelectric};
 pub use surroundings::{VehiclePass, WorkingHours};
 pub use temperature::{
     OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, OffsetTemperature, OffsetTemperatureLag,

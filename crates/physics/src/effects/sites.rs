@@ -2,7 +2,7 @@ use super::iron::{MATRIX, add_matrix};
 use super::prelude::*;
 use crate::context::Thermometer;
 use crate::frames::ARCSEC;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
 /// ΔB = G B at the test instrument, G in ppm: what the field at its pillar differs from the reference's in proportion.
 pub struct PillarGradient;
@@ -34,7 +34,7 @@ impl Effect for PillarGradient {
     }
 }
 
-/// ΔB_z = Σ c_k (B_k − L_k), τ dL_k/dt = B_k − L_k, in equilibrium at the first row: only what is faster than τ counts.
+/// ΔB = C (B − L), τ dL/dt = B − L for each component, C in ppm: only what is faster than τ counts.
 pub struct InductionDifference;
 
 impl Effect for InductionDifference {
@@ -42,16 +42,22 @@ impl Effect for InductionDifference {
         name: "induction_difference",
         title: "induced currents differ between the sites",
         physics: "Rapid variations induce currents in the ground; where it conducts differently below the two pillars, \
-            the vertical component differs in proportion to the faster part of the field.",
-        equation: "dB_z = sum_k c_k (B_k - L_k) 1e-6, tau dL_k/dt = B_k - L_k",
+            the field there differs in proportion to its faster part, the vertical component most.",
+        equation: "dB = C (B - L) 1e-6, tau dL/dt = B - L, C[row][column], row = component added",
         source: "Parkinson 1959, Directions of rapid geomagnetic fluctuations, Geophys. J. 2, 1",
         place: Place::Sites,
         stage: Stage::Block,
         acts: Acts::Everything,
         parameters: &[
-            ParameterInfo::amplitude("north_ppm", 100.0, 500_000.0),
-            ParameterInfo::amplitude("east_ppm", 100.0, 500_000.0),
-            ParameterInfo::amplitude("down_ppm", 100.0, 500_000.0),
+            MATRIX[0],
+            MATRIX[1],
+            MATRIX[2],
+            MATRIX[3],
+            MATRIX[4],
+            MATRIX[5],
+            MATRIX[6],
+            MATRIX[7],
+            MATRIX[8],
             ParameterInfo::shape("time_constant_s", 1.0, 100_000.0),
         ],
         needs: &["time_s", "a differential recording"],
@@ -64,16 +70,15 @@ impl Effect for InductionDifference {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
-        let mut added = vec![T::from(0.0); signal.len()];
-        for axis in 0..3 {
+        let matrix = nalgebra::Matrix3::from_row_slice(&parameters[..9]);
+        let lagged: [Vec<T>; 3] = std::array::from_fn(|axis| {
             let series = Signal::new(time, signal.iter().map(|field| field[axis]).collect());
-            for ((added, lagged), field) in
-                added.iter_mut().zip(series.lagged(parameters[3], None)).zip(signal.iter())
-            {
-                *added += (field[axis] - lagged) * parameters[axis] * 1e-6;
-            }
+            series.lagged(parameters[9], Before::Moving)
+        });
+        for (row, field) in signal.iter_mut().enumerate() {
+            let faster = *field - Vector3::new(lagged[0][row], lagged[1][row], lagged[2][row]);
+            *field += matrix * faster * T::from(1e-6);
         }
-        signal.iter_mut().zip(added).for_each(|(field, added)| field[2] += added);
         Ok(())
     }
 }
@@ -110,7 +115,7 @@ impl Effect for PillarTilt {
         let time = around.context.times(Self::ABOUT.name)?;
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-        let warmer = Signal::new(time, warmer).lagged(parameters[2], None);
+        let warmer = Signal::new(time, warmer).lagged(parameters[2], Before::Equilibrium);
         tilt(parameters, |row| warmer[row], signal);
         Ok(())
     }
@@ -149,11 +154,52 @@ impl Effect for PillarSettling {
     }
 }
 
+/// The block tilts as its tiltmeters say: ΔB = −g ω × B, ω = (tilt_x, tilt_y, 0) from `tilt_x_rad` and `tilt_y_rad`, g in ppm;
+/// a million where the tiltmeters are right.
+pub struct MeasuredTilt;
+
+impl Effect for MeasuredTilt {
+    const ABOUT: About = About {
+        name: "measured_tilt",
+        title: "block tilts as the tiltmeters say",
+        physics: "The ground or the pillar tilts, the tiltmeters beside the sensors see it, and the horizontal sensors take in \
+            a part of the vertical field.",
+        equation: "dB = -g 1e-6 omega x B, omega = (tilt_x, tilt_y, 0)",
+        source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
+            foundation movements, Phys. Earth Planet. Inter. 59, 78",
+        place: Place::Environment,
+        stage: Stage::Block,
+        acts: Acts::Everything,
+        parameters: &[ParameterInfo::amplitude("gain_ppm", 100_000.0, 2_000_000.0)],
+        needs: &["tilt_x_rad", "tilt_y_rad"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let about_x = around.context.column("tilt_x_rad", Self::ABOUT.name)?;
+        let about_y = around.context.column("tilt_y_rad", Self::ABOUT.name)?;
+        let gain = parameters[0] * 1e-6;
+        for (row, field) in signal.iter_mut().enumerate() {
+            *field = tilted(field, gain * about_x[row], gain * about_y[row]);
+        }
+        Ok(())
+    }
+}
+
 /// B − ω × B with ω = (a, b, 0) grown by `by(row)`, a and b in arcsec.
 fn tilt<T: Real>(parameters: &[T], by: impl Fn(usize) -> T, signal: &mut [Vector3<T>]) {
     for (row, field) in signal.iter_mut().enumerate() {
-        let (a, b) = (parameters[0] * by(row) * ARCSEC, parameters[1] * by(row) * ARCSEC);
-        let [x, y, z] = [field[0], field[1], field[2]];
-        *field -= Vector3::new(b * z, -a * z, a * y - b * x);
+        let grown = by(row) * ARCSEC;
+        *field = tilted(field, parameters[0] * grown, parameters[1] * grown);
     }
+}
+
+/// B − ω × B with ω = (a, b, 0), rad.
+fn tilted<T: Real>(field: &Vector3<T>, a: T, b: T) -> Vector3<T> {
+    let [x, y, z] = [field[0], field[1], field[2]];
+    field - Vector3::new(b * z, -a * z, a * y - b * x)
 }

@@ -12,7 +12,7 @@ impl Effect for StrayCurrent {
         physics: "The current of a solar array, a battery or a torquer flows in a loop and makes a field in \
             proportion, fixed to the spacecraft.",
         equation: "dB_sen = c I",
-        source: "Olsen et al. 2020, Magnetic field observations from CryoSat-2, Earth Planets Space 72, 48",
+        source: "Olsen et al. 2020, Magnetic observations from CryoSat-2: calibration and processing of satellite platform magnetometer data, Earth Planets Space 72, 48",
         place: Place::Spacecraft,
         stage: Stage::Block,
         acts: Acts::WithColumn,
@@ -39,52 +39,78 @@ impl Effect for StrayCurrent {
     }
 }
 
-/// ΔB = s sin φ + c cos φ in SEN, dφ/dt = 2π f, f a housekeeping column in Hz.
-pub struct ReactionWheel;
+/// Waves of a rotor: ΔB = s sin φ + c cos φ in SEN, dφ/dt = 2π n f, f a housekeeping column in Hz.
+macro_rules! rotor {
+    ($effect:ident, $name:literal, $doc:literal, $title:literal, $equation:literal, $multiple:literal) => {
+        #[doc = $doc]
+        pub struct $effect;
 
-impl Effect for ReactionWheel {
-    const ABOUT: About = About {
-        name: "reaction_wheel",
-        title: "field of a reaction wheel",
-        physics: "A magnetised rotor turns with the wheel and makes a field at its speed, fixed to the spacecraft.",
-        equation: "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 2 pi f",
-        source: "Pope et al. 2011, Exploring planetary magnetic environments using magnetically unclean spacecraft, Ann. \
-            Geophys. 29, 639",
-        place: Place::Spacecraft,
-        stage: Stage::Block,
-        acts: Acts::WithColumn,
-        parameters: &[
-            ParameterInfo::amplitude("x_sine_nt", 0.01, 100.0),
-            ParameterInfo::amplitude("x_cosine_nt", 0.01, 100.0),
-            ParameterInfo::amplitude("y_sine_nt", 0.01, 100.0),
-            ParameterInfo::amplitude("y_cosine_nt", 0.01, 100.0),
-            ParameterInfo::amplitude("z_sine_nt", 0.01, 100.0),
-            ParameterInfo::amplitude("z_cosine_nt", 0.01, 100.0),
-        ],
-        needs: &["time_s", "a housekeeping column in Hz"],
-        invertible: true,
-    };
+        impl Effect for $effect {
+            const ABOUT: About = About {
+                name: $name,
+                title: $title,
+                physics: "A magnetised rotor turns with the wheel and makes a field at its speed and its harmonics, fixed to \
+                    the spacecraft.",
+                equation: $equation,
+                source: "Pope et al. 2011, Exploring planetary magnetic environments using magnetically unclean spacecraft: a \
+                    systems approach to VEX MAG data analysis, Ann. Geophys. 29, 639",
+                place: Place::Spacecraft,
+                stage: Stage::Block,
+                acts: Acts::WithColumn,
+                parameters: &[
+                    ParameterInfo::amplitude("x_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("x_cosine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("y_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("y_cosine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("z_sine_nt", 0.01, 100.0),
+                    ParameterInfo::amplitude("z_cosine_nt", 0.01, 100.0),
+                ],
+                needs: &["time_s", "a housekeeping column in Hz"],
+                invertible: true,
+            };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
-        let time = around.context.times(Self::ABOUT.name)?;
-        let rate = around.context.column(around.column, Self::ABOUT.name)?.into_owned();
-        let turns = Signal::new(time, rate).integral();
-        for (field, turns) in signal.iter_mut().zip(turns) {
-            let (sine, cosine) = (turns.fract() * TAU).sin_cos();
-            for axis in 0..3 {
-                field[axis] += parameters[2 * axis] * sine + parameters[2 * axis + 1] * cosine;
+            fn apply<T: Real>(
+                parameters: &[T],
+                signal: &mut [Vector3<T>],
+                around: &Surroundings<'_, T>,
+            ) -> Result<(), Error> {
+                let time = around.context.times($name)?;
+                let rate = around.context.column(around.column, $name)?;
+                let turns = Signal::new(time, rate.to_vec()).integral();
+                for (row, field) in signal.iter_mut().enumerate() {
+                    let share: f64 = around.context.averaged($multiple * rate[row]);
+                    let (sine, cosine) = (($multiple * turns[row]).fract() * TAU).sin_cos();
+                    for axis in 0..3 {
+                        field[axis] +=
+                            (parameters[2 * axis] * sine + parameters[2 * axis + 1] * cosine) * share;
+                    }
+                }
+                Ok(())
             }
         }
-        Ok(())
-    }
+    };
 }
 
-/// ΔB = lit cos(el) (c cos(az) + s sin(az)) in SEN, from `sun_azimuth_rad`; `sun_elevation_rad` and `sunlit` (1 in the
-/// Sun, 0 in eclipse) where there are such columns.
+rotor!(
+    ReactionWheel,
+    "reaction_wheel",
+    "The wheel's own speed, n = 1.",
+    "field of a reaction wheel",
+    "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 2 pi f",
+    1.0
+);
+
+rotor!(
+    ReactionWheelHarmonic,
+    "reaction_wheel_harmonic",
+    "Twice the wheel's speed, n = 2.",
+    "second harmonic of a reaction wheel",
+    "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 4 pi f",
+    2.0
+);
+
+/// ΔB = lit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el)) in SEN, from `sun_azimuth_rad` or `_deg`; with
+/// `sun_elevation_rad` or `_deg` and `sunlit` (1 in the Sun, 0 in eclipse) where there are such columns, else el = 0 and lit = 1.
 pub struct SunThermoelectric;
 
 impl Effect for SunThermoelectric {
@@ -93,19 +119,25 @@ impl Effect for SunThermoelectric {
         title: "thermoelectric currents driven by the Sun",
         physics: "Sunlight warms one side of a metal structure, and currents between unlike metals flow that depend on \
             the direction of the Sun and vanish in eclipse.",
-        equation: "dB_sen = sunlit cos(el) (c cos(az) + s sin(az))",
-        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
-            Planets Space 68, 129",
+        equation: "dB_sen = sunlit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el))",
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
+            package, Earth Planets Space 68, 129",
         place: Place::Spacecraft,
         stage: Stage::Block,
         acts: Acts::Everything,
         parameters: &[
+            ParameterInfo::amplitude("x_lit_nt", 0.05, 20.0),
             ParameterInfo::amplitude("x_cosine_nt", 0.05, 20.0),
             ParameterInfo::amplitude("x_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("x_up_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_lit_nt", 0.05, 20.0),
             ParameterInfo::amplitude("y_cosine_nt", 0.05, 20.0),
             ParameterInfo::amplitude("y_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_up_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_lit_nt", 0.05, 20.0),
             ParameterInfo::amplitude("z_cosine_nt", 0.05, 20.0),
             ParameterInfo::amplitude("z_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_up_nt", 0.05, 20.0),
         ],
         needs: &["sun_azimuth_rad"],
         invertible: true,
@@ -116,16 +148,21 @@ impl Effect for SunThermoelectric {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
-        let azimuth = around.context.column("sun_azimuth_rad", Self::ABOUT.name)?;
-        let elevation = around.context.optional("sun_elevation_rad");
-        let sunlit = around.context.optional("sunlit");
+        let context = around.context;
+        let azimuth = context
+            .angle("sun_azimuth")
+            .ok_or_else(|| context.missing(Self::ABOUT.name, "the column `sun_azimuth_rad`"))?;
+        let elevation = context.angle("sun_elevation");
+        let sunlit = context.optional("sunlit");
         for (row, field) in signal.iter_mut().enumerate() {
-            let light = sunlit.as_ref().map_or(1.0, |lit| lit[row])
-                * elevation.as_ref().map_or(1.0, |angle| angle[row].cos());
+            let lit = sunlit.as_ref().map_or(1.0, |lit| lit[row]);
+            let (up, level) = elevation.as_ref().map_or(0.0, |angle| angle[row]).sin_cos();
             let (sine, cosine) = azimuth[row].sin_cos();
+            let seen = [lit, lit * level * cosine, lit * level * sine, lit * up];
             for axis in 0..3 {
-                field[axis] +=
-                    parameters[2 * axis] * (light * cosine) + parameters[2 * axis + 1] * (light * sine);
+                for (number, seen) in seen.iter().enumerate() {
+                    field[axis] += parameters[4 * axis + number] * *seen;
+                }
             }
         }
         Ok(())

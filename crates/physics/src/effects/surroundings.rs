@@ -7,24 +7,31 @@ const VECTOR: [ParameterInfo; 3] = [
     ParameterInfo::amplitude("down_nt", 0.1, 200.0),
 ];
 
-/// ΔB = v / (1 + ((t − t₀)/w)²)^(3/2) in GEO: a dipole at constant speed, nearest at t₀, gone after a few w.
+/// A dipole on a straight line at constant speed, nearest at t₀: ΔB = (u + v x + w x²) / (1 + x²)^(5/2) in GEO, x = (t − t₀)/d
+/// the way over the smallest distance; u, v, w follow from the moment and the line.
 pub struct VehiclePass;
 
 impl Effect for VehiclePass {
     const ABOUT: About = About {
         name: "vehicle_pass",
         title: "a vehicle passes",
-        physics: "A car or a train is a moving dipole, whose field rises and falls as it goes by.",
-        equation: "dB_geo = v / (1 + ((t - t0) / w)^2)^(3/2)",
+        physics: "A car or a train is a moving dipole, whose field rises, turns and falls as it goes by.",
+        equation: "dB_geo = (u + v x + w x^2) / (1 + x^2)^(5/2), x = (t - t0) / d",
         source: "Jackson, Classical Electrodynamics (field of a dipole); Jankowski and Sucksdorff 1996, IAGA Guide for \
             Magnetic Measurements and Observatory Practice",
         place: Place::Environment,
         stage: Stage::Geo,
         acts: Acts::Everything,
         parameters: &[
-            VECTOR[0],
-            VECTOR[1],
-            VECTOR[2],
+            ParameterInfo::amplitude("north_first_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("east_first_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("down_first_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("north_second_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("east_second_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("down_second_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("north_third_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("east_third_nt", 0.1, 200.0),
+            ParameterInfo::amplitude("down_third_nt", 0.1, 200.0),
             ParameterInfo::epoch("time_s"),
             ParameterInfo::shape("duration_s", 1.0, 1000.0),
         ],
@@ -38,10 +45,11 @@ impl Effect for VehiclePass {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let time = around.context.times(Self::ABOUT.name)?;
-        let vector = Vector3::from_column_slice(&parameters[..3]);
+        let part = |number: usize| Vector3::from_column_slice(&parameters[3 * number..3 * number + 3]);
+        let (first, second, third) = (part(0), part(1), part(2));
         for (field, t) in signal.iter_mut().zip(time) {
-            let away = (-parameters[3] + *t) / parameters[4];
-            *field += vector * (away * away + 1.0).powf(-1.5);
+            let x = (-parameters[9] + *t) / parameters[10];
+            *field += (first + second * x + third * (x * x)) * (x * x + 1.0).powf(-2.5);
         }
         Ok(())
     }

@@ -1,6 +1,6 @@
 use super::prelude::*;
 use crate::context::Thermometer;
-use crate::memory::Signal;
+use crate::memory::{Before, Signal};
 
 /// What the temperature moves.
 #[derive(Clone, Copy, PartialEq)]
@@ -94,7 +94,7 @@ macro_rules! lagged {
                 let time = around.context.times($name)?;
                 let (column, reference) = around.context.temperature(Thermometer::$thermometer, $name)?;
                 let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-                let warmer = Signal::new(time, warmer).lagged(parameters[1], None);
+                let warmer = Signal::new(time, warmer).lagged(parameters[1], Before::Equilibrium);
                 add(Of::$of, |row| parameters[0] * warmer[row], signal, around);
                 Ok(())
             }

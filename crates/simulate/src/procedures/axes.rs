@@ -104,10 +104,15 @@ impl Sequence for AxesProcedure {
             None => self.repeats as f64,
             Some(ac) => self.samples(ac, path)?,
         };
-        let dither = self.ac.as_ref().map_or(0.0, |ac| ac.dither_nt.abs());
-        for drive in self.drives(path)? {
+        let dither = self.ac.as_ref().map_or(0.0, |ac| ac.dither_nt);
+        for (index, (field, drive)) in self.drives(path)?.iter().zip(&self.drives).enumerate() {
+            let key = match drive {
+                Drive::Named(_) => path_of("drive_nt"),
+                Drive::Vector(_) => path_of(&format!("drives[{index}]")),
+            };
             for coil in Axis::ALL {
-                bench.within(coil, drive[coil.index()].abs().max(dither), &path_of("drive_nt"))?;
+                bench.within(coil, field[coil.index()], &key)?;
+                bench.within(coil, dither, &path_of("ac.dither_nt"))?;
             }
         }
         Ok(rows * settings * self.drives.len() as f64)

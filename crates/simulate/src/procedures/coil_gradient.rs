@@ -51,6 +51,10 @@ impl Sequence for CoilGradientProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
         positive(path, "step_m", self.step_m)?;
         positive(path, "repeats", self.repeats as f64)?;
+        if self.field_nt.is_none() && bench.max_nt(self.coil).is_none() {
+            let expected = format!("the drive, or facility.coils.{}.max_nt, at which it is taken", self.coil);
+            return Err(Error::document(format!("{path}.field_nt"), "no such key", expected));
+        }
         positive(path, "field_nt", self.field(bench))?;
         bench.within(self.coil, self.field(bench), &format!("{path}.field_nt"))?;
         samples(path, (2.0 * self.steps as f64 + 1.0) * self.repeats as f64, 1.0)

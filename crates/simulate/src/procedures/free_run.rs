@@ -34,7 +34,23 @@ impl Sequence for FreeRun {
                 "drive, times and temperatures only; the readings are simulated",
             ));
         }
+        if self.columns.values().all(|column| column.0.is_empty()) {
+            return Err(Error::document(
+                format!("{path}.columns"),
+                "no rows",
+                "at least one row of times or drive",
+            ));
+        }
         for axis in Axis::ALL {
+            let volts = format!("coil_{axis}_v");
+            if self.columns.contains_key(&volts) {
+                let path = format!("{path}.columns.{volts}");
+                return Err(Error::document(
+                    path,
+                    "a drive in V",
+                    format!("`coil_{axis}_a`, the current that flows"),
+                ));
+            }
             let Some(column) = self.columns.get(&format!("coil_{axis}_a")) else { continue };
             let largest = column.0.iter().map(|current| current.abs()).fold(0.0, f64::max);
             let constant = bench.stated.coils[axis.index()].constant_nt_per_a;

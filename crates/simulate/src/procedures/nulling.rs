@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::Sequence;
-use crate::bench::{Bench, positive, samples};
+use crate::bench::{Bench, filled, positive, samples};
 use crate::outside::Site;
 use crate::planned::{Begins, Planned, Reads, Rows};
 
@@ -50,6 +50,8 @@ fn report() -> Vec<NullingSeries> {
 
 impl Sequence for NullingProcedure {
     fn rows(&self, _: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        filled(path, "sites", &self.sites)?;
+        filled(path, "series", &self.series)?;
         let mut rows = 0.0;
         for (index, series) in self.series.iter().enumerate() {
             let path = format!("{path}.series[{index}]");

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Sequence;
 use super::reversal::no_gain;
-use crate::bench::{Bench, positive, samples};
+use crate::bench::{Bench, filled, positive, samples};
 use crate::planned::{Planned, Reads, Rows, Surroundings};
 
 /// Noise of the sensors in a shield: a day at 60 s, an hour at 1 s, a minute at 10 ms.
@@ -43,6 +43,7 @@ fn report() -> Vec<NoiseSeries> {
 impl Sequence for NoiseProcedure {
     fn rows(&self, _: &Bench<'_>, path: &str) -> Result<f64, Error> {
         positive(path, "amplification", self.amplification)?;
+        filled(path, "series", &self.series)?;
         let mut rows = 0.0;
         for (index, series) in self.series.iter().enumerate() {
             let path = format!("{path}.series[{index}]");

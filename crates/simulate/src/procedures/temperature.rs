@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::Sequence;
 use super::sensitivity::full;
-use crate::bench::{Aligned, Bench, on, positive, samples, sweep};
+use crate::bench::{Aligned, Bench, filled, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows, Step};
 
 /// Sensitivity and offset at ΔT = 0, 5, 15, 30 and back, then −5, −15, −30 and back: of the sensor with the electronics
@@ -79,12 +79,12 @@ impl Sequence for TemperatureProcedure {
         positive(path, "to_nt", self.to_nt)?;
         positive(path, "enclosure_s", self.enclosure_s)?;
         positive(path, "monitor_s", self.monitor_s.unwrap_or(1.0))?;
-        if self.deviations_k.is_empty() {
-            return Err(Error::document(
-                format!("{path}.deviations_k"),
-                "an empty list",
-                "at least one temperature",
-            ));
+        filled(path, "parts", &self.parts)?;
+        filled(path, "deviations_k", &self.deviations_k)?;
+        let settle = bench.timing().temperature_settle_s;
+        if let Some(every) = self.monitor_s.filter(|every| *every > settle) {
+            let found = format!("{every}, longer than the {settle} s of timing.temperature_settle_s");
+            return Err(Error::document(format!("{path}.monitor_s"), found, "a shorter time, or no key"));
         }
         let sensors = bench.sensors(&self.sensors, path)?;
         for sensor in &sensors {
