@@ -15,7 +15,7 @@ fn document(procedure: &str) -> Document {
     let mut t = 0.0;
     for row in 0..240 {
         time.push(t);
-        t += if row == 120 { 900.0 } else { 20.0 + 7.0 * f64::sin(row as f64) };
+        t += if row == 60 { 900.0 } else { 20.0 + 7.0 * f64::sin(row as f64) };
     }
     let wave = |period: f64| time.iter().map(|t| (t / period).sin()).collect::<Vec<f64>>();
     let sum = |level: f64, a: f64, b: f64, p: f64, q: f64| -> Vec<f64> {
