@@ -418,7 +418,7 @@ fn a_missing_sample_leaves_its_neighbours_alone() {
     };
     let (whole, field) = predict(&document(None));
     let (holed, back) = predict(&document(Some(100)));
-    for row in 0..200 {
+    for row in 0..200usize {
         // What the bridge missed fades with the memory of 3 s.
         let fading = 2.0 * (-(row.abs_diff(100) as f64) / 3.0).exp() + 1e-6;
         assert_eq!(holed.readings[row].x.is_nan(), row == 100);

@@ -22,15 +22,16 @@ pub struct Replayed {
 pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let references = References::of(document);
-    let replayed: Vec<Result<(Recording, Vec<String>), Error>> = document
+    let replayed: Vec<Result<(Recording, Vec<LeftOut>), Error>> = document
         .recordings
         .par_iter()
         .enumerate()
         .map(|(index, _)| recording(document, index, &effects, references, noise_seed))
         .collect();
     let replayed = replayed.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let (recordings, left_out): (_, Vec<Vec<String>>) = replayed.into_iter().unzip();
-    let notes = notes(document, &effects).into_iter().chain(left_out.into_iter().flatten()).collect();
+    let (recordings, left_out): (_, Vec<Vec<LeftOut>>) = replayed.into_iter().unzip();
+    let left_out: Vec<LeftOut> = left_out.into_iter().flatten().collect();
+    let notes = notes(document, &effects).into_iter().chain(words(&left_out)).collect();
     Ok(Replayed { document: Document { recordings, ..document.clone() }, notes })
 }
 
@@ -40,7 +41,7 @@ fn recording(
     effects: &[EffectInstance],
     references: References,
     noise_seed: Option<u64>,
-) -> Result<(Recording, Vec<String>), Error> {
+) -> Result<(Recording, Vec<LeftOut>), Error> {
     let recorded = &document.recordings[index];
     let path = format!("recordings[{index}]");
     if recorded.table.is_some() {
@@ -103,7 +104,7 @@ fn predict(
     basic: &Basic,
     effects: &[EffectInstance],
     context: &Context<'_>,
-) -> Result<(Prediction, Vec<String>), physics::Error> {
+) -> Result<(Prediction, Vec<LeftOut>), physics::Error> {
     let mut acting = effects.to_vec();
     let mut left_out = Vec::new();
     loop {
@@ -112,12 +113,35 @@ fn predict(
                 if acting.iter().any(|effect| effect.kind.name() == who) =>
             {
                 acting.retain(|effect| effect.kind.name() != who);
-                left_out
-                    .push(format!("recording \"{recording}\" does not have {what}: {who} is left out there"));
+                left_out.push(LeftOut { recording, who, what });
             }
             other => return other.map(|prediction| (prediction, left_out)),
         }
     }
+}
+
+/// An effect that cannot act in a recording.
+struct LeftOut {
+    recording: String,
+    who: String,
+    what: String,
+}
+
+/// A line for each effect and what it lacks.
+fn words(left_out: &[LeftOut]) -> Vec<String> {
+    let mut seen: Vec<&LeftOut> = Vec::new();
+    for one in left_out {
+        if !seen.iter().any(|other| other.who == one.who && other.what == one.what) {
+            seen.push(one);
+        }
+    }
+    seen.iter()
+        .map(|LeftOut { recording, who, what }| {
+            let others = left_out.iter().filter(|one| one.who == *who && one.what == *what).count() - 1;
+            let others = if others > 0 { format!(" and {others} more") } else { String::new() };
+            format!("{who} is left out in recording \"{recording}\"{others}, for want of {what}")
+        })
+        .collect()
 }
 
 /// New values where there were readings.

@@ -139,7 +139,7 @@ fn effects_act_on_the_readings() {
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
     type Fault = fn(&mut Value);
-    let cases: [(Fault, &str); 19] = [
+    let cases: [(Fault, &str); 31] = [
         (
             |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
             "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",
@@ -219,12 +219,84 @@ fn faulty_plans_are_refused_with_their_place() {
             },
             "procedures[0].columns.coil_x_a: found 371110.5 nT on coil x; expected at most 60000 nT",
         ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_v": [9.0]}});
+            },
+            "procedures[0].columns.coil_x_v: found a drive in V; expected `coil_x_a`",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"time_s": []}})
+            },
+            "procedures[0].columns: found no rows",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "coil_constant", "id": "coil", "coil": "x", "to_nt": 61000})
+            },
+            "procedures[0].to_nt: found 61000 nT on coil x; expected at most 60000 nT",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] = json!({"procedure": "nulling_residual", "id": "null", "series": []})
+            },
+            "procedures[0].series: found an empty list",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1e12, "step_s": 1}]}),
+            "procedures[0].series[0]: found 1.000e12 samples in one recording",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "temperature_run", "id": "warm", "monitor_s": 3600})
+            },
+            "procedures[0].monitor_s: found 3600, longer than the 1800 s of timing.temperature_settle_s",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "offset_drift", "id": "drift"}),
+            "start: found no such key; expected the moment at which the campaign begins",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "differential", "id": "pair"}),
+            "truth.outside: found no such key; expected the natural field",
+        ),
+        (
+            |plan| plan["start"] = json!("1977-05-26T09:00:00"),
+            "start: found \"1977-05-26T09:00:00\"; expected a moment with its offset",
+        ),
+        (
+            |plan| plan["timing"] = json!({"reading_s": -1}),
+            "timing.reading_s: found -1; expected a positive number",
+        ),
+        (
+            |plan| {
+                plan["truth"]["model"] = json!({"effects": [{"effect": "stray_current", "column": "panel_current_a",
+                    "parameters": {"x_nt_per_a": 1, "y_nt_per_a": 1, "z_nt_per_a": 1}}]});
+            },
+            "truth.model.effects[0].column: found \"panel_current_a\"; expected a column that one of the recordings has",
+        ),
+        (
+            |plan| {
+                plan["truth"]["model"] = json!({"effects": [{"effect": "offset_temperature", "sensor": "x",
+                    "parameters": {"coefficient_nt_per_k": 1, "curvature_nt_per_k2": 0}}]});
+            },
+            "expected the column `sensor_temperature_c`; state `temperatures` in the plan",
+        ),
     ];
     for (fault, message) in cases {
         let mut plan = plan();
         fault(&mut plan);
-        let run = testkit::run(SIMULATE, &["campaign"], &plan.to_string());
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+        let arguments = ["campaign", "--truth", &file("truth.json"), "-o", &file("document.json")];
+        let run = testkit::run(SIMULATE, &arguments, &plan.to_string());
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{message}");
         assert!(run.stderr.contains(message), "{}\nwhere this is expected:\n{message}", run.stderr);
     }
 }

@@ -86,7 +86,12 @@ fn the_magsat_campaign_too_where_everything_is_recorded() {
     let (_, document) = known("magsat");
     let Replayed { document: replayed, notes } = simulate::replay(&document, None).expect("replayed");
     // The leak of natural variations is known only where the station outside was recorded.
-    assert!(notes.iter().any(|note| note.contains("nulling_leakage is left out there")), "{notes:?}");
+    assert!(
+        notes
+            .iter()
+            .any(|note| note.contains("nulling_leakage is left out in recording \"coil-x\" and 36 more")),
+        "{notes:?}"
+    );
     let nulling = worst(&document, &replayed, |procedure, _| procedure == "nulling_residual");
     assert!(nulling.0 < 1e-9 && nulling.1 > 100_000, "{nulling:?}");
     let shield = worst(&document, &replayed, |procedure, _| procedure == "sensor_noise");
