@@ -267,7 +267,7 @@ fn parameters_are_recovered_from_simulated_readings() {
             .unwrap_or_else(|error| panic!("{}: {error}", kind.name()));
         for (found, k) in fit.state.iter().zip(&chosen) {
             let expected = truth.parameters[*k];
-            assert!((found / expected - 1.0).abs() < 1e-6, "{}: {found} for {expected}", kind.name());
+            assert!((found / expected - 1.0).abs() < 1e-7, "{}: {found} for {expected}", kind.name());
         }
     }
 }
