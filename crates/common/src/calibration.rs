@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AxesCalibration, Axis, Extra, Matrix3x3, PerAxis, Quantity};
+use crate::{AxesCalibration, Axis, CoilFit, Extra, Matrix3x3, PerAxis, Quantity};
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -47,6 +47,15 @@ pub struct CoilCalibration {
     /// Coil offset B0, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_nt: Option<Quantity>,
+    /// Covariance of the keys in `covariance_order`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Vec<Vec<f64>>>,
+    /// The keys that `covariance` runs over.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance_order: Option<Vec<String>>,
+    /// How they were found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub constant: Option<Box<CoilFit>>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

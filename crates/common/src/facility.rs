@@ -21,6 +21,9 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]
     pub reference_std_nt: Option<f64>,
+    /// Smallest and largest field that the scalar reference reads, nT; absent: 20 000 to 60 000, a proton magnetometer's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_range_nt: Option<[f64; 2]>,
     /// Standard uncertainty of each component of the field that nulling leaves, nT (GEO).
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[schemars(range(min = 0.0))]

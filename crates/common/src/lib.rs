@@ -7,6 +7,7 @@
 mod axes;
 mod axis;
 mod calibration;
+mod coil;
 mod document;
 mod error;
 mod facility;
@@ -28,6 +29,7 @@ pub use axis::{Axis, PerAxis};
 pub use calibration::{
     Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions, SensorCalibration,
 };
+pub use coil::{Budget, CoilFit, CoilResiduals, Departure, FTest};
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};

@@ -5,8 +5,10 @@
 
 pub mod gauss_newton;
 pub mod influence;
+pub mod linear;
 pub mod robust;
 pub mod sine;
+pub mod spectrum;
 pub mod stats;
 pub mod svd;
 

@@ -1,6 +1,6 @@
 //! Probabilities that a fit is judged by.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// P(|t| ≥ `t`) for Student's t with `freedom` degrees of freedom; infinite freedom is the normal.
 pub fn two_sided_p(t: f64, freedom: f64) -> f64 {
@@ -23,6 +23,11 @@ pub fn coverage_factor(probability: f64, freedom: f64) -> f64 {
 /// P(χ² ≥ `chi_squared`) with `freedom` degrees of freedom.
 pub fn chi_squared_p(chi_squared: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi_squared))
+}
+
+/// P(F ≥ `f`) with `above` and `below` degrees of freedom.
+pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
+    FisherSnedecor::new(above, below).map_or(f64::NAN, |law| law.sf(f))
 }
 
 /// Median of finite numbers; 0 of none.
@@ -48,6 +53,8 @@ mod tests {
         assert!((coverage_factor(0.95, 1.0) - 12.706_204_7).abs() < 1e-4);
         assert!((coverage_factor(0.95, f64::INFINITY) - 1.959_963_98).abs() < 1e-7);
         assert!((two_sided_p(2.228_138_85, 10.0) - 0.05).abs() < 1e-8);
+        // F(2, 10) 4.1028 at 5 %.
+        assert!((f_p(4.102_821, 2.0, 10.0) - 0.05).abs() < 1e-6);
         assert!((chi_squared_p(11.070_497_69, 5.0) - 0.05).abs() < 1e-8);
     }
 

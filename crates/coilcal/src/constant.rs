@@ -1,0 +1,252 @@
+//! k and B0 of one coil.
+
+use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
+use estimate::linear::LinearFit;
+use estimate::stats;
+
+use crate::Error;
+use crate::departures::{self, FOUND_BELOW, Kind};
+use crate::levels::{Level, levels, mean, within};
+use crate::readings::{Reading, Readings, resistor};
+
+/// Below this probability of the lack of fit, uncertainties rest on the levels: repeats may err together.
+const LEVELS_BELOW: f64 = 0.1;
+/// Below this one the lack of fit is told.
+const TOLD_BELOW: f64 = 0.01;
+/// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
+const RIVAL_WITHIN: f64 = 6.63;
+/// Departures that are fitted together at most.
+const MOST_DEPARTURES: usize = 2;
+
+/// The standard deviation on which type A uncertainties rest.
+pub struct Scatter {
+    /// nT.
+    pub std_nt: f64,
+    /// Its degrees of freedom.
+    pub freedom: f64,
+    source: &'static str,
+}
+
+/// Fits the line, and what it leaves out where the readings say so.
+pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration, Error> {
+    let readings = &coil.readings;
+    let levels = levels(readings);
+    if levels.len() < 3 {
+        return Err(Error::Undetermined(format!(
+            "coil {}: {} levels of drive; a line and its lack of fit need at least three, better some on either side of zero",
+            coil.coil,
+            levels.len()
+        )));
+    }
+    let declared = document.facility.as_ref().and_then(|facility| facility.reference_std_nt);
+    let line = departures::fit(readings, &[])?;
+    let (mut kinds, mut looked) = (Vec::new(), departures::look(readings, &levels, declared)?);
+    let (mut fit, mut rivals) = (line, Vec::new());
+    // One departure after the other, the most significant first, as long as the line with it leaves another one.
+    while kinds.len() < MOST_DEPARTURES {
+        let candidates = candidates(readings, &levels, declared, (&kinds, &fit), &looked)?;
+        let Some(best) = candidates.first() else { break };
+        if kinds.is_empty() {
+            let close = candidates[1..].iter().filter(|other| best.gain - other.gain < RIVAL_WITHIN);
+            rivals = close.map(|other| other.kind.name().to_string()).collect();
+        }
+        kinds.push(best.kind);
+        fit = departures::fit(readings, &kinds)?;
+    }
+    for (kind, departure) in &mut looked {
+        departure.found = kinds.contains(kind);
+    }
+    let lack_of_fit = lack_of_fit(&levels, &fit);
+    let scatter = scatter(&levels, &fit, declared);
+    let variance = scatter.std_nt.powi(2);
+    let (b0, k) = (fit.coefficients[0], fit.coefficients[1]);
+    let type_a = |i: usize| (fit.covariance[(i, i)] * variance).sqrt();
+    let type_b = type_b(document, coil, k);
+    let total = |i: usize| (type_a(i).powi(2) + type_b[i].powi(2)).sqrt();
+    let cross = fit.covariance[(0, 1)] * variance;
+    let (_, repeats) = within(&levels, |_| 0.0);
+    let (pure, _) = within(&levels, |member| fit.residuals[member]);
+    let order = ["constant_nt_per_a", "offset_nt"].map(String::from);
+    let mut result = CoilFit {
+        recordings: coil.recordings.clone(),
+        readings: readings.len(),
+        levels: levels.len(),
+        model: match kinds.as_slice() {
+            [] => "line".into(),
+            kinds => format!(
+                "line with {}",
+                kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
+            ),
+        },
+        uncertainty: order
+            .iter()
+            .zip([1, 0])
+            .map(|(key, i)| (key.clone(), Budget { type_a: type_a(i), type_b: type_b[i] }))
+            .collect(),
+        rms_nt: (fit.residuals.iter().map(|r| r * r).sum::<f64>() / readings.len() as f64).sqrt(),
+        pure_error_nt: (repeats > 0.0).then(|| (pure / repeats).sqrt()),
+        noise_nt: scatter.std_nt,
+        noise_source: scatter.source.into(),
+        degrees_of_freedom: scatter.freedom,
+        coverage_factor_95: coverage(&scatter, type_a(1), type_b[1]),
+        lack_of_fit,
+        offset_p: stats::two_sided_p(b0 / total(0), f64::INFINITY),
+        rivals,
+        departures: looked.into_iter().map(|(_, departure)| departure).collect(),
+        residuals: residuals(coil, &levels, &fit, scatter.std_nt),
+        ..CoilFit::default()
+    };
+    result.findings = findings(coil, &kinds, &result);
+    Ok(CoilCalibration {
+        constant_nt_per_a: Some(Quantity::new(k, total(1))),
+        offset_nt: Some(Quantity::new(b0, total(0))),
+        covariance: Some(vec![vec![total(1).powi(2), cross], vec![cross, total(0).powi(2)]]),
+        covariance_order: Some(order.to_vec()),
+        constant: Some(Box::new(result)),
+        ..CoilCalibration::default()
+    })
+}
+
+/// A departure beside those that are fitted already.
+struct Candidate {
+    kind: Kind,
+    /// Reduction of the sum of squares over the variance.
+    gain: f64,
+    /// Probability of such a gain, adjusted for all that were looked for.
+    p_value: f64,
+}
+
+/// The departures that the readings show beside those that are fitted already, the clearest first.
+fn candidates(
+    readings: &[Reading],
+    levels: &[Level],
+    declared: Option<f64>,
+    (kinds, fit): (&[Kind], &LinearFit),
+    looked: &[(Kind, Departure)],
+) -> Result<Vec<Candidate>, Error> {
+    let mut found = Vec::new();
+    for (kind, _) in looked.iter().filter(|(kind, _)| !kinds.contains(kind)) {
+        let wider = departures::fit(readings, &[kinds, &[*kind]].concat())?;
+        let last = kinds.len() + 2;
+        if wider.rank <= last
+            || wider.freedom < 1.0
+            || (*kind == Kind::Transverse && wider.coefficients[last] < 0.0)
+        {
+            continue;
+        }
+        let scatter = scatter(levels, &wider, declared);
+        let gain = (fit.sum_of_squares - wider.sum_of_squares).max(0.0) / scatter.std_nt.powi(2);
+        let p_value = stats::two_sided_p(gain.sqrt(), scatter.freedom) * looked.len() as f64;
+        if p_value < FOUND_BELOW {
+            found.push(Candidate { kind: *kind, gain, p_value });
+        }
+    }
+    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    Ok(found)
+}
+
+/// Scatter of the levels' means about the model against the scatter of the repeats about their means.
+fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
+    let residual = |member: usize| fit.residuals[member];
+    let (pure, below) = within(levels, residual);
+    let above = levels.len() as f64 - fit.rank as f64;
+    if below < 1.0 || above < 1.0 || pure == 0.0 {
+        return None;
+    }
+    let between: f64 =
+        levels.iter().map(|level| level.members.len() as f64 * mean(level, residual).powi(2)).sum();
+    let f = between / above / (pure / below);
+    Some(FTest { f, above, below, p_value: stats::f_p(f, above, below) })
+}
+
+/// From the residuals; from the levels where they scatter more than the repeats can explain; as declared where neither
+/// has degrees of freedom.
+pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
+    let lack = lack_of_fit(levels, fit);
+    if let Some(lack) = lack.filter(|lack| lack.p_value < LEVELS_BELOW) {
+        let between: f64 = levels
+            .iter()
+            .map(|level| level.members.len() as f64 * mean(level, |member| fit.residuals[member]).powi(2))
+            .sum();
+        return Scatter { std_nt: (between / lack.above).sqrt(), freedom: lack.above, source: "levels" };
+    }
+    match declared.filter(|_| fit.freedom < 1.0) {
+        Some(std_nt) => Scatter { std_nt, freedom: f64::INFINITY, source: "declared" },
+        None => Scatter {
+            std_nt: (fit.sum_of_squares / fit.freedom).sqrt(),
+            freedom: fit.freedom,
+            source: "residuals",
+        },
+    }
+}
+
+/// Standard uncertainties of B0 and k from resistor and voltmeter, the same at all points: I = V/R, so that
+/// u(k)/k = √(u(R)²/R² + u_rel²) and u(B0) = |k| u_V/R.
+fn type_b(document: &Document, coil: &Readings, k: f64) -> [f64; 2] {
+    let Some(facility) = document.facility.as_ref().filter(|_| coil.volts) else { return [0.0, 0.0] };
+    let stated = facility.coils.as_ref().and_then(|coils| coils.get(coil.coil));
+    let resistor_relative = stated.and_then(|coil| coil.resistor_relative_uncertainty).unwrap_or(0.0);
+    let voltmeter = facility.voltmeter.clone().unwrap_or_default();
+    let relative = resistor_relative.hypot(voltmeter.relative.unwrap_or(0.0));
+    let ohm = resistor(document, coil.coil).unwrap_or(f64::INFINITY);
+    [k.abs() * voltmeter.absolute_v.unwrap_or(0.0) / ohm, k.abs() * relative]
+}
+
+/// Student's factor with the effective degrees of freedom of type A and type B together (Welch and Satterthwaite, JCGM 100 G.4).
+fn coverage(scatter: &Scatter, type_a: f64, type_b: f64) -> f64 {
+    let total = type_a.hypot(type_b);
+    let effective = if type_a > 0.0 { scatter.freedom * (total / type_a).powi(4) } else { f64::INFINITY };
+    stats::coverage_factor(0.95, effective)
+}
+
+fn residuals(coil: &Readings, levels: &[Level], fit: &LinearFit, std_nt: f64) -> CoilResiduals {
+    let mut columns = CoilResiduals::default();
+    for level in levels {
+        columns.drive_a.push(mean(level, |member| coil.readings[member].current_a));
+        columns.field_nt.push(mean(level, |member| coil.readings[member].field_nt));
+        columns.residual_nt.push(mean(level, |member| fit.residuals[member]));
+        columns.std_nt.push(std_nt / (level.members.len() as f64).sqrt());
+        columns.readings.push(level.members.len());
+    }
+    columns
+}
+
+fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
+    let mut findings = Vec::new();
+    for departure in fit.departures.iter().filter(|departure| departure.found) {
+        let size: Vec<String> = departure
+            .parameter
+            .iter()
+            .map(|(key, value)| format!("{key} = {:.4e} ± {:.1e}", value.value(), value.std().unwrap_or(0.0)))
+            .collect();
+        findings.push(format!(
+            "not a straight line: {} (alone {}, adjusted p = {:.1e}); it is fitted beside constant and offset",
+            departure.departure,
+            size.join(", "),
+            departure.p_adjusted
+        ));
+    }
+    if !fit.rivals.is_empty() {
+        findings.push(format!(
+            "{} would explain the readings about as well; fields closer to zero, or the levels in another order, would tell them apart",
+            fit.rivals.join(" or ")
+        ));
+    }
+    if let Some(lack) = fit.lack_of_fit.filter(|lack| lack.p_value < TOLD_BELOW) {
+        let p = lack.p_value;
+        let left = if kinds.is_empty() {
+            "nothing that was looked for explains it"
+        } else {
+            "what was fitted does not explain all"
+        };
+        findings.push(format!(
+            "the levels scatter more than their repeats (lack of fit p = {p:.1e}) and {left}; uncertainties rest on the levels"
+        ));
+    }
+    let signs = [1.0, -1.0].map(|sign| coil.readings.iter().any(|reading| reading.current_a * sign > 0.0));
+    if signs.contains(&false) {
+        findings
+            .push("only one direction of the current was recorded; the offset rests on extrapolation".into());
+    }
+    findings
+}

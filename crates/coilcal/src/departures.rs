@@ -1,0 +1,126 @@
+//! What a straight line may leave out, each as one further column of the fit.
+
+use common::{Departure, Quantity};
+use estimate::linear::{self, LinearFit};
+use estimate::stats;
+use faer::Mat;
+
+use crate::Error;
+use crate::constant::scatter;
+use crate::levels::Level;
+use crate::readings::Reading;
+
+/// A departure is claimed below this probability, adjusted for all that were looked for.
+pub const FOUND_BELOW: f64 = 0.01;
+
+/// A departure from B = k I + B0 (fields signed by the current).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// c I²: a curvature, opposite in the two ranges.
+    Quadratic,
+    /// d I³: a curvature, alike in both ranges.
+    Cubic,
+    /// A field across the coil that is not nulled: |B| = √((kI + B0)² + B⊥²) ≈ |kI + B0| + B⊥²/(2 |kI + B0|).
+    Transverse,
+    /// The negative range is moved against the positive one.
+    Jump,
+    /// The constant changes through the run, as when the coil heats.
+    ConstantDrift,
+    /// The offset changes through the run.
+    OffsetDrift,
+}
+
+impl Kind {
+    /// All that are looked for.
+    pub const ALL: [Kind; 6] =
+        [Kind::Quadratic, Kind::Cubic, Kind::Transverse, Kind::Jump, Kind::ConstantDrift, Kind::OffsetDrift];
+
+    /// Its name in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Quadratic => "quadratic",
+            Kind::Cubic => "cubic",
+            Kind::Transverse => "transverse_field",
+            Kind::Jump => "jump_between_ranges",
+            Kind::ConstantDrift => "constant_drift",
+            Kind::OffsetDrift => "offset_drift",
+        }
+    }
+
+    fn parameter(self) -> &'static str {
+        match self {
+            Kind::Quadratic => "curvature_nt_per_a2",
+            Kind::Cubic => "curvature_nt_per_a3",
+            Kind::Transverse => "transverse_squared_nt2",
+            Kind::Jump => "negative_less_positive_nt",
+            Kind::ConstantDrift => "rate_nt_per_a_per_s",
+            Kind::OffsetDrift => "rate_nt_per_s",
+        }
+    }
+
+    /// Its column; times count from the middle of the run.
+    fn column(self, reading: &Reading, middle_s: f64) -> f64 {
+        let current = reading.current_a;
+        match self {
+            Kind::Quadratic => current * current,
+            Kind::Cubic => current.powi(3),
+            Kind::Transverse => 0.5 / reading.field_nt,
+            Kind::Jump => f64::from(u8::from(current < 0.0)),
+            Kind::ConstantDrift => current * (reading.time_s - middle_s),
+            Kind::OffsetDrift => reading.time_s - middle_s,
+        }
+    }
+}
+
+/// Fits offset, constant and the departures of `kinds` to the readings.
+pub fn fit(readings: &[Reading], kinds: &[Kind]) -> Result<LinearFit, Error> {
+    let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
+    let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
+        0 => 1.0,
+        1 => readings[row].current_a,
+        _ => kinds[column - 2].column(&readings[row], middle_s),
+    });
+    let y: Vec<f64> = readings.iter().map(|reading| reading.field_nt).collect();
+    Ok(linear::fit(design.as_ref(), &y, None)?)
+}
+
+/// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that of the
+/// fit with the departure: of the levels where these scatter more than the repeats.
+pub fn look(
+    readings: &[Reading],
+    levels: &[Level],
+    declared: Option<f64>,
+) -> Result<Vec<(Kind, Departure)>, Error> {
+    let mut found = Vec::new();
+    let both = readings.iter().any(|r| r.current_a < 0.0) && readings.iter().any(|r| r.current_a > 0.0);
+    for kind in Kind::ALL {
+        if kind == Kind::Jump && !both {
+            continue;
+        }
+        let fit = fit(readings, &[kind])?;
+        if fit.rank < 3 || fit.freedom < 1.0 {
+            continue;
+        }
+        let scatter = scatter(levels, &fit, declared);
+        let std = fit.covariance[(2, 2)].sqrt() * scatter.std_nt;
+        let size = fit.coefficients[2];
+        // A field across the coil can only add to the magnitude.
+        let two_sided = stats::two_sided_p(size / std, scatter.freedom);
+        let p_value = match kind {
+            Kind::Transverse if size < 0.0 => 1.0 - two_sided / 2.0,
+            Kind::Transverse => two_sided / 2.0,
+            _ => two_sided,
+        };
+        let parameter = [(kind.parameter().to_string(), Quantity::new(size, std))].into_iter().collect();
+        let name = kind.name().to_string();
+        found.push((
+            kind,
+            Departure { departure: name, parameter, p_value, p_adjusted: p_value, found: false },
+        ));
+    }
+    let count = found.len() as f64;
+    for (_, departure) in &mut found {
+        departure.p_adjusted = (departure.p_value * count).min(1.0);
+    }
+    Ok(found)
+}

@@ -1,0 +1,131 @@
+//! The readings of one coil, with what is wrong told by row.
+
+use common::{Axis, Document, Error, Recording, procedure};
+
+/// Range of a proton magnetometer where the facility states none, nT (NASA).
+const PROTON_NT: [f64; 2] = [20_000.0, 60_000.0];
+/// How far beyond its range a reading may lie: a step to the end of the range does not land on it exactly.
+const MARGIN: f64 = 0.005;
+
+/// All readings of one coil.
+pub struct Readings {
+    /// The coil.
+    pub coil: Axis,
+    /// The recordings.
+    pub recordings: Vec<String>,
+    /// Readings in the order taken.
+    pub readings: Vec<Reading>,
+    /// Whether the drive was read as a voltage.
+    pub volts: bool,
+}
+
+/// One reading.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Current, A.
+    pub current_a: f64,
+    /// Field along the coil, with the sign of the current, nT.
+    pub field_nt: f64,
+    /// When, s; the number of the reading where there are no times.
+    pub time_s: f64,
+}
+
+/// The readings of a coil; None without a recording of it.
+pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> {
+    let mut all = Readings { coil, recordings: Vec::new(), readings: Vec::new(), volts: false };
+    for (index, recording) in document.recordings.iter().enumerate() {
+        if recording.procedure != procedure::COIL_CONSTANT {
+            continue;
+        }
+        let path = format!("recordings[{index}]");
+        let Some(of) = recording.conditions.coil else {
+            let expected = "\"x\", \"y\" or \"z\", the coil that is driven";
+            return Err(Error::document(format!("{path}.conditions.coil"), "no such key", expected));
+        };
+        if of == coil {
+            one(document, recording, &path, &mut all)?;
+        }
+    }
+    Ok((!all.recordings.is_empty()).then_some(all))
+}
+
+fn one(document: &Document, recording: &Recording, path: &str, all: &mut Readings) -> Result<(), Error> {
+    if recording.table.is_some() {
+        let expected = "the readings under `columns`";
+        return Err(Error::document(format!("{path}.table"), "a file beside the document", expected));
+    }
+    let (drive, volts) = drive(document, recording, all.coil, path)?;
+    let Some(reference) = recording.column("reference_nt") else {
+        let expected = "`reference_nt`, what the scalar magnetometer read";
+        return Err(Error::document(format!("{path}.columns"), "no such column", expected));
+    };
+    check(document, reference, path)?;
+    let time = recording.column("time_s").filter(|time| time.iter().all(|t| t.is_finite()));
+    let start = recording.start().map_or(0.0, |start| start.unix_s);
+    for (row, (current, field)) in drive.iter().zip(reference).enumerate() {
+        if current.is_finite() && field.is_finite() && *current != 0.0 {
+            let time_s = time.map_or(all.readings.len() as f64, |time| start + time[row]);
+            all.readings.push(Reading { current_a: *current, field_nt: field * current.signum(), time_s });
+        }
+    }
+    all.volts |= volts;
+    all.recordings.push(recording.id.clone());
+    Ok(())
+}
+
+/// The current, from its column or from the voltage over the resistor.
+fn drive(
+    document: &Document,
+    recording: &Recording,
+    coil: Axis,
+    path: &str,
+) -> Result<(Vec<f64>, bool), Error> {
+    if let Some(current) = recording.axis_column("coil", coil, "a") {
+        return Ok((current.to_vec(), false));
+    }
+    let Some(volts) = recording.axis_column("coil", coil, "v") else {
+        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` over the precision resistor");
+        return Err(Error::document(format!("{path}.columns"), format!("no drive of coil {coil}"), expected));
+    };
+    let key = format!("facility.coils.{coil}.resistor_ohm");
+    match resistor(document, coil) {
+        Some(ohm) if ohm.is_finite() && ohm > 0.0 => Ok((volts.iter().map(|v| v / ohm).collect(), true)),
+        Some(ohm) => Err(Error::document(key, ohm.to_string(), "a positive resistance")),
+        None => {
+            Err(Error::document(key, "no such key", "the precision resistor over which the voltage was read"))
+        }
+    }
+}
+
+/// R of the coil's precision resistor, ohm.
+pub fn resistor(document: &Document, coil: Axis) -> Option<f64> {
+    document.facility.as_ref()?.coils.as_ref()?.get(coil)?.resistor_ohm
+}
+
+/// Fields that a scalar magnetometer can have read.
+fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), Error> {
+    let column = format!("{path}.columns.reference_nt");
+    if let Some(row) = reference.iter().position(|field| *field < 0.0) {
+        let found = format!("{} nT in row {row}", reference[row]);
+        return Err(Error::document(column, found, "the field's magnitude, which is never negative"));
+    }
+    let stated = document.facility.as_ref().and_then(|facility| facility.reference_range_nt);
+    let [low, high] = stated.unwrap_or(PROTON_NT);
+    let outside = |field: &f64| *field < low * (1.0 - MARGIN) || *field > high * (1.0 + MARGIN);
+    let rows: Vec<String> = reference
+        .iter()
+        .enumerate()
+        .filter(|(_, field)| outside(field))
+        .map(|(row, _)| row.to_string())
+        .collect();
+    if rows.is_empty() {
+        return Ok(());
+    }
+    let shown = rows.iter().take(10).cloned().collect::<Vec<_>>().join(", ");
+    let more = if rows.len() > 10 { format!(" and {} more", rows.len() - 10) } else { String::new() };
+    Err(Error::document(
+        column,
+        format!("fields outside the scalar magnetometer's range in rows {shown}{more}"),
+        format!("{low} to {high} nT; take the rows out, or state `facility.reference_range_nt`"),
+    ))
+}

@@ -1,0 +1,82 @@
+//! Each departure is found where it is, and not claimed where it is not. FLUXCAL_CAMPAIGNS sets in how many clean runs.
+
+use common::{Axis, CoilFit, Document, Recording, procedure};
+use noise::Stream;
+
+/// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field` gives the magnitude
+/// at a current and time.
+fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
+    let mut stream = Stream::new(seed, "reference");
+    let (mut current, mut time, mut reference) = (Vec::new(), Vec::new(), Vec::new());
+    for sign in [1.0, -1.0] {
+        for level in 0..9 {
+            for _ in 0..5 {
+                let (i, t) = (sign * (0.5 + 0.125 * f64::from(level)), 12.0 * current.len() as f64);
+                current.push(i);
+                time.push(t);
+                reference.push(field(i, t) + 0.3 * stream.normal());
+            }
+        }
+    }
+    let mut recording =
+        Recording { id: "coil".into(), procedure: procedure::COIL_CONSTANT.into(), ..Recording::default() };
+    recording.conditions.coil = Some(Axis::X);
+    let columns = [("time_s", time), ("coil_x_a", current), ("reference_nt", reference)];
+    recording.columns = columns.map(|(name, column)| (name.to_string(), column.into())).into_iter().collect();
+    let document = Document { fluxcal: 1, recordings: vec![recording], ..Document::default() };
+    let found = coilcal::run(document).expect("calibrated").calibration.expect("a calibration");
+    *found.coil(Axis::X).expect("coil x").constant.clone().expect("a fit")
+}
+
+const K: f64 = 40_000.0;
+
+#[test]
+fn each_departure_is_named_where_it_is() {
+    type Field = fn(f64, f64) -> f64;
+    let cases: [(&str, Field, f64); 6] = [
+        ("quadratic", |i, _| (K * i + 1.0 + 2.0 * i * i).abs(), 2.0),
+        ("cubic", |i, _| (K * i + 1.0 - 2.0 * i.powi(3)).abs(), -2.0),
+        ("transverse_field", |i, _| (K * i + 1.0).hypot(300.0), 90_000.0),
+        ("jump_between_ranges", |i, _| (K * i + if i < 0.0 { 2.0 } else { 0.0 }).abs(), 2.0),
+        ("constant_drift", |i, t| (K * i * (1.0 - 5e-8 * t) + 1.0).abs(), -5e-8 * K),
+        ("offset_drift", |i, t| (K * i + 1.0 + 0.003 * t).abs(), 0.003),
+    ];
+    for (name, field, size) in cases {
+        let (mut named, mut rival) = (0, 0);
+        for seed in 0..20 {
+            let fit = run(seed, field);
+            let found =
+                fit.departures.iter().find(|departure| departure.departure == name).expect("looked for");
+            rival += usize::from(fit.rivals.iter().any(|other| other == name));
+            if fit.model.starts_with(&format!("line with {name}")) && found.found {
+                named += 1;
+                let quantity = &found.parameter[0];
+                let sigmas = (quantity.value() - size) / quantity.std().expect("a std");
+                assert!(sigmas.abs() < 5.0, "{name}: {sigmas} sigma from {size}");
+            }
+        }
+        println!("{name}: named in {named} of 20, a rival in {rival}");
+        assert!(named + rival == 20 && named >= 15, "{name}: named in {named} of 20, a rival in {rival}");
+    }
+}
+
+#[test]
+fn nothing_is_claimed_where_nothing_is() {
+    let count: u64 =
+        std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(200);
+    let claimed =
+        (0..count).filter(|seed| run(1000 + seed, |i, _| (K * i + 1.0).abs()).model != "line").count();
+    let rate = claimed as f64 / count as f64;
+    // Wilson's interval.
+    let (z, n) = (1.96f64, count as f64);
+    let centre = (rate + z * z / (2.0 * n)) / (1.0 + z * z / n);
+    let half = z / (1.0 + z * z / n) * (rate * (1.0 - rate) / n + z * z / (4.0 * n * n)).sqrt();
+    println!(
+        "claimed in {claimed} of {count}: {:.2} %, 95 % interval {:.2} to {:.2} %",
+        100.0 * rate,
+        100.0 * (centre - half),
+        100.0 * (centre + half)
+    );
+    // The level is 1 % for all departures together.
+    assert!(centre - half <= 0.01, "{rate}");
+}
