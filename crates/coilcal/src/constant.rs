@@ -47,7 +47,8 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
         let candidates = candidates(readings, &levels, declared, (&kinds, &fit), &looked)?;
         let Some(best) = candidates.first() else { break };
         if kinds.is_empty() {
-            let close = candidates[1..].iter().filter(|other| best.gain - other.gain < RIVAL_WITHIN);
+            let close =
+                candidates[1..].iter().filter(|other| best.gain - other.gain < RIVAL_WITHIN * best.variance);
             rivals = close.map(|other| other.kind.name().to_string()).collect();
         }
         kinds.push(best.kind);
@@ -110,10 +111,10 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
 /// A departure beside those that are fitted already.
 struct Candidate {
     kind: Kind,
-    /// Reduction of the sum of squares over the variance.
+    /// Reduction of the sum of squares, nT².
     gain: f64,
-    /// Probability of such a gain, adjusted for all that were looked for.
-    p_value: f64,
+    /// Variance of a reading's residual beside it, nT².
+    variance: f64,
 }
 
 /// The departures that the readings show beside those that are fitted already, the clearest first.
@@ -135,13 +136,13 @@ fn candidates(
             continue;
         }
         let scatter = scatter(levels, &wider, declared);
-        let gain = (fit.sum_of_squares - wider.sum_of_squares).max(0.0) / scatter.std_nt.powi(2);
-        let p_value = stats::two_sided_p(gain.sqrt(), scatter.freedom) * looked.len() as f64;
-        if p_value < FOUND_BELOW {
-            found.push(Candidate { kind: *kind, gain, p_value });
+        let (gain, variance) = ((fit.sum_of_squares - wider.sum_of_squares).max(0.0), scatter.std_nt.powi(2));
+        let p_value = stats::two_sided_p((gain / variance).sqrt(), scatter.freedom);
+        if p_value * (looked.len() as f64) < FOUND_BELOW {
+            found.push(Candidate { kind: *kind, gain, variance });
         }
     }
-    found.sort_by(|a, b| a.p_value.total_cmp(&b.p_value));
+    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     Ok(found)
 }
 

@@ -36,7 +36,7 @@ fn each_departure_is_named_where_it_is() {
     let cases: [(&str, Field, f64); 6] = [
         ("quadratic", |i, _| (K * i + 1.0 + 2.0 * i * i).abs(), 2.0),
         ("cubic", |i, _| (K * i + 1.0 - 2.0 * i.powi(3)).abs(), -2.0),
-        ("transverse_field", |i, _| (K * i + 1.0).hypot(300.0), 90_000.0),
+        ("transverse_field", |i, _| (K * i + 1.0).hypot(600.0), 360_000.0),
         ("jump_between_ranges", |i, _| (K * i + if i < 0.0 { 2.0 } else { 0.0 }).abs(), 2.0),
         ("constant_drift", |i, t| (K * i * (1.0 - 5e-8 * t) + 1.0).abs(), -5e-8 * K),
         ("offset_drift", |i, t| (K * i + 1.0 + 0.003 * t).abs(), 0.003),
@@ -47,6 +47,9 @@ fn each_departure_is_named_where_it_is() {
             let fit = run(seed, field);
             let found =
                 fit.departures.iter().find(|departure| departure.departure == name).expect("looked for");
+            if !fit.model.contains(name) {
+                println!("{name}, seed {seed}: {} {:?}", fit.model, fit.departures);
+            }
             rival += usize::from(fit.rivals.iter().any(|other| other == name));
             if fit.model.starts_with(&format!("line with {name}")) && found.found {
                 named += 1;
