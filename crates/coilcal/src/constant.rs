@@ -33,7 +33,7 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
     let levels = levels(readings);
     if levels.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "coil {}: {} levels of drive; a line and its lack of fit need at least three, better some on either side of zero",
+            "coil {}, different drives recorded: {}; a line and its lack of fit need at least three, better some on either side of zero",
             coil.coil,
             levels.len()
         )));

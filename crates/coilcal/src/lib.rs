@@ -1,5 +1,5 @@
-//! The coil facility itself: the constant of each coil from a scalar magnetometer (NASA, "Measure Calibration Coil
-//! Constants").
+//! The coil facility itself: the constant of each coil and its gradient, from a scalar magnetometer (NASA, "Calibration of
+//! Test Facility").
 //!
 //! B = k I + B0 along the coil's axis. A scalar magnetometer reads |B|; the sign is that of the current. Uncertainties from
 //! scatter (type A) and from resistor and voltmeter (type B, common to all points) are kept apart and joined as JCGM 100
@@ -8,6 +8,7 @@
 mod constant;
 mod departures;
 mod error;
+mod gradient;
 mod levels;
 mod readings;
 mod words;
@@ -18,22 +19,46 @@ pub use words::summary;
 
 use common::{Axis, Document, procedure};
 
-/// Finds the constants of the coils that were recorded, and writes them to `calibration.coils`; a coil without a
-/// recording keeps what the document says of it.
-pub fn run(mut document: Document) -> Result<Document, Error> {
-    let recorded =
-        document.recordings.iter().any(|recording| recording.procedure == procedure::COIL_CONSTANT);
-    if !recorded {
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Distance off the centre for which the field error is stated, m.
+    pub off_centre_m: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { off_centre_m: 0.05 }
+    }
+}
+
+/// Finds the constants and gradients of the coils that were recorded, and writes them to `calibration.coils`; a coil
+/// without a recording keeps what the document says of it.
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT];
+    if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {
         return Err(Error::Nothing);
     }
     for coil in Axis::ALL {
-        let Some(readings) = readings::read(&document, coil)? else { continue };
-        let found = constant::calibrate(&document, &readings)?;
+        let constant = match readings::read(&document, coil)? {
+            Some(readings) => Some(constant::calibrate(&document, &readings)?),
+            None => None,
+        };
+        let surveys = gradient::surveys(&document, coil, options.off_centre_m)?;
+        if constant.is_none() && surveys.is_empty() {
+            continue;
+        }
         let coils = document.calibration.get_or_insert_default().coils.get_or_insert_default();
         let entry = coils.entry(coil).get_or_insert_default();
-        let extra = std::mem::take(&mut entry.extra);
-        *entry = found;
-        entry.extra = extra;
+        if let Some(found) = constant {
+            let kept = std::mem::replace(entry, found);
+            (entry.surveys, entry.gradient_coil, entry.extra) =
+                (kept.surveys, kept.gradient_coil, kept.extra);
+        }
+        if !surveys.is_empty() {
+            entry.gradient_coil = gradient::gradient_coil(&surveys);
+            entry.surveys = surveys;
+        }
     }
     Ok(document)
 }

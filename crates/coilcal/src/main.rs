@@ -1,6 +1,7 @@
 //! `coilcal`: the coil facility itself.
 
 use clap::Parser;
+use coilcal::Options;
 use common::pipe::{self, Io, Program};
 use std::process::ExitCode;
 
@@ -17,6 +18,9 @@ const PROGRAM: Program = Program { name: "coilcal", version: env!("CARGO_PKG_VER
 struct Cli {
     #[command(flatten)]
     io: Io,
+    /// Distance off a coil's centre for which the field error is stated, m
+    #[arg(long, value_name = "M", default_value_t = 0.05)]
+    off_centre_m: f64,
 }
 
 fn main() -> ExitCode {
@@ -24,6 +28,8 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    pipe::stage(PROGRAM, &cli.io, Vec::new(), coilcal::run, coilcal::summary)?;
+    let options = Options { off_centre_m: cli.off_centre_m };
+    let arguments = vec![format!("--off-centre-m={}", cli.off_centre_m)];
+    pipe::stage(PROGRAM, &cli.io, arguments, |document| coilcal::run(document, &options), coilcal::summary)?;
     Ok(())
 }

@@ -74,7 +74,7 @@ fn one(document: &Document, recording: &Recording, path: &str, all: &mut Reading
 }
 
 /// The current, from its column or from the voltage over the resistor.
-fn drive(
+pub fn drive(
     document: &Document,
     recording: &Recording,
     coil: Axis,
@@ -103,7 +103,7 @@ pub fn resistor(document: &Document, coil: Axis) -> Option<f64> {
 }
 
 /// Fields that a scalar magnetometer can have read.
-fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), Error> {
+pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), Error> {
     let column = format!("{path}.columns.reference_nt");
     if let Some(row) = reference.iter().position(|field| *field < 0.0) {
         let found = format!("{} nT in row {row}", reference[row]);

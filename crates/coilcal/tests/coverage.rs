@@ -30,7 +30,10 @@ fn intervals_cover_and_would_not_without_the_common_errors() {
     let mut covered = [[0u64; 2]; 2];
     for seed in 0..count {
         let simulate::Campaign { document, .. } = simulate::campaign(&plan(seed)).expect("simulated");
-        let found = coilcal::run(document).expect("calibrated").calibration.expect("a calibration");
+        let found = coilcal::run(document, &coilcal::Options::default())
+            .expect("calibrated")
+            .calibration
+            .expect("a calibration");
         let coil = found.coil(Axis::Z).expect("coil z");
         let fit = coil.constant.as_ref().expect("a fit");
         let values =

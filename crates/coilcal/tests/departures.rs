@@ -24,7 +24,10 @@ fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
     let columns = [("time_s", time), ("coil_x_a", current), ("reference_nt", reference)];
     recording.columns = columns.map(|(name, column)| (name.to_string(), column.into())).into_iter().collect();
     let document = Document { fluxcal: 1, recordings: vec![recording], ..Document::default() };
-    let found = coilcal::run(document).expect("calibrated").calibration.expect("a calibration");
+    let found = coilcal::run(document, &coilcal::Options::default())
+        .expect("calibrated")
+        .calibration
+        .expect("a calibration");
     *found.coil(Axis::X).expect("coil x").constant.clone().expect("a fit")
 }
 

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AxesCalibration, Axis, CoilFit, Extra, Matrix3x3, PerAxis, Quantity};
+use crate::{AxesCalibration, Axis, CoilFit, CoilSurvey, Extra, GradientCoil, Matrix3x3, PerAxis, Quantity};
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -56,6 +56,12 @@ pub struct CoilCalibration {
     /// How they were found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub constant: Option<Box<CoilFit>>,
+    /// Surveys of its field along its axis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub surveys: Vec<CoilSurvey>,
+    /// How its gradient coil is to be set.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gradient_coil: Option<GradientCoil>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

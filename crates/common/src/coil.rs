@@ -103,3 +103,74 @@ pub struct CoilResiduals {
     /// Readings.
     pub readings: Vec<usize>,
 }
+
+/// The field of a coil along its axis, by coilcal: B(x) = B₀ + a x + b x² + c x⁴.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct CoilSurvey {
+    /// The recording.
+    pub recording: String,
+    /// Mean current, A.
+    pub current_a: f64,
+    /// Current in the gradient coil, A, where the recording states it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gradient_coil_a: Option<f64>,
+    /// B₀, nT.
+    pub centre_nt: Option<Quantity>,
+    /// a, nT/m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_nt_per_m: Option<Quantity>,
+    /// b, nT/m².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_nt_per_m2: Option<Quantity>,
+    /// c, nT/m⁴, where there are places enough.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fourth_nt_per_m4: Option<Quantity>,
+    /// Where the mean field is farthest from the centre's, m.
+    pub worst_position_m: f64,
+    /// By how much there, nT.
+    pub worst_departure_nt: Quantity,
+    /// Largest field error within the stated distance off the centre, nT.
+    pub off_centre: Option<OffCentre>,
+    /// The places as columns.
+    pub places: SurveyPlaces,
+    /// Standard deviation of one reading, nT.
+    pub noise_nt: f64,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What a sensor off the centre sees.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct OffCentre {
+    /// How far off, m.
+    pub distance_m: f64,
+    /// Largest departure of the fitted field within that distance, nT.
+    pub error_nt: Quantity,
+}
+
+/// The places of a survey as columns.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct SurveyPlaces {
+    /// Along the coil's axis, m.
+    pub position_m: Vec<f64>,
+    /// Mean field less the centre's, nT.
+    pub departure_nt: Vec<f64>,
+    /// Its standard uncertainty, nT.
+    pub std_nt: Vec<f64>,
+    /// Mean field less the fitted one, nT.
+    pub residual_nt: Vec<f64>,
+}
+
+/// How the gradient coil is to be set, from two surveys.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct GradientCoil {
+    /// The place whose departure is brought to zero, m.
+    pub position_m: f64,
+    /// The current that does it, A.
+    pub current_a: Quantity,
+    /// Change from the first survey's, A.
+    pub change_a: f64,
+}

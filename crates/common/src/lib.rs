@@ -29,7 +29,9 @@ pub use axis::{Axis, PerAxis};
 pub use calibration::{
     Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions, SensorCalibration,
 };
-pub use coil::{Budget, CoilFit, CoilResiduals, Departure, FTest};
+pub use coil::{
+    Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
+};
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};

@@ -26,6 +26,12 @@ pub enum Quantity {
     },
 }
 
+impl Default for Quantity {
+    fn default() -> Self {
+        Quantity::Bare(0.0)
+    }
+}
+
 impl Quantity {
     /// A value with a standard uncertainty.
     pub fn new(value: f64, std: f64) -> Self {

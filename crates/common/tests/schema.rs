@@ -40,6 +40,7 @@ fn committed_schema_and_fixtures() {
     let mut all = Vec::new();
     documents(&root().join("fixtures/nasa-1977"), &mut all);
     documents(&root().join("fixtures/axescal"), &mut all);
+    documents(&root().join("fixtures/coilcal"), &mut all);
     assert!(all.len() > 10);
     for path in all {
         let document: Value =

@@ -3,10 +3,12 @@
 use std::path::{Path, PathBuf};
 
 mod binary;
+mod faults;
 mod golden;
 mod jacobian;
 
 pub use binary::{Run, run};
+pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use jacobian::check_jacobian;
 

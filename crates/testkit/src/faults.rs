@@ -1,0 +1,31 @@
+use std::fs;
+
+use crate::{bless, fixture, run};
+
+/// Every document of a folder of `fixtures` (`name.json`) brings its message and exit code (`name.txt`), and nothing on standard
+/// output. With BLESS=1 in the environment the messages are written anew. Gives the number of documents.
+pub fn faults(folder: &str, program: &str) -> usize {
+    let folder = fixture(folder);
+    let mut names: Vec<String> = fs::read_dir(&folder)
+        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
+        .filter_map(|name| name.strip_suffix(".json").map(str::to_string))
+        .collect();
+    names.sort();
+    let mut wrong = Vec::new();
+    for name in &names {
+        let document = fs::read_to_string(folder.join(format!("{name}.json"))).expect("readable");
+        let run = run(program, &[], &document);
+        let said = format!("exit code {}\n{}", run.code, run.stderr);
+        let expected = folder.join(format!("{name}.txt"));
+        if bless() {
+            fs::write(&expected, &said).expect("written");
+        }
+        let expected = fs::read_to_string(&expected).unwrap_or_default();
+        if said != expected || !run.stdout.is_empty() || run.code == 0 {
+            wrong.push(format!("{name}:\n{said}where this is expected:\n{expected}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    names.len()
+}
