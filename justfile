@@ -22,9 +22,10 @@ bench:
     cargo bench -p axescal --bench axescal
     cargo bench -p simulate --bench simulate
 
-# Coverage of every interval over 5 000 campaigns
+# Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test coverage -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
 
 # The main job, to look at
 demo:

@@ -27,13 +27,15 @@ fn commands(page: &str) -> Vec<String> {
 fn commands_of_the_pages() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    assert!(binaries.join("simulate").exists(), "the binary `simulate` is built by `cargo test --workspace`");
+    for other in ["simulate", "coilcal"] {
+        assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
+    }
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("target")).expect("a folder");
     symlink(binaries, folder.path().join("target/release")).expect("a link");
     symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
     let mut run = 0;
-    for page in ["README.md", "docs/axescal.md", "docs/document.md", "docs/simulate.md"] {
+    for page in ["README.md", "docs/axescal.md", "docs/document.md", "docs/simulate.md", "docs/coilcal.md"] {
         for block in commands(&fs::read_to_string(root.join(page)).expect("a page")) {
             // Building and testing is what runs this test.
             let block = block.replace("cargo build --release && ", "");

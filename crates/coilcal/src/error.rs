@@ -8,7 +8,7 @@ pub enum Error {
     Document(#[from] common::Error),
     /// No recording is for this stage.
     #[error(
-        "no recording with the procedure `coil_constant` or `coil_gradient`; coilcal needs currents (or voltages over a resistor) beside `reference_nt`"
+        "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages over a resistor) beside `reference_nt`, or readings in the nulled field"
     )]
     Nothing,
     /// The readings do not determine the answer.

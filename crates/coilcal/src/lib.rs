@@ -10,6 +10,7 @@ mod departures;
 mod error;
 mod gradient;
 mod levels;
+mod nulling;
 mod readings;
 mod words;
 
@@ -24,18 +25,20 @@ use common::{Axis, Document, procedure};
 pub struct Options {
     /// Distance off the centre for which the field error is stated, m.
     pub off_centre_m: f64,
+    /// Nyquist frequency of the instrument that will measure in the coils, Hz.
+    pub nyquist_hz: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { off_centre_m: 0.05 }
+        Self { off_centre_m: 0.05, nyquist_hz: 50.0 }
     }
 }
 
-/// Finds the constants and gradients of the coils that were recorded, and writes them to `calibration.coils`; a coil
-/// without a recording keeps what the document says of it.
+/// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes them to
+/// `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document says of it.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT];
+    let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL];
     if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {
         return Err(Error::Nothing);
     }
@@ -59,6 +62,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             entry.gradient_coil = gradient::gradient_coil(&surveys);
             entry.surveys = surveys;
         }
+    }
+    if let Some(nulling) = nulling::residual(&document, options.nyquist_hz)? {
+        document.calibration.get_or_insert_default().nulling = Some(Box::new(nulling));
     }
     Ok(document)
 }

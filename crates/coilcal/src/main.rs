@@ -21,6 +21,9 @@ struct Cli {
     /// Distance off a coil's centre for which the field error is stated, m
     #[arg(long, value_name = "M", default_value_t = 0.05)]
     off_centre_m: f64,
+    /// Nyquist frequency of the instrument that will measure in the coils, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 50.0)]
+    nyquist_hz: f64,
 }
 
 fn main() -> ExitCode {
@@ -28,8 +31,9 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let options = Options { off_centre_m: cli.off_centre_m };
-    let arguments = vec![format!("--off-centre-m={}", cli.off_centre_m)];
+    let options = Options { off_centre_m: cli.off_centre_m, nyquist_hz: cli.nyquist_hz };
+    let arguments =
+        vec![format!("--off-centre-m={}", cli.off_centre_m), format!("--nyquist-hz={}", cli.nyquist_hz)];
     pipe::stage(PROGRAM, &cli.io, arguments, |document| coilcal::run(document, &options), coilcal::summary)?;
     Ok(())
 }

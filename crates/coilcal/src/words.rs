@@ -31,6 +31,32 @@ pub fn summary(document: &Document) -> String {
             );
         }
     }
+    let nulling = document.calibration.as_ref().and_then(|calibration| calibration.nulling.as_ref());
+    for (name, site) in nulling.iter().flat_map(|nulling| &nulling.sites) {
+        let Some(longest) = site.expected.last() else { continue };
+        let rms: Vec<String> = longest
+            .rms_nt
+            .iter()
+            .map(|(axis, rms)| format!("{axis} {:.3} ± {:.3}", rms.value(), rms.std().unwrap_or(0.0)))
+            .collect();
+        let [low, high] = longest.band_hz;
+        let _ = writeln!(text, "  nulling, {name}: rms {} nT from {low:.2e} to {high:.1} Hz", rms.join(", "));
+        for [from, to] in &site.gaps_hz {
+            let _ =
+                writeln!(text, "    nothing was recorded from {from:.3} to {to:.3} Hz: it is not in the rms");
+        }
+        for line in &site.lines {
+            let name = line.name.as_deref().unwrap_or("no known source");
+            let _ = writeln!(
+                text,
+                "    line at {:.3} Hz in {}, sensor {}: {:.3} nT, {name}",
+                line.frequency_hz, line.recording, line.sensor, line.amplitude_nt
+            );
+        }
+    }
+    if let Some(quietest) = nulling.and_then(|nulling| nulling.quietest.as_ref()) {
+        let _ = writeln!(text, "  the quietest condition is {quietest}");
+    }
     text
 }
 

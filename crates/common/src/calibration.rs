@@ -1,7 +1,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AxesCalibration, Axis, CoilFit, CoilSurvey, Extra, GradientCoil, Matrix3x3, PerAxis, Quantity};
+use crate::{
+    AxesCalibration, Axis, CoilFit, CoilSurvey, Extra, GradientCoil, Matrix3x3, NullingCalibration, PerAxis,
+    Quantity,
+};
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -9,6 +12,9 @@ pub struct Calibration {
     /// The coils, by coilcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coils: Option<PerAxis<CoilCalibration>>,
+    /// What the nulling leaves, by coilcal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nulling: Option<Box<NullingCalibration>>,
     /// The sensors, by sensorcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<PerAxis<SensorCalibration>>,

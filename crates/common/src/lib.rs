@@ -15,6 +15,7 @@ mod history;
 mod instrument;
 mod json;
 mod model;
+mod nulling;
 pub mod pipe;
 mod quantity;
 mod recording;
@@ -39,6 +40,9 @@ pub use history::HistoryEntry;
 pub use instrument::{Instrument, Noise, NoiseOfSensors};
 pub use json::to_text;
 pub use model::{AdoptedEffect, Model};
+pub use nulling::{
+    ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
+};
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Column, Columns, Conditions, Recording, Theodolite, procedure};
 

@@ -25,6 +25,11 @@ pub fn chi_squared_p(chi_squared: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi_squared))
 }
 
+/// The χ² that is exceeded with the probability 1 − p, `freedom` degrees of freedom.
+pub fn chi_squared_quantile(p: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(f64::NAN, |law| law.inverse_cdf(p))
+}
+
 /// P(F ≥ `f`) with `above` and `below` degrees of freedom.
 pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
     FisherSnedecor::new(above, below).map_or(f64::NAN, |law| law.sf(f))

@@ -1,0 +1,325 @@
+//! What the nulling leaves, by site condition (NASA, "Test Earth Field Nulling System").
+
+use common::{
+    Axis, Document, Error as Fault, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity,
+    Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure,
+};
+use estimate::spectrum::{Spectrum, welch};
+use estimate::stats;
+
+use crate::Error;
+
+/// Segments into which a series is cut, before overlapping.
+const SEGMENTS: usize = 8;
+/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one follows.
+const TRUSTED: f64 = 0.8;
+/// Bins of the merged spectrum in a decade.
+const BINS: f64 = 10.0;
+/// Lengths of measurements in the table, s.
+const LENGTHS_S: [f64; 6] = [0.1, 1.0, 10.0, 60.0, 600.0, 3600.0];
+/// A line is told below this probability, adjusted for all frequencies of its series.
+const LINE_BELOW: f64 = 1e-3;
+/// Frequencies to either side from which the level beside a line is taken.
+const BESIDE: usize = 15;
+/// Lowest frequency that can be a line, in steps: below it the level beside is a guess.
+const LOWEST: usize = 6;
+/// A line's power is spread over so many frequencies to either side by the window.
+const SPREAD: usize = 2;
+/// Sum of the correlations of neighbouring Hann estimates: 1 + 2 (4/9 + 1/36).
+const CORRELATED: f64 = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
+
+/// One series of one condition.
+struct Series<'a> {
+    recording: &'a Recording,
+    rate_hz: f64,
+    spectra: Vec<(Axis, Spectrum)>,
+    band_hz: [f64; 2],
+}
+
+/// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will measure.
+pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>, Error> {
+    let mut found = NullingCalibration::default();
+    let mut sites: Vec<String> = Vec::new();
+    for (index, recording) in document.recordings.iter().enumerate() {
+        if recording.procedure == procedure::NULLING_RESIDUAL {
+            let site = site(recording, index)?;
+            if !sites.contains(&site) {
+                sites.push(site);
+            }
+        }
+    }
+    for name in sites {
+        let mut series = Vec::new();
+        for (index, recording) in document.recordings.iter().enumerate() {
+            if recording.procedure == procedure::NULLING_RESIDUAL && site(recording, index)? == name {
+                series.push(read(document, recording, index)?);
+            }
+        }
+        found.sites.insert(name, merge(series, nyquist_hz));
+    }
+    let total = |site: &SiteSpectra| {
+        let longest = site.expected.last()?;
+        Some(longest.rms_nt.iter().map(|(_, rms)| rms.value().powi(2)).sum::<f64>())
+    };
+    let quietest = found.sites.iter().filter_map(|(name, site)| Some((name, total(site)?)));
+    found.quietest = quietest.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(name, _)| name.clone());
+    Ok((!found.sites.is_empty()).then_some(found))
+}
+
+fn site(recording: &Recording, index: usize) -> Result<String, Error> {
+    let site = recording.conditions.extra.get("site").and_then(|site| site.as_str());
+    site.map(str::to_string).ok_or_else(|| {
+        let path = format!("recordings[{index}].conditions.site");
+        Fault::document(path, "no such key", "the condition of the site, as in \"weekday-day\"").into()
+    })
+}
+
+/// The spectra of a series, in nT.
+fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>, Error> {
+    let path = format!("recordings[{index}].columns");
+    let time = recording.column("time_s").unwrap_or_default();
+    let rows = time.len();
+    let step_s = if rows > 1 { (time[rows - 1] - time[0]) / (rows - 1) as f64 } else { f64::NAN };
+    let even = |(row, t): (usize, &f64)| (t - time[0] - row as f64 * step_s).abs() <= step_s / 4.0;
+    if !(step_s > 0.0 && time.iter().enumerate().all(even)) {
+        let expected = "even times that rise, all there; a spectrum needs them";
+        return Err(Fault::document(format!("{path}.time_s"), "no even times", expected).into());
+    }
+    let mut spectra = Vec::new();
+    for axis in Axis::ALL {
+        let Some(field) = field(document, recording, axis, &path)? else { continue };
+        let segment = (rows / SEGMENTS).max(8);
+        spectra.push((axis, welch(&field, step_s, segment)?));
+    }
+    if spectra.is_empty() {
+        let expected = "`sensor_x_nt` or `sensor_x_v`, or those of another sensor";
+        return Err(Fault::document(path, "no readings", expected).into());
+    }
+    Ok(Series { recording, rate_hz: 1.0 / step_s, spectra, band_hz: [0.0, 0.0] })
+}
+
+/// The readings of a sensor in nT; a missing one is the mean of its neighbours that are there.
+fn field(
+    document: &Document,
+    recording: &Recording,
+    axis: Axis,
+    path: &str,
+) -> Result<Option<Vec<f64>>, Error> {
+    let (column, scale) = match recording.axis_column("sensor", axis, "nt") {
+        Some(column) => (column, 1.0),
+        None => {
+            let Some(column) = recording.axis_column("sensor", axis, "v") else { return Ok(None) };
+            let found = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+            let found = found.and_then(|sensor| sensor.sensitivity_nt_per_v.as_ref()).map(Quantity::value);
+            let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
+            let scale = found.or(nominal).ok_or_else(|| {
+                let expected = format!(
+                    "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v"
+                );
+                Fault::document(format!("{path}.sensor_{axis}_v"), "readings in V without a sensitivity", expected)
+            })?;
+            (column, scale)
+        }
+    };
+    let missing = column.iter().filter(|value| !value.is_finite()).count();
+    if missing * 100 > column.len() {
+        let found = format!("{missing} of {} readings missing", column.len());
+        let expected = "at most one in a hundred; a spectrum needs an even series";
+        return Err(Fault::document(format!("{path}.sensor_{axis}"), found, expected).into());
+    }
+    let filled = |row: usize| {
+        let before = column[..row].iter().rev().find(|value| value.is_finite());
+        let after = column[row..].iter().find(|value| value.is_finite());
+        let known: Vec<f64> = before.into_iter().chain(after).copied().collect();
+        if column[row].is_finite() { column[row] } else { known.iter().sum::<f64>() / known.len() as f64 }
+    };
+    Ok(Some((0..column.len()).map(|row| filled(row) * scale).collect()))
+}
+
+/// Joins the series of a condition: the slowest stands from its second frequency to a share of its Nyquist frequency, the
+/// next one from there on, the fastest to its end.
+fn merge(mut series: Vec<Series<'_>>, nyquist_hz: f64) -> SiteSpectra {
+    series.sort_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
+    let first: Vec<f64> = series.iter().map(|one| one.spectra[0].1.frequency_hz[1]).collect();
+    let mut reached: f64 = 0.0;
+    for (number, one) in series.iter_mut().enumerate() {
+        let nyquist = 0.5 * one.rate_hz;
+        // The faster series takes over early where it reaches down so far.
+        let end = first.get(number + 1).map_or(nyquist, |next| next.clamp(TRUSTED * nyquist, nyquist));
+        one.band_hz = [reached.max(first[number]), end];
+        reached = end;
+    }
+    let mut site = SiteSpectra::default();
+    let pairs = series.windows(2).map(|pair| [pair[0].band_hz[1], pair[1].band_hz[0]]);
+    site.gaps_hz = pairs.filter(|[from, to]| to > from).collect();
+    for one in &series {
+        let spectrum = &one.spectra[0].1;
+        site.series.push(SeriesOfSpectrum {
+            recording: one.recording.id.clone(),
+            rate_hz: one.rate_hz,
+            window: "hann".into(),
+            segment_samples: spectrum.segment_samples,
+            overlap: spectrum.overlap,
+            segments: spectrum.segments,
+            freedom: spectrum.freedom,
+            band_hz: one.band_hz,
+        });
+        for (axis, spectrum) in &one.spectra {
+            site.lines.extend(lines(one, *axis, spectrum));
+        }
+    }
+    for axis in Axis::ALL {
+        let spectrum = binned(&series, axis);
+        if !spectrum.frequency_hz.is_empty() {
+            *site.spectra.entry(axis) = Some(spectrum);
+        }
+    }
+    site.expected = LENGTHS_S.iter().filter_map(|length| expected(&series, *length, nyquist_hz)).collect();
+    site
+}
+
+fn of<'s>(series: &'s Series<'_>, axis: Axis) -> Option<&'s Spectrum> {
+    series.spectra.iter().find(|(of, _)| *of == axis).map(|(_, spectrum)| spectrum)
+}
+
+/// The estimates of the merged spectrum in bins of a tenth of a decade, with their band: ν of a bin is that of its estimates
+/// together, less what neighbours share.
+fn binned(series: &[Series<'_>], axis: Axis) -> MergedSpectrum {
+    let mut merged = MergedSpectrum::default();
+    let mut push = |frequency: f64, density: f64, freedom: f64| {
+        let quantile = |p: f64| stats::chi_squared_quantile(p, freedom) / freedom;
+        merged.frequency_hz.push(frequency);
+        merged.density_nt2_per_hz.push(density);
+        merged.low_nt2_per_hz.push(density / quantile(0.975));
+        merged.high_nt2_per_hz.push(density / quantile(0.025));
+    };
+    for one in series {
+        let Some(spectrum) = of(one, axis) else { continue };
+        let mut bin: Option<(i64, f64, f64, f64)> = None;
+        let inside = spectrum.frequency_hz.iter().zip(&spectrum.density);
+        for (frequency, density) in inside.filter(|(f, _)| (one.band_hz[0]..=one.band_hz[1]).contains(*f)) {
+            let number = (frequency.log10() * BINS).floor() as i64;
+            match &mut bin {
+                Some((open, sum, frequencies, count)) if *open == number => {
+                    *sum += density;
+                    *frequencies += frequency;
+                    *count += 1.0;
+                }
+                _ => {
+                    if let Some((_, sum, frequencies, count)) = bin.take() {
+                        push(frequencies / count, sum / count, freedom(spectrum, count));
+                    }
+                    bin = Some((number, *density, *frequency, 1.0));
+                }
+            }
+        }
+        if let Some((_, sum, frequencies, count)) = bin {
+            push(frequencies / count, sum / count, freedom(spectrum, count));
+        }
+    }
+    merged
+}
+
+fn freedom(spectrum: &Spectrum, count: f64) -> f64 {
+    spectrum.freedom * count / if count > 1.0 { CORRELATED.min(count) } else { 1.0 }
+}
+
+/// √∫ P df from one over the length to the Nyquist frequency of the instrument, over what was recorded.
+fn expected(series: &[Series<'_>], length_s: f64, nyquist_hz: f64) -> Option<ExpectedRms> {
+    let low = f64::max(1.0 / length_s, series.first()?.band_hz[0]);
+    let high = f64::min(nyquist_hz, series.last()?.band_hz[1]);
+    if low >= high {
+        return None;
+    }
+    let mut rms_nt = PerAxis::default();
+    for axis in Axis::ALL {
+        let (mut power, mut variance) = (0.0, 0.0);
+        for one in series {
+            let Some(spectrum) = of(one, axis) else { continue };
+            let (from, to) = (low.max(one.band_hz[0]), high.min(one.band_hz[1]));
+            if from < to {
+                power += spectrum.power(from, to);
+                let step = spectrum.frequency_hz[1];
+                let inside = spectrum.frequency_hz.iter().zip(&spectrum.density);
+                let squares: f64 = inside
+                    .filter(|(f, _)| (from..=to).contains(*f))
+                    .map(|(_, density)| (density * step).powi(2))
+                    .sum();
+                variance += squares * 2.0 / spectrum.freedom * CORRELATED;
+            }
+        }
+        if power > 0.0 {
+            *rms_nt.entry(axis) = Some(Quantity::new(power.sqrt(), variance.sqrt() / (2.0 * power.sqrt())));
+        }
+    }
+    Some(ExpectedRms { length_s, band_hz: [low, high], rms_nt })
+}
+
+/// Peaks that stand out of what is beside them more than chance allows, for all frequencies of the series together.
+fn lines(series: &Series<'_>, axis: Axis, spectrum: &Spectrum) -> Vec<SpectralLine> {
+    let (frequency, density) = (&spectrum.frequency_hz, &spectrum.density);
+    let last = density.len() - 1;
+    let mut found = Vec::new();
+    for at in LOWEST..last.saturating_sub(SPREAD) {
+        let near = &density[at - SPREAD..=at + SPREAD];
+        if near.iter().any(|other| *other > density[at]) {
+            continue;
+        }
+        let (level, freedom) = beside(spectrum, at);
+        let p = stats::f_p(density[at] / level, spectrum.freedom, freedom);
+        if p * (last as f64) < LINE_BELOW {
+            let power: f64 = near.iter().map(|density| density - level).sum::<f64>() * frequency[1];
+            found.push(SpectralLine {
+                recording: series.recording.id.clone(),
+                sensor: axis.to_string(),
+                frequency_hz: frequency[at],
+                amplitude_nt: (2.0 * power.max(0.0)).sqrt(),
+                name: name(frequency[at], frequency[1], series.rate_hz),
+            });
+        }
+    }
+    found
+}
+
+/// The density at a frequency as its neighbours have it, with its degrees of freedom: a power law through them, other lines
+/// left out.
+fn beside(spectrum: &Spectrum, at: usize) -> (f64, f64) {
+    let near = at.saturating_sub(BESIDE).max(1)..=(at + BESIDE).min(spectrum.density.len() - 1);
+    let point = |k: usize| (spectrum.frequency_hz[k].ln(), spectrum.density[k].ln());
+    let mut others: Vec<(f64, f64)> =
+        near.filter(|k| k.abs_diff(at) > SPREAD && spectrum.density[*k] > 0.0).map(point).collect();
+    let scatter = (2.0 / spectrum.freedom).sqrt();
+    let mut line = power_law(&others);
+    others.retain(|(x, y)| (y - line(*x)) < 3.0 * scatter);
+    line = power_law(&others);
+    // The mean logarithm of χ²/ν lies 1/ν below zero.
+    let level = (line(point(at).0) + 1.0 / spectrum.freedom).exp();
+    (level, spectrum.freedom * (others.len() as f64 / CORRELATED - 2.0).max(1.0))
+}
+
+/// The least-squares line through points; flat where there are too few.
+fn power_law(points: &[(f64, f64)]) -> Box<dyn Fn(f64) -> f64> {
+    let count = points.len().max(1) as f64;
+    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
+    let (xx, xy) = points
+        .iter()
+        .fold((0.0, 0.0), |(xx, xy), point| (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y)));
+    let slope = if xx > 0.0 { xy / xx } else { 0.0 };
+    Box::new(move |at| y + slope * (at - x))
+}
+
+/// Mains with its harmonics and railway power, where the frequency or its alias at this rate is within a frequency step.
+fn name(frequency_hz: f64, step_hz: f64, rate_hz: f64) -> Option<String> {
+    let mains = [50.0, 60.0].into_iter().flat_map(|hz| {
+        (1..=5).map(move |multiple| {
+            let harmonic = if multiple == 1 { String::new() } else { format!(", harmonic {multiple}") };
+            (hz * f64::from(multiple), format!("mains {hz} Hz{harmonic}"))
+        })
+    });
+    let known = mains.chain([(50.0 / 3.0, "railway power 16.7 Hz".to_string())]);
+    let seen = |hz: f64| (hz - (hz / rate_hz).round() * rate_hz).abs();
+    let near = known.filter(|(hz, _)| (seen(*hz) - frequency_hz).abs() <= 1.5 * step_hz);
+    // A line at its own frequency comes before an alias.
+    let best = near.min_by_key(|(hz, _)| u8::from(*hz > rate_hz / 2.0));
+    best.map(|(hz, name)| if hz > rate_hz / 2.0 { format!("alias of {name}") } else { name })
+}
