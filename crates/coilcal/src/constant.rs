@@ -1,11 +1,10 @@
 //! k and B0 of one coil.
 
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
-use estimate::linear::LinearFit;
 use estimate::stats;
 
 use crate::Error;
-use crate::departures::{self, FOUND_BELOW, Kind};
+use crate::departures::{self, FOUND_BELOW, Kind, Model};
 use crate::levels::{Level, levels, mean, within};
 use crate::readings::{Reading, Readings, resistor};
 
@@ -15,6 +14,10 @@ const LEVELS_BELOW: f64 = 0.1;
 const TOLD_BELOW: f64 = 0.01;
 /// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
 const RIVAL_WITHIN: f64 = 6.63;
+/// Levels are weighted below this probability that they scatter alike.
+const UNEQUAL_BELOW: f64 = 1e-3;
+/// Degrees of freedom with which the common scatter counts beside a level's own.
+const PRIOR_FREEDOM: f64 = 4.0;
 /// Departures that are fitted together at most.
 const MOST_DEPARTURES: usize = 2;
 
@@ -39,12 +42,14 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
         )));
     }
     let declared = document.facility.as_ref().and_then(|facility| facility.reference_std_nt);
-    let line = departures::fit(readings, &[])?;
-    let (mut kinds, mut looked) = (Vec::new(), departures::look(readings, &levels, declared)?);
+    let relative_std = relative_std(readings, &levels);
+    let weighted = relative_std.iter().any(|std| *std != 1.0);
+    let line = departures::fit(readings, &[], &relative_std)?;
+    let (mut kinds, mut looked) = (Vec::new(), departures::look(readings, &levels, &relative_std, declared)?);
     let (mut fit, mut rivals) = (line, Vec::new());
     // One departure after the other, the most significant first, as long as the line with it leaves another one.
     while kinds.len() < MOST_DEPARTURES {
-        let candidates = candidates(readings, &levels, declared, (&kinds, &fit), &looked)?;
+        let candidates = candidates((readings, &levels, &relative_std), declared, (&kinds, &fit), &looked)?;
         let Some(best) = candidates.first() else { break };
         if kinds.is_empty() {
             let close =
@@ -52,7 +57,7 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
             rivals = close.map(|other| other.kind.name().to_string()).collect();
         }
         kinds.push(best.kind);
-        fit = departures::fit(readings, &kinds)?;
+        fit = departures::fit(readings, &kinds, &relative_std)?;
     }
     for (kind, departure) in &mut looked {
         departure.found = kinds.contains(kind);
@@ -87,14 +92,18 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
         rms_nt: (fit.residuals.iter().map(|r| r * r).sum::<f64>() / readings.len() as f64).sqrt(),
         pure_error_nt: (repeats > 0.0).then(|| (pure / repeats).sqrt()),
         noise_nt: scatter.std_nt,
-        noise_source: scatter.source.into(),
+        noise_source: if weighted {
+            format!("{}, weighted by level", scatter.source)
+        } else {
+            scatter.source.into()
+        },
         degrees_of_freedom: scatter.freedom,
         coverage_factor_95: coverage(&scatter, type_a(1), type_b[1]),
         lack_of_fit,
         offset_p: stats::two_sided_p(b0 / total(0), f64::INFINITY),
         rivals,
         departures: looked.into_iter().map(|(_, departure)| departure).collect(),
-        residuals: residuals(coil, &levels, &fit, scatter.std_nt),
+        residuals: residuals(coil, &levels, &fit, |member| scatter.std_nt * relative_std[member]),
         ..CoilFit::default()
     };
     result.findings = findings(coil, &kinds, &result);
@@ -108,6 +117,36 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
     })
 }
 
+/// Standard deviation of each reading over the common one: 1, or, where the scatter differs between levels more than chance
+/// allows (Bartlett), that of its level, drawn towards the common one by as much as a few repeats can say.
+fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
+    let mut relative = vec![1.0; readings.len()];
+    // What the currents differ by within a level is not scatter: the line between the levels takes it off.
+    let (first, last) = (&levels[0], &levels[levels.len() - 1]);
+    let (current, field) = (|m: usize| readings[m].current_a, |m: usize| readings[m].field_nt);
+    let slope = (mean(last, field) - mean(first, field)) / (mean(last, current) - mean(first, current));
+    let value = |member: usize| field(member) - slope * current(member);
+    let (sum, freedom) = within(levels, value);
+    let of = |level: &Level| within(std::slice::from_ref(level), value);
+    let repeated: Vec<(f64, f64)> = levels.iter().map(of).filter(|(_, freedom)| *freedom > 0.0).collect();
+    if repeated.len() < 2 || sum == 0.0 || repeated.iter().any(|(sum, _)| *sum == 0.0) {
+        return relative;
+    }
+    let common = sum / freedom;
+    let statistic = freedom * common.ln() - repeated.iter().map(|(sum, f)| f * (sum / f).ln()).sum::<f64>();
+    let inverse: f64 = repeated.iter().map(|(_, f)| 1.0 / f).sum();
+    let groups = repeated.len() as f64 - 1.0;
+    let corrected = statistic / (1.0 + (inverse - 1.0 / freedom) / (3.0 * groups));
+    if stats::chi_squared_p(corrected, groups) < UNEQUAL_BELOW {
+        for level in levels {
+            let (sum, freedom) = of(level);
+            let variance = (sum + PRIOR_FREEDOM * common) / (freedom + PRIOR_FREEDOM);
+            level.members.iter().for_each(|member| relative[*member] = (variance / common).sqrt());
+        }
+    }
+    relative
+}
+
 /// A departure beside those that are fitted already.
 struct Candidate {
     kind: Kind,
@@ -119,15 +158,14 @@ struct Candidate {
 
 /// The departures that the readings show beside those that are fitted already, the clearest first.
 fn candidates(
-    readings: &[Reading],
-    levels: &[Level],
+    (readings, levels, relative_std): (&[Reading], &[Level], &[f64]),
     declared: Option<f64>,
-    (kinds, fit): (&[Kind], &LinearFit),
+    (kinds, fit): (&[Kind], &Model),
     looked: &[(Kind, Departure)],
 ) -> Result<Vec<Candidate>, Error> {
     let mut found = Vec::new();
     for (kind, _) in looked.iter().filter(|(kind, _)| !kinds.contains(kind)) {
-        let wider = departures::fit(readings, &[kinds, &[*kind]].concat())?;
+        let wider = departures::fit(readings, &[kinds, &[*kind]].concat(), relative_std)?;
         let last = kinds.len() + 2;
         if wider.rank <= last
             || wider.freedom < 1.0
@@ -147,8 +185,8 @@ fn candidates(
 }
 
 /// Scatter of the levels' means about the model against the scatter of the repeats about their means.
-fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
-    let residual = |member: usize| fit.residuals[member];
+fn lack_of_fit(levels: &[Level], fit: &Model) -> Option<FTest> {
+    let residual = |member: usize| fit.scaled[member];
     let (pure, below) = within(levels, residual);
     let above = levels.len() as f64 - fit.rank as f64;
     if below < 1.0 || above < 1.0 || pure == 0.0 {
@@ -162,12 +200,12 @@ fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
 
 /// From the residuals; from the levels where they scatter more than the repeats can explain; as declared where neither
 /// has degrees of freedom.
-pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
+pub fn scatter(levels: &[Level], fit: &Model, declared: Option<f64>) -> Scatter {
     let lack = lack_of_fit(levels, fit);
     if let Some(lack) = lack.filter(|lack| lack.p_value < LEVELS_BELOW) {
         let between: f64 = levels
             .iter()
-            .map(|level| level.members.len() as f64 * mean(level, |member| fit.residuals[member]).powi(2))
+            .map(|level| level.members.len() as f64 * mean(level, |member| fit.scaled[member]).powi(2))
             .sum();
         return Scatter { std_nt: (between / lack.above).sqrt(), freedom: lack.above, source: "levels" };
     }
@@ -200,13 +238,13 @@ fn coverage(scatter: &Scatter, type_a: f64, type_b: f64) -> f64 {
     stats::coverage_factor(0.95, effective)
 }
 
-fn residuals(coil: &Readings, levels: &[Level], fit: &LinearFit, std_nt: f64) -> CoilResiduals {
+fn residuals(coil: &Readings, levels: &[Level], fit: &Model, std_nt: impl Fn(usize) -> f64) -> CoilResiduals {
     let mut columns = CoilResiduals::default();
     for level in levels {
         columns.drive_a.push(mean(level, |member| coil.readings[member].current_a));
         columns.field_nt.push(mean(level, |member| coil.readings[member].field_nt));
         columns.residual_nt.push(mean(level, |member| fit.residuals[member]));
-        columns.std_nt.push(std_nt / (level.members.len() as f64).sqrt());
+        columns.std_nt.push(std_nt(level.members[0]) / (level.members.len() as f64).sqrt());
         columns.readings.push(level.members.len());
     }
     columns

@@ -1,7 +1,7 @@
 //! What a straight line may leave out, each as one further column of the fit.
 
 use common::{Departure, Quantity};
-use estimate::linear::{self, LinearFit};
+use estimate::linear;
 use estimate::stats;
 use faer::Mat;
 
@@ -24,6 +24,8 @@ pub enum Kind {
     Transverse,
     /// The negative range is moved against the positive one.
     Jump,
+    /// The constant of the negative range differs from that of the positive one.
+    RangeConstant,
     /// The constant changes through the run, as when the coil heats.
     ConstantDrift,
     /// The offset changes through the run.
@@ -32,8 +34,15 @@ pub enum Kind {
 
 impl Kind {
     /// All that are looked for.
-    pub const ALL: [Kind; 6] =
-        [Kind::Quadratic, Kind::Cubic, Kind::Transverse, Kind::Jump, Kind::ConstantDrift, Kind::OffsetDrift];
+    pub const ALL: [Kind; 7] = [
+        Kind::Quadratic,
+        Kind::Cubic,
+        Kind::Transverse,
+        Kind::Jump,
+        Kind::RangeConstant,
+        Kind::ConstantDrift,
+        Kind::OffsetDrift,
+    ];
 
     /// Its name in documents.
     pub fn name(self) -> &'static str {
@@ -42,6 +51,7 @@ impl Kind {
             Kind::Cubic => "cubic",
             Kind::Transverse => "transverse_field",
             Kind::Jump => "jump_between_ranges",
+            Kind::RangeConstant => "constant_between_ranges",
             Kind::ConstantDrift => "constant_drift",
             Kind::OffsetDrift => "offset_drift",
         }
@@ -53,6 +63,7 @@ impl Kind {
             Kind::Cubic => "curvature_nt_per_a3",
             Kind::Transverse => "transverse_squared_nt2",
             Kind::Jump => "negative_less_positive_nt",
+            Kind::RangeConstant => "negative_less_positive_nt_per_a",
             Kind::ConstantDrift => "rate_nt_per_a_per_s",
             Kind::OffsetDrift => "rate_nt_per_s",
         }
@@ -66,14 +77,33 @@ impl Kind {
             Kind::Cubic => current.powi(3),
             Kind::Transverse => 0.5 / reading.field_nt,
             Kind::Jump => f64::from(u8::from(current < 0.0)),
+            Kind::RangeConstant => current.min(0.0),
             Kind::ConstantDrift => current * (reading.time_s - middle_s),
             Kind::OffsetDrift => reading.time_s - middle_s,
         }
     }
 }
 
-/// Fits offset, constant and the departures of `kinds` to the readings.
-pub fn fit(readings: &[Reading], kinds: &[Kind]) -> Result<LinearFit, Error> {
+/// A fit of offset, constant and departures.
+pub struct Model {
+    /// Offset, constant, then the departures.
+    pub coefficients: Vec<f64>,
+    /// Covariance of the coefficients for readings of their relative standard deviations.
+    pub covariance: Mat<f64>,
+    /// Observed less fitted, nT.
+    pub residuals: Vec<f64>,
+    /// The same over each reading's relative standard deviation.
+    pub scaled: Vec<f64>,
+    /// Sum of squares of the scaled residuals.
+    pub sum_of_squares: f64,
+    /// Readings less rank.
+    pub freedom: f64,
+    /// Rank.
+    pub rank: usize,
+}
+
+/// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard deviations.
+pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result<Model, Error> {
     let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
     let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
         0 => 1.0,
@@ -81,7 +111,17 @@ pub fn fit(readings: &[Reading], kinds: &[Kind]) -> Result<LinearFit, Error> {
         _ => kinds[column - 2].column(&readings[row], middle_s),
     });
     let y: Vec<f64> = readings.iter().map(|reading| reading.field_nt).collect();
-    Ok(linear::fit(design.as_ref(), &y, None)?)
+    let fit = linear::fit(design.as_ref(), &y, Some(relative_std))?;
+    let scaled = fit.residuals.iter().zip(relative_std).map(|(residual, std)| residual / std).collect();
+    Ok(Model {
+        coefficients: fit.coefficients,
+        covariance: fit.covariance,
+        residuals: fit.residuals,
+        scaled,
+        sum_of_squares: fit.sum_of_squares,
+        freedom: fit.freedom,
+        rank: fit.rank,
+    })
 }
 
 /// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that of the
@@ -89,15 +129,16 @@ pub fn fit(readings: &[Reading], kinds: &[Kind]) -> Result<LinearFit, Error> {
 pub fn look(
     readings: &[Reading],
     levels: &[Level],
+    relative_std: &[f64],
     declared: Option<f64>,
 ) -> Result<Vec<(Kind, Departure)>, Error> {
     let mut found = Vec::new();
     let both = readings.iter().any(|r| r.current_a < 0.0) && readings.iter().any(|r| r.current_a > 0.0);
     for kind in Kind::ALL {
-        if kind == Kind::Jump && !both {
+        if matches!(kind, Kind::Jump | Kind::RangeConstant) && !both {
             continue;
         }
-        let fit = fit(readings, &[kind])?;
+        let fit = fit(readings, &[kind], relative_std)?;
         if fit.rank < 3 || fit.freedom < 1.0 {
             continue;
         }

@@ -6,6 +6,11 @@ use noise::Stream;
 /// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field` gives the magnitude
 /// at a current and time.
 fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
+    run_with(seed, field, |_| 0.3)
+}
+
+/// The same with a noise that depends on the current.
+fn run_with(seed: u64, field: impl Fn(f64, f64) -> f64, noise: impl Fn(f64) -> f64) -> CoilFit {
     let mut stream = Stream::new(seed, "reference");
     let (mut current, mut time, mut reference) = (Vec::new(), Vec::new(), Vec::new());
     for sign in [1.0, -1.0] {
@@ -14,7 +19,7 @@ fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
                 let (i, t) = (sign * (0.5 + 0.125 * f64::from(level)), 12.0 * current.len() as f64);
                 current.push(i);
                 time.push(t);
-                reference.push(field(i, t) + 0.3 * stream.normal());
+                reference.push(field(i, t) + noise(i) * stream.normal());
             }
         }
     }
@@ -36,11 +41,12 @@ const K: f64 = 40_000.0;
 #[test]
 fn each_departure_is_named_where_it_is() {
     type Field = fn(f64, f64) -> f64;
-    let cases: [(&str, Field, f64); 6] = [
+    let cases: [(&str, Field, f64); 7] = [
         ("quadratic", |i, _| (K * i + 1.0 + 2.0 * i * i).abs(), 2.0),
         ("cubic", |i, _| (K * i + 1.0 - 2.0 * i.powi(3)).abs(), -2.0),
         ("transverse_field", |i, _| (K * i + 1.0).hypot(600.0), 360_000.0),
         ("jump_between_ranges", |i, _| (K * i + if i < 0.0 { 2.0 } else { 0.0 }).abs(), 2.0),
+        ("constant_between_ranges", |i, _| ((K + if i < 0.0 { 4.0 } else { 0.0 }) * i + 1.0).abs(), 4.0),
         ("constant_drift", |i, t| (K * i * (1.0 - 5e-8 * t) + 1.0).abs(), -5e-8 * K),
         ("offset_drift", |i, t| (K * i + 1.0 + 0.003 * t).abs(), 0.003),
     ];
@@ -85,4 +91,60 @@ fn nothing_is_claimed_where_nothing_is() {
     );
     // The level is 1 % for all departures together.
     assert!(centre - half <= 0.01, "{rate}");
+}
+
+#[test]
+fn levels_that_scatter_more_weigh_less() {
+    // 3 nT at the two largest fields, 0.3 nT elsewhere.
+    let noise = |i: f64| if i.abs() > 1.4 { 3.0 } else { 0.3 };
+    let (mut errors, mut ratio) = ([0.0, 0.0], 0.0);
+    for seed in 0..40 {
+        let fit = run_with(seed, |i, _| (K * i + 1.0).abs(), noise);
+        assert!(fit.noise_source.ends_with("weighted by level"), "{}", fit.noise_source);
+        let std = |current: f64| {
+            let level = fit.residuals.drive_a.iter().position(|drive| *drive == current).expect("a level");
+            fit.residuals.std_nt[level]
+        };
+        ratio += std(1.5) / std(1.0) / 40.0;
+        errors[0] += fit.uncertainty["constant_nt_per_a"].type_a / 40.0;
+    }
+    for seed in 0..40 {
+        let fit = run(seed, |i, _| (K * i + 1.0).abs());
+        assert!(!fit.noise_source.contains("weighted"));
+        errors[1] += fit.uncertainty["constant_nt_per_a"].type_a / 40.0;
+    }
+    println!("u(k): {:.3} nT/A with four noisy levels, {:.3} without", errors[0], errors[1]);
+    // Ten times the noise; four degrees of freedom of the common scatter draw them together.
+    assert!(ratio > 1.8, "{ratio}");
+    assert!(errors[0] < 2.5 * errors[1], "{errors:?}");
+}
+
+#[test]
+fn a_coil_that_heats_is_seen_to_fall() {
+    let mut falls = 0;
+    for seed in 0..10 {
+        let plan = serde_json::json!({
+            "fluxcal": 1,
+            "seed": seed,
+            "facility": {"reference_std_nt": 0.2, "reference_range_nt": [15000, 65000]},
+            "calibration": {"coils": {"z": {"constant_nt_per_a": 43000}}},
+            "truth": {"model": {"effects": [{"effect": "coil_heating", "coil": "z", "parameters": {"fall_ppm_per_a2": 200, "lag_s": 1500}}]}},
+            "procedures": [{"procedure": "coil_constant", "id": "coil", "coil": "z"}]
+        });
+        let plan: simulate::Plan = common::parse(&plan.to_string()).expect("a plan");
+        let document = simulate::campaign(&plan).expect("simulated").document;
+        let found = coilcal::run(document, &coilcal::Options::default()).expect("calibrated").calibration;
+        let found = found.expect("a calibration");
+        let fit = found.coil(Axis::Z).and_then(|coil| coil.constant.clone()).expect("a fit");
+        let drift = fit.departures.iter().find(|d| d.departure == "constant_drift").expect("looked for");
+        println!(
+            "heating: {}, constant_drift {:.2e}, p {:.1e}",
+            fit.model,
+            drift.parameter[0].value(),
+            drift.p_adjusted
+        );
+        falls +=
+            u32::from(fit.model != "line" && drift.parameter[0].value() < 0.0 && drift.p_adjusted < 0.01);
+    }
+    assert_eq!(falls, 10);
 }
