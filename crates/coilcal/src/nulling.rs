@@ -323,3 +323,23 @@ fn name(frequency_hz: f64, step_hz: f64, rate_hz: f64) -> Option<String> {
     let best = near.min_by_key(|(hz, _)| u8::from(*hz > rate_hz / 2.0));
     best.map(|(hz, name)| if hz > rate_hz / 2.0 { format!("alias of {name}") } else { name })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_have_their_names() {
+        for (frequency_hz, rate_hz, expected) in [
+            (60.0, 128.0, Some("mains 60 Hz")),
+            (50.01, 128.0, Some("mains 50 Hz")),
+            (16.68, 128.0, Some("railway power 16.7 Hz")),
+            // 120 Hz at 128 Hz stands at 8 Hz, 16.7 Hz at 10 Hz at 3.33 Hz.
+            (8.0, 128.0, Some("alias of mains 60 Hz, harmonic 2")),
+            (3.333, 10.0, Some("alias of railway power 16.7 Hz")),
+            (23.0, 128.0, None),
+        ] {
+            assert_eq!(name(frequency_hz, 0.02, rate_hz).as_deref(), expected, "{frequency_hz} Hz");
+        }
+    }
+}
