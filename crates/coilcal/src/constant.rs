@@ -1,10 +1,11 @@
 //! k and B0 of one coil.
 
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
+use estimate::linear::LinearFit;
 use estimate::stats;
 
 use crate::Error;
-use crate::departures::{self, FOUND_BELOW, Kind, Model};
+use crate::departures::{self, FOUND_BELOW, Kind};
 use crate::levels::{Level, levels, mean, within};
 use crate::readings::{Reading, Readings, resistor};
 
@@ -160,7 +161,7 @@ struct Candidate {
 fn candidates(
     (readings, levels, relative_std): (&[Reading], &[Level], &[f64]),
     declared: Option<f64>,
-    (kinds, fit): (&[Kind], &Model),
+    (kinds, fit): (&[Kind], &LinearFit),
     looked: &[(Kind, Departure)],
 ) -> Result<Vec<Candidate>, Error> {
     let mut found = Vec::new();
@@ -185,29 +186,33 @@ fn candidates(
 }
 
 /// Scatter of the levels' means about the model against the scatter of the repeats about their means.
-fn lack_of_fit(levels: &[Level], fit: &Model) -> Option<FTest> {
-    let residual = |member: usize| fit.scaled[member];
+fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
+    let residual = |member: usize| fit.standardised[member];
     let (pure, below) = within(levels, residual);
     let above = levels.len() as f64 - fit.rank as f64;
     if below < 1.0 || above < 1.0 || pure == 0.0 {
         return None;
     }
-    let between: f64 =
-        levels.iter().map(|level| level.members.len() as f64 * mean(level, residual).powi(2)).sum();
-    let f = between / above / (pure / below);
+    let f = between(levels, fit) / above / (pure / below);
     Some(FTest { f, above, below, p_value: stats::f_p(f, above, below) })
+}
+
+/// Sum of squares of the levels' means about the model.
+fn between(levels: &[Level], fit: &LinearFit) -> f64 {
+    let residual = |member: usize| fit.standardised[member];
+    levels.iter().map(|level| level.members.len() as f64 * mean(level, residual).powi(2)).sum()
 }
 
 /// From the residuals; from the levels where they scatter more than the repeats can explain; as declared where neither
 /// has degrees of freedom.
-pub fn scatter(levels: &[Level], fit: &Model, declared: Option<f64>) -> Scatter {
+pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
     let lack = lack_of_fit(levels, fit);
     if let Some(lack) = lack.filter(|lack| lack.p_value < LEVELS_BELOW) {
-        let between: f64 = levels
-            .iter()
-            .map(|level| level.members.len() as f64 * mean(level, |member| fit.scaled[member]).powi(2))
-            .sum();
-        return Scatter { std_nt: (between / lack.above).sqrt(), freedom: lack.above, source: "levels" };
+        return Scatter {
+            std_nt: (between(levels, fit) / lack.above).sqrt(),
+            freedom: lack.above,
+            source: "levels",
+        };
     }
     match declared.filter(|_| fit.freedom < 1.0) {
         Some(std_nt) => Scatter { std_nt, freedom: f64::INFINITY, source: "declared" },
@@ -238,7 +243,12 @@ fn coverage(scatter: &Scatter, type_a: f64, type_b: f64) -> f64 {
     stats::coverage_factor(0.95, effective)
 }
 
-fn residuals(coil: &Readings, levels: &[Level], fit: &Model, std_nt: impl Fn(usize) -> f64) -> CoilResiduals {
+fn residuals(
+    coil: &Readings,
+    levels: &[Level],
+    fit: &LinearFit,
+    std_nt: impl Fn(usize) -> f64,
+) -> CoilResiduals {
     let mut columns = CoilResiduals::default();
     for level in levels {
         columns.drive_a.push(mean(level, |member| coil.readings[member].current_a));

@@ -1,7 +1,7 @@
 //! What a straight line may leave out, each as one further column of the fit.
 
 use common::{Departure, Quantity};
-use estimate::linear;
+use estimate::linear::{self, LinearFit};
 use estimate::stats;
 use faer::Mat;
 
@@ -84,26 +84,8 @@ impl Kind {
     }
 }
 
-/// A fit of offset, constant and departures.
-pub struct Model {
-    /// Offset, constant, then the departures.
-    pub coefficients: Vec<f64>,
-    /// Covariance of the coefficients for readings of their relative standard deviations.
-    pub covariance: Mat<f64>,
-    /// Observed less fitted, nT.
-    pub residuals: Vec<f64>,
-    /// The same over each reading's relative standard deviation.
-    pub scaled: Vec<f64>,
-    /// Sum of squares of the scaled residuals.
-    pub sum_of_squares: f64,
-    /// Readings less rank.
-    pub freedom: f64,
-    /// Rank.
-    pub rank: usize,
-}
-
 /// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard deviations.
-pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result<Model, Error> {
+pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result<LinearFit, Error> {
     let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
     let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
         0 => 1.0,
@@ -111,17 +93,7 @@ pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result
         _ => kinds[column - 2].column(&readings[row], middle_s),
     });
     let y: Vec<f64> = readings.iter().map(|reading| reading.field_nt).collect();
-    let fit = linear::fit(design.as_ref(), &y, Some(relative_std))?;
-    let scaled = fit.residuals.iter().zip(relative_std).map(|(residual, std)| residual / std).collect();
-    Ok(Model {
-        coefficients: fit.coefficients,
-        covariance: fit.covariance,
-        residuals: fit.residuals,
-        scaled,
-        sum_of_squares: fit.sum_of_squares,
-        freedom: fit.freedom,
-        rank: fit.rank,
-    })
+    Ok(linear::fit(design.as_ref(), &y, Some(relative_std))?)
 }
 
 /// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that of the

@@ -14,7 +14,6 @@ mod nulling;
 mod readings;
 mod words;
 
-pub use departures::FOUND_BELOW;
 pub use error::Error;
 pub use words::summary;
 

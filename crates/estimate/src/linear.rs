@@ -16,6 +16,8 @@ pub struct LinearFit {
     pub covariance: Mat<f64>,
     /// y − X β.
     pub residuals: Vec<f64>,
+    /// The same, each over its standard deviation.
+    pub standardised: Vec<f64>,
     /// Σ of the squared residuals, each over its standard deviation.
     pub sum_of_squares: f64,
     /// Rows less rank.
@@ -45,11 +47,13 @@ pub fn fit(design: MatRef<'_, f64>, y: &[f64], std: Option<&[f64]>) -> Result<Li
     let correction = solve(&residuals(&coefficients));
     coefficients.iter_mut().zip(correction).for_each(|(value, step)| *value += step);
     let residuals = residuals(&coefficients);
-    let sum_of_squares = residuals.iter().enumerate().map(|(i, r)| (r * weight(i)).powi(2)).sum();
+    let standardised: Vec<f64> = residuals.iter().enumerate().map(|(i, r)| r * weight(i)).collect();
+    let sum_of_squares = standardised.iter().map(|r| r * r).sum();
     Ok(LinearFit {
         coefficients,
         covariance: svd.covariance(),
         residuals,
+        standardised,
         sum_of_squares,
         freedom: (rows - svd.rank()) as f64,
         rank: svd.rank(),

@@ -90,6 +90,11 @@ fn temperatures_of_three_thermometers() {
     // 50 000 nT · (200 + 100) ppm; −50 000 nT · (100 + 25) ppm.
     assert_adds(warm(), scale("sensitivity_temperature"), &[[15.0, 0.0, 0.0], [0.0; 3]]);
     assert_adds(warm(), scale("sensitivity_electronics_temperature"), &[[0.0; 3], [-6.25, 0.0, 0.0]]);
+    let late = json!({"effect": "sensitivity_electronics_temperature_lag", "sensor": "x",
+        "parameters": {"coefficient_ppm_per_k": 20, "lag_s": 5}});
+    // 0.5 K/s for 10 s: T_lag = 5 − 0.5 · 5 (1 − e⁻²) K; −50 000 nT · 20 ppm/K.
+    let warmer = 5.0 - 2.5 * (1.0 - (-2f64).exp());
+    assert_adds(warm(), late, &[[0.0; 3], [-warmer, 0.0, 0.0]]);
     let coil =
         json!({"effect": "coil_temperature", "coil": "x", "parameters": {"coefficient_ppm_per_k": 10}});
     assert_adds(warm(), coil, &[[1.0, 0.0, 0.0], [0.0; 3]]);
