@@ -2,7 +2,7 @@
 
 use common::{
     Axis, Document, Error as Fault, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity,
-    Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure,
+    Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
 };
 use estimate::spectrum::{Spectrum, welch};
 use estimate::stats;
@@ -77,18 +77,14 @@ fn site(recording: &Recording, index: usize) -> Result<String, Error> {
 /// The spectra of a series, in nT.
 fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>, Error> {
     let path = format!("recordings[{index}].columns");
-    let time = recording.column("time_s").unwrap_or_default();
-    let rows = time.len();
-    let step_s = if rows > 1 { (time[rows - 1] - time[0]) / (rows - 1) as f64 } else { f64::NAN };
-    let even = |(row, t): (usize, &f64)| (t - time[0] - row as f64 * step_s).abs() <= step_s / 4.0;
-    if !(step_s > 0.0 && time.iter().enumerate().all(even)) {
+    let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
         let expected = "even times that rise, all there; a spectrum needs them";
         return Err(Fault::document(format!("{path}.time_s"), "no even times", expected).into());
-    }
+    };
     let mut spectra = Vec::new();
     for axis in Axis::ALL {
         let Some(field) = field(document, recording, axis, &path)? else { continue };
-        let segment = (rows / SEGMENTS).max(8);
+        let segment = (recording.rows() / SEGMENTS).max(8);
         spectra.push((axis, welch(&field, step_s, segment)?));
     }
     if spectra.is_empty() {
@@ -121,19 +117,12 @@ fn field(
             (column, scale)
         }
     };
-    let missing = column.iter().filter(|value| !value.is_finite()).count();
-    if missing * 100 > column.len() {
+    let filled = series::filled(column).map_err(|missing| {
         let found = format!("{missing} of {} readings missing", column.len());
         let expected = "at most one in a hundred; a spectrum needs an even series";
-        return Err(Fault::document(format!("{path}.sensor_{axis}"), found, expected).into());
-    }
-    let filled = |row: usize| {
-        let before = column[..row].iter().rev().find(|value| value.is_finite());
-        let after = column[row..].iter().find(|value| value.is_finite());
-        let known: Vec<f64> = before.into_iter().chain(after).copied().collect();
-        if column[row].is_finite() { column[row] } else { known.iter().sum::<f64>() / known.len() as f64 }
-    };
-    Ok(Some((0..column.len()).map(|row| filled(row) * scale).collect()))
+        Fault::document(format!("{path}.sensor_{axis}"), found, expected)
+    })?;
+    Ok(Some(filled.into_iter().map(|value| value * scale).collect()))
 }
 
 /// Joins the series of a condition: the slowest stands from its second frequency to a share of its Nyquist frequency, the

@@ -2,8 +2,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AxesCalibration, Axis, CoilFit, CoilSurvey, Extra, GradientCoil, Matrix3x3, NullingCalibration, PerAxis,
-    Quantity,
+    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, Extra, GradientCoil, Matrix3x3,
+    NullingCalibration, PerAxis, Quantity, SensorCalibration,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -18,6 +18,9 @@ pub struct Calibration {
     /// The sensors, by sensorcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<PerAxis<SensorCalibration>>,
+    /// Temperatures at which no sensor changes, by sensorcal.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub common_extrema: Vec<CommonExtremum>,
     /// The directions of sensors and coils, by axescal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub axes: Option<AxesCalibration>,
@@ -68,23 +71,6 @@ pub struct CoilCalibration {
     /// How its gradient coil is to be set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient_coil: Option<GradientCoil>,
-    /// Keys that this version does not know.
-    #[serde(flatten)]
-    pub extra: Extra,
-}
-
-/// One sensor: B = k V + O, the field along the sensor's own axis.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct SensorCalibration {
-    /// Sensitivity k, nT/V.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sensitivity_nt_per_v: Option<Quantity>,
-    /// Sensitivity of an instrument that gives field (1 where absent).
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub sensitivity_nt_per_nt: Option<Quantity>,
-    /// Offset O, nT.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub offset_nt: Option<Quantity>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

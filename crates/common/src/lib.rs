@@ -20,6 +20,11 @@ pub mod pipe;
 mod quantity;
 mod recording;
 pub mod schema;
+mod sensor;
+mod sensor_conditions;
+mod sensor_noise;
+mod sensor_offset;
+pub mod series;
 pub mod time;
 
 pub use axes::{
@@ -27,9 +32,7 @@ pub use axes::{
     OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
 };
 pub use axis::{Axis, PerAxis};
-pub use calibration::{
-    Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions, SensorCalibration,
-};
+pub use calibration::{Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions};
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
@@ -45,6 +48,18 @@ pub use nulling::{
 };
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Column, Columns, Conditions, Recording, Theodolite, procedure};
+pub use sensor::{
+    FieldErrors, FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals,
+    SensorCalibration, TestResult,
+};
+pub use sensor_conditions::{
+    CommonExtremum, CrossFieldFit, CrossFieldLevels, HeldOut, Misalignment, TemperatureFit,
+    TemperatureLevels, TemperatureOfPart,
+};
+pub use sensor_noise::{AllanDeviation, BandRms, BudgetTerm, ErrorBudget, NoiseSeriesResult, SensorNoise};
+pub use sensor_offset::{
+    AnnualTerm, DriftDates, ImperfectTurn, OffsetDrift, Reversal, ReversalOffset, ReversalPairs,
+};
 
 /// Keys that this version does not know. They are kept and written on as they were.
 pub type Extra = serde_json::Map<String, serde_json::Value>;

@@ -3,14 +3,20 @@
 //! Residuals are always observed less predicted, each divided by its standard deviation, so that a
 //! sum of squares is a χ². Prior knowledge enters as further rows of the same kind.
 
+pub mod allan;
+pub mod correlated;
 pub mod gauss_newton;
+pub mod hac;
 pub mod influence;
 pub mod linear;
+pub mod normality;
+pub mod periodogram;
 pub mod robust;
 pub mod sine;
 pub mod spectrum;
 pub mod stats;
 pub mod svd;
+pub mod whittle;
 
 pub use gauss_newton::{Fit, Options, Problem, Step, linearised, solve};
 pub use svd::Svd;
@@ -50,4 +56,7 @@ pub enum Error {
         /// Unknowns asked for.
         unknowns: usize,
     },
+    /// A series that has no spectrum.
+    #[error("no spectrum of a series {0}")]
+    Series(&'static str),
 }

@@ -1,9 +1,9 @@
 //! Power spectral density of an evenly sampled series, by Welch's method.
 
 use realfft::RealFftPlanner;
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use crate::Error;
+use crate::stats::{self, mean};
 
 /// Fewer samples than these have no spectrum worth the name.
 const LEAST_SAMPLES: usize = 8;
@@ -101,13 +101,7 @@ impl Spectrum {
     ///
     /// For the frequencies to which [`Spectrum::freedom`] applies. NaN if `probability` is not in 0 … 1.
     pub fn interval(&self, probability: f64) -> (f64, f64) {
-        if !(0.0..=1.0).contains(&probability) {
-            return (f64::NAN, f64::NAN);
-        }
-        ChiSquared::new(self.freedom).map_or((f64::NAN, f64::NAN), |law| {
-            let factor = |tail: f64| self.freedom / law.inverse_cdf(tail);
-            (factor(0.5 + probability / 2.0), factor(0.5 - probability / 2.0))
-        })
+        stats::variance_interval(self.freedom, probability)
     }
 
     /// The integral ∫ P df over the band `low_hz` … `high_hz` (square of the samples' unit).
@@ -139,13 +133,6 @@ impl Spectrum {
 /// The periodic Hann window ½ − ½ cos(2π m/n), m = 0 … n − 1.
 fn hann(n: usize) -> Vec<f64> {
     (0..n).map(|m| (std::f64::consts::PI * m as f64 / n as f64).sin().powi(2)).collect()
-}
-
-/// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
-fn mean(values: &[f64]) -> f64 {
-    let n = values.len() as f64;
-    let first = values.iter().sum::<f64>() / n;
-    first + values.iter().map(|x| x - first).sum::<f64>() / n
 }
 
 /// Equivalent degrees of freedom of `segments` windows that start `hop` samples apart.

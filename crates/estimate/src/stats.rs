@@ -30,9 +30,29 @@ pub fn chi_squared_quantile(p: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |law| law.inverse_cdf(p))
 }
 
+/// The factors by which an estimate of a variance with `freedom` degrees of freedom is to be multiplied for the band that
+/// holds the true one with `probability`, half of the rest on either side: ν/χ²((1 + p)/2; ν) and ν/χ²((1 − p)/2; ν),
+/// χ²(q; ν) the quantile of χ².
+///
+/// NaN if `probability` is not in 0 … 1.
+pub fn variance_interval(freedom: f64, probability: f64) -> (f64, f64) {
+    if !(0.0..=1.0).contains(&probability) {
+        return (f64::NAN, f64::NAN);
+    }
+    let factor = |tail: f64| freedom / chi_squared_quantile(tail, freedom);
+    (factor(0.5 + probability / 2.0), factor(0.5 - probability / 2.0))
+}
+
 /// P(F ≥ `f`) with `above` and `below` degrees of freedom.
 pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
     FisherSnedecor::new(above, below).map_or(f64::NAN, |law| law.sf(f))
+}
+
+/// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
+pub(crate) fn mean(values: &[f64]) -> f64 {
+    let n = values.len() as f64;
+    let first = values.iter().sum::<f64>() / n;
+    first + values.iter().map(|x| x - first).sum::<f64>() / n
 }
 
 /// Median of finite numbers; 0 of none.

@@ -3,9 +3,11 @@
 //! Every channel draws from a stream of its own name, so that a channel more changes no other, and so does each kind
 //! of noise within it. The same seed and name give the same numbers on any number of threads.
 
+mod covariance;
 mod power_law;
 mod stream;
 
+pub use covariance::covariance;
 pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
 
@@ -106,12 +108,22 @@ impl Grid {
             return series.into();
         }
         time.iter()
-            .map(|t| {
-                let at = (t - time[0]) / self.step_s;
-                let row = (at as usize).min(series.len() - 2);
-                series[row] + (series[row + 1] - series[row]) * (at - row as f64)
+            .enumerate()
+            .map(|(row, t)| {
+                let (point, share) = self.place(row, *t, time[0]);
+                series[point] + (series[point + 1] - series[point]) * share
             })
             .collect()
+    }
+
+    /// The point of the grid before a time, and the share of the step from it that has passed.
+    fn place(&self, row: usize, time_s: f64, first_s: f64) -> (usize, f64) {
+        if self.even {
+            return (row, 0.0);
+        }
+        let at = (time_s - first_s) / self.step_s;
+        let point = (at as usize).min(self.points - 2);
+        (point, at - point as f64)
     }
 }
 

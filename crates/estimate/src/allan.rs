@@ -1,0 +1,120 @@
+//! Overlapping Allan deviation of an evenly sampled series.
+
+use crate::{Error, stats};
+
+/// The longest averaging time is the last one of which the samples hold this many averages without overlap.
+///
+/// Of random-walk noise such an estimate has two degrees of freedom, of white noise four.
+const LEAST_AVERAGES: usize = 4;
+
+/// The Allan deviation at one averaging time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AllanPoint {
+    /// Averaging time τ = m Δt (s).
+    pub averaging_s: f64,
+    /// Estimate σ̂ of the Allan deviation σ(τ) (the samples' unit).
+    pub deviation: f64,
+    /// Equivalent degrees of freedom ν: ν σ̂²/σ² is about χ²(ν).
+    pub freedom: f64,
+    /// Pairs of neighbouring averages, n − 2m + 1 of n samples; they overlap.
+    pub pairs: usize,
+}
+
+/// Overlapping Allan deviations of the averages of samples `step_s` seconds apart, at m = 1, 2, 4, … samples as long
+/// as 4m ≤ n. Each is that of [`deviation`].
+///
+/// `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density that
+/// dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). With the N = n + 1 sums of the samples
+/// the degrees of freedom are
+///
+/// - α = 0: (3(N − 1)/(2m) − 2(N − 2)/N) · 4m²/(4m² + 5),
+/// - α = 1: 5N²/(4m(N + 3m)), and for m = 1 2(N − 2)²/(2.3N − 4.9),
+/// - α = 2: (N − 2)/m · ((N − 1)² − 3m(N − 1) + 4m²)/(N − 3)²,
+///
+/// and at most the pairs that are averaged. An exponent that is not a number gives degrees of freedom that are not.
+///
+/// Drift is not taken off: samples that rise by d per second add d²τ²/2 to the square of the deviation. Samples that
+/// are not finite give deviations that are not.
+///
+/// Source: W. J. Riley, Handbook of Frequency Stability Analysis, NIST Special Publication 1065 (2008), Table 5; the
+/// samples stand for fractional frequency, their sums for phase.
+///
+/// # Errors
+///
+/// [`Error::TooFew`] for fewer than 4 samples.
+pub fn overlapping(
+    samples: &[f64],
+    step_s: f64,
+    exponent: impl Fn(f64) -> f64,
+) -> Result<Vec<AllanPoint>, Error> {
+    let longest = samples.len() / LEAST_AVERAGES;
+    if longest == 0 {
+        return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_AVERAGES });
+    }
+    let sums = sums(samples);
+    let lengths = std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|m| *m <= longest);
+    let point = |m: usize| {
+        let averaging_s = m as f64 * step_s;
+        let freedom = freedom(sums.len(), m, exponent(averaging_s));
+        AllanPoint { averaging_s, deviation: variance(&sums, m).sqrt(), freedom, pairs: sums.len() - 2 * m }
+    };
+    Ok(lengths.map(point).collect())
+}
+
+/// The overlapping Allan deviation of the averages of `m` samples, in their unit; none if the samples do not hold two
+/// such averages, or m is 0.
+///
+/// σ̂² = Σ (x_(i+2m) − 2x_(i+m) + x_i)² / (2m²(N − 2m)), i = 0 … N − 2m − 1,
+///
+/// with the N = n + 1 sums x_i of the first i samples, each less the mean of all.
+pub fn deviation(samples: &[f64], m: usize) -> Option<f64> {
+    (1..=samples.len() / 2).contains(&m).then(|| variance(&sums(samples), m).sqrt())
+}
+
+impl AllanPoint {
+    /// The factors by which the deviation is to be multiplied for the band that holds the true one with `probability`,
+    /// half of the rest on either side: √(ν/χ²((1 + p)/2; ν)) and √(ν/χ²((1 − p)/2; ν)), χ²(q; ν) the quantile of χ².
+    ///
+    /// NaN if `probability` is not in 0 … 1.
+    pub fn interval(&self, probability: f64) -> (f64, f64) {
+        let (low, high) = stats::variance_interval(self.freedom, probability);
+        (low.sqrt(), high.sqrt())
+    }
+}
+
+/// The sums of the first 0, 1, … n samples, each less the mean of all so that a large constant takes no digits.
+fn sums(samples: &[f64]) -> Vec<f64> {
+    let mean = stats::mean(samples);
+    let mut sum = 0.0;
+    let mut sums = Vec::with_capacity(samples.len() + 1);
+    sums.push(sum);
+    sums.extend(samples.iter().map(|sample| {
+        sum += sample - mean;
+        sum
+    }));
+    sums
+}
+
+/// The Allan variance of averages of `m` samples from their sums, of which there are more than 2m.
+fn variance(sums: &[f64], m: usize) -> f64 {
+    let triples = sums.iter().zip(&sums[m..]).zip(&sums[2 * m..]);
+    let squares: f64 =
+        triples.map(|((start, middle), end)| ((end - middle) - (middle - start)).powi(2)).sum();
+    squares / (2.0 * (m as f64).powi(2) * (sums.len() - 2 * m) as f64)
+}
+
+/// Equivalent degrees of freedom of averages of `m` samples that have `sums` sums, of noise with the given exponent.
+fn freedom(sums: usize, m: usize, exponent: f64) -> f64 {
+    if exponent.is_nan() {
+        return f64::NAN;
+    }
+    let pairs = (sums - 2 * m) as f64;
+    let (n, m) = (sums as f64, m as f64);
+    let table = match exponent.round() {
+        ..=0.0 => (1.5 * (n - 1.0) / m - 2.0 * (n - 2.0) / n) * 4.0 * m * m / (4.0 * m * m + 5.0),
+        ..=1.0 if m == 1.0 => 2.0 * (n - 2.0).powi(2) / (2.3 * n - 4.9),
+        ..=1.0 => 5.0 * n * n / (4.0 * m * (n + 3.0 * m)),
+        _ => (n - 2.0) / m * ((n - 1.0).powi(2) - 3.0 * m * (n - 1.0) + 4.0 * m * m) / (n - 3.0).powi(2),
+    };
+    table.min(pairs)
+}

@@ -1,0 +1,188 @@
+//! Linear least squares of readings whose errors are correlated (generalised least squares).
+
+use faer::linalg::solvers::Llt;
+use faer::{Mat, MatRef, Side};
+
+use crate::Error;
+use crate::linear::{self, LinearFit};
+
+/// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    factor: Llt<f64>,
+    /// ln |V|.
+    log_determinant: f64,
+}
+
+impl Whitening {
+    /// Of a covariance, which must be positive definite.
+    pub fn of(covariance: MatRef<'_, f64>) -> Result<Self, Error> {
+        let rows = covariance.nrows();
+        let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
+        let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+        let log_determinant = (0..rows).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum();
+        Ok(Self { factor, log_determinant })
+    }
+
+    /// L⁻¹ A.
+    pub fn apply(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
+        let mut white = matrix.to_owned();
+        self.factor.L().solve_lower_triangular_in_place(white.as_mut());
+        white
+    }
+
+    /// L⁻¹ y.
+    pub fn apply_to(&self, values: &[f64]) -> Vec<f64> {
+        let column = Mat::from_fn(values.len(), 1, |i, _| values[i]);
+        self.apply(column.as_ref()).col_as_slice(0).to_vec()
+    }
+}
+
+/// What is known of the size of a covariance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scale {
+    /// Known up to a factor, which the residuals give.
+    Fitted,
+    /// Known as it stands.
+    Known,
+}
+
+/// A linear fit of readings whose covariance is known, perhaps up to a factor, or is one of several.
+#[derive(Clone, Debug)]
+pub struct CorrelatedFit {
+    /// The coefficients.
+    pub coefficients: Vec<f64>,
+    /// Their covariance.
+    pub covariance: Mat<f64>,
+    /// y − X β.
+    pub residuals: Vec<f64>,
+    /// The residuals made independent, over their common standard deviation: of the likeliest covariance.
+    pub whitened: Vec<f64>,
+    /// Σ of the squared whitened residuals over the degrees of freedom: 1 where the covariance is right as it stands.
+    pub variance_factor: f64,
+    /// Rows less rank.
+    pub freedom: f64,
+    /// Rank of the design.
+    pub rank: usize,
+    /// Weight of each covariance, adding to one.
+    pub weights: Vec<f64>,
+    /// ln of the restricted likelihood, averaged over the covariances; its zero depends on the design.
+    pub log_likelihood: f64,
+}
+
+/// Fits y ≈ X β under one of several covariances.
+///
+/// For each that is known up to a factor, the factor is s² = r' V⁻¹ r/(n − p). Where there are several they are averaged by
+/// their restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + (n − p) ln r' V⁻¹ r), or with r' V⁻¹ r in place of the last term
+/// where they are known as they stand, all alike beforehand, and what the coefficients differ by
+/// counts in their covariance (Hoeting et al. 1999, Bayesian model averaging, Statist. Sci. 14, 382): an interval does not
+/// rest on the one that happens to be likeliest. With one covariance this is generalised least squares, and Student's t
+/// with n − p degrees of freedom is exact.
+pub fn fit(
+    design: MatRef<'_, f64>,
+    y: &[f64],
+    covariances: &[Whitening],
+    scale: Scale,
+) -> Result<CorrelatedFit, Error> {
+    let unknowns = design.ncols();
+    let mut fits: Vec<(LinearFit, f64)> = Vec::new();
+    for whitening in covariances {
+        let fit = linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None)?;
+        let misfit = match scale {
+            Scale::Fitted => fit.freedom * fit.sum_of_squares.ln(),
+            Scale::Known => fit.sum_of_squares,
+        };
+        let likelihood = -0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit);
+        fits.push((fit, likelihood));
+    }
+    let best = (0..fits.len())
+        .max_by(|a, b| fits[*a].1.total_cmp(&fits[*b].1))
+        .ok_or(Error::TooFew { found: 0, unknowns })?;
+    let largest = fits[best].1;
+    let relative = |likelihood: f64| if fits.len() == 1 { 1.0 } else { (likelihood - largest).exp() };
+    let sum: f64 = fits.iter().map(|(_, likelihood)| relative(*likelihood)).sum();
+    let weights: Vec<f64> = fits.iter().map(|(_, likelihood)| relative(*likelihood) / sum).collect();
+    let factor = |fit: &LinearFit| fit.sum_of_squares / fit.freedom;
+    let mut coefficients = vec![0.0; unknowns];
+    for ((fit, _), weight) in fits.iter().zip(&weights) {
+        coefficients.iter_mut().zip(&fit.coefficients).for_each(|(mean, value)| *mean += weight * value);
+    }
+    let mut covariance = Mat::zeros(unknowns, unknowns);
+    for ((fit, _), weight) in fits.iter().zip(&weights) {
+        let away = |i: usize| fit.coefficients[i] - coefficients[i];
+        for i in 0..unknowns {
+            for j in 0..unknowns {
+                let size = if scale == Scale::Known { 1.0 } else { factor(fit) };
+                covariance[(i, j)] += weight * (size * fit.covariance[(i, j)] + away(i) * away(j));
+            }
+        }
+    }
+    let residuals: Vec<f64> = (0..y.len())
+        .map(|i| y[i] - (0..unknowns).map(|j| design[(i, j)] * coefficients[j]).sum::<f64>())
+        .collect();
+    let likeliest = &fits[best].0;
+    let std = factor(likeliest).sqrt();
+    Ok(CorrelatedFit {
+        coefficients,
+        covariance,
+        residuals,
+        whitened: likeliest.residuals.iter().map(|r| r / std).collect(),
+        variance_factor: factor(likeliest),
+        freedom: likeliest.freedom,
+        rank: likeliest.rank,
+        weights,
+        log_likelihood: largest + sum.ln(),
+    })
+}
+
+/// ln |C| of a covariance; columns are scaled first, for their units may differ by many powers of ten.
+fn log_determinant(covariance: &Mat<f64>) -> f64 {
+    let n = covariance.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
+    let scaled = Mat::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
+    let logarithm: f64 = scaled
+        .as_ref()
+        .llt(Side::Lower)
+        .map(|factor| (0..n).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum())
+        .unwrap_or(0.0);
+    logarithm + scale.iter().map(|s| 2.0 * s.ln()).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn independent_errors_give_the_linear_fit() {
+        let design = Mat::from_fn(12, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
+        let y: Vec<f64> = (0..12).map(|i| 3.0 + 0.5 * f64::from(i) + f64::from(i * i % 5)).collect();
+        let white = Whitening::of(Mat::from_fn(12, 12, |i, j| if i == j { 4.0 } else { 0.0 }).as_ref())
+            .expect("a factor");
+        let one = fit(design.as_ref(), &y, std::slice::from_ref(&white), Scale::Fitted).expect("a fit");
+        let plain = linear::fit(design.as_ref(), &y, None).expect("a fit");
+        for k in 0..2 {
+            assert!((one.coefficients[k] - plain.coefficients[k]).abs() < 1e-12);
+            let variance = plain.covariance[(k, k)] * plain.sum_of_squares / plain.freedom;
+            assert!((one.covariance[(k, k)] / variance - 1.0).abs() < 1e-12);
+        }
+        assert!((one.variance_factor - plain.sum_of_squares / plain.freedom / 4.0).abs() < 1e-12);
+        // The same twice weighs alike and changes nothing.
+        let two = fit(design.as_ref(), &y, &[white.clone(), white], Scale::Fitted).expect("a fit");
+        assert!((two.weights[0] - 0.5).abs() < 1e-12);
+        assert!((two.covariance[(1, 1)] - one.covariance[(1, 1)]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_common_error_moves_the_mean_only() {
+        // Errors 1 + independent 0.1: the slope rests on the independent part.
+        let design = Mat::from_fn(11, 2, |i, j| if j == 0 { 1.0 } else { i as f64 - 5.0 });
+        let y: Vec<f64> = (0..11).map(|i| if i % 2 == 0 { 0.1 } else { -0.1 }).collect();
+        let both = Mat::from_fn(11, 11, |i, j| if i == j { 1.01 } else { 1.0 });
+        let found =
+            fit(design.as_ref(), &y, &[Whitening::of(both.as_ref()).expect("a factor")], Scale::Fitted)
+                .expect("a fit");
+        let unit = |k: usize| found.covariance[(k, k)] / found.variance_factor;
+        assert!((unit(0) - (1.0 + 0.01 / 11.0)).abs() < 1e-12);
+        assert!((unit(1) - 0.01 / 110.0).abs() < 1e-12);
+    }
+}

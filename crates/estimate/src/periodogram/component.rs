@@ -1,0 +1,136 @@
+//! A sine within the discrete Fourier transform of a series.
+
+use std::f64::consts::PI;
+
+use realfft::num_complex::Complex;
+
+use super::level::Level;
+
+/// Ordinates on each side of a peak to which a sine is fitted.
+const FITTED: usize = 8;
+/// A peak lies no farther than this from its largest ordinate (ordinates).
+const REACH: f64 = 0.6;
+/// Frequencies tried over the reach of a peak before the best one is refined.
+const TRIED: usize = 25;
+/// Accuracy of the order of a sine (ordinates).
+const ACCURACY: f64 = 1e-10;
+/// What leaks from a sine is followed until it is this share of the local level.
+const LEAKAGE: f64 = 1e-3;
+
+/// x_m = c e^(2πi ν m/n) + c* e^(−2πi ν m/n).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Component {
+    /// Cycles ν over the length of the series.
+    pub order: f64,
+    /// Half the complex amplitude, c.
+    pub half: Complex<f64>,
+}
+
+/// D(d) = Σ e^(2πi d m/n) over m = 0 … n − 1, at d = ν − k for all k:
+/// (1 − e^(2πi ν)) (1 + i cot(π d/n))/2.
+struct Kernel {
+    half_numerator: Complex<f64>,
+    order: f64,
+    n: f64,
+}
+
+impl Kernel {
+    fn new(order: f64, n: usize) -> Self {
+        let (sin, cos) = (PI * (order - order.round())).sin_cos();
+        Kernel { half_numerator: Complex::new(sin, -cos) * sin, order, n: n as f64 }
+    }
+
+    fn at(&self, k: usize) -> Complex<f64> {
+        let apart = self.order - k as f64;
+        if self.half_numerator.norm_sqr() < 1e-26 {
+            // A whole number of cycles is seen by its own ordinate only.
+            return Complex::new(if apart.abs() < 0.5 { self.n } else { 0.0 }, 0.0);
+        }
+        self.half_numerator * Complex::new(1.0, 1.0 / (PI * apart / self.n).tan())
+    }
+}
+
+impl Component {
+    /// The sine of least squares, each ordinate weighed by the local level, at the peak with the largest ordinate `peak`.
+    pub fn fit(transform: &[Complex<f64>], level: &Level, n: usize, peak: usize) -> Self {
+        let window = peak.saturating_sub(FITTED).max(1)..(peak + FITTED + 1).min(transform.len());
+        let weights: Vec<f64> = window.clone().map(|k| 1.0 / level.at(k)).collect();
+        // The part of the weighted squares that a sine of this order explains, and its half amplitude.
+        let explained = |order: f64| {
+            let (kernel, image) = (Kernel::new(order, n), Kernel::new(-order, n));
+            let (mut uu, mut uv, mut vv, mut ux, mut vx) = (0.0, 0.0, 0.0, 0.0, 0.0);
+            for (k, weight) in window.clone().zip(&weights) {
+                let (d, mirrored, x) = (kernel.at(k), image.at(k), transform[k]);
+                let (u, v) = (d + mirrored, (d - mirrored) * Complex::i());
+                uu += weight * u.norm_sqr();
+                vv += weight * v.norm_sqr();
+                uv += weight * (u.re * v.re + u.im * v.im);
+                ux += weight * (u.re * x.re + u.im * x.im);
+                vx += weight * (v.re * x.re + v.im * x.im);
+            }
+            let determinant = uu * vv - uv * uv;
+            let half = Complex::new((ux * vv - vx * uv) / determinant, (vx * uu - ux * uv) / determinant);
+            (half.re * ux + half.im * vx, half)
+        };
+        let step = 2.0 * REACH / (TRIED - 1) as f64;
+        let tried = (0..TRIED).map(|i| peak as f64 - REACH + step * i as f64);
+        let best = tried.max_by(|a, b| explained(*a).0.total_cmp(&explained(*b).0)).unwrap_or(peak as f64);
+        let order = golden(best - step, best + step, |order| explained(order).0);
+        Component { order, half: explained(order).1 }
+    }
+
+    /// Its amplitude.
+    pub fn amplitude(&self) -> f64 {
+        2.0 * self.half.norm()
+    }
+
+    /// Subtracts the sine from the transform and brings the powers |X_k|² up to date.
+    pub fn subtract(&self, transform: &mut [Complex<f64>], power: &mut [f64], level: &Level, n: usize) {
+        let (kernel, image) = (Kernel::new(self.order, n), Kernel::new(-self.order, n));
+        let peak = (self.order.round() as usize).clamp(1, transform.len() - 1);
+        // Far from the peak the sine has the power |c n|²/(π d)² at a distance of d ordinates.
+        let strength = (self.half.norm() * n as f64).powi(2) / level.at(peak);
+        let reach = 2 * FITTED + ((strength / LEAKAGE).sqrt() / PI).min(n as f64) as usize;
+        for k in peak.saturating_sub(reach).max(1)..(peak + reach + 1).min(transform.len()) {
+            transform[k] -= self.half * kernel.at(k) + self.half.conj() * image.at(k);
+            power[k] = transform[k].norm_sqr();
+        }
+    }
+}
+
+/// The argument of the largest value between two, by golden section.
+fn golden(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_894_8;
+    let (mut left, mut right) = (high - RATIO * (high - low), low + RATIO * (high - low));
+    let (mut at_left, mut at_right) = (value(left), value(right));
+    while high - low > ACCURACY {
+        if at_left > at_right {
+            (high, right, at_right) = (right, left, at_left);
+            left = high - RATIO * (high - low);
+            at_left = value(left);
+        } else {
+            (low, left, at_left) = (left, right, at_right);
+            right = low + RATIO * (high - low);
+            at_right = value(right);
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernel_by_its_sum() {
+        for (order, n) in [(3.0, 10), (3.27, 10), (-3.27, 10), (7.5, 33), (2.000_001, 16)] {
+            let kernel = Kernel::new(order, n);
+            for k in 0..n.div_ceil(2) {
+                let term =
+                    |m: usize| Complex::from_polar(1.0, 2.0 * PI * (order - k as f64) * m as f64 / n as f64);
+                let sum: Complex<f64> = (0..n).map(term).sum();
+                assert!((kernel.at(k) - sum).norm() < 1e-8 * n as f64, "{order}, {k}: {sum}");
+            }
+        }
+    }
+}

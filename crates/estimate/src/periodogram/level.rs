@@ -1,0 +1,160 @@
+//! Local level of a periodogram, by medians that single strong ordinates do not move, and how improbable an ordinate is.
+
+use std::f64::consts::LN_2;
+use std::ops::Range;
+
+/// Fewest ordinates of a block.
+const LEAST_BLOCK: usize = 20;
+/// Last ordinate over the first of a longer block.
+const BLOCK_RATIO: f64 = 1.5;
+/// A block of fewer ordinates is steep; its level is found again about its own slope.
+const STEEP_BLOCK: usize = 200;
+/// Rounds of that.
+const ROUNDS: usize = 2;
+/// Neighbours on either side to which an ordinate is compared: a fifth of its own number, within these.
+const NEIGHBOURS: Range<usize> = 24..200;
+/// Neighbours so near are left out: what is between two ordinates shows in both.
+const TOO_NEAR: usize = 2;
+/// Fewer neighbours say nothing.
+const LEAST_NEIGHBOURS: usize = 10;
+
+/// Expected power of the ordinates: straight lines in ln power over ln k between the medians of blocks.
+pub(super) struct Level {
+    blocks: Vec<Range<usize>>,
+    /// ln k and ln power.
+    nodes: Vec<(f64, f64)>,
+}
+
+impl Level {
+    /// The level of powers |X_k|², k = 0, 1, …; the one at zero and those left out are not seen.
+    pub fn of(power: &[f64], left_out: &[bool]) -> Self {
+        let mut level = Level { blocks: blocks(power.len()), nodes: Vec::new() };
+        let mut buffer = Vec::new();
+        let mut seen = Vec::new();
+        for block in &level.blocks {
+            buffer.clear();
+            buffer.extend(block.clone().filter(|k| !left_out[*k]).map(|k| power[k]));
+            if buffer.len() >= LEAST_BLOCK / 2 {
+                let middle = 0.5 * ((block.start as f64).ln() + (block.end as f64).ln());
+                let ordinate = median(&mut buffer) / LN_2;
+                level.nodes.push((middle, ordinate.max(f64::MIN_POSITIVE).ln()));
+                seen.push(block.clone());
+            }
+        }
+        for _ in 0..ROUNDS {
+            let steep = seen.iter().take_while(|block| block.len() < STEEP_BLOCK);
+            let corrections: Vec<f64> = steep
+                .map(|block| {
+                    buffer.clear();
+                    let kept = block.clone().filter(|k| !left_out[*k]);
+                    buffer.extend(kept.map(|k| power[k] / level.at(k)));
+                    (median(&mut buffer) / LN_2).max(f64::MIN_POSITIVE).ln()
+                })
+                .collect();
+            for (node, correction) in level.nodes.iter_mut().zip(corrections) {
+                node.1 += correction;
+            }
+        }
+        level
+    }
+
+    /// Expected power at ordinate `k` ≥ 1.
+    pub fn at(&self, k: usize) -> f64 {
+        let x = (k as f64).ln();
+        match self.nodes.as_slice() {
+            [] => 1.0,
+            [only] => only.1.exp(),
+            nodes => {
+                let right = nodes.partition_point(|node| node.0 < x).clamp(1, nodes.len() - 1);
+                let ((x0, y0), (x1, y1)) = (nodes[right - 1], nodes[right]);
+                (y0 + (y1 - y0) * (x - x0) / (x1 - x0)).exp()
+            }
+        }
+    }
+
+    /// Ordinates from `first` on that are above `factor` times the level, the highest above it first.
+    pub fn above(&self, power: &[f64], left_out: &[bool], first: usize, factor: f64) -> Vec<usize> {
+        let mut found = Vec::new();
+        for block in &self.blocks {
+            // The level is monotone between a node and the ends of its block, so that the least of these three is the
+            // least of all.
+            let middle = ((block.start * block.end) as f64).sqrt() as usize;
+            let ends = [block.start, middle, middle + 1, block.end - 1];
+            let least = ends.iter().map(|k| self.at(*k)).fold(f64::INFINITY, f64::min) * factor;
+            let high = block.clone().filter(|&k| power[k] > least && k >= first && !left_out[k]);
+            found.extend(high.map(|k| (k, power[k] / self.at(k))).filter(|(_, ratio)| *ratio > factor));
+        }
+        found.sort_by(|a, b| b.1.total_cmp(&a.1));
+        found.into_iter().map(|(k, _)| k).collect()
+    }
+
+    /// ln of the probability that noise alone brings ordinate `k` as high above the median of its neighbours.
+    ///
+    /// For independent exponential variables of equal mean, M neighbours and the one compared to them, the chance of
+    /// a ratio above r to the m-th smallest neighbour is Π (M − i + 1)/(M − i + 1 + r), i = 1 … m: the
+    /// scatter of the median is in it. The slope of the level is divided out first.
+    ///
+    /// Source: A. Rényi, On the theory of order statistics, Acta Math. Acad. Sci. Hung. 4 (1953) 191–231: the m-th
+    /// smallest of M is Σ E_i/(M − i + 1) with E_i exponential and independent.
+    pub fn ln_p(&self, power: &[f64], left_out: &[bool], k: usize) -> f64 {
+        let side = (k / 5).clamp(NEIGHBOURS.start, NEIGHBOURS.end);
+        let window = k.saturating_sub(side).max(1)..(k + side + 1).min(power.len());
+        let near = |j: usize| j.abs_diff(k) <= TOO_NEAR;
+        let mut ratios: Vec<f64> =
+            window.filter(|&j| !near(j) && !left_out[j]).map(|j| power[j] / self.at(j)).collect();
+        let count = ratios.len();
+        if count < LEAST_NEIGHBOURS {
+            return 0.0;
+        }
+        let ratio = power[k] / self.at(k) / median(&mut ratios);
+        -(0..count.div_ceil(2)).map(|i| (ratio / (count - i) as f64).ln_1p()).sum::<f64>()
+    }
+}
+
+/// Blocks of ordinates 1 … `end` − 1.
+fn blocks(end: usize) -> Vec<Range<usize>> {
+    let mut blocks = Vec::new();
+    let mut from = 1;
+    while from < end {
+        let mut to = (from + LEAST_BLOCK).max((BLOCK_RATIO * from as f64) as usize);
+        if to + LEAST_BLOCK > end {
+            to = end;
+        }
+        blocks.push(from..to);
+        from = to;
+    }
+    blocks
+}
+
+/// The middle one, the lower of two; the values lose their order.
+fn median(values: &mut [f64]) -> f64 {
+    let middle = values.len().div_ceil(2) - 1;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_law_has_its_level() {
+        // Ordinates at the median of the law, so that the level is the power law itself.
+        for exponent in [0.0, 1.0, 2.0] {
+            let power: Vec<f64> =
+                (0..2000).map(|k| 5.0 * LN_2 * f64::from(k.max(1)).powf(-exponent)).collect();
+            let level = Level::of(&power, &vec![false; 2000]);
+            for k in [1_u32, 7, 30, 400, 1999] {
+                let ratio = level.at(k as usize) / (5.0 * f64::from(k).powf(-exponent));
+                assert!((ratio - 1.0).abs() < 0.12, "{exponent}, {k}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn blocks_hold_every_ordinate_once() {
+        for end in [2, 15, 45, 61, 5000] {
+            let joined: Vec<usize> = blocks(end).into_iter().flatten().collect();
+            assert_eq!(joined, (1..end).collect::<Vec<_>>());
+        }
+    }
+}

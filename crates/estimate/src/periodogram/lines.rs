@@ -1,0 +1,150 @@
+//! Spectral lines of a periodogram: found, fitted by sines, subtracted.
+
+use realfft::num_complex::Complex;
+
+use super::component::Component;
+use super::level::Level;
+use crate::stats::chi_squared_p;
+
+/// Probability that a series of noise has a line.
+const FALSE_LINE: f64 = 1e-3;
+/// The lowest ordinate at which a line is sought: below there are too few neighbours.
+const FIRST: usize = 7;
+/// Share of the level asked of a line, in units of what FALSE_LINE needs at least, before its neighbours are looked at.
+const WORTH_A_LOOK: f64 = 0.6;
+/// Ordinates on each side of a line that are left out: a sine is fitted to them.
+const TAKEN: f64 = 2.0;
+/// Lines so near to one another are fitted anew together (ordinates).
+const TOGETHER: f64 = 50.0;
+/// Most sines that are subtracted.
+const MOST: usize = 200;
+/// Most searches over the whole series.
+const SEARCHES: usize = 10;
+/// Ordinates beside a line are left out as long as noise alone is so high with this probability.
+const CONTAMINATED: f64 = 1e-3;
+/// Share of its frequency over which a line is followed at most.
+const WIDEST: f64 = 0.1;
+
+/// A sine in the series.
+///
+/// Sought from the seventh ordinate on, at the full resolution: an ordinate over the median of its neighbours (a fifth
+/// of its number on either side, 24 to 200) that noise reaches with a probability of 10⁻³ over all ordinates of the
+/// series. A sine of least squares is fitted to the ordinates up to eight away, subtracted with all that leaks
+/// from it, and the search repeated. What a line that is no pure sine leaves beside it is left out, as part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Frequency (Hz).
+    pub frequency_hz: f64,
+    /// Amplitude, half of peak to peak (unit of the samples).
+    pub amplitude: f64,
+    /// Probability that any ordinate of a series of noise stands out as much.
+    pub p_value: f64,
+}
+
+/// What is left without the lines.
+pub(super) struct Rest {
+    /// |X_k|², k = 0, 1, ….
+    pub power: Vec<f64>,
+    /// Ordinates that belong to a line.
+    pub left_out: Vec<bool>,
+}
+
+/// Takes the lines out of a transform X_k, k = 0 … below n/2, of `n` samples.
+pub(super) fn take_out(mut transform: Vec<Complex<f64>>, n: usize, length_s: f64) -> (Vec<Line>, Rest) {
+    let mut power: Vec<f64> = transform.iter().map(Complex::norm_sqr).collect();
+    let mut left_out = vec![false; power.len()];
+    left_out[0] = true;
+    let sought = power.len().saturating_sub(FIRST) as f64;
+    let factor = WORTH_A_LOOK * (sought.max(1.0) / FALSE_LINE).ln();
+    let mut found: Vec<(Component, f64)> = Vec::new();
+    let mut level = Level::of(&power, &left_out);
+    for _ in 0..SEARCHES {
+        let before = found.len();
+        for k in level.above(&power, &left_out, FIRST, factor) {
+            // What leaked from a stronger line is gone by now.
+            let p = any_of(sought, level.ln_p(&power, &left_out, k));
+            if p < FALSE_LINE && found.len() < MOST {
+                let component = Component::fit(&transform, &level, n, k);
+                component.subtract(&mut transform, &mut power, &level, n);
+                found.push((component, p));
+            }
+        }
+        if found.len() == before {
+            break;
+        }
+        fit_together(&mut found, &mut transform, &mut power, &level, n);
+        for (component, _) in &found {
+            leave_out(&mut left_out, component.order - TAKEN, component.order + TAKEN);
+        }
+        level = Level::of(&power, &left_out);
+    }
+    let mut lines = Vec::new();
+    let mut covered = vec![false; power.len()];
+    found.sort_by(|a, b| b.0.amplitude().total_cmp(&a.0.amplitude()));
+    for (component, p_value) in found {
+        let (low, high) = contaminated(component.order, &power, &left_out, &level);
+        leave_out(&mut left_out, low, high);
+        let peak = component.order.round() as usize;
+        // What is left of a stronger line beside it is part of it.
+        if !covered.get(peak).is_some_and(|covered| *covered) {
+            let frequency_hz = component.order / length_s;
+            lines.push(Line { frequency_hz, amplitude: component.amplitude(), p_value });
+        }
+        leave_out(&mut covered, low, high);
+    }
+    lines.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    (lines, Rest { power, left_out })
+}
+
+/// Probability that any of `count` ordinates has the probability of a single one.
+fn any_of(count: f64, ln_single: f64) -> f64 {
+    (-(count * (-ln_single.exp()).ln_1p()).exp_m1()).max(f64::MIN_POSITIVE)
+}
+
+/// Fits sines that are near to others once more, without these.
+fn fit_together(
+    found: &mut [(Component, f64)],
+    transform: &mut [Complex<f64>],
+    power: &mut [f64],
+    level: &Level,
+    n: usize,
+) {
+    for i in 0..found.len() {
+        let component = found[i].0;
+        let near = |other: &(Component, f64)| (other.0.order - component.order).abs() < TOGETHER;
+        if found.iter().filter(|other| near(other)).count() > 1 {
+            let added = Component { half: -component.half, ..component };
+            added.subtract(transform, power, level, n);
+            let peak = (component.order.round() as usize).clamp(1, power.len() - 1);
+            found[i].0 = Component::fit(transform, level, n, peak);
+            found[i].0.subtract(transform, power, level, n);
+        }
+    }
+}
+
+/// Marks the ordinates from `low` to `high`.
+fn leave_out(left_out: &mut [bool], low: f64, high: f64) {
+    let (low, end) = (low.ceil().max(1.0) as usize, (high.floor() as usize + 1).min(left_out.len()));
+    (low..end).for_each(|k| left_out[k] = true);
+}
+
+/// How far on either side of a line the ordinates are too high for noise, in blocks that grow with the distance.
+fn contaminated(order: f64, power: &[f64], left_out: &[bool], level: &Level) -> (f64, f64) {
+    let widest = (WIDEST * order).max(TAKEN);
+    let distance = |sign: f64| {
+        let mut distance = TAKEN;
+        while distance < widest {
+            let next = (1.5 * distance + 2.0).min(widest);
+            let (a, b) = (order + sign * distance, order + sign * next);
+            let block = a.min(b).ceil().max(1.0) as usize..(a.max(b).floor() as usize + 1).min(power.len());
+            let ratios = block.filter(|k| !left_out[*k]).map(|k| power[k] / level.at(k));
+            let (count, sum) = ratios.fold((0.0, 0.0), |(count, sum), ratio| (count + 1.0, sum + ratio));
+            if count < 1.0 || chi_squared_p(2.0 * sum, 2.0 * count) > CONTAMINATED {
+                break;
+            }
+            distance = next;
+        }
+        distance
+    };
+    (order - distance(-1.0), order + distance(1.0))
+}

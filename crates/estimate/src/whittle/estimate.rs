@@ -1,0 +1,48 @@
+//! Values with their standard uncertainties.
+
+use crate::stats::coverage_factor;
+
+/// The standard normal distribution is below this with a probability of 95 %.
+pub(super) const ONE_SIDED_95: f64 = 1.644_854;
+
+/// A value that is not negative by its nature, with its standard uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value; 0: none was seen.
+    pub value: f64,
+    /// Its standard uncertainty; beside a value of 0, the one-sided 95 % bound over 1.645.
+    pub std: f64,
+}
+
+impl Estimate {
+    /// None was seen, below a one-sided 95 % bound.
+    pub(super) fn below(bound: f64) -> Self {
+        Estimate { value: 0.0, std: bound / ONE_SIDED_95 }
+    }
+
+    /// The square root: √v with the uncertainty u/(2 √v), or the root of the bound.
+    pub fn root(&self) -> Self {
+        let value = self.value.sqrt();
+        if self.value > 0.0 {
+            Estimate { value, std: 0.5 * self.std / value }
+        } else {
+            Self::below((ONE_SIDED_95 * self.std).sqrt())
+        }
+    }
+
+    /// The interval that holds the true value with `probability`: v ± z u.
+    pub fn interval(&self, probability: f64) -> (f64, f64) {
+        let half = coverage_factor(probability, f64::INFINITY) * self.std;
+        (self.value - half, self.value + half)
+    }
+
+    /// The same on a logarithmic scale, v e^(± z u/v): for an amplitude, an rms or a density, whose logarithm is nearer
+    /// to normal. For a value of 0 from 0 to the one-sided bound.
+    pub fn log_interval(&self, probability: f64) -> (f64, f64) {
+        if self.value <= 0.0 {
+            return (0.0, coverage_factor(2.0 * probability - 1.0, f64::INFINITY) * self.std);
+        }
+        let factor = (coverage_factor(probability, f64::INFINITY) * self.std / self.value).exp();
+        (self.value / factor, self.value * factor)
+    }
+}

@@ -1,0 +1,173 @@
+//! The Whittle likelihood of periodograms under a power law and white noise.
+
+use faer::Mat;
+
+use super::White;
+use crate::Error;
+use crate::periodogram::Periodogram;
+
+/// Least and largest exponent α.
+pub(super) const EXPONENTS: (f64, f64) = (0.2, 2.5);
+/// A part below this share of the density is none.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// The bins of all series.
+pub(super) struct Data {
+    pub bins: Vec<Binned>,
+    pub step_s: Vec<f64>,
+    /// ln of the lowest frequency (Hz).
+    pub lowest: f64,
+}
+
+/// A bin of one of the series.
+pub(super) struct Binned {
+    /// ln of the frequency over the lowest one.
+    pub x: f64,
+    pub density: f64,
+    pub ln_density: f64,
+    pub count: f64,
+    pub series: usize,
+}
+
+impl Data {
+    pub fn of(series: &[Periodogram]) -> Result<Self, Error> {
+        let all = || series.iter().flat_map(|s| &s.bins);
+        if all().any(|bin| !(bin.density.is_finite() && bin.frequency_hz > 0.0 && bin.count > 0.0)) {
+            return Err(Error::Series("with ordinates that are not finite"));
+        }
+        if series.iter().any(|s| s.bins.iter().all(|bin| bin.density <= 0.0)) {
+            return Err(Error::Series("that does not vary"));
+        }
+        let (count, unknowns) = (all().map(|bin| bin.count).sum::<f64>() as usize, 2 + series.len());
+        if count <= unknowns || series.is_empty() {
+            return Err(Error::TooFew { found: count, unknowns: unknowns + 1 });
+        }
+        let lowest = all().map(|bin| bin.frequency_hz).fold(f64::INFINITY, f64::min).ln();
+        let bins = series.iter().enumerate().flat_map(|(number, s)| {
+            s.bins.iter().map(move |bin| Binned {
+                x: bin.frequency_hz.ln() - lowest,
+                density: bin.density,
+                ln_density: bin.density.max(f64::MIN_POSITIVE).ln(),
+                count: bin.count,
+                series: number,
+            })
+        });
+        Ok(Data { bins: bins.collect(), step_s: series.iter().map(|s| s.step_s).collect(), lowest })
+    }
+
+    pub fn series(&self) -> usize {
+        self.step_s.len()
+    }
+
+    /// Σ count (1 + ln I): with the cost of a state, minus its log likelihood.
+    pub fn saturated(&self) -> f64 {
+        self.bins.iter().map(|bin| bin.count * (1.0 + bin.ln_density)).sum()
+    }
+}
+
+/// P = exp(θ₀ − θ₁ x) + c exp θ_(2+g), x = ln f less its lowest; g the group and c the shape of the white part of
+/// a series.
+///
+/// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of −∞: that part is absent.
+pub(super) struct Model<'a> {
+    pub data: &'a Data,
+    pub white: White,
+    /// The least value of each unknown that is sought.
+    pub least: Vec<f64>,
+}
+
+/// Cost, its gradient and the Fisher information, over θ.
+pub(super) struct Slope {
+    pub cost: f64,
+    pub gradient: Vec<f64>,
+    pub fisher: Mat<f64>,
+}
+
+impl<'a> Model<'a> {
+    pub fn new(data: &'a Data, white: White) -> Self {
+        let mut model = Model { data, white, least: Vec::new() };
+        let levels = model.pooled(|bin| bin.ln_density - model.shape(bin.series).ln());
+        let highest =
+            data.bins.iter().map(|bin| levels[model.group(bin.series)] + model.shape(bin.series).ln());
+        let flicker = highest.fold(f64::NEG_INFINITY, f64::max);
+        let whites = levels.iter().map(|level| level + NEGLIGIBLE.ln());
+        model.least = [flicker + NEGLIGIBLE.ln(), EXPONENTS.0].into_iter().chain(whites).collect();
+        model
+    }
+
+    /// Number of white unknowns.
+    pub fn groups(&self) -> usize {
+        if self.white == White::Each { self.data.series() } else { 1 }
+    }
+
+    /// The white unknown of a series.
+    pub fn group(&self, series: usize) -> usize {
+        if self.white == White::Each { series } else { 0 }
+    }
+
+    /// The density of the white part of a series for a white unknown of one.
+    pub fn shape(&self, series: usize) -> f64 {
+        self.white.density(self.data.step_s[series])
+    }
+
+    /// The mean over the ordinates of each group.
+    fn pooled(&self, of: impl Fn(&Binned) -> f64) -> Vec<f64> {
+        let mut sums = vec![(0.0, 0.0); self.groups()];
+        for bin in &self.data.bins {
+            let sum = &mut sums[self.group(bin.series)];
+            *sum = (sum.0 + bin.count * of(bin), sum.1 + bin.count);
+        }
+        sums.into_iter().map(|(sum, count)| sum / count).collect()
+    }
+
+    /// The unknowns of another form of white noise as those of each series.
+    pub fn spread(&self, other: &Model, theta: &[f64]) -> Vec<f64> {
+        let white = |s: usize| theta[2 + other.group(s)] + (other.shape(s) / self.shape(s)).ln();
+        theta[..2].iter().copied().chain((0..self.data.series()).map(white)).collect()
+    }
+
+    /// The white noise of greatest likelihood without flicker: the mean ordinate of each group.
+    pub fn white_only(&self) -> Vec<f64> {
+        let whites = self.pooled(|bin| bin.density / self.shape(bin.series));
+        [f64::NEG_INFINITY, 1.0].into_iter().chain(whites.into_iter().map(f64::ln)).collect()
+    }
+
+    /// Flicker and white part of the density of a bin.
+    pub fn parts(&self, theta: &[f64], bin: &Binned) -> (f64, f64) {
+        let white = theta[2 + self.group(bin.series)].exp() * self.shape(bin.series);
+        ((theta[0] - theta[1] * bin.x).exp(), white)
+    }
+
+    /// Σ count (I/P − 1 − ln(I/P)), half the deviance.
+    pub fn cost(&self, theta: &[f64]) -> f64 {
+        let term = |bin: &Binned| {
+            let (flicker, white) = self.parts(theta, bin);
+            let density = flicker + white;
+            bin.count * (bin.density / density - 1.0 + density.ln() - bin.ln_density)
+        };
+        self.data.bins.iter().map(term).sum()
+    }
+
+    /// Cost, gradient and information; for a white unknown the exponential of θ is taken where `linear`.
+    pub fn slope(&self, theta: &[f64], linear: bool) -> Slope {
+        let unknowns = theta.len();
+        let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);
+        let mut fisher = Mat::zeros(unknowns, unknowns);
+        for bin in &self.data.bins {
+            let (flicker, white) = self.parts(theta, bin);
+            let density = flicker + white;
+            let ratio = bin.density / density;
+            cost += bin.count * (ratio - 1.0 + density.ln() - bin.ln_density);
+            let flicker = flicker / density;
+            let white = if linear { self.shape(bin.series) } else { white } / density;
+            let slopes = [(0, flicker), (1, -bin.x * flicker), (2 + self.group(bin.series), white)];
+            for (i, slope) in slopes {
+                gradient[i] += bin.count * slope * (1.0 - ratio);
+                for (j, other) in slopes {
+                    fisher[(i, j)] += bin.count * slope * other;
+                }
+            }
+        }
+        Slope { cost, gradient, fisher }
+    }
+}

@@ -1,0 +1,37 @@
+//! Newey-West covariances against statsmodels (fixtures/reference/hac_statsmodels.py).
+
+use estimate::{hac, linear};
+use faer::Mat;
+use serde_json::Value;
+
+#[test]
+fn as_statsmodels_has_them() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/hac_statsmodels.json");
+    let text = std::fs::read_to_string(path).expect("the reference");
+    let reference: Value = serde_json::from_str(&text).expect("JSON");
+    let numbers = |value: &Value| -> Vec<f64> {
+        value.as_array().expect("a list").iter().map(|v| v.as_f64().expect("a number")).collect()
+    };
+    let mut worst: f64 = 0.0;
+    for case in reference["cases"].as_array().expect("cases") {
+        let y = numbers(&case["y"]);
+        let time = |row: usize| row as f64 * 7.0 / 365.25;
+        let middle = time(y.len() - 1) / 2.0;
+        let design = Mat::from_fn(y.len(), 4, |row, column| {
+            let angle = std::f64::consts::TAU * time(row);
+            [1.0, time(row) - middle, angle.cos(), angle.sin()][column]
+        });
+        let fit = linear::fit(design.as_ref(), &y, None).expect("a fit");
+        let lags = case["lags"].as_u64().expect("lags") as usize;
+        let covariance = hac::newey_west(design.as_ref(), &fit.residuals, fit.covariance.as_ref(), lags);
+        for (i, row) in case["covariance"].as_array().expect("rows").iter().enumerate() {
+            for (j, expected) in numbers(row).into_iter().enumerate() {
+                let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+                worst = worst.max((covariance[(i, j)] - expected).abs() / scale);
+            }
+        }
+    }
+    println!("worst difference over standard deviations: {worst:.1e}");
+    assert!(worst < 1e-10);
+    assert_eq!((hac::lags(100), hac::lags(53), hac::lags(10_000)), (4, 3, 11));
+}

@@ -1,0 +1,112 @@
+use common::Noise;
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use crate::{Grid, NoiseError};
+
+/// Covariance of readings at given times under a declared noise: of exactly the process that [`crate::series`] draws from.
+/// Rows of rows, nT².
+///
+/// White noise stands on the diagonal. Flicker noise has K(m Δt) = Σ P(f_k)/(nΔt) cos(2π k m/n) over the Fourier frequencies of
+/// its grid, read off by the same straight lines between its points. The random walk has r² min(t_i, t_j), counted from the
+/// first row. Without times only white noise counts.
+pub fn covariance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<Vec<f64>, NoiseError> {
+    let mut all = vec![0.0; rows * rows];
+    let white = noise.white_rms_nt.unwrap_or(0.0);
+    (0..rows).for_each(|row| all[row * rows + row] = white * white);
+    let Some(time) = time_s.filter(|time| time.len() == rows && rows > 1) else { return Ok(all) };
+    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+    if amplitude > 0.0 {
+        let exponent = noise.flicker_exponent.unwrap_or(1.0);
+        if !(0.0..=2.0).contains(&exponent) {
+            return Err(NoiseError::Exponent(exponent));
+        }
+        let grid = Grid::of(time)?;
+        let lags = autocovariance(grid.points, grid.step_s, amplitude, exponent);
+        let places: Vec<(usize, f64)> =
+            time.iter().enumerate().map(|(row, t)| grid.place(row, *t, time[0])).collect();
+        for i in 0..rows {
+            for j in 0..=i {
+                let value = between(&lags, places[i], places[j]);
+                all[i * rows + j] += value;
+                if i != j {
+                    all[j * rows + i] += value;
+                }
+            }
+        }
+    }
+    let rate = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0);
+    for i in 0..rows {
+        for j in 0..rows {
+            all[i * rows + j] += rate * rate * (time[i].min(time[j]) - time[0]);
+        }
+    }
+    Ok(all)
+}
+
+/// Covariance of two readings off the grid: each is a straight line between two of its points.
+fn between(lags: &[f64], (i, a): (usize, f64), (j, b): (usize, f64)) -> f64 {
+    let lag = |i: usize, j: usize| lags.get(i.abs_diff(j)).copied().unwrap_or(0.0);
+    let mut value = (1.0 - a) * (1.0 - b) * lag(i, j);
+    if a > 0.0 {
+        value += a * (1.0 - b) * lag(i + 1, j);
+    }
+    if b > 0.0 {
+        value += (1.0 - a) * b * lag(i, j + 1);
+    }
+    if a > 0.0 && b > 0.0 {
+        value += a * b * lag(i + 1, j + 1);
+    }
+    value
+}
+
+/// K(m Δt), m = 0 … n − 1, of power-law noise on an even grid of n points.
+fn autocovariance(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
+    let resolution = 1.0 / (points as f64 * step_s);
+    let mut power: Vec<Complex<f64>> = (0..points / 2 + 1)
+        .map(|k| {
+            if k == 0 {
+                return Complex::new(0.0, 0.0);
+            }
+            // The transform counts each frequency twice but the Nyquist frequency once, which stands for half a cell.
+            Complex::new(amplitude * (k as f64 * resolution).powf(-exponent) * resolution / 2.0, 0.0)
+        })
+        .collect();
+    let mut lags = vec![0.0; points];
+    let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(points);
+    transform.process(&mut power, &mut lags).expect("buffers of the plan's lengths, real ends");
+    lags
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::series;
+
+    #[test]
+    fn it_is_the_covariance_of_what_is_drawn() {
+        // White, flicker and walk together at uneven times: 40 000 draws against the covariance, five standard errors.
+        let noise: Noise = serde_json::from_str(
+            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
+        )
+        .expect("a noise");
+        for time in [vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], vec![0.0, 1.0, 2.0, 3.5, 4.0, 9.2, 10.0]] {
+            let rows = time.len();
+            let expected = covariance(&noise, rows, Some(&time)).expect("a covariance");
+            let draws = 40_000;
+            let mut sums = vec![0.0; rows * rows];
+            for seed in 0..draws {
+                let drawn = series(&noise, seed, "x", rows, Some(&time)).expect("noise");
+                for (at, sum) in sums.iter_mut().enumerate() {
+                    *sum += drawn[at / rows] * drawn[at % rows];
+                }
+            }
+            for (at, sum) in sums.iter().enumerate() {
+                let (i, j) = (at / rows, at % rows);
+                let variance = expected[i * rows + i] * expected[j * rows + j] + expected[at].powi(2);
+                let error = (variance / draws as f64).sqrt();
+                assert!((sum / draws as f64 - expected[at]).abs() < 5.0 * error, "{i} {j}");
+            }
+        }
+    }
+}

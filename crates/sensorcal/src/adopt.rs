@@ -1,0 +1,77 @@
+//! What was found, as effects of the catalogue in the document's model.
+
+use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity};
+use indexmap::IndexMap;
+use physics::Kind;
+
+use crate::Found;
+use crate::departure::FOUND_BELOW;
+
+/// Who put an effect into the model: on a second run it is replaced.
+const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
+
+/// Puts the effects of temperature, the nonlinearity and the effect of fields across into `model.effects`, in place of what an
+/// earlier run put there for this sensor.
+pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
+    let mut effects: Vec<AdoptedEffect> = Vec::new();
+    if found.calibration.temperature.is_some() {
+        let mut at = 0;
+        for effect in &found.conditions.effects {
+            let parameters = effect.kind.parameters().iter().zip(&effect.parameters).enumerate();
+            let quantities = parameters
+                .map(|(number, (info, value))| {
+                    let variance = found.conditions.covariance[at + number][at + number];
+                    (info.name.to_string(), Quantity::new(*value, variance.sqrt()))
+                })
+                .collect();
+            at += effect.parameters.len();
+            effects.push(one(effect.kind, sensor, quantities));
+        }
+    }
+    for (kind, size) in found.constants.iter().flat_map(|constants| &constants.nonlinearity) {
+        let parameter = kind.parameters()[0].name.to_string();
+        effects.push(one(*kind, sensor, [(parameter, size.clone())].into_iter().collect()));
+    }
+    if let Some(cross) = &found.calibration.cross_field {
+        effects.extend(across(cross, sensor));
+    }
+    let earlier = |effect: &AdoptedEffect| {
+        effect.sensor == Some(sensor)
+            && effect.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1)
+    };
+    if effects.is_empty() && document.model.is_none() {
+        return;
+    }
+    let model = document.model.get_or_insert_default();
+    model.effects.retain(|effect| !earlier(effect));
+    model.effects.extend(effects);
+}
+
+fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> AdoptedEffect {
+    let extra = [(FOUND_BY.0.to_string(), FOUND_BY.1.into())].into_iter().collect();
+    AdoptedEffect {
+        effect: kind.name().into(),
+        sensor: Some(sensor),
+        coil: None,
+        column: None,
+        recording: None,
+        parameters,
+        extra,
+    }
+}
+
+/// The effects of fields across, where they are significant; a parameter that was not seen is zero.
+fn across(cross: &CrossFieldFit, sensor: Axis) -> Vec<AdoptedEffect> {
+    if cross.significance.is_none_or(|test| test.p_value >= FOUND_BELOW) {
+        return Vec::new();
+    }
+    [(Kind::CrossField, &cross.offset), (Kind::CrossFieldSensitivity, &cross.sensitivity)]
+        .into_iter()
+        .filter(|(_, found)| !found.is_empty())
+        .map(|(kind, found)| {
+            let all = kind.parameters().iter();
+            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, 0.0));
+            one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
+        })
+        .collect()
+}

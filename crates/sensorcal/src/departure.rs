@@ -1,0 +1,194 @@
+//! What a fit may leave out, looked for one by one beside what is in it.
+
+use common::{Departure, Quantity};
+use estimate::correlated::{self, Scale};
+use estimate::{linear, stats};
+use faer::Mat;
+use physics::{EffectInstance, Kind, Parameter};
+
+use crate::Error;
+use crate::fit::{Fit, Problem, Unknown};
+use crate::readings::Run;
+use crate::shape::Allowed;
+
+/// A departure is claimed below this probability, adjusted for all that were looked for.
+pub const FOUND_BELOW: f64 = 0.01;
+/// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
+const RIVAL_WITHIN: f64 = 6.63;
+/// Less than this of a departure left beside the fit, and the recordings cannot show it.
+const VISIBLE: f64 = 1e-2;
+/// Departures that are fitted together at most.
+const MOST: usize = 2;
+
+/// Something that a fit may leave out: one column, nT for each unit of its parameter.
+#[derive(Clone)]
+pub struct Candidate {
+    /// Its name in documents.
+    pub name: &'static str,
+    /// Its parameter; the unit stands in the key.
+    pub parameter: &'static str,
+    /// A series for each run, by row.
+    pub column: Vec<Vec<f64>>,
+}
+
+impl Candidate {
+    /// A parameter of an effect of the catalogue, all others zero: its derivative there.
+    pub fn effect(kind: Kind, parameter: usize, runs: &[Run<'_>]) -> Result<Self, Error> {
+        let column = runs.iter().map(|run| {
+            let at = run.sensor.index();
+            let effect = EffectInstance {
+                kind,
+                axis: Some(run.sensor),
+                column: None,
+                recording: None,
+                parameters: vec![0.0; kind.parameters().len()],
+            };
+            let asked = [Parameter::Effect(0, parameter)];
+            let (_, derivatives) =
+                physics::predict_with_jacobian(&run.basic, &[effect], &run.context, &asked)
+                    .map_err(|error| error.at(&run.path))?;
+            let k = run.basic.sensors[at].sensitivity;
+            Ok(derivatives[0].iter().map(|derivative| k * derivative[at]).collect())
+        });
+        let column = column.collect::<Result<_, Error>>()?;
+        Ok(Self { name: kind.name(), parameter: kind.parameters()[parameter].name, column })
+    }
+}
+
+/// A fit with what it needed beside its unknowns.
+pub struct Extended {
+    /// The fit; the departures that were found are its last unknowns.
+    pub fit: Fit,
+    /// All that were looked for.
+    pub departures: Vec<Departure>,
+    /// Names of those that were found, in the order of their unknowns.
+    pub found: Vec<&'static str>,
+    /// Those that explain the readings about as well as the first.
+    pub rivals: Vec<String>,
+}
+
+/// Fits, looks for each candidate beside the fit, takes the most significant one in, and looks again.
+///
+/// A candidate is one more column beside the derivatives at the minimum, under the covariances that the fit gave some
+/// weight.
+pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Extended, Error> {
+    let mut fit = problem.solve()?;
+    let visible: Vec<(&Candidate, Vec<f64>)> = candidates
+        .iter()
+        .map(|candidate| (candidate, used(problem.runs, &candidate.column)))
+        .filter(|(_, column)| visible_share(&fit.design, column) > VISIBLE)
+        .collect();
+    let count = visible.len() as f64;
+    let mut extended: Vec<Unknown> = problem.unknowns.clone();
+    let (mut departures, mut found, mut rivals) = (Vec::new(), Vec::<&'static str>::new(), Vec::new());
+    for round in 0..=MOST {
+        let mut trials: Vec<(&Candidate, f64, f64)> = Vec::new();
+        let beside = Beside::of(problem.allowed, &fit);
+        for (candidate, column) in visible.iter().filter(|(candidate, _)| !found.contains(&candidate.name)) {
+            let Some(Tried { size, std, p_value, gain }) = beside.try_column(column)? else { continue };
+            if round == 0 {
+                departures.push(Departure {
+                    departure: candidate.name.into(),
+                    parameter: [(candidate.parameter.to_string(), Quantity::new(size, std))]
+                        .into_iter()
+                        .collect(),
+                    p_value,
+                    p_adjusted: (p_value * count).min(1.0),
+                    found: false,
+                });
+            }
+            trials.push((candidate, p_value, gain));
+        }
+        trials.retain(|(_, p, _)| p * count < FOUND_BELOW);
+        trials.sort_by(|a, b| b.2.total_cmp(&a.2));
+        if round == MOST || trials.is_empty() {
+            break;
+        }
+        let (best, _, gain) = trials.remove(0);
+        if round == 0 {
+            let near = trials.iter().filter(|(.., other)| gain - other < RIVAL_WITHIN);
+            rivals = near.map(|(candidate, ..)| candidate.name.to_string()).collect();
+        }
+        found.push(best.name);
+        extended.push(Unknown::Column(best.column.clone()));
+        fit = solve_with(problem, extended.clone())?;
+    }
+    for departure in &mut departures {
+        departure.found = found.contains(&departure.departure.as_str());
+    }
+    Ok(Extended { fit, departures, found, rivals })
+}
+
+/// A fit beside which columns are tried.
+struct Beside<'f> {
+    fit: &'f Fit,
+    allowed: Allowed,
+}
+
+/// What a column gives beside a fit.
+struct Tried {
+    size: f64,
+    std: f64,
+    p_value: f64,
+    /// Fall of χ², in units of the variance beside it.
+    gain: f64,
+}
+
+impl<'f> Beside<'f> {
+    fn of(allowed: &Allowed, fit: &'f Fit) -> Self {
+        Self { fit, allowed: allowed.weighty(&fit.linear) }
+    }
+
+    /// None where the column is not seen beside the others.
+    fn try_column(&self, column: &[f64]) -> Result<Option<Tried>, Error> {
+        let (rows, unknowns) = (self.fit.design.nrows(), self.fit.design.ncols());
+        let wider =
+            Mat::from_fn(
+                rows,
+                unknowns + 1,
+                |i, j| {
+                    if j < unknowns { self.fit.design[(i, j)] } else { column[i] }
+                },
+            );
+        if rows <= unknowns + 1 {
+            return Ok(None);
+        }
+        let tried = correlated::fit(
+            wider.as_ref(),
+            &self.fit.linear.residuals,
+            &self.allowed.whitenings,
+            Scale::Fitted,
+        )?;
+        if tried.freedom < 1.0 || tried.rank <= unknowns {
+            return Ok(None);
+        }
+        let (size, std) = (tried.coefficients[unknowns], tried.covariance[(unknowns, unknowns)].sqrt());
+        let p_value = stats::two_sided_p(size / std, tried.freedom);
+        Ok(Some(Tried { size, std, p_value, gain: (size / std).powi(2) }))
+    }
+}
+
+/// The same problem with other unknowns.
+pub fn solve_with(problem: &Problem<'_, '_>, unknowns: Vec<Unknown>) -> Result<Fit, Error> {
+    Problem {
+        runs: problem.runs,
+        effects: problem.effects.clone(),
+        unknowns,
+        known: problem.known.clone(),
+        allowed: problem.allowed,
+    }
+    .solve()
+}
+
+/// A series over the used rows of all runs.
+pub fn used(runs: &[Run<'_>], series: &[Vec<f64>]) -> Vec<f64> {
+    let of = runs.iter().zip(series);
+    of.flat_map(|(run, series)| run.rows.iter().map(|row| series[*row]).collect::<Vec<_>>()).collect()
+}
+
+/// The share of a column that is left beside the columns of a design.
+pub fn visible_share(design: &Mat<f64>, column: &[f64]) -> f64 {
+    let size: f64 = column.iter().map(|c| c * c).sum();
+    let left = linear::fit(design.as_ref(), column, None).map_or(0.0, |fit| fit.sum_of_squares);
+    if size > 0.0 { (left / size).sqrt() } else { 0.0 }
+}

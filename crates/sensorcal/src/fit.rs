@@ -1,0 +1,364 @@
+//! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of `physics`.
+
+use common::{Axis, FitNoise, Quantity};
+use estimate::correlated::{self, CorrelatedFit, Scale};
+use faer::Mat;
+use physics::{Basic, EffectInstance, Parameter};
+
+use crate::Error;
+use crate::readings::Run;
+use crate::shape::{Allowed, Place, Rows, Shape};
+
+/// Most steps of the iteration.
+const STEPS: usize = 30;
+/// A step that moves no prediction by more than this is the last one, nT.
+const TOLERANCE_NT: f64 = 1e-7;
+/// A step may make the fit worse by this under the first of the covariances: it is the mean of those under all.
+const WORSE: f64 = 2.0;
+/// Halvings of a step that makes the fit worse than that.
+const HALVINGS: usize = 12;
+
+/// One unknown.
+#[derive(Clone)]
+pub enum Unknown {
+    /// A parameter of the chain, in some of the runs; an effect's parameter is one in all.
+    Chain(Parameter, Vec<usize>),
+    /// A contribution to the field that is read, nT for each unit: a series for each run.
+    Column(Vec<Vec<f64>>),
+}
+
+/// Parameters that are known with a covariance, in all runs.
+#[derive(Clone, Default)]
+pub struct Known {
+    /// They.
+    pub parameters: Vec<Parameter>,
+    /// Their covariance.
+    pub covariance: Vec<Vec<f64>>,
+}
+
+/// What is fitted.
+pub struct Problem<'a, 'b> {
+    /// The recordings; constants of the sensor start as they stand there.
+    pub runs: &'a [Run<'b>],
+    /// Effects that act, with the values from which unknown ones start.
+    pub effects: Vec<EffectInstance>,
+    /// The unknowns.
+    pub unknowns: Vec<Unknown>,
+    /// What is known with an uncertainty.
+    pub known: Vec<Known>,
+    /// The noise.
+    pub allowed: &'a Allowed,
+}
+
+/// The noise that is allowed for in runs in a coil.
+pub fn noise(runs: &[Run<'_>], shape: &Shape) -> Result<Allowed, Error> {
+    let rows: Vec<Rows> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
+    shape.allowed(&rows, Place::Coils)
+}
+
+/// What was found.
+#[derive(Clone)]
+pub struct Fit {
+    /// Values of the unknowns.
+    pub values: Vec<f64>,
+    /// Covariance from scatter.
+    pub scatter: Mat<f64>,
+    /// Covariance from what is known with an uncertainty, common to all readings.
+    pub common: Mat<f64>,
+    /// The linear fit at the minimum; its residuals are in nT.
+    pub linear: CorrelatedFit,
+    /// Derivatives of the predicted field by the unknowns, nT, over the used rows of all runs.
+    pub design: Mat<f64>,
+    /// The noise.
+    pub noise: FitNoise,
+}
+
+impl Fit {
+    /// Standard uncertainty from scatter.
+    pub fn type_a(&self, unknown: usize) -> f64 {
+        self.scatter[(unknown, unknown)].sqrt()
+    }
+
+    /// Standard uncertainty from what is common.
+    pub fn type_b(&self, unknown: usize) -> f64 {
+        self.common[(unknown, unknown)].max(0.0).sqrt()
+    }
+
+    /// Covariance of both kinds.
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.scatter[(i, j)] + self.common[(i, j)]
+    }
+
+    /// A value with its uncertainty.
+    pub fn quantity(&self, unknown: usize) -> Quantity {
+        Quantity::new(self.values[unknown], self.covariance(unknown, unknown).sqrt())
+    }
+
+    /// Σ of the squared whitened residuals, in units of the noise that was allowed for.
+    pub fn sum_of_squares(&self) -> f64 {
+        self.linear.variance_factor * self.linear.freedom
+    }
+}
+
+/// Where the iteration stands.
+#[derive(Clone)]
+struct State {
+    basics: Vec<Basic>,
+    effects: Vec<EffectInstance>,
+    /// Coefficients of the columns, in the order of the unknowns; zero for the others.
+    columns: Vec<f64>,
+}
+
+impl Problem<'_, '_> {
+    /// The minimum, by Gauss-Newton steps of generalised least squares.
+    pub fn solve(&self) -> Result<Fit, Error> {
+        let mut state = self.first();
+        let cost = |residual: &[f64]| -> f64 {
+            self.allowed.whitenings[0].apply_to(residual).iter().map(|r| r * r).sum()
+        };
+        let (mut residual, mut design) = self.linearise(&state)?;
+        let mut last = cost(&residual);
+        for _ in 0..STEPS {
+            let linear =
+                correlated::fit(design.as_ref(), &residual, &self.allowed.whitenings, Scale::Fitted)?;
+            let moved =
+                (0..residual.len()).map(|i| (residual[i] - linear.residuals[i]).abs()).fold(0.0, f64::max);
+            if moved < TOLERANCE_NT {
+                return self.finish(&state, linear, &design);
+            }
+            let mut step = linear.coefficients.clone();
+            for halving in 0..=HALVINGS {
+                let next = self.advance(&state, &step);
+                let (trial, derivatives) = self.linearise(&next)?;
+                let now = cost(&trial);
+                if now <= WORSE * last || halving == HALVINGS {
+                    (state, residual, design, last) = (next, trial, derivatives, now);
+                    break;
+                }
+                step.iter_mut().for_each(|s| *s *= 0.5);
+            }
+        }
+        Err(Error::Estimate(estimate::Error::NotConverged { iterations: STEPS, last_shift: f64::NAN }))
+    }
+
+    fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
+        let unknowns = self.unknowns.len();
+        let mut common = Mat::zeros(unknowns, unknowns);
+        let best = (0..linear.weights.len())
+            .max_by(|a, b| linear.weights[*a].total_cmp(&linear.weights[*b]))
+            .unwrap_or(0);
+        for known in &self.known {
+            // An error of what is known leaves the readings where they are: the unknowns take it up.
+            let shifts: Vec<Vec<f64>> = self
+                .derivatives(state, &known.parameters)?
+                .iter()
+                .map(|column| {
+                    let one = &self.allowed.whitenings[best..=best];
+                    Ok(correlated::fit(design.as_ref(), column, one, Scale::Fitted)?.coefficients)
+                })
+                .collect::<Result<_, Error>>()?;
+            for i in 0..unknowns {
+                for j in 0..unknowns {
+                    for (a, row) in known.covariance.iter().enumerate() {
+                        for (b, value) in row.iter().enumerate() {
+                            common[(i, j)] += shifts[a][i] * value * shifts[b][j];
+                        }
+                    }
+                }
+            }
+        }
+        Ok(Fit {
+            values: (0..unknowns).map(|unknown| self.value(state, unknown)).collect(),
+            scatter: linear.covariance.clone(),
+            common,
+            design: design.clone(),
+            noise: self.allowed.describe(&linear),
+            linear,
+        })
+    }
+
+    /// Residuals and derivatives of the predicted field, nT, over the used rows of all runs.
+    fn linearise(&self, state: &State) -> Result<(Vec<f64>, Mat<f64>), Error> {
+        let total: usize = self.runs.iter().map(|run| run.rows.len()).sum();
+        let mut residual = Vec::with_capacity(total);
+        let mut design = Mat::zeros(total, self.unknowns.len());
+        for (number, run) in self.runs.iter().enumerate() {
+            let from = residual.len();
+            let at = run.sensor.index();
+            let k = state.basics[number].sensors[at].sensitivity;
+            let chain: Vec<(usize, Parameter)> = self
+                .unknowns
+                .iter()
+                .enumerate()
+                .filter_map(|(index, unknown)| match unknown {
+                    Unknown::Chain(parameter, runs) if runs.contains(&number) => Some((index, *parameter)),
+                    _ => None,
+                })
+                .collect();
+            let parameters: Vec<Parameter> = chain.iter().map(|(_, parameter)| *parameter).collect();
+            let (prediction, derivatives) = self.predict(state, number, &parameters)?;
+            for row in &run.rows {
+                residual.push(k * (run.reading[*row] - prediction[*row]));
+            }
+            for ((index, _), derivative) in chain.iter().zip(&derivatives) {
+                for (i, row) in run.rows.iter().enumerate() {
+                    design[(from + i, *index)] = k * derivative[*row];
+                }
+            }
+            for (index, unknown) in self.unknowns.iter().enumerate() {
+                if let Unknown::Column(series) = unknown {
+                    for (i, row) in run.rows.iter().enumerate() {
+                        let value = series[number].get(*row).copied().unwrap_or(0.0);
+                        design[(from + i, index)] = value;
+                        residual[from + i] -= value * state.columns[index];
+                    }
+                }
+            }
+        }
+        Ok((residual, design))
+    }
+
+    /// What a fit misses readings by that it did not see: those of `runs` whose number in their run is asked for, nT.
+    pub fn missed(
+        &self,
+        fit: &Fit,
+        runs: &[Run<'_>],
+        asked: &dyn Fn(usize) -> bool,
+    ) -> Result<Vec<f64>, Error> {
+        let mut state = self.first();
+        let step: Vec<f64> =
+            (0..self.unknowns.len()).map(|at| fit.values[at] - self.value(&state, at)).collect();
+        state = self.advance(&state, &step);
+        let mut missed = Vec::new();
+        for (number, run) in runs.iter().enumerate() {
+            let k = state.basics[number].sensors[run.sensor.index()].sensitivity;
+            let (prediction, _) = self.predict(&state, number, &[])?;
+            for (_, row) in run.rows.iter().enumerate().filter(|(i, _)| asked(*i)) {
+                let columns =
+                    self.unknowns.iter().zip(&state.columns).map(|(unknown, coefficient)| match unknown {
+                        Unknown::Column(series) => {
+                            coefficient * series[number].get(*row).copied().unwrap_or(0.0)
+                        }
+                        Unknown::Chain(..) => 0.0,
+                    });
+                missed.push(k * (run.reading[*row] - prediction[*row]) - columns.sum::<f64>());
+            }
+        }
+        Ok(missed)
+    }
+
+    /// Where the iteration begins.
+    fn first(&self) -> State {
+        State {
+            basics: self.runs.iter().map(|run| run.basic.clone()).collect(),
+            effects: self.effects.clone(),
+            columns: vec![0.0; self.unknowns.len()],
+        }
+    }
+
+    /// Derivatives of the predicted field by further parameters, nT, over the used rows of all runs.
+    fn derivatives(&self, state: &State, parameters: &[Parameter]) -> Result<Vec<Vec<f64>>, Error> {
+        let mut all = vec![Vec::new(); parameters.len()];
+        for (number, run) in self.runs.iter().enumerate() {
+            let k = state.basics[number].sensors[run.sensor.index()].sensitivity;
+            let (_, derivatives) = self.predict(state, number, parameters)?;
+            for (column, derivative) in all.iter_mut().zip(&derivatives) {
+                column.extend(run.rows.iter().map(|row| k * derivative[*row]));
+            }
+        }
+        Ok(all)
+    }
+
+    fn predict(
+        &self,
+        state: &State,
+        number: usize,
+        parameters: &[Parameter],
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
+        let run = &self.runs[number];
+        let basic = &state.basics[number];
+        let (prediction, derivatives) =
+            physics::predict_with_jacobian(basic, &state.effects, &run.context, parameters)
+                .map_err(|error| Error::Document(error.at(&run.path)))?;
+        let of = |series: &[nalgebra::Vector3<f64>]| series.iter().map(|v| v[run.sensor.index()]).collect();
+        Ok((of(&prediction.readings), derivatives.iter().map(|series| of(series)).collect()))
+    }
+
+    fn advance(&self, state: &State, step: &[f64]) -> State {
+        let mut next = state.clone();
+        for (index, unknown) in self.unknowns.iter().enumerate() {
+            match unknown {
+                Unknown::Column(_) => next.columns[index] += step[index],
+                Unknown::Chain(Parameter::Effect(effect, number), _) => {
+                    let info = &next.effects[*effect].kind.parameters()[*number];
+                    let value = &mut next.effects[*effect].parameters[*number];
+                    let moved = *value + step[index];
+                    // A shape is positive: a step goes at most to a third of it.
+                    *value = if info.role == physics::Role::Shape { moved.max(*value / 3.0) } else { moved };
+                }
+                Unknown::Chain(parameter, runs) => {
+                    for number in runs {
+                        if let Some(value) = place(&mut next.basics[*number], *parameter) {
+                            *value += step[index];
+                        }
+                    }
+                }
+            }
+        }
+        next
+    }
+
+    fn value(&self, state: &State, unknown: usize) -> f64 {
+        match &self.unknowns[unknown] {
+            Unknown::Column(_) => state.columns[unknown],
+            Unknown::Chain(Parameter::Effect(effect, number), _) => {
+                state.effects[*effect].parameters[*number]
+            }
+            Unknown::Chain(parameter, runs) => {
+                let mut basic = state.basics[runs[0]].clone();
+                place(&mut basic, *parameter).map_or(f64::NAN, |value| *value)
+            }
+        }
+    }
+}
+
+/// Where a constant of the chain stands.
+fn place(basic: &mut Basic, parameter: Parameter) -> Option<&mut f64> {
+    match parameter {
+        Parameter::Sensitivity(axis) => Some(&mut basic.sensors[axis.index()].sensitivity),
+        Parameter::SensorOffset(axis) => Some(&mut basic.sensors[axis.index()].offset_nt),
+        Parameter::CoilConstant(axis) => Some(&mut basic.coils[axis.index()].constant_nt_per_a),
+        Parameter::CoilOffset(axis) => Some(&mut basic.coils[axis.index()].offset_nt),
+        Parameter::CoilTurn(..) | Parameter::SensorTurn(..) | Parameter::Effect(..) => None,
+    }
+}
+
+/// Constants of the coils that were driven, with what is uncertain about them.
+pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Vec<Known> {
+    let driven = |coil: Axis| {
+        runs.iter().any(|run| {
+            run.coil == coil || run.context.current_a.iter().any(|current| current[coil.index()] != 0.0)
+        })
+    };
+    let stated = document.calibration.as_ref();
+    Axis::ALL
+        .into_iter()
+        .filter(|coil| driven(*coil))
+        .filter_map(|coil| {
+            let of = stated?.coil(coil)?;
+            let std = |quantity: &Option<Quantity>| quantity.as_ref().and_then(Quantity::std).unwrap_or(0.0);
+            let (k, b0) = (std(&of.constant_nt_per_a), std(&of.offset_nt));
+            let order = ["constant_nt_per_a", "offset_nt"];
+            let covariance = of
+                .covariance
+                .clone()
+                .filter(|_| of.covariance_order.as_ref().is_some_and(|keys| keys == &order))
+                .filter(|rows| rows.len() == 2 && rows.iter().all(|row| row.len() == 2))
+                .unwrap_or_else(|| vec![vec![k * k, 0.0], vec![0.0, b0 * b0]]);
+            Some(Known {
+                parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
+                covariance,
+            })
+        })
+        .collect()
+}

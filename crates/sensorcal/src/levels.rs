@@ -1,0 +1,241 @@
+//! k and O at each temperature or field across that was held, and their slopes as the report takes them.
+
+use common::{Axis, Quantity, TemperatureLevels};
+use faer::Mat;
+use indexmap::IndexMap;
+use physics::Parameter;
+
+use crate::Error;
+use crate::fit::{self, Fit, Problem, Unknown};
+use crate::readings::Run;
+use crate::sensitivity::along;
+use crate::shape::Shape;
+use crate::temperature::{Heated, Part};
+
+/// Temperatures within this of each other are one level, K.
+const SAME_K: f64 = 0.5;
+/// Different fields along the sensor from which its polynomial can be fitted.
+const POLYNOMIAL_FROM: usize = 6;
+/// Fields count in units of the catalogue's reference field.
+const FULL_NT: f64 = 50_000.0;
+
+/// k and O of each run, and, where there are fields enough, the quadratic and cubic terms of the sensor.
+pub fn own_constants(runs: &[Run<'_>], sensor: Axis) -> Vec<Unknown> {
+    let mut unknowns = Vec::new();
+    for number in 0..runs.len() {
+        unknowns.push(Unknown::Chain(Parameter::Sensitivity(sensor), vec![number]));
+        unknowns.push(Unknown::Chain(Parameter::SensorOffset(sensor), vec![number]));
+    }
+    unknowns.extend(polynomial(runs));
+    unknowns
+}
+
+/// The quadratic and cubic terms of a sensor, one for all runs.
+pub fn polynomial(runs: &[Run<'_>]) -> Vec<Unknown> {
+    let fields = |run: &Run<'_>| {
+        let along = along(run);
+        let mut fields: Vec<f64> = run.rows.iter().map(|row| along[*row]).collect();
+        fields.sort_by(f64::total_cmp);
+        let span = fields.last().zip(fields.first()).map_or(0.0, |(last, first)| last - first);
+        1 + fields.windows(2).filter(|pair| pair[1] - pair[0] > 1e-3 * span).count()
+    };
+    if !runs.iter().all(|run| fields(run) >= POLYNOMIAL_FROM) {
+        return Vec::new();
+    }
+    let power =
+        |n: i32| runs.iter().map(|run| along(run).iter().map(|b| (b / FULL_NT).powi(n)).collect()).collect();
+    vec![Unknown::Column(power(2)), Unknown::Column(power(3))]
+}
+
+/// Rows of one run in one condition.
+pub struct Level {
+    /// The run.
+    pub run: usize,
+    /// Mean of sensor and electronics temperature less their references, K.
+    pub warmer: [f64; 2],
+    /// Which way the moving temperature had gone.
+    pub branch: i8,
+    /// dB/B against the run's mean condition, with its variance.
+    pub scale: (f64, f64),
+    /// k and its standard uncertainty.
+    pub sensitivity: (f64, f64),
+    /// O and its standard uncertainty, nT.
+    pub offset: (f64, f64),
+}
+
+/// +½ after warming, −½ after cooling, 0 before either, by row.
+pub fn branches(warmer: &[f64]) -> Vec<f64> {
+    let mut way = 0.0;
+    let mut held = warmer.first().copied().unwrap_or(0.0);
+    warmer
+        .iter()
+        .map(|t| {
+            if (t - held).abs() > SAME_K {
+                way = if *t > held { 0.5 } else { -0.5 };
+                held = *t;
+            }
+            way
+        })
+        .collect()
+}
+
+/// k and O at each temperature that was held while the field went through its steps.
+pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<Vec<Level>, Error> {
+    let mut groups = Vec::new();
+    for (number, (run, both)) in heated.runs.iter().zip(&heated.warmer).enumerate() {
+        let moving = usize::from(spread(run, &both[1]) > spread(run, &both[0]));
+        let branch = branches(&both[moving]);
+        let mut held: Vec<Vec<usize>> = Vec::new();
+        for row in &run.rows {
+            match held.last_mut() {
+                Some(rows) if (0..2).all(|at| (both[at][*row] - both[at][rows[0]]).abs() <= SAME_K) => {
+                    rows.push(*row);
+                }
+                _ => held.push(vec![*row]),
+            }
+        }
+        let field = along(run);
+        let largest = run.rows.iter().map(|row| field[*row].abs()).fold(0.0, f64::max);
+        for rows in held {
+            let span = |f: fn(f64, f64) -> f64, start| rows.iter().map(|row| field[*row]).fold(start, f);
+            // A level has the field on both sides; readings while it settles have none.
+            if rows.len() < 3 || span(f64::max, f64::NEG_INFINITY) - span(f64::min, f64::INFINITY) < largest {
+                continue;
+            }
+            let mean = |at: usize| rows.iter().map(|row| both[at][*row]).sum::<f64>() / rows.len() as f64;
+            let way = branch[rows[0]].signum();
+            groups.push((
+                number,
+                rows.clone(),
+                [mean(0), mean(1)],
+                if branch[rows[0]] == 0.0 { 0 } else { way as i8 },
+            ));
+        }
+    }
+    let members: Vec<(usize, Vec<usize>)> =
+        groups.iter().map(|(run, rows, ..)| (*run, rows.clone())).collect();
+    let constants = constants(&heated.runs, &members, shape)?;
+    let levels = groups.into_iter().zip(constants).map(|((run, _, warmer, branch), (scale, k, o))| Level {
+        run,
+        warmer,
+        branch,
+        scale,
+        sensitivity: k,
+        offset: o,
+    });
+    Ok(levels.collect())
+}
+
+fn spread(run: &Run<'_>, values: &[f64]) -> f64 {
+    let of = || run.rows.iter().map(|row| values[*row]);
+    of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min)
+}
+
+type Constants = ((f64, f64), (f64, f64), (f64, f64));
+
+/// dB/B, k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
+/// groups have a line for each run.
+pub fn constants(
+    runs: &[Run<'_>],
+    groups: &[(usize, Vec<usize>)],
+    shape: &Shape,
+) -> Result<Vec<Constants>, Error> {
+    let mut reduced: Vec<Run<'_>> = runs.to_vec();
+    for (number, run) in reduced.iter_mut().enumerate() {
+        run.rows.retain(|row| groups.iter().any(|(of, rows)| *of == number && rows.contains(row)));
+    }
+    let fields: Vec<Vec<f64>> = runs.iter().map(along).collect();
+    let series = |group: &(usize, Vec<usize>), value: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
+        let (number, rows) = group;
+        let one = |at: usize| {
+            let mut column = vec![0.0; runs[at].context.rows];
+            if at == *number {
+                rows.iter().for_each(|row| column[*row] = value(*row));
+            }
+            column
+        };
+        (0..runs.len()).map(one).collect()
+    };
+    let mut unknowns = Vec::new();
+    for group in groups {
+        unknowns.push(Unknown::Column(series(group, &|row| fields[group.0][row])));
+        unknowns.push(Unknown::Column(series(group, &|_| 1.0)));
+    }
+    unknowns.extend(polynomial(runs));
+    let allowed = fit::noise(&reduced, shape)?;
+    let problem =
+        Problem { runs: &reduced, effects: Vec::new(), unknowns, known: Vec::new(), allowed: &allowed };
+    let fit = problem.solve()?;
+    Ok(groups.iter().enumerate().map(|(at, (number, _))| constant(&fit, at, &runs[*number])).collect())
+}
+
+/// From the column's coefficients, V = (B (1 + b) + a − O₀)/k₀: k = k₀/(1 + b), O = (O₀ − a)/(1 + b).
+fn constant(fit: &Fit, at: usize, run: &Run<'_>) -> Constants {
+    let first = &run.basic.sensors[run.sensor.index()];
+    let (b, a) = (fit.values[2 * at], fit.values[2 * at + 1]);
+    let (b_std, a_std) = (fit.type_a(2 * at), fit.type_a(2 * at + 1));
+    let k = first.sensitivity / (1.0 + b);
+    ((b, b_std * b_std), (k, k * b_std / (1.0 + b)), ((first.offset_nt - a) / (1.0 + b), a_std))
+}
+
+/// The levels as columns.
+pub fn columns(levels: &[Level], heated: &Heated<'_>) -> TemperatureLevels {
+    let mut columns = TemperatureLevels::default();
+    for level in levels {
+        let references = heated.runs[level.run].context.references;
+        columns.recording.push(level.run);
+        columns.sensor_temperature_c.push(references.sensor_c.unwrap_or(0.0) + level.warmer[0]);
+        columns.electronics_temperature_c.push(references.electronics_c.unwrap_or(0.0) + level.warmer[1]);
+        columns.branch.push(level.branch);
+        columns.sensitivity.push(level.sensitivity.0);
+        columns.sensitivity_std.push(level.sensitivity.1);
+        columns.offset_nt.push(level.offset.0);
+        columns.offset_std_nt.push(level.offset.1);
+    }
+    columns
+}
+
+/// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on either side of
+/// it, in the runs in which the part moved; ppm/K and nT/K of the field that is read.
+pub fn three_point(levels: &[Level], part: Part) -> IndexMap<String, Quantity> {
+    let at = usize::from(part == Part::Electronics);
+    let moved = |run: usize| {
+        let of = || levels.iter().filter(move |level| level.run == run).map(|level| level.warmer[at]);
+        of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min) > SAME_K
+    };
+    let members: Vec<&Level> = levels.iter().filter(|level| moved(level.run)).collect();
+    let nearest = |sign: f64| {
+        let side = members.iter().map(|level| sign * level.warmer[at]).filter(|t| *t > SAME_K);
+        side.fold(f64::INFINITY, f64::min)
+    };
+    let (below, above) = (-nearest(-1.0), nearest(1.0));
+    if !below.is_finite() || !above.is_finite() {
+        return IndexMap::new();
+    }
+    let within = |level: &&&Level| (below - SAME_K..=above + SAME_K).contains(&level.warmer[at]);
+    let central: Vec<&Level> = members.iter().filter(within).copied().collect();
+    let slope = |value: &dyn Fn(&Level) -> (f64, f64)| -> Option<Quantity> {
+        // Each run has its own mean.
+        let runs: Vec<usize> = central.iter().map(|level| level.run).fold(Vec::new(), |mut runs, run| {
+            if !runs.contains(&run) {
+                runs.push(run);
+            }
+            runs
+        });
+        let design = Mat::from_fn(central.len(), 1 + runs.len(), |i, j| match j {
+            0 => central[i].warmer[at],
+            j => f64::from(u8::from(runs[j - 1] == central[i].run)),
+        });
+        let y: Vec<f64> = central.iter().map(|level| value(level).0).collect();
+        let std: Vec<f64> = central.iter().map(|level| value(level).1).collect();
+        let fit = estimate::linear::fit(design.as_ref(), &y, Some(&std)).ok()?;
+        Some(Quantity::new(fit.coefficients[0], fit.covariance[(0, 0)].sqrt()))
+    };
+    let scale = slope(&|level| (1e6 * level.scale.0, 1e6 * level.scale.1.sqrt()));
+    // A larger offset O is a smaller field that is read.
+    let offset = slope(&|level| (-level.offset.0, level.offset.1));
+    [("sensitivity_ppm_per_k", scale), ("offset_nt_per_k", offset)]
+        .into_iter()
+        .filter_map(|(name, slope)| Some((name.to_string(), slope?)))
+        .collect()
+}

@@ -1,0 +1,183 @@
+//! Each sensor by itself (NASA, "Calibration of Individual Sensors"): sensitivity and nonlinearity, offset by reversals, noise,
+//! offset drift, temperature, fields across.
+//!
+//! B = k V + O along the sensor's own axis. Predictions and derivatives are those of `physics`; what is found of temperatures,
+//! nonlinearity and fields across goes to `model.effects` under the catalogue's names, so that it can be simulated and
+//! corrected. Uncertainties from scatter (type A) rest on the noise as it was measured, declared, or left by the fit, with its
+//! memory; those of the coil's constant and of the temperature coefficients (type B) are common to all readings.
+
+mod adopt;
+mod budget;
+mod combine;
+mod conditions;
+mod cross_field;
+mod departure;
+mod drift;
+mod error;
+mod fit;
+mod lag;
+mod levels;
+mod noise;
+mod readings;
+mod reversal;
+mod saturation;
+mod sensitivity;
+mod shape;
+mod temperature;
+mod words;
+
+pub use error::Error;
+pub use words::summary;
+
+use common::{Axis, Document, Quantity, SensorCalibration, procedure};
+use physics::{EffectInstance, Unit};
+use rayon::prelude::*;
+
+use crate::conditions::Conditions;
+use crate::sensitivity::Constants;
+use crate::shape::Shape;
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// How far the turn of a reversal may miss 180°, deg.
+    pub turn_deg: f64,
+    /// How far axes may be from nominal where the document does not give them (standard deviation), deg.
+    pub axes_std_deg: f64,
+    /// Fields along the sensor for the error budget, nT; none: zero, half and the whole of what was applied.
+    pub budget_field_nt: Vec<f64>,
+    /// Temperatures of the sensor less its reference for the error budget, K; none: zero, and 10 where coefficients are known.
+    pub budget_warmer_k: Vec<f64>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { turn_deg: 3.0, axes_std_deg: 3.0, budget_field_nt: Vec::new(), budget_warmer_k: Vec::new() }
+    }
+}
+
+/// The procedures that are read here.
+const MINE: [&str; 6] = [
+    procedure::SENSOR_SENSITIVITY,
+    procedure::SENSOR_OFFSET_REVERSAL,
+    procedure::SENSOR_NOISE,
+    procedure::OFFSET_DRIFT,
+    procedure::TEMPERATURE_RUN,
+    procedure::CROSS_FIELD,
+];
+
+/// What was found of one sensor.
+struct Found {
+    calibration: SensorCalibration,
+    conditions: Conditions,
+    constants: Option<Constants>,
+}
+
+/// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to `model.effects`; a
+/// sensor without a recording of a kind keeps what the document says of it.
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    if !document.recordings.iter().any(|recording| MINE.contains(&recording.procedure.as_str())) {
+        return Err(Error::Nothing);
+    }
+    let found: Vec<Found> =
+        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, options)).collect::<Result<_, Error>>()?;
+    let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
+    for (sensor, mut found) in Axis::ALL.into_iter().zip(found) {
+        if found.calibration == SensorCalibration::default() {
+            continue;
+        }
+        if let Some(reversal) = &mut found.calibration.reversal {
+            let others =
+                Axis::ALL.into_iter().filter(|axis| *axis != sensor).filter_map(|a| shield[a.index()]);
+            let across: Vec<f64> = others.collect();
+            let across_nt = (across.len() == 2).then(|| across[0].hypot(across[1]));
+            let turn = reversal::Turn { angle_deg: options.turn_deg, across_nt };
+            reversal.imperfect_turn = reversal::imperfect(&reversal.recordings, turn);
+        }
+        adopt::adopt(&mut document, sensor, &found);
+        let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
+        let entry = sensors.entry(sensor).get_or_insert_default();
+        combine::into(entry, found.calibration, found.constants.as_ref());
+        let terms = budget::Terms { constants: found.constants.as_ref(), conditions: &found.conditions };
+        entry.budget = budget::budget(entry, &terms, options);
+    }
+    if let Some(calibration) = &mut document.calibration {
+        calibration.common_extrema =
+            calibration.sensors.as_ref().map(temperature::common_extrema).unwrap_or_default();
+    }
+    Ok(document)
+}
+
+/// Field of the shield along a sensor, nT.
+fn shield(calibration: &SensorCalibration) -> Option<f64> {
+    Some(calibration.reversal.as_ref()?.recordings.first()?.shield_field_nt.value())
+}
+
+/// All six procedures on one sensor.
+fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Error> {
+    let first = |unit: Unit| first_sensitivity(document, sensor, unit);
+    let noise = noise::analyse(document, sensor, &first)?;
+    let shape = |code_nt: f64| Shape::of(document, sensor, noise.as_ref(), code_nt);
+    let (temperature, conditions) = match temperature::coefficients(document, sensor, &shape)? {
+        Some((fit, conditions)) => (Some(fit), conditions),
+        None => (None, stated(document, sensor)?),
+    };
+    let constants = sensitivity::calibrate(document, sensor, &shape, &conditions)?;
+    let k = |unit: Unit| match &constants {
+        Some(found) if found.unit == unit => Some((found.sensitivity, found.covariance[0][0].sqrt())),
+        _ => first(unit),
+    };
+    let reversal = reversal::offset(document, sensor, &k, &shape, &conditions)?;
+    let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
+    let cross_field = cross_field::coefficients(document, sensor, &shape, &conditions, options.axes_std_deg)?;
+    let calibration = SensorCalibration {
+        sensitivity: constants.as_ref().map(|found| Box::new(found.fit.clone())),
+        reversal: reversal.map(Box::new),
+        noise: noise.map(Box::new),
+        drift: drift.map(Box::new),
+        temperature: temperature.map(Box::new),
+        cross_field: cross_field.map(Box::new),
+        ..SensorCalibration::default()
+    };
+    Ok(Found { calibration, conditions, constants })
+}
+
+/// The sensitivity as it is known before the fits, with its standard uncertainty: from a straight line through the first
+/// recording in a coil, else as the document states it, else nominal.
+fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f64, f64)> {
+    let runs = readings::runs(document, procedure::SENSOR_SENSITIVITY, sensor).unwrap_or_default();
+    if let Some(run) = runs.iter().find(|run| run.context.unit == unit) {
+        return Some((run.basic.sensors[sensor.index()].sensitivity, 0.0));
+    }
+    let stated = document.calibration.as_ref().and_then(|c| c.sensor(sensor));
+    if let Some(quantity) = stated.and_then(|stated| physics::sensitivity(stated, unit)) {
+        return Some((quantity.value(), quantity.std().unwrap_or(0.0)));
+    }
+    match unit {
+        Unit::Nanotesla => Some((1.0, 0.0)),
+        Unit::Volt => document.instrument.as_ref()?.nominal_sensitivity_nt_per_v.map(|k| (k, 0.0)),
+    }
+}
+
+/// What the document's model says of temperatures, where no recording does.
+fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
+    let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
+    let kinds = temperature::Part::ALL.map(|part| part.kinds().concat()).concat();
+    let mut conditions = Conditions::default();
+    let mut variances = Vec::new();
+    let listed = document.model.iter().flat_map(|model| &model.effects);
+    for (instance, stated) in adopted.into_iter().zip(listed) {
+        if instance.axis != Some(sensor) || instance.recording.is_some() || !kinds.contains(&instance.kind) {
+            continue;
+        }
+        for info in instance.kind.parameters() {
+            let std = stated.parameters.get(info.name).and_then(Quantity::std).unwrap_or(0.0);
+            variances.push(std * std);
+        }
+        let instance: EffectInstance = instance;
+        conditions.effects.push(instance);
+    }
+    let row = |i: usize| (0..variances.len()).map(|j| if i == j { variances[i] } else { 0.0 }).collect();
+    conditions.covariance = (0..variances.len()).map(row).collect();
+    Ok(conditions)
+}

@@ -1,0 +1,64 @@
+//! `sensorcal`: each sensor by itself.
+
+use clap::Parser;
+use common::pipe::{self, Io, Program};
+use sensorcal::Options;
+use std::process::ExitCode;
+
+const PROGRAM: Program = Program { name: "sensorcal", version: env!("CARGO_PKG_VERSION") };
+
+/// Sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Example:\n  \
+    simulate campaign fixtures/plans/magsat.json | coilcal | sensorcal > result.json\n\n\
+    Exit codes: 0 done; 1 the recordings do not determine the answer; 2 the request or the document is wrong."
+)]
+struct Cli {
+    #[command(flatten)]
+    io: Io,
+    /// How far the turn of a reversal may miss 180°, deg
+    #[arg(long, value_name = "DEG", default_value_t = 3.0)]
+    turn_deg: f64,
+    /// How far axes may be from nominal where the document does not give them (standard deviation), deg
+    #[arg(long, value_name = "DEG", default_value_t = 3.0)]
+    axes_std_deg: f64,
+    /// Fields along the sensor for the error budget, nT [default: zero, half and all of what was applied]
+    #[arg(long, value_name = "NT", value_delimiter = ',', allow_hyphen_values = true)]
+    budget_field_nt: Vec<f64>,
+    /// Temperatures less the reference for the error budget, K [default: 0, and 10 where coefficients are known]
+    #[arg(long, value_name = "K", value_delimiter = ',', allow_hyphen_values = true)]
+    budget_warmer_k: Vec<f64>,
+}
+
+fn main() -> ExitCode {
+    pipe::finish(PROGRAM, run(Cli::parse()))
+}
+
+fn run(cli: Cli) -> anyhow::Result<()> {
+    let mut arguments =
+        vec![format!("--turn-deg={}", cli.turn_deg), format!("--axes-std-deg={}", cli.axes_std_deg)];
+    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
+    for (name, values) in
+        [("--budget-field-nt", &cli.budget_field_nt), ("--budget-warmer-k", &cli.budget_warmer_k)]
+    {
+        if !values.is_empty() {
+            arguments.push(format!("{name}={}", list(values)));
+        }
+    }
+    let options = Options {
+        turn_deg: cli.turn_deg,
+        axes_std_deg: cli.axes_std_deg,
+        budget_field_nt: cli.budget_field_nt,
+        budget_warmer_k: cli.budget_warmer_k,
+    };
+    pipe::stage(
+        PROGRAM,
+        &cli.io,
+        arguments,
+        |document| sensorcal::run(document, &options),
+        sensorcal::summary,
+    )?;
+    Ok(())
+}

@@ -1,0 +1,314 @@
+//! Noise of a sensor in a shield ("Measurement of Sensor Noise in Low Field").
+
+use common::{
+    AllanDeviation, Axis, BandRms, Document, Error as Fault, MergedSpectrum, Noise, NoiseSeriesResult,
+    Quantity, Recording, SensorNoise, SpectralLine, procedure, series,
+};
+use estimate::periodogram::{Periodogram, periodogram};
+use estimate::whittle::{self, Estimate, White, WhittleFit};
+use estimate::{allan, stats};
+use physics::Unit;
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::readings::{code, output};
+
+/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one follows.
+const TRUSTED: f64 = 0.8;
+/// Bins of the merged spectrum in a decade.
+const BINS: f64 = 10.0;
+/// Share of rounding in the density at the fast end below which the sensor was measured, and above which the quantiser was.
+const MEASURED: [f64; 2] = [0.1, 0.5];
+/// Below this probability the spectrum does not have the form that is fitted.
+const UNLIKE_BELOW: f64 = 1e-3;
+/// Steepest noise that a covariance is made for.
+const STEEPEST: f64 = 2.0;
+
+/// One series of the sensor.
+struct Series<'a> {
+    recording: &'a Recording,
+    step_s: f64,
+    mean_nt: f64,
+    rms_nt: f64,
+    code_nt: Option<f64>,
+    periodogram: Periodogram,
+    allan: Vec<allan::AllanPoint>,
+    field_nt: Vec<f64>,
+}
+
+/// The noise that was measured, in the form in which instruments declare theirs.
+pub fn as_noise(measured: &SensorNoise) -> Noise {
+    Noise {
+        white_rms_nt: Some(measured.white_rms_nt.value()),
+        flicker_nt2_per_hz_at_1hz: Some(measured.flicker_nt2_per_hz_at_1hz.value()),
+        flicker_exponent: Some(measured.flicker_exponent.value().min(STEEPEST)),
+        ..Noise::default()
+    }
+}
+
+/// Noise of a sensor from all its series; None without a recording that holds it.
+pub fn analyse(
+    document: &Document,
+    sensor: Axis,
+    sensitivity: &(dyn Fn(Unit) -> Option<(f64, f64)> + Sync),
+) -> Result<Option<SensorNoise>, Error> {
+    let mine =
+        document.recordings.iter().enumerate().filter(|(_, recording)| {
+            recording.procedure == procedure::SENSOR_NOISE && holds(recording, sensor)
+        });
+    let mine: Vec<(usize, &Recording)> = mine.collect();
+    let mut all: Vec<Series<'_>> = mine
+        .par_iter()
+        .map(|(index, recording)| read(recording, &format!("recordings[{index}]"), sensor, sensitivity))
+        .collect::<Result<_, Error>>()?;
+    if all.is_empty() {
+        return Ok(None);
+    }
+    all.sort_by(|a, b| b.step_s.total_cmp(&a.step_s));
+    let periodograms: Vec<Periodogram> = all.iter().map(|one| one.periodogram.clone()).collect();
+    let fit = whittle::fit(&periodograms)?;
+    for one in &mut all {
+        let (series, step_s) = (&one.field_nt, one.step_s);
+        one.allan = allan::overlapping(series, step_s, |averaging_s| {
+            let frequency = 0.5 / averaging_s;
+            let white = 2.0 * fit.white_rms.iter().map(|w| w.value).fold(0.0, f64::max).powi(2) * step_s;
+            if fit.flicker_density(frequency).value > white { fit.exponent.value } else { 0.0 }
+        })?;
+    }
+    Ok(Some(result(&all, &fit, sensor)))
+}
+
+fn holds(recording: &Recording, sensor: Axis) -> bool {
+    let named = recording.conditions.sensor.is_none_or(|of| of == sensor);
+    named && ["v", "nt"].iter().any(|unit| recording.axis_column("sensor", sensor, unit).is_some())
+}
+
+fn read<'a>(
+    recording: &'a Recording,
+    path: &str,
+    sensor: Axis,
+    sensitivity: &(dyn Fn(Unit) -> Option<(f64, f64)> + Sync),
+) -> Result<Series<'a>, Error> {
+    let (reading, unit) = output(recording, path, sensor)?;
+    let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
+    let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
+        let expected = "even times that rise, all there; a spectrum needs them";
+        return Err(Fault::document(format!("{path}.columns.time_s"), "no even times", expected).into());
+    };
+    let Some((k, _)) = sensitivity(unit) else {
+        let expected = format!(
+            "calibration.sensors.{sensor}.sensitivity_nt_per_v, instrument.nominal_sensitivity_nt_per_v or a `sensor_sensitivity` recording"
+        );
+        return Err(Fault::document(column, "readings in V without a sensitivity", expected).into());
+    };
+    let filled = series::filled(reading).map_err(|missing| {
+        let found = format!("{missing} of {} readings missing", reading.len());
+        Fault::document(&column, found, "at most one in a hundred; a spectrum needs an even series")
+    })?;
+    let field_nt: Vec<f64> = filled.iter().map(|value| k * value).collect();
+    let count = field_nt.len() as f64;
+    let mean_nt = field_nt.iter().sum::<f64>() / count;
+    let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();
+    if rms_nt == 0.0 {
+        let found = format!("the constant reading {}", reading[0]);
+        let expected = "readings that vary: was the sensor connected, or is its noise below a code? Amplify before the converter";
+        return Err(Fault::document(column, found, expected).into());
+    }
+    let periodogram = periodogram(&field_nt, step_s)?;
+    let code_nt = code(reading).map(|code| code * k);
+    Ok(Series { recording, step_s, mean_nt, rms_nt, code_nt, periodogram, allan: Vec::new(), field_nt })
+}
+
+fn quantity(estimate: Estimate) -> Quantity {
+    Quantity::new(estimate.value, estimate.std)
+}
+
+fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
+    let flicker = fit.amplitude.value > 0.0;
+    let mut found = SensorNoise {
+        series: all.iter().zip(&fit.white_rms).map(|(one, white)| series_result(one, *white, fit)).collect(),
+        flicker_nt2_per_hz_at_1hz: quantity(fit.amplitude),
+        flicker_below_nt2_per_hz: fit.amplitude_upper,
+        flicker_exponent: quantity(fit.exponent),
+        density_at_1hz_nt_per_sqrt_hz: quantity(fit.flicker_density(1.0).root()),
+        white: match fit.white {
+            White::PerReading => "per_reading",
+            White::Density => "density",
+            White::Each => "each",
+        }
+        .into(),
+        goodness_p: fit.goodness.unwrap_or(1.0),
+        spectrum: merged(all),
+        allan: allan_columns(all),
+        ..SensorNoise::default()
+    };
+    (found.white_rms_nt, found.white_below_nt) = white(all, fit);
+    let slowest = 1.0 / all.iter().map(|one| one.periodogram.length_s).fold(0.0, f64::max);
+    let fastest = 0.5 / all.iter().map(|one| one.step_s).fold(f64::INFINITY, f64::min);
+    if flicker {
+        let mut low = 10f64.powf(slowest.log10().floor());
+        let mut bands = vec![[slowest, fastest]];
+        while low * 1e3 <= fastest * 1.001 {
+            if low >= slowest * 0.999 {
+                bands.push([low, low * 1e3]);
+            }
+            low *= 10.0;
+        }
+        let rms = |[low, high]: [f64; 2]| quantity(fit.flicker_variance(low, high).root());
+        found.bands =
+            bands.into_iter().map(|band| BandRms { band_hz: band, flicker_rms_nt: rms(band) }).collect();
+    }
+    for one in all {
+        for line in &one.periodogram.lines {
+            found.lines.push(SpectralLine {
+                recording: one.recording.id.clone(),
+                sensor: sensor.to_string(),
+                frequency_hz: line.frequency_hz,
+                amplitude_nt: line.amplitude,
+                name: None,
+            });
+        }
+    }
+    found.findings = findings(&found, fit);
+    found
+}
+
+/// White noise of one reading with rounding taken off, averaged over the series by their readings.
+fn white(all: &[Series<'_>], fit: &WhittleFit) -> (Quantity, Option<f64>) {
+    let count: f64 = all.iter().map(|one| one.periodogram.samples as f64).sum();
+    let mut total = (0.0, 0.0);
+    let mut own = 0.0;
+    for (one, white) in all.iter().zip(&fit.white_rms) {
+        let share = one.periodogram.samples as f64 / count;
+        let rounding = one.code_nt.map_or(0.0, |code| code * code / 12.0);
+        own += share * (white.value * white.value - rounding).max(0.0);
+        total.0 += share * white.value;
+        // One rms for all is one estimate; else they are independent.
+        let std = 2.0 * white.value * white.std;
+        total.1 = match fit.white {
+            White::Each => (total.1 * total.1 + (share * std).powi(2)).sqrt(),
+            _ => total.1 + share * std,
+        };
+    }
+    let rms = own.sqrt();
+    if rms == 0.0 {
+        let bounds = fit.white_upper.iter().flatten().copied();
+        let seen = fit.white_rms.iter().map(|white| white.value + 1.645 * white.std).fold(0.0, f64::max);
+        return (Quantity::new(0.0, 0.0), Some(bounds.fold(seen, f64::max)));
+    }
+    (Quantity::new(rms, total.1 / (2.0 * rms)), None)
+}
+
+fn series_result(one: &Series<'_>, white: Estimate, fit: &WhittleFit) -> NoiseSeriesResult {
+    let rounding = one.code_nt.map(|code| code * code * one.step_s / 6.0);
+    let nyquist = 0.5 / one.step_s;
+    let all = 2.0 * white.value * white.value * one.step_s + fit.flicker_density(nyquist).value;
+    let own = (all - rounding.unwrap_or(0.0)).max(0.0);
+    let share = rounding.map_or(0.0, |rounding| rounding / all.max(rounding));
+    NoiseSeriesResult {
+        recording: one.recording.id.clone(),
+        samples: one.field_nt.len(),
+        rate_hz: 1.0 / one.step_s,
+        mean_nt: one.mean_nt,
+        rms_nt: one.rms_nt,
+        white_rms_nt: quantity(white),
+        code_nt: one.code_nt,
+        rounding_nt2_per_hz: rounding,
+        measured: match share {
+            share if share < MEASURED[0] => "sensor",
+            share if share < MEASURED[1] => "both",
+            _ => "quantiser",
+        }
+        .into(),
+        // Rounding falls with the square of the amplification; it is to be a tenth of the whole.
+        amplification_needed: rounding
+            .filter(|_| share >= MEASURED[0] && own > 0.0)
+            .map(|rounding| (rounding / (own / 9.0)).sqrt()),
+    }
+}
+
+/// The periodograms joined, the slowest first, in bins of a tenth of a decade with their 95 % bands.
+fn merged(all: &[Series<'_>]) -> MergedSpectrum {
+    let mut spectrum = MergedSpectrum::default();
+    let first = |one: &Series<'_>| 1.0 / one.periodogram.length_s;
+    let mut reached: f64 = 0.0;
+    for (number, one) in all.iter().enumerate() {
+        let nyquist = 0.5 / one.step_s;
+        let end = all.get(number + 1).map_or(nyquist, |next| first(next).clamp(TRUSTED * nyquist, nyquist));
+        let inside =
+            one.periodogram.bins.iter().filter(|bin| bin.frequency_hz > reached && bin.frequency_hz <= end);
+        let mut open: Option<(i64, f64, f64, f64)> = None;
+        let mut close = |open: Option<(i64, f64, f64, f64)>| {
+            let Some((_, power, frequency, count)) = open else { return };
+            let density = power / count;
+            let (low, high) = stats::variance_interval(2.0 * count, 0.95);
+            spectrum.frequency_hz.push(frequency / count);
+            spectrum.density_nt2_per_hz.push(density);
+            spectrum.low_nt2_per_hz.push(density * low);
+            spectrum.high_nt2_per_hz.push(density * high);
+        };
+        for bin in inside {
+            let at = (bin.frequency_hz.log10() * BINS).floor() as i64;
+            let (power, frequency) = (bin.density * bin.count, bin.frequency_hz * bin.count);
+            open = match open {
+                Some((number, p, f, count)) if number == at => {
+                    Some((at, p + power, f + frequency, count + bin.count))
+                }
+                other => {
+                    close(other);
+                    Some((at, power, frequency, bin.count))
+                }
+            };
+        }
+        close(open);
+        reached = end;
+    }
+    spectrum
+}
+
+fn allan_columns(all: &[Series<'_>]) -> AllanDeviation {
+    let mut columns = AllanDeviation::default();
+    for (number, one) in all.iter().enumerate() {
+        for point in &one.allan {
+            let (low, high) = point.interval(0.95);
+            columns.series.push(number);
+            columns.averaging_s.push(point.averaging_s);
+            columns.deviation_nt.push(point.deviation);
+            columns.low_nt.push(point.deviation * low);
+            columns.high_nt.push(point.deviation * high);
+        }
+    }
+    columns
+}
+
+fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
+    let mut findings = Vec::new();
+    for series in found.series.iter().filter(|series| series.measured != "sensor") {
+        let more = series.amplification_needed.map_or_else(
+            || "; amplify before the converter until the readings scatter over several codes".to_string(),
+            |gain| format!("; amplify {gain:.1} times more before the converter"),
+        );
+        let what = match series.measured.as_str() {
+            "both" => "sensor and quantiser together",
+            _ => "the quantiser and not the sensor",
+        };
+        findings.push(format!(
+            "recording \"{}\": codes of {:.4} nT; at its fast end {what} was measured{more}",
+            series.recording,
+            series.code_nt.unwrap_or(0.0)
+        ));
+    }
+    if found.goodness_p < UNLIKE_BELOW {
+        findings.push(format!(
+            "the spectrum is not that of A/f^α and white noise (p = {:.1e}); the intervals are those of the form",
+            found.goodness_p
+        ));
+    }
+    if fit.exponent_at_limit {
+        findings.push("the exponent is at the limit of what is tried; a drift may be in the readings".into());
+    }
+    if found.flicker_below_nt2_per_hz.is_some() {
+        findings.push("no flicker noise is seen; only its bound is given".into());
+    }
+    findings
+}

@@ -1,0 +1,266 @@
+//! The readings of a sensor in a coil's field, with what is wrong told by its place.
+
+use common::{Axis, Document, Error as Fault, Recording};
+use nalgebra::Vector3;
+use physics::{Basic, Context, References, Unit};
+
+use crate::Error;
+
+/// Share of the variance that a straight line of the reading against the field must explain.
+const FOLLOWS: f64 = 0.9;
+/// A sensitivity may differ from what is stated by this factor before it is a mistake of columns or units.
+const STATED_WITHIN: f64 = 1.25;
+/// A sensor that is said to be turned along a coil points there by its stated orientation at least so far (cosine).
+const ALONG: f64 = 0.7;
+
+/// One recording of one sensor that was turned along a coil.
+#[derive(Clone)]
+pub struct Run<'a> {
+    /// The recording as the chain sees it.
+    pub context: Context<'a>,
+    /// Where it stands in the document.
+    pub path: String,
+    /// The sensor.
+    pub sensor: Axis,
+    /// The coil along which it was turned.
+    pub coil: Axis,
+    /// The chain: the sensor points along the field of its coil, as it was turned to its largest reading.
+    pub basic: Basic,
+    /// Whether the orientation of the block is stated.
+    pub oriented: bool,
+    /// Readings in the recording's unit, by row.
+    pub reading: Vec<f64>,
+    /// Rows that are used.
+    pub rows: Vec<usize>,
+}
+
+impl Run<'_> {
+    /// Applied field of each coil along its own axis at a row, nT.
+    pub fn coil_nt(&self, coil: Axis, row: usize) -> f64 {
+        self.basic.coils[coil.index()].constant_nt_per_a * self.context.current_a[row][coil.index()]
+    }
+
+    /// Applied field along the sensor at a row, nT: the coil's, its offset with it.
+    pub fn applied_nt(&self, row: usize) -> f64 {
+        self.coil_nt(self.coil, row) + self.basic.coils[self.coil.index()].offset_nt
+    }
+
+    /// The times of the rows that are used, where they are there.
+    pub fn times(&self) -> Option<Vec<f64>> {
+        times(self.context.recording, &self.rows)
+    }
+}
+
+/// The times of some rows, where they are all there and do not run backwards.
+pub fn times(recording: &Recording, rows: &[usize]) -> Option<Vec<f64>> {
+    let time = recording.column("time_s")?;
+    let times: Vec<f64> = rows.iter().map(|row| time[*row]).collect();
+    (times.iter().all(|t| t.is_finite()) && times.windows(2).all(|pair| pair[1] >= pair[0])).then_some(times)
+}
+
+/// The recordings of a procedure and a sensor, with their places.
+pub fn recordings<'a>(
+    document: &'a Document,
+    procedure: &str,
+    sensor: Axis,
+) -> Result<Vec<(String, &'a Recording)>, Error> {
+    let mut found = Vec::new();
+    for (index, recording) in document.recordings.iter().enumerate() {
+        if recording.procedure != procedure {
+            continue;
+        }
+        let path = format!("recordings[{index}]");
+        if recording.table.is_some() {
+            let expected = "the readings under `columns`";
+            return Err(
+                Fault::document(format!("{path}.table"), "a file beside the document", expected).into()
+            );
+        }
+        let Some(of) = recording.conditions.sensor else {
+            let expected = "\"x\", \"y\" or \"z\", the sensor that is calibrated";
+            return Err(Fault::document(format!("{path}.conditions.sensor"), "no such key", expected).into());
+        };
+        if of == sensor {
+            found.push((path, recording));
+        }
+    }
+    Ok(found)
+}
+
+/// The readings of a sensor, in V or in nT.
+pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<(&'a [f64], Unit), Error> {
+    let columns = format!("{path}.columns");
+    match (recording.axis_column("sensor", sensor, "v"), recording.axis_column("sensor", sensor, "nt")) {
+        (Some(volts), None) => Ok((volts, Unit::Volt)),
+        (None, Some(field)) => Ok((field, Unit::Nanotesla)),
+        (Some(_), Some(_)) => {
+            let found = format!("both `sensor_{sensor}_v` and `sensor_{sensor}_nt`");
+            Err(Fault::document(columns, found, "one of them").into())
+        }
+        (None, None) => {
+            let found = format!("no readings of sensor {sensor}");
+            let expected =
+                format!("`sensor_{sensor}_v`, or `sensor_{sensor}_nt` of an instrument that gives field");
+            Err(Fault::document(columns, found, expected).into())
+        }
+    }
+}
+
+/// All runs of a procedure and a sensor.
+pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result<Vec<Run<'a>>, Error> {
+    let references = References::of(document);
+    let found = recordings(document, procedure, sensor)?;
+    found.into_iter().map(|(path, recording)| run(document, recording, path, sensor, references)).collect()
+}
+
+fn run<'a>(
+    document: &Document,
+    recording: &'a Recording,
+    path: String,
+    sensor: Axis,
+    references: References,
+) -> Result<Run<'a>, Error> {
+    let Some(coil) = recording.conditions.coil else {
+        let expected = "\"x\", \"y\" or \"z\", the coil along which the sensor is turned";
+        return Err(Fault::document(format!("{path}.conditions.coil"), "no such key", expected).into());
+    };
+    let (reading, unit) = output(recording, &path, sensor)?;
+    let reading = reading.to_vec();
+    let context = Context::new(document, recording, references)
+        .map_err(|error| error.at(&format!("{path}.conditions.orientation")))?;
+    if !["a", "v"].iter().any(|unit| recording.axis_column("coil", coil, unit).is_some()) {
+        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` over the precision resistor");
+        let found = format!("no drive of coil {coil}");
+        return Err(Fault::document(format!("{path}.columns"), found, expected).into());
+    }
+    let mut basic = Basic::of(document, unit);
+    for driven in Axis::ALL {
+        let constant = basic.coils[driven.index()].constant_nt_per_a;
+        let driven_at_all = context.current_a.iter().any(|current| current[driven.index()] != 0.0);
+        if driven_at_all && constant == 0.0 {
+            let key = format!("calibration.coils.{driven}.constant_nt_per_a");
+            let expected = "the constant of a coil that carries current; coilcal finds it, or state it there";
+            return Err(Fault::document(key, "no such key", expected).into());
+        }
+    }
+    let oriented = recording.conditions.orientation.is_some() || recording.conditions.theodolite.is_some();
+    let along: Vector3<f64> = context.orientation.rotation * basic.eta.column(coil.index());
+    let cosine = along.dot(&basic.mu.column(sensor.index()));
+    if oriented && cosine.abs() < ALONG {
+        let found = format!(
+            "an orientation by which sensor {sensor} stands {:.0}° from coil {coil}",
+            cosine.clamp(-1.0, 1.0).acos().to_degrees()
+        );
+        let expected = "the orientation in which the sensor was turned along the coil";
+        return Err(Fault::document(format!("{path}.conditions.orientation"), found, expected).into());
+    }
+    let direction = if oriented { cosine.signum() } else { 1.0 };
+    basic.mu.set_column(sensor.index(), &(along * direction));
+    let rows = (0..recording.rows())
+        .filter(|row| reading[*row].is_finite() && context.current_a[*row].iter().all(|a| a.is_finite()))
+        .collect();
+    let mut run = Run { context, path, sensor, coil, basic, oriented, reading, rows };
+    begin(document, &mut run, unit, direction)?;
+    Ok(run)
+}
+
+/// First constants, by a straight line through the readings; what does not follow the field at all is refused.
+fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> Result<(), Error> {
+    let sensor = run.sensor;
+    let column = format!("{}.columns.sensor_{sensor}_{}", run.path, unit.suffix());
+    let points: Vec<(f64, f64)> =
+        run.rows.iter().map(|row| (direction * run.applied_nt(*row), run.reading[*row])).collect();
+    if points.len() < 4 {
+        let found = format!("{} readings beside a known field", points.len());
+        return Err(Fault::document(column, found, "at least four").into());
+    }
+    let count = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |(b, v), point| (b + point.0 / count, v + point.1 / count));
+    let (mut bb, mut bv, mut vv) = (0.0, 0.0, 0.0);
+    for (b, v) in &points {
+        let (b, v) = (b - mean.0, v - mean.1);
+        (bb, bv, vv) = (bb + b * b, bv + b * v, vv + v * v);
+    }
+    if bb <= 0.0 {
+        let key = format!("{}.columns.coil_{}", run.path, run.coil);
+        let expected = "fields on both sides of zero; one field alone shows no sensitivity";
+        return Err(Fault::document(key, "a drive that never changes", expected).into());
+    }
+    if vv <= 1e-12 * mean.1 * mean.1 {
+        let found = format!("the constant reading {}", mean.1);
+        let expected = format!(
+            "readings that follow the {:.0} nT by which the field changes; was the sensor connected?",
+            points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max)
+                - points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min)
+        );
+        return Err(Fault::document(column, found, expected).into());
+    }
+    let explained = bv * bv / (bb * vv);
+    if explained < FOLLOWS {
+        let found =
+            format!("readings that follow the field of coil {} by {:.1} % only", run.coil, 100.0 * explained);
+        let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped?";
+        return Err(Fault::document(column, found, expected).into());
+    }
+    let sensitivity = bb / bv;
+    let stated = run.basic.sensors[sensor.index()].sensitivity;
+    let known = document
+        .calibration
+        .as_ref()
+        .and_then(|c| c.sensor(sensor))
+        .is_some_and(|s| physics::sensitivity(s, unit).is_some());
+    let nominal = document.instrument.as_ref().is_some_and(|i| i.nominal_sensitivity_nt_per_v.is_some());
+    let compared = known || unit == Unit::Nanotesla || nominal;
+    let ratio = sensitivity / stated;
+    if sensitivity < 0.0 {
+        let expected = "readings that rise with it; is the sensor turned the other way (`conditions.orientation`), or a drive's sign lost?";
+        return Err(Fault::document(column, "readings that fall as the field rises", expected).into());
+    }
+    if compared && !(1.0 / STATED_WITHIN..=STATED_WITHIN).contains(&ratio) {
+        let found = format!("a sensitivity of {sensitivity:.6} nT for each unit read");
+        let expected = format!("about {stated}, as is stated; are units, columns or coils mistaken?");
+        return Err(Fault::document(column, found, expected).into());
+    }
+    let first = &mut run.basic.sensors[sensor.index()];
+    first.sensitivity = sensitivity;
+    first.offset_nt = mean.0 - sensitivity * mean.1;
+    Ok(())
+}
+
+/// Width of a code as a series of readings shows it: the smallest step between different readings, where all steps are whole
+/// multiples of it; None where they are not.
+pub fn code(readings: &[f64]) -> Option<f64> {
+    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let largest = sorted.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let rounding = 1e-12 * largest;
+    let steps: Vec<f64> = sorted.windows(2).map(|p| p[1] - p[0]).filter(|step| *step > rounding).collect();
+    let width = steps.iter().copied().fold(f64::INFINITY, f64::min);
+    let whole =
+        |step: &f64| (step / width - (step / width).round()).abs() * width <= rounding.max(1e-6 * width);
+    (steps.len() >= 3 && steps.len() < sorted.len() - 1 && steps.iter().all(whole)).then_some(width)
+}
+
+/// Width of a code of a run, in its unit: as its readings show it, else as the instrument states it.
+pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
+    let instrument = document.instrument.as_ref();
+    let stated = match run.context.unit {
+        Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
+        Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
+    };
+    code(&run.reading).or(stated)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_seen() {
+        let rounded: Vec<f64> = (0..200).map(|i| (f64::from(i * i % 37) * 0.37).round() * 2.5e-6).collect();
+        let width = code(&rounded).expect("codes");
+        assert!((width / 2.5e-6 - 1.0).abs() < 1e-9, "{width}");
+        let smooth: Vec<f64> = (0..200).map(|i| f64::from(i).sin()).collect();
+        assert_eq!(code(&smooth), None);
+    }
+}

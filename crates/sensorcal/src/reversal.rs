@@ -1,0 +1,270 @@
+//! Offset by turning the sensor through 180° ("Measurement of Sensor Offset in Low Field").
+//!
+//! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2: the report's eq. 26 has the sign wrong and k on the wrong side.
+
+use common::{
+    Axis, Document, Error as Fault, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset,
+    ReversalPairs, procedure,
+};
+use estimate::correlated::{self, Scale};
+use estimate::stats;
+use faer::Mat;
+use physics::{Context, References};
+
+use crate::Error;
+use crate::conditions::Conditions;
+use crate::readings::{code, output, recordings, times};
+use crate::shape::{Place, Shape};
+
+/// A pair that is so far from the rest is left out (Grubbs).
+const OUTLIER_BELOW: f64 = 1e-3;
+/// Readings from which a drift of the shield's field is fitted.
+const DRIFT_FROM: usize = 8;
+
+/// Sensitivity by which readings become field: k and its standard uncertainty, in the unit of the readings.
+pub type Sensitivity<'a> = &'a dyn Fn(physics::Unit) -> Option<(f64, f64)>;
+
+/// What a turn that is not quite 180° is bounded with.
+#[derive(Clone, Copy, Debug)]
+pub struct Turn {
+    /// How far it may miss, deg.
+    pub angle_deg: f64,
+    /// Field across the sensor, nT, where it is known.
+    pub across_nt: Option<f64>,
+}
+
+/// O from all recordings of reversals; None without one.
+pub fn offset(
+    document: &Document,
+    sensor: Axis,
+    sensitivity: Sensitivity<'_>,
+    noise: &dyn Fn(f64) -> Shape,
+    conditions: &Conditions,
+) -> Result<Option<ReversalOffset>, Error> {
+    let mut found = ReversalOffset::default();
+    for (path, recording) in recordings(document, procedure::SENSOR_OFFSET_REVERSAL, sensor)? {
+        let (reversal, _) = one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
+        let out = reversal.pairs.used.iter().filter(|used| !**used).count();
+        if out > 0 {
+            let rows: Vec<String> = reversal
+                .pairs
+                .row
+                .iter()
+                .zip(&reversal.pairs.used)
+                .filter(|(_, used)| !**used)
+                .map(|(row, _)| row.to_string())
+                .collect();
+            found.findings.push(format!(
+                "recording \"{}\": the pair from row {} does not belong to the rest and is left out",
+                recording.id,
+                rows.join(", ")
+            ));
+        }
+        found.recordings.push(reversal);
+    }
+    if found.recordings.is_empty() {
+        return Ok(None);
+    }
+    let weight = |reversal: &Reversal| reversal.offset_nt.std().unwrap_or(f64::INFINITY).powi(-2);
+    let sum: f64 = found.recordings.iter().map(weight).sum();
+    let mean = found.recordings.iter().map(|r| weight(r) * r.offset_nt.value()).sum::<f64>() / sum;
+    found.offset_nt = Quantity::new(mean, sum.recip().sqrt());
+    let freedom: f64 = found.recordings.iter().map(|r| r.noise.degrees_of_freedom).sum();
+    found.coverage_factor_95 = stats::coverage_factor(0.95, freedom);
+    if found.recordings.len() > 1 {
+        let chi =
+            found.recordings.iter().map(|r| weight(r) * (r.offset_nt.value() - mean).powi(2)).sum::<f64>();
+        let above = found.recordings.len() as f64 - 1.0;
+        if stats::chi_squared_p(chi, above) < 0.01 {
+            found.offset_nt = Quantity::new(mean, (chi / above / sum).sqrt());
+            found.findings.push(
+                "the recordings differ by more than their scatter; the offset's uncertainty rests on the differences"
+                    .into(),
+            );
+        }
+    }
+    Ok(Some(found))
+}
+
+/// The bound of a turn that is not quite 180°: for V₂ the sensor sees −B∥ cos ε + B⊥ sin ε in place of −B∥.
+pub fn imperfect(reversals: &[Reversal], turn: Turn) -> ImperfectTurn {
+    let angle = turn.angle_deg.to_radians();
+    let along = reversals.iter().map(|r| r.shield_field_nt.value().abs()).fold(0.0, f64::max);
+    let across = turn.across_nt.unwrap_or(0.0);
+    ImperfectTurn {
+        angle_deg: turn.angle_deg,
+        field_across_nt: turn.across_nt,
+        bound_nt: 0.5 * (along * (1.0 - angle.cos()) + across * angle.sin()),
+        bound_per_nt_across: 0.5 * angle.sin(),
+    }
+}
+
+/// One recording, and the contribution of temperatures that was taken off its offset (None where there was nothing to take).
+pub fn one(
+    document: &Document,
+    recording: &Recording,
+    path: &str,
+    sensor: Axis,
+    sensitivity: Sensitivity<'_>,
+    noise: &dyn Fn(f64) -> Shape,
+    conditions: &Conditions,
+) -> Result<(Reversal, Option<f64>), Error> {
+    let (reading, unit) = output(recording, path, sensor)?;
+    let Some(position) = recording.column("position") else {
+        let expected = "`position`, +1 or −1 in the order taken";
+        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+    };
+    let key = format!("{path}.columns.position");
+    if let Some(row) = position.iter().position(|p| p.is_finite() && p.abs() != 1.0) {
+        let found = format!("{} in row {row}", position[row]);
+        return Err(Fault::document(key, found, "+1 or −1, the two positions of the sensor").into());
+    }
+    let rows: Vec<usize> =
+        (0..recording.rows()).filter(|row| reading[*row].is_finite() && position[*row].is_finite()).collect();
+    let (ups, downs) = [1.0, -1.0].map(|p| rows.iter().filter(|row| position[**row] == p).count()).into();
+    if ups < 2 || downs < 2 {
+        let found = format!("{ups} readings in position +1 and {downs} in −1");
+        return Err(
+            Fault::document(key, found, "at least two in each; one position alone shows no offset").into()
+        );
+    }
+    let Some((k, k_std)) = sensitivity(unit) else {
+        let key = format!("calibration.sensors.{sensor}.sensitivity_nt_per_v");
+        let expected = "the sensitivity, from a `sensor_sensitivity` recording or stated there, or `instrument.nominal_sensitivity_nt_per_v`";
+        return Err(Fault::document(key, "no such key", expected).into());
+    };
+    let context =
+        Context::new(document, recording, References::of(document)).map_err(|error| error.at(path))?;
+    let contribution = conditions.contribution(&context, sensor, path)?;
+    let field: Vec<f64> = (0..recording.rows())
+        .map(|row| k * reading[row] - contribution.as_ref().map_or(0.0, |c| c.field_nt[row]))
+        .collect();
+    let shape = noise(code(reading).unwrap_or(0.0) * k);
+    let series = Series { recording, field: &field, position, shape: &shape };
+    let mut pairs = series.pairs(&rows, 0.0);
+    let mut kept = rows.clone();
+    if let Some(worst) = outlier(&pairs.offset_nt) {
+        pairs.used[worst] = false;
+        let first = rows.iter().position(|row| *row == pairs.row[worst]).unwrap_or(0);
+        let bad: Vec<usize> = rows[first..(first + 2).min(rows.len())].to_vec();
+        kept.retain(|row| !bad.contains(row));
+    }
+    let (fit, noise) = series.fit(&kept)?;
+    let drift = fit.coefficients.get(2).copied().unwrap_or(0.0);
+    let used = pairs.used;
+    pairs = series.pairs(&rows, drift);
+    pairs.used = used;
+    let offset = fit.coefficients[0];
+    // The parameters of temperature move the offset by their mean derivative.
+    let by: Vec<f64> =
+        contribution.iter().flat_map(|c| &c.derivatives).map(|column| mean(column, &kept)).collect();
+    let variance = fit.covariance[(0, 0)] + (offset * k_std / k).powi(2) + conditions.variance(&by);
+    let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.covariance[(i, i)].sqrt());
+    let reversal = Reversal {
+        recording: recording.id.clone(),
+        offset_nt: Quantity::new(offset, variance.sqrt()),
+        shield_field_nt: quantity(1),
+        shield_drift_nt_per_s: (fit.coefficients.len() > 2).then(|| quantity(2)),
+        pairs,
+        noise,
+    };
+    Ok((reversal, contribution.map(|c| mean(&c.field_nt, &kept))))
+}
+
+fn mean(column: &[f64], rows: &[usize]) -> f64 {
+    rows.iter().map(|row| column[*row]).sum::<f64>() / rows.len() as f64
+}
+
+/// One recording as field.
+struct Series<'a> {
+    recording: &'a Recording,
+    field: &'a [f64],
+    position: &'a [f64],
+    shape: &'a Shape,
+}
+
+impl Series<'_> {
+    /// Times from their middle, where they are known.
+    fn centred(&self, rows: &[usize]) -> Option<Vec<f64>> {
+        let times = times(self.recording, rows)?;
+        let middle = times.iter().sum::<f64>() / times.len() as f64;
+        Some(times.iter().map(|t| t - middle).collect())
+    }
+
+    /// k V = −O + p B + p (t − t̄) Ḃ: offset, the shield's field and its drift.
+    fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise), Error> {
+        let time = self.centred(rows).filter(|_| rows.len() >= DRIFT_FROM);
+        let design = Mat::from_fn(rows.len(), 2 + usize::from(time.is_some()), |i, column| {
+            let position = self.position[rows[i]];
+            match (column, &time) {
+                (0, _) => -1.0,
+                (1, _) => position,
+                (_, Some(time)) => position * time[i],
+                (_, None) => 0.0,
+            }
+        });
+        let y: Vec<f64> = rows.iter().map(|row| self.field[*row]).collect();
+        let allowed = self.shape.allowed(&[(rows.len(), times(self.recording, rows))], Place::Shield)?;
+        let fit = correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted)?;
+        if fit.freedom < 1.0 {
+            let id = &self.recording.id;
+            let more = format!(
+                "recording \"{id}\": {} readings show an offset but not its scatter; take more pairs",
+                rows.len()
+            );
+            return Err(Error::Undetermined(more));
+        }
+        let noise = allowed.describe(&fit);
+        Ok((fit, noise))
+    }
+
+    /// Readings that follow each other in opposite positions, each used once, less a drift of the shield's field.
+    fn pairs(&self, rows: &[usize], drift: f64) -> ReversalPairs {
+        let time = self.centred(rows).unwrap_or_else(|| vec![0.0; rows.len()]);
+        let mut pairs = ReversalPairs::default();
+        let mut at = 0;
+        while at + 1 < rows.len() {
+            let (first, second) = (rows[at], rows[at + 1]);
+            if self.position[first] == self.position[second] {
+                at += 1;
+                continue;
+            }
+            let still = |at: usize| self.field[rows[at]] - self.position[rows[at]] * drift * time[at];
+            pairs.row.push(first);
+            pairs.offset_nt.push(-0.5 * (still(at) + still(at + 1)));
+            pairs.used.push(true);
+            at += 2;
+        }
+        pairs
+    }
+}
+
+/// The value that does not belong to the others, by Grubbs' test: t² = n (n − 2) g²/((n − 1)² − n g²).
+fn outlier(values: &[f64]) -> Option<usize> {
+    let n = values.len() as f64;
+    if n < 4.0 {
+        return None;
+    }
+    let mean = values.iter().sum::<f64>() / n;
+    let std = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    let worst =
+        (0..values.len()).max_by(|a, b| (values[*a] - mean).abs().total_cmp(&(values[*b] - mean).abs()))?;
+    let g = (values[worst] - mean).abs() / std;
+    let left = (n - 1.0).powi(2) - n * g * g;
+    let t = if left > 0.0 { (n * (n - 2.0) * g * g / left).sqrt() } else { f64::INFINITY };
+    (std > 0.0 && n * stats::two_sided_p(t, n - 2.0) < OUTLIER_BELOW).then_some(worst)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bad_pair_is_told() {
+        let mut offsets = vec![0.31, 0.29, 0.30, 0.32, 0.31, 0.28, 0.30, 0.31];
+        assert_eq!(outlier(&offsets), None);
+        offsets[5] = 0.9;
+        assert_eq!(outlier(&offsets), Some(5));
+        assert_eq!(outlier(&[0.1, 5.0, 0.2]), None);
+    }
+}

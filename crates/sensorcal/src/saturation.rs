@@ -1,0 +1,65 @@
+//! Readings that no longer follow the field.
+
+use common::{Axis, Saturation};
+
+use crate::Error;
+use crate::readings::{Run, code};
+use crate::sensitivity::along;
+
+/// Readings within this share of the largest one stand still.
+const STILL: f64 = 1e-6;
+/// Codes of the converter by which a reading that stands still may differ.
+const CODES: f64 = 2.0;
+/// A reading is missed by so many times what it may differ by before it counts as standing still.
+const MISSED: f64 = 20.0;
+
+/// Takes out of the runs the readings at which the output stands still though the field goes on.
+pub fn take_out(runs: &mut [Run<'_>], sensor: Axis) -> Result<Option<Saturation>, Error> {
+    let mut found = Saturation::default();
+    for run in runs.iter_mut() {
+        let field = along(run);
+        for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+            let flat = flat(run, &field, sign);
+            let Some(begin) = flat.iter().copied().min_by(|a, b| field[*a].abs().total_cmp(&field[*b].abs()))
+            else {
+                continue;
+            };
+            found.count += flat.len();
+            found.readings[side] = Some(run.reading[begin]);
+            found.fields_nt[side] = Some(field[begin]);
+            run.rows.retain(|row| !flat.contains(row));
+        }
+        if run.rows.len() < 4 {
+            return Err(Error::Undetermined(format!(
+                "recording \"{}\": the output of sensor {sensor} stands still in all but {} readings; smaller fields are needed",
+                run.context.recording.id,
+                run.rows.len()
+            )));
+        }
+    }
+    Ok((found.count > 0).then_some(found))
+}
+
+/// Rows on one side that read the same though their fields differ: none unless there are at least two.
+fn flat(run: &Run<'_>, field: &[f64], sign: f64) -> Vec<usize> {
+    let reading = |row: usize| sign * run.reading[row];
+    let Some(extreme) = run.rows.iter().map(|row| reading(*row)).reduce(f64::max).filter(|v| *v > 0.0) else {
+        return Vec::new();
+    };
+    let still = (STILL * extreme).max(CODES * code(&run.reading).unwrap_or(0.0));
+    let rows: Vec<usize> = run.rows.iter().copied().filter(|row| reading(*row) >= extreme - still).collect();
+    // The slope where the field is smaller says how far the readings should be apart.
+    let Some(slope) = slope(run, field) else { return Vec::new() };
+    let fields = || rows.iter().map(|row| sign * field[*row]);
+    let apart = fields().fold(f64::NEG_INFINITY, f64::max) - fields().fold(f64::INFINITY, f64::min);
+    if rows.len() >= 2 && apart * slope > MISSED * still { rows } else { Vec::new() }
+}
+
+/// Reading for each nT where the field is at most half of its largest size.
+fn slope(run: &Run<'_>, field: &[f64]) -> Option<f64> {
+    let largest = run.rows.iter().map(|row| field[*row].abs()).fold(0.0, f64::max);
+    let inner = || run.rows.iter().copied().filter(|row| field[*row].abs() <= largest / 2.0);
+    let low = inner().min_by(|a, b| field[*a].total_cmp(&field[*b]))?;
+    let high = inner().max_by(|a, b| field[*a].total_cmp(&field[*b]))?;
+    (field[high] > field[low]).then(|| (run.reading[high] - run.reading[low]) / (field[high] - field[low]))
+}

@@ -1,0 +1,325 @@
+//! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and Nonlinearity").
+
+use common::{
+    Axis, Budget, Document, FieldErrors, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals,
+    TestResult, procedure,
+};
+use estimate::{normality, stats};
+use physics::{Kind, Parameter, Unit};
+
+use crate::Error;
+use crate::conditions::Conditions;
+use crate::departure::{self, Candidate, FOUND_BELOW};
+use crate::fit::{self, Fit, Problem, Unknown};
+use crate::readings::{Run, code_width, runs};
+use crate::saturation;
+use crate::shape::Shape;
+
+/// Fields count in units of the catalogue's reference field.
+const FULL_NT: f64 = 50_000.0;
+/// Polynomials are tried up to this order.
+const ORDERS: usize = 5;
+
+/// Constants of a sensor as its coil shows them.
+pub struct Constants {
+    /// Unit of its readings.
+    pub unit: Unit,
+    /// k.
+    pub sensitivity: f64,
+    /// O, nT.
+    pub offset_nt: f64,
+    /// Covariance of k and O.
+    pub covariance: [[f64; 2]; 2],
+    /// Its type B part.
+    pub common: [[f64; 2]; 2],
+    /// Effects of the catalogue that were found, with their covariance.
+    pub nonlinearity: Vec<(Kind, Quantity)>,
+    /// Largest field that was applied, nT.
+    pub largest_nt: f64,
+    /// How they were found.
+    pub fit: SensitivityFit,
+}
+
+/// Fits the line, and what it leaves out where the readings say so; None without a recording.
+pub fn calibrate(
+    document: &Document,
+    sensor: Axis,
+    noise: &dyn Fn(f64) -> Shape,
+    conditions: &Conditions,
+) -> Result<Option<Constants>, Error> {
+    let mut runs = runs(document, procedure::SENSOR_SENSITIVITY, sensor)?;
+    if runs.is_empty() {
+        return Ok(None);
+    }
+    let unit = runs[0].context.unit;
+    let saturation = saturation::take_out(&mut runs, sensor)?;
+    let k0 = runs[0].basic.sensors[sensor.index()].sensitivity;
+    let code_nt = runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k0;
+    let shape = noise(code_nt);
+    let all: Vec<usize> = (0..runs.len()).collect();
+    let (effects, known) = conditions.effects_in(&runs);
+    let mut knowns = fit::coils(document, &runs);
+    knowns.extend(known);
+    let constants = [Parameter::Sensitivity(sensor), Parameter::SensorOffset(sensor)];
+    let unknowns = constants.map(|parameter| Unknown::Chain(parameter, all.clone())).to_vec();
+    let allowed = fit::noise(&runs, &shape)?;
+    let problem = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
+    let line = problem.solve()?;
+    if line.linear.freedom < 2.0 {
+        return Err(Error::Undetermined(format!(
+            "sensor {sensor}: {} readings; a line and its scatter need at least four",
+            line.linear.residuals.len()
+        )));
+    }
+    let extended = departure::extend(&problem, &candidates(&runs)?)?;
+    let fit = &extended.fit;
+    let orders = orders(&problem, &line)?;
+    let field_errors = field_errors(&runs, fit);
+    let k = fit.values[0] * (1.0 - 1e-6 * field_errors.attenuation_ppm);
+    let pair = |of: &dyn Fn(usize, usize) -> f64| [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]];
+    let key = sensitivity_key(unit);
+    let budget = |i: usize| Budget { type_a: fit.type_a(i), type_b: fit.type_b(i) };
+    let total = fit.covariance(0, 0).sqrt();
+    let effective = match fit.type_a(0) {
+        a if a > 0.0 => fit.linear.freedom * (total / a).powi(4),
+        _ => f64::INFINITY,
+    };
+    let mut noise = fit.noise.clone();
+    noise.coverage_factor_95 = stats::coverage_factor(0.95, effective);
+    let test = |(statistic, p_value): (f64, f64)| TestResult { statistic, p_value };
+    let mut result = SensitivityFit {
+        recordings: runs.iter().map(|run| run.context.recording.id.clone()).collect(),
+        readings: fit.linear.residuals.len(),
+        model: match extended.found.as_slice() {
+            [] => "line".into(),
+            found => format!("line with {}", found.join(" and ")),
+        },
+        uncertainty: [(key.to_string(), budget(0)), ("offset_nt".into(), budget(1))].into_iter().collect(),
+        offset_nt: fit.quantity(1),
+        order: order_in_words(&orders),
+        orders,
+        departures: extended.departures,
+        rivals: extended.rivals,
+        noise,
+        normality: normality::anderson_darling(&fit.linear.whitened).map(test),
+        runs: normality::runs(&fit.linear.whitened).map(test),
+        saturation,
+        field_errors,
+        residuals: residuals(&runs, &line, fit),
+        ..SensitivityFit::default()
+    };
+    let places = extended.found.iter().enumerate().map(|(at, name)| (*name, 2 + at));
+    let nonlinearity = places.filter_map(|(name, at)| Some((Kind::named(name)?, fit.quantity(at)))).collect();
+    let largest_nt = largest(&runs);
+    result.findings = findings(&result, code_nt, conditions, &runs);
+    Ok(Some(Constants {
+        unit,
+        sensitivity: k,
+        offset_nt: fit.values[1],
+        covariance: pair(&|i, j| fit.covariance(i, j)),
+        common: pair(&|i, j| fit.common[(i, j)]),
+        nonlinearity,
+        largest_nt,
+        fit: result,
+    }))
+}
+
+/// Key of the sensitivity for readings of a unit.
+pub fn sensitivity_key(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Volt => "sensitivity_nt_per_v",
+        Unit::Nanotesla => "sensitivity_nt_per_nt",
+    }
+}
+
+fn largest(runs: &[Run<'_>]) -> f64 {
+    let fields = runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row).abs()));
+    fields.fold(0.0, f64::max)
+}
+
+/// Applied field along the sensor, nT, with its sign as the sensor stands, by row.
+pub fn along(run: &Run<'_>) -> Vec<f64> {
+    let at = run.sensor.index();
+    let axis = run.context.orientation.rotation.transpose() * run.basic.mu.column(at);
+    let sign = axis.dot(&run.basic.eta.column(run.coil.index())).signum();
+    (0..run.context.rows).map(|row| sign * run.applied_nt(row)).collect()
+}
+
+/// +½ on the way up, −½ on the way down, by row.
+fn branches(field: &[f64]) -> Vec<f64> {
+    let mut way = 0.0;
+    let mut branches: Vec<f64> = std::iter::once(0.0)
+        .chain(field.windows(2).map(|pair| {
+            if pair[0] != pair[1] {
+                way = if pair[1] > pair[0] { 0.5 } else { -0.5 };
+            }
+            way
+        }))
+        .collect();
+    // The first readings belong to the way that follows.
+    let first = branches.iter().copied().find(|way| *way != 0.0).unwrap_or(0.0);
+    branches.iter_mut().take_while(|way| **way == 0.0).for_each(|way| *way = first);
+    branches
+}
+
+fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
+    let each = |of: &dyn Fn(&Run<'_>) -> Vec<f64>| runs.iter().map(of).collect();
+    let hours = |run: &Run<'_>| {
+        let time = run.context.recording.column("time_s").unwrap_or_default();
+        let middle = run.rows.iter().filter_map(|row| time.get(*row)).sum::<f64>() / run.rows.len() as f64;
+        time.iter().map(|t| (t - middle) / 3600.0).collect()
+    };
+    Ok(vec![
+        Candidate::effect(Kind::QuadraticNonlinearity, 0, runs)?,
+        Candidate::effect(Kind::CubicNonlinearity, 0, runs)?,
+        Candidate {
+            name: "hysteresis_between_branches",
+            parameter: "up_less_down_nt",
+            column: each(&|run| branches(&along(run))),
+        },
+        Candidate {
+            name: "sensitivity_between_signs",
+            parameter: "negative_less_positive_nt",
+            column: each(&|run| along(run).iter().map(|b| b.min(0.0) / FULL_NT).collect()),
+        },
+        Candidate { name: "offset_drift", parameter: "rate_nt_per_h", column: each(&hours) },
+    ])
+}
+
+/// Polynomials from the line up, the last term of each tested beside the lower ones.
+fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>, Error> {
+    let rms = |fit: &Fit| fit.noise.rms_nt;
+    let last_p = |fit: &Fit| {
+        let last = fit.values.len() - 1;
+        stats::two_sided_p(fit.values[last] / fit.type_a(last), fit.linear.freedom)
+    };
+    let first = stats::two_sided_p(line.values[0] / line.type_a(0), line.linear.freedom);
+    let mut orders = vec![PolynomialOrder { order: 1, rms_nt: rms(line), p_value: first }];
+    let mut unknowns = problem.unknowns.clone();
+    for order in 2..=ORDERS {
+        let power = |run: &Run<'_>| along(run).iter().map(|b| (b / FULL_NT).powi(order as i32)).collect();
+        unknowns.push(Unknown::Column(problem.runs.iter().map(power).collect()));
+        let fit = departure::solve_with(problem, unknowns.clone())?;
+        if fit.linear.rank < unknowns.len() || fit.linear.freedom < 2.0 {
+            break;
+        }
+        orders.push(PolynomialOrder { order, rms_nt: rms(&fit), p_value: last_p(&fit) });
+    }
+    Ok(orders)
+}
+
+/// The highest order whose last term is significant among all that were tried.
+fn chosen(orders: &[PolynomialOrder]) -> Option<&PolynomialOrder> {
+    let tried = orders.len() as f64 - 1.0;
+    orders.iter().rev().find(|order| order.order > 1 && order.p_value * tried < FOUND_BELOW)
+}
+
+fn order_in_words(orders: &[PolynomialOrder]) -> String {
+    let least = orders.iter().skip(1).map(|order| order.p_value).fold(1.0, f64::min);
+    match chosen(orders) {
+        Some(order) => format!(
+            "order {}: its last term is significant (p = {:.1e}), none above it is",
+            order.order, order.p_value
+        ),
+        None => format!(
+            "order 1: of the terms up to order {} none is significant (smallest p = {least:.2})",
+            orders.len()
+        ),
+    }
+}
+
+/// What of the residuals is not the sensor's noise is the field's, where the noise is known. Errors of variance σ² in the field
+/// flatten the slope of reading against field by σ²/⟨(B − B̄)²⟩ (Deming's line, to first order).
+fn field_errors(runs: &[Run<'_>], fit: &Fit) -> FieldErrors {
+    let Some(factor) = fit.noise.variance_factor else { return FieldErrors::default() };
+    let share = (1.0 - 1.0 / factor).max(0.0);
+    let fields: Vec<f64> =
+        runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row))).collect();
+    let mean = fields.iter().sum::<f64>() / fields.len() as f64;
+    let spread = fields.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / fields.len() as f64;
+    FieldErrors { share, attenuation_ppm: 1e6 * share * fit.noise.rms_nt.powi(2) / spread }
+}
+
+fn residuals(runs: &[Run<'_>], line: &Fit, fit: &Fit) -> SensitivityResiduals {
+    let mut columns = SensitivityResiduals::default();
+    for (number, run) in runs.iter().enumerate() {
+        let along = along(run);
+        for row in &run.rows {
+            columns.recording.push(number);
+            columns.field_nt.push(along[*row]);
+            columns.reading.push(run.reading[*row]);
+        }
+    }
+    columns.deviation_nt = line.linear.residuals.clone();
+    columns.residual_nt = fit.linear.residuals.clone();
+    columns
+}
+
+fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &[Run<'_>]) -> Vec<String> {
+    let mut findings = Vec::new();
+    for departure in fit.departures.iter().filter(|departure| departure.found) {
+        let size: Vec<String> = departure
+            .parameter
+            .iter()
+            .map(|(key, value)| format!("{key} = {:.4} ± {:.4}", value.value(), value.std().unwrap_or(0.0)))
+            .collect();
+        findings.push(format!(
+            "not a straight line: {} (alone {}, adjusted p = {:.1e}); it is fitted beside k and O",
+            departure.departure,
+            size.join(", "),
+            departure.p_adjusted
+        ));
+    }
+    if !fit.rivals.is_empty() {
+        findings.push(format!(
+            "{} would explain the readings about as well; a sweep down after the sweep up, or fields at random, would tell them apart",
+            fit.rivals.join(" or ")
+        ));
+    }
+    if let Some(order) = chosen(&fit.orders).filter(|order| order.order > 3) {
+        findings.push(format!(
+            "a term of order {} is significant (p = {:.1e}), which no effect of the catalogue describes and the fit does not hold; see the deviations",
+            order.order, order.p_value
+        ));
+    }
+    if let Some(saturation) = &fit.saturation {
+        let sides: Vec<String> = ["below", "above"]
+            .iter()
+            .zip(saturation.readings.iter().zip(&saturation.fields_nt))
+            .filter_map(|(side, (reading, field))| {
+                Some(format!("{side} {:.0} nT at {:.6}", (*field)?, (*reading)?))
+            })
+            .collect();
+        findings.push(format!(
+            "the output stands still {}; {} readings are left out",
+            sides.join(" and "),
+            saturation.count
+        ));
+    }
+    if let Some(normality) = fit.normality.filter(|test| test.p_value < FOUND_BELOW) {
+        let reason = if code_nt > 2.0 * fit.noise.rms_nt {
+            format!(", as codes of {code_nt:.3} nT make them")
+        } else {
+            String::new()
+        };
+        findings.push(format!(
+            "the residuals are not normal (Anderson-Darling p = {:.1e}){reason}",
+            normality.p_value
+        ));
+    }
+    if let Some(runs) = fit.runs.filter(|test| test.p_value < FOUND_BELOW) {
+        findings.push(format!("the residuals come in runs of one sign (p = {:.1e})", runs.p_value));
+    }
+    if let Some(factor) = fit.noise.variance_factor
+        && stats::chi_squared_p(factor * fit.noise.degrees_of_freedom, fit.noise.degrees_of_freedom)
+            < FOUND_BELOW
+    {
+        findings.push(format!(
+            "the residuals scatter {:.2} times as much as the {} noise promises; the intervals rest on the residuals",
+            factor.sqrt(),
+            fit.noise.source
+        ));
+    }
+    findings.extend(conditions.not_recorded(runs));
+    findings
+}

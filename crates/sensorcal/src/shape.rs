@@ -1,0 +1,195 @@
+//! The noise on which the intervals of a fit rest.
+
+use common::{Axis, Document, FitNoise, Noise, SensorNoise};
+use estimate::correlated::{CorrelatedFit, Whitening};
+use estimate::stats;
+use faer::Mat;
+
+use crate::Error;
+
+/// Variance of flicker noise over that of white noise, where neither is known: white alone, and every proportion in octaves.
+const RATIOS: [f64; 10] = [0.0, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0];
+/// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
+const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
+/// Covariances that weigh less than this are left out of further fits.
+const WEIGHTY: f64 = 1e-3;
+
+/// Where the readings are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// In the field of a coil, which has a noise of its own.
+    Coils,
+    /// In a shield.
+    Shield,
+}
+
+/// What is known of a sensor's noise.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// White and flicker noise where they are known.
+    known: Option<Noise>,
+    /// Where from: `measured`, `declared`, `residuals`.
+    source: &'static str,
+    /// Variance of rounding, nT².
+    rounding_nt2: f64,
+}
+
+impl Shape {
+    /// As it was measured in this document; else as the instrument declares it; else from the residuals. Rounding to codes of
+    /// `code_nt` counts as white noise.
+    pub fn of(document: &Document, sensor: Axis, measured: Option<&SensorNoise>, code_nt: f64) -> Self {
+        let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
+        let noisy = |noise: &Noise| noise.rms_nt(1e3, 1.0) > 0.0;
+        let measured = measured.map(crate::noise::as_noise).filter(noisy);
+        let (known, source) = match (measured, declared.filter(|noise| noisy(noise))) {
+            (Some(measured), _) => (Some(measured), "measured"),
+            (None, Some(declared)) => (Some(declared.clone()), "declared"),
+            (None, None) => (None, "residuals"),
+        };
+        Self { known, source, rounding_nt2: code_nt * code_nt / 12.0 }
+    }
+
+    /// The covariances that are allowed for, over several recordings that share nothing: the times of each, or how many rows
+    /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
+    /// top; where it is not known, flicker noise in every proportion.
+    pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
+        let extra: Vec<[f64; 2]> = match (&self.known, place) {
+            (None, _) => RATIOS.iter().map(|ratio| [0.0, *ratio]).collect(),
+            (Some(_), Place::Shield) => vec![[0.0, 0.0]],
+            (Some(_), Place::Coils) => {
+                let each = FIELD.iter().flat_map(|e| [[*e, 0.0], [0.5 * e, 0.5 * e], [0.0, *e]]);
+                std::iter::once([0.0, 0.0]).chain(each).collect()
+            }
+        };
+        let source = match (self.source, place) {
+            ("residuals", _) | (_, Place::Shield) => self.source.to_string(),
+            (source, Place::Coils) => format!("{source}, with that of the field"),
+        };
+        let mut allowed = Allowed { source, known: self.known.is_some(), ..Allowed::default() };
+        let white = self.known.as_ref().map_or(1.0, |noise| noise.white_rms_nt.unwrap_or(0.0).powi(2))
+            + self.rounding();
+        let own = Noise { white_rms_nt: Some(white.sqrt()), ..self.known.clone().unwrap_or_default() };
+        let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
+        for [more_white, more_flicker] in extra {
+            allowed.add(recordings, |rows, time| {
+                let mut all = covariance(&own, rows, time)?;
+                let mean = mean_variance(&all, rows);
+                let shape = covariance(&flicker, rows, time)?;
+                let size = mean_variance(&shape, rows);
+                let scale = if size > 0.0 { more_flicker * mean / size } else { 0.0 };
+                all.iter_mut().zip(&shape).for_each(|(value, shape)| *value += scale * shape);
+                (0..rows).for_each(|row| all[row * rows + row] += more_white * mean);
+                let total = 1.0 + more_white + more_flicker;
+                Ok(Block {
+                    covariance: all,
+                    flicker_share: 1.0 - (white / mean + more_white) / total,
+                    size: total,
+                })
+            })?;
+        }
+        Ok(allowed)
+    }
+
+    /// Variance of rounding beside known noise; unknown noise has it already.
+    fn rounding(&self) -> f64 {
+        if self.known.is_some() { self.rounding_nt2 } else { 0.0 }
+    }
+}
+
+fn covariance(noise: &Noise, rows: usize, time: Option<&[f64]>) -> Result<Vec<f64>, Error> {
+    noise::covariance(noise, rows, time).map_err(|error| Error::Undetermined(error.to_string()))
+}
+
+fn mean_variance(covariance: &[f64], rows: usize) -> f64 {
+    (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64
+}
+
+/// The rows of one recording: how many, and when, where that is known.
+pub type Rows = (usize, Option<Vec<f64>>);
+
+/// One covariance over one recording.
+pub struct Block {
+    /// Rows of rows, nT².
+    pub covariance: Vec<f64>,
+    /// Share of flicker noise in the variance of a reading.
+    pub flicker_share: f64,
+    /// Variance of a reading over that of the noise that is known.
+    pub size: f64,
+}
+
+/// Covariances that are allowed for.
+#[derive(Clone, Default)]
+pub struct Allowed {
+    /// They.
+    pub whitenings: Vec<Whitening>,
+    /// For each, the share of flicker noise in the variance of a reading, and that variance over what is known.
+    described: Vec<[f64; 2]>,
+    source: String,
+    known: bool,
+}
+
+impl Allowed {
+    /// One more, block-diagonal over the recordings; made sure of by a billionth of its diagonal.
+    pub fn add(
+        &mut self,
+        recordings: &[Rows],
+        block: impl Fn(usize, Option<&[f64]>) -> Result<Block, Error>,
+    ) -> Result<(), Error> {
+        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
+        let mut all = Mat::zeros(total, total);
+        let mut from = 0;
+        let mut described = [0.0; 2];
+        for (rows, time) in recordings {
+            let one = block(*rows, time.as_deref())?;
+            for i in 0..*rows {
+                for j in 0..*rows {
+                    all[(from + i, from + j)] = one.covariance[i * rows + j];
+                }
+                all[(from + i, from + i)] *= 1.0 + 1e-9;
+            }
+            from += rows;
+            let share = *rows as f64 / total as f64;
+            described[0] += share * one.flicker_share;
+            described[1] += share * one.size;
+        }
+        self.whitenings.push(Whitening::of(all.as_ref())?);
+        self.described.push(described);
+        Ok(())
+    }
+
+    /// Those that a fit gave some weight.
+    pub fn weighty(&self, fit: &CorrelatedFit) -> Self {
+        self.only(|at| fit.weights[at] >= WEIGHTY)
+    }
+
+    /// The one that a fit gave most weight.
+    pub fn likeliest(&self, fit: &CorrelatedFit) -> Self {
+        let best = (0..fit.weights.len()).max_by(|a, b| fit.weights[*a].total_cmp(&fit.weights[*b]));
+        self.only(|at| Some(at) == best)
+    }
+
+    fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.whitenings.len()).filter(|at| keep(*at)).collect();
+        Self {
+            whitenings: kept.iter().map(|at| self.whitenings[*at].clone()).collect(),
+            described: kept.iter().map(|at| self.described[*at]).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// What a fit says of its noise.
+    pub fn describe(&self, fit: &CorrelatedFit) -> FitNoise {
+        let rms = (fit.residuals.iter().map(|r| r * r).sum::<f64>() / fit.residuals.len() as f64).sqrt();
+        let mean = |which: usize| -> f64 {
+            self.described.iter().zip(&fit.weights).map(|(of, weight)| of[which] * weight).sum()
+        };
+        FitNoise {
+            source: self.source.clone(),
+            rms_nt: rms,
+            variance_factor: self.known.then(|| fit.variance_factor * mean(1)),
+            flicker_share: mean(0),
+            degrees_of_freedom: fit.freedom,
+            coverage_factor_95: stats::coverage_factor(0.95, fit.freedom),
+        }
+    }
+}
