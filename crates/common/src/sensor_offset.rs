@@ -90,7 +90,7 @@ pub struct OffsetDrift {
     pub trend_p: Option<f64>,
     /// From standard uncertainty to 95 % interval.
     pub coverage_factor_95: f64,
-    /// The same under each noise alone, `white` (the dates' own uncertainties), `flicker`, `random_walk`; and by least squares
+    /// The same under each noise alone, `white`, `flicker`, `random_walk`; and by least squares
     /// with the uncertainty of Newey and West, `newey_west`.
     pub trend_by_noise_nt_per_year: IndexMap<String, Quantity>,
     /// A cos(2π t/a) + B sin(2π t/a), t from the first date, where the dates span enough of a year.

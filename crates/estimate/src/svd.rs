@@ -1,6 +1,7 @@
 //! Singular value decomposition and what is read off it: rank, null directions, the minimum-norm
 //! solution, covariance and leverage (Lanczos; NASA eq. 45 to 52).
 
+use faer::linalg::solvers::SvdError;
 use faer::{Mat, MatRef};
 
 use crate::Error;
@@ -36,7 +37,7 @@ impl Svd {
         let (m, n) = (a.nrows(), a.ncols());
         let tall = Mat::from_fn(m.max(n), n, |i, j| if i < m { a[(i, j)] / lengths[j] } else { 0.0 });
         let norm_squared = tall.squared_norm_l2();
-        let svd = tall.thin_svd().map_err(|error| failed(format!("{error:?}")))?;
+        let (svd, v) = decompose(&tall).map_err(|error| failed(format!("{error:?}")))?;
         let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
         let sum: f64 = sigma.iter().map(|s| s * s).sum();
         if (sum - norm_squared).abs() > 1e-9 * norm_squared {
@@ -46,7 +47,7 @@ impl Svd {
         }
         let cutoff = tolerance * sigma.first().copied().unwrap_or(0.0);
         let rank = sigma.iter().filter(|s| **s > cutoff).count();
-        Ok(Svd { u: svd.U().subrows(0, m).to_owned(), sigma, v: svd.V().to_owned(), lengths, rank })
+        Ok(Svd { u: svd.U().subrows(0, m).to_owned(), sigma, v, lengths, rank })
     }
 
     /// Number of singular values that count.
@@ -117,6 +118,28 @@ impl Svd {
         }
         leverage
     }
+}
+
+/// The decomposition, and V. faer's iteration gives up on a few matrices in a million that have nothing wrong with them; with
+/// the columns in another order it goes another way, and V's rows are put back.
+fn decompose(a: &Mat<f64>) -> Result<(faer::linalg::solvers::Svd<f64>, Mat<f64>), SvdError> {
+    let n = a.ncols();
+    let mut last = SvdError::NoConvergence;
+    for shift in 0..n.max(1) {
+        let place = |j: usize| (j + shift) % n;
+        let turned = Mat::from_fn(a.nrows(), n, |i, j| a[(i, place(j))]);
+        match turned.thin_svd() {
+            Ok(svd) => {
+                let mut v = Mat::zeros(n, n);
+                for j in 0..n {
+                    (0..n).for_each(|k| v[(place(j), k)] = svd.V()[(j, k)]);
+                }
+                return Ok((svd, v));
+            }
+            Err(error) => last = error,
+        }
+    }
+    Err(last)
 }
 
 #[cfg(test)]

@@ -5,6 +5,8 @@ use estimate::stats;
 
 use crate::sensitivity::{Constants, sensitivity_key};
 
+/// Factor of a 95 % interval of the normal.
+const NORMAL: f64 = 1.959_964;
 /// Below this probability of a larger difference, the two offsets disagree.
 const DISAGREE_BELOW: f64 = 0.01;
 
@@ -15,7 +17,12 @@ const DISAGREE_BELOW: f64 = 0.01;
 pub fn into(entry: &mut SensorCalibration, mut found: SensorCalibration, constants: Option<&Constants>) {
     let reversal = found.reversal.as_ref().map(|reversal| reversal.offset_nt.clone());
     if let Some(constants) = constants {
-        let (values, covariance, finding) = joined(constants, reversal.as_ref());
+        // A few degrees of freedom count as a wider normal.
+        let widened = found.reversal.as_ref().map(|reversal| {
+            let std = reversal.offset_nt.std().unwrap_or(0.0) * reversal.coverage_factor_95 / NORMAL;
+            Quantity::new(reversal.offset_nt.value(), std)
+        });
+        let (values, covariance, finding) = joined(constants, widened.as_ref());
         let k = Quantity::new(values[0], covariance[0][0].sqrt());
         let key = sensitivity_key(constants.unit);
         match constants.unit {

@@ -71,15 +71,13 @@ pub fn coefficients(
     let base = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
     let without = base.solve()?;
     let (sought, unseen) = sought(&runs, &without.design)?;
-    if sought.is_empty() {
-        return Err(Error::Undetermined(format!(
-            "sensor {sensor}: fields of both signs across the sensor, and none, are needed to tell what is even in them from a sensor that is not quite along its coil"
-        )));
-    }
     let mut unknowns = base.unknowns.clone();
     unknowns.extend(sought.iter().map(|one| Unknown::Column(one.column.clone())));
     let problem = Problem { unknowns, ..base };
-    let extended = departure::extend(&problem, &[squared(&runs, &across)])?;
+    let candidates = [squared(&runs, &across)];
+    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let problem = Problem { allowed: &allowed, ..problem };
+    let extended = departure::extend(&problem, &candidates)?;
     let fit = &extended.fit;
     let first = without.values.len();
     let count = sought.len();
@@ -309,8 +307,7 @@ fn levels_of(
     }
     found.levels = columns;
     // Own k and O for every field across, against a lean alone.
-    let lean =
-        departure::solve_with(problem, problem.unknowns[..problem.unknowns.len() - count(found)].to_vec())?;
+    let lean = problem.with(problem.unknowns[..problem.unknowns.len() - count(found)].to_vec()).solve()?;
     let mut unknowns = polynomial(problem, turned, found);
     for (number, rows) in &groups {
         let along: Vec<Vec<f64>> = runs.iter().map(crate::sensitivity::along).collect();
@@ -320,7 +317,7 @@ fn levels_of(
             if rows.contains(&row) { along[*number][row] } else { 0.0 }
         })));
     }
-    let full = departure::solve_with(problem, unknowns)?;
+    let full = problem.with(unknowns).solve()?;
     let above = lean.linear.freedom - full.linear.freedom;
     if above >= 1.0 && full.linear.freedom >= 1.0 {
         let f =
@@ -395,8 +392,10 @@ fn findings(
         .map(|one| format!("{}.{}", one.kind.name(), one.kind.parameters()[one.number].name))
         .collect();
     if !missing.is_empty() {
-        let more = if missing.iter().any(|name| name.ends_with("mixed_nt")) && missing.len() == 1 {
+        let more = if missing.len() == 1 && missing[0].ends_with("mixed_nt") {
             "it needs both fields across at once"
+        } else if found.offset.is_empty() {
+            "a sensor that is not quite along its coil would do the same: fields of both signs across it are needed, and none"
         } else {
             "fields on the other side of the sensor were not recorded: turn the block by 90° about the sensor, or drive the other coil"
         };

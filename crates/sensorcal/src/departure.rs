@@ -55,6 +55,11 @@ impl Candidate {
     }
 }
 
+/// Candidates as unknowns.
+pub fn unknowns(candidates: &[Candidate]) -> Vec<Unknown> {
+    candidates.iter().map(|candidate| Unknown::Column(candidate.column.clone())).collect()
+}
+
 /// A fit with what it needed beside its unknowns.
 pub struct Extended {
     /// The fit; the departures that were found are its last unknowns.
@@ -111,7 +116,7 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
         }
         found.push(best.name);
         extended.push(Unknown::Column(best.column.clone()));
-        fit = solve_with(problem, extended.clone())?;
+        fit = problem.with(extended.clone()).solve()?;
     }
     for departure in &mut departures {
         departure.found = found.contains(&departure.departure.as_str());
@@ -166,18 +171,6 @@ impl<'f> Beside<'f> {
         let p_value = stats::two_sided_p(size / std, tried.freedom);
         Ok(Some(Tried { size, std, p_value, gain: (size / std).powi(2) }))
     }
-}
-
-/// The same problem with other unknowns.
-pub fn solve_with(problem: &Problem<'_, '_>, unknowns: Vec<Unknown>) -> Result<Fit, Error> {
-    Problem {
-        runs: problem.runs,
-        effects: problem.effects.clone(),
-        unknowns,
-        known: problem.known.clone(),
-        allowed: problem.allowed,
-    }
-    .solve()
 }
 
 /// A series over the used rows of all runs.

@@ -11,7 +11,7 @@ use faer::Mat;
 use crate::Error;
 use crate::conditions::Conditions;
 use crate::readings::recordings;
-use crate::reversal::{self, Sensitivity};
+use crate::reversal::{self, Outcome, Sensitivity};
 use crate::shape::{Allowed, Block, Shape};
 
 const DAY_S: f64 = 86_400.0;
@@ -31,8 +31,10 @@ struct Date {
     time_s: f64,
     offset: Quantity,
     temperature_c: Option<f64>,
-    /// Whether the known effects of temperature were taken off.
-    corrected: bool,
+    /// Variance from scatter, nT².
+    scatter_nt2: f64,
+    /// Derivative by each parameter of the known effects of temperature, which were taken off; None where none were.
+    by_temperature: Option<Vec<f64>>,
 }
 
 /// Mean, trend, yearly term and temperature's part of the offsets of all dates; None without a recording.
@@ -49,7 +51,7 @@ pub fn drift(
             let expected = "the date of the recording, as in 1977-05-26T14:44:35Z";
             return Err(Fault::document(format!("{path}.start"), "no such key", expected).into());
         };
-        let (reversal, taken) =
+        let Outcome { reversal, scatter_nt2, by_temperature } =
             reversal::one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
         let column = recording.column("sensor_temperature_c").unwrap_or_default();
         let known: Vec<f64> = column.iter().copied().filter(|t| t.is_finite()).collect();
@@ -58,7 +60,8 @@ pub fn drift(
             time_s: start.unix_s,
             offset: reversal.offset_nt,
             temperature_c: (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64),
-            corrected: taken.is_some(),
+            scatter_nt2,
+            by_temperature,
         });
     }
     if dates.is_empty() {
@@ -72,20 +75,25 @@ pub fn drift(
             ANNUAL_FROM.1
         )));
     }
-    Ok(Some(result(&dates)?))
+    Ok(Some(result(&dates, conditions)?))
 }
 
-fn result(dates: &[Date]) -> Result<OffsetDrift, Error> {
+fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift, Error> {
     let first = dates[0].time_s;
     let day = |date: &Date| (date.time_s - first) / DAY_S;
     let count = dates.len() as f64;
-    let own = |date: &Date| date.offset.std().unwrap_or(0.0).powi(2);
+    let own = |date: &Date| date.scatter_nt2;
+    let corrected = dates.iter().all(|date| date.by_temperature.is_some());
     let own_mean = dates.iter().map(own).sum::<f64>() / count;
     let mean = dates.iter().map(|date| date.offset.value()).sum::<f64>() / count;
     let square = dates.iter().map(|date| (date.offset.value() - mean).powi(2)).sum::<f64>() / (count - 1.0);
+    // Errors of the coefficients of temperature are common to all dates.
+    let common = common(dates, conditions);
+    let average = |column: &Vec<f64>| column.iter().sum::<f64>() / count;
+    let common_mean = conditions.variance(&common.iter().map(average).collect::<Vec<_>>());
     let columns = Columns::of(dates, &day);
     let mut found = OffsetDrift {
-        mean_nt: Quantity::new(mean, (own_mean / count).sqrt()),
+        mean_nt: Quantity::new(mean, (own_mean / count + common_mean).sqrt()),
         rms_nt: square.sqrt(),
         own_rms_nt: (square - own_mean).max(0.0).sqrt(),
         dates: DriftDates {
@@ -99,16 +107,24 @@ fn result(dates: &[Date]) -> Result<OffsetDrift, Error> {
         ..OffsetDrift::default()
     };
     if dates.len() >= 5 {
-        trend(dates, &columns, &mut found)?;
+        trend(dates, &columns, (conditions, &common), &mut found)?;
     } else {
         found.findings.push(format!("{} dates show no trend: at least five are needed", dates.len()));
     }
-    if dates.iter().all(|date| date.corrected) {
+    if corrected {
         found.findings.push(
             "offsets are at the reference temperatures: what is known of temperature is taken off".into(),
         );
     }
     Ok(found)
+}
+
+/// For each parameter of the temperatures, how it moves the offset of each date; empty where they were not taken off.
+fn common(dates: &[Date], conditions: &Conditions) -> Vec<Vec<f64>> {
+    let of = |parameter: usize| {
+        dates.iter().map(move |date| date.by_temperature.as_ref().map_or(0.0, |by| by[parameter]))
+    };
+    (0..conditions.covariance.len()).map(|parameter| of(parameter).collect()).collect()
 }
 
 /// What the offsets may follow.
@@ -133,8 +149,11 @@ impl Columns {
             columns.push(times.iter().map(|t| angle(t).sin()).collect());
             columns.len() - 2
         });
-        let temperatures: Vec<f64> =
-            dates.iter().filter(|date| !date.corrected).filter_map(|date| date.temperature_c).collect();
+        let temperatures: Vec<f64> = dates
+            .iter()
+            .filter(|date| date.by_temperature.is_none())
+            .filter_map(|date| date.temperature_c)
+            .collect();
         let temperature = (temperatures.len() == dates.len() && dates.len() >= 8).then(|| {
             let mean = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
             temperatures.iter().map(|t| t - mean).collect::<Vec<f64>>()
@@ -152,12 +171,25 @@ impl Columns {
 
 /// Trend and yearly term under white noise, flicker noise and a random walk of any size, averaged by likelihood; and under
 /// each of them alone.
-fn trend(dates: &[Date], columns: &Columns, found: &mut OffsetDrift) -> Result<(), Error> {
+fn trend(
+    dates: &[Date],
+    columns: &Columns,
+    (conditions, common): (&Conditions, &[Vec<f64>]),
+    found: &mut OffsetDrift,
+) -> Result<(), Error> {
     let y: Vec<f64> = dates.iter().map(|date| date.offset.value()).collect();
     let noises = noises(dates)?;
     let design = columns.design.as_ref();
     let all: Vec<Whitening> = noises.iter().flat_map(|(_, allowed)| allowed.whitenings.clone()).collect();
-    let fit = correlated::fit(design, &y, &all, Scale::Known)?;
+    let mut fit = correlated::fit(design, &y, &all, Scale::Known)?;
+    let shifts: Vec<Vec<f64>> = common
+        .iter()
+        .map(|column| Ok(linear::fit(design, column, None)?.coefficients))
+        .collect::<Result<_, Error>>()?;
+    for i in 0..design.ncols() {
+        let by: Vec<f64> = shifts.iter().map(|shift| shift[i]).collect();
+        fit.covariance[(i, i)] += conditions.variance(&by);
+    }
     let p = |i: usize| stats::two_sided_p(fit.coefficients[i] / fit.covariance[(i, i)].sqrt(), fit.freedom);
     let of =
         |fit: &CorrelatedFit, i: usize| Quantity::new(fit.coefficients[i], fit.covariance[(i, i)].sqrt());
@@ -214,9 +246,9 @@ fn annual(fit: &CorrelatedFit, at: usize) -> AnnualTerm {
     }
 }
 
-/// The dates' own uncertainties, alone, and with flicker noise or a random walk of any size beside them.
+/// The dates' own uncertainties, alone, and with white noise, flicker noise or a random walk of any size beside them.
 fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
-    let variance: Vec<f64> = dates.iter().map(|date| date.offset.std().unwrap_or(0.0).powi(2)).collect();
+    let variance: Vec<f64> = dates.iter().map(|date| date.scatter_nt2).collect();
     let mean = variance.iter().sum::<f64>() / variance.len() as f64;
     if mean <= 0.0 {
         return Err(Error::Undetermined(
@@ -225,9 +257,12 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
     }
     let time: Vec<f64> = dates.iter().map(|date| date.time_s - dates[0].time_s).collect();
     let rows = [(dates.len(), Some(time))];
+    let white = Noise { white_rms_nt: Some(1.0), ..Noise::default() };
     let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
     let walk = Noise { random_walk_nt_per_sqrt_s: Some(1.0), ..Noise::default() };
-    let octaves: Vec<f64> = OCTAVES.map(|octave| 2f64.powi(octave)).collect();
+    let octaves: Vec<f64> = std::iter::once(0.0).chain(OCTAVES.map(|octave| 2f64.powi(octave))).collect();
+    // White noise in every second octave: noise with memory, which makes wider intervals, weighs twice as much beforehand.
+    let seconds: Vec<f64> = octaves.iter().copied().step_by(2).collect();
     let allowed = |noise: &Noise, ratios: &[f64]| -> Result<Allowed, Error> {
         let mut allowed = Allowed::default();
         for ratio in ratios {
@@ -243,7 +278,7 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
         Ok(allowed)
     };
     Ok([
-        ("white", allowed(&flicker, &[0.0])?),
+        ("white", allowed(&white, &seconds)?),
         ("flicker", allowed(&flicker, &octaves)?),
         ("random_walk", allowed(&walk, &octaves)?),
     ])

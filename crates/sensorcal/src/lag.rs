@@ -14,7 +14,7 @@ use crate::temperature::{Heated, Part};
 const TRIED_S: [f64; 13] =
     [10.0, 20.0, 40.0, 70.0, 120.0, 200.0, 350.0, 600.0, 1000.0, 1800.0, 3200.0, 5600.0, 10_000.0];
 /// The way from one temperature to another was recorded when no step is a larger share of it.
-const PATH: f64 = 0.25;
+const PATH: f64 = 0.1;
 /// What is said where that is not so.
 const UNSEEN: &str = "the way from one temperature to the next was not recorded: no lag can be seen";
 /// χ² by which a lag is excluded at 95 %.
@@ -33,7 +33,7 @@ pub fn look<'p, 'b>(
     heated: &Heated<'_>,
     sensor: Axis,
 ) -> Result<Lagged<'p, 'b>, Error> {
-    let mut lagged = Lagged { problem: again(problem), words: Vec::new() };
+    let mut lagged = Lagged { problem: problem.with(problem.unknowns.clone()), words: Vec::new() };
     if !heated.parts.iter().any(|part| path_recorded(heated, *part)) {
         lagged.words = heated.parts.iter().map(|part| (*part, UNSEEN.into())).collect();
         return Ok(lagged);
@@ -47,7 +47,7 @@ pub fn look<'p, 'b>(
         }
         let mut words = Vec::new();
         for (kinds, name) in part.kinds().into_iter().zip(["sensitivity", "offset"]) {
-            let alone = Problem { allowed: &single, ..again(&lagged.problem) };
+            let alone = Problem { allowed: &single, ..lagged.problem.with(lagged.problem.unknowns.clone()) };
             let (text, with) = one(&alone, kinds, sensor, name, 2.0 * heated.parts.len() as f64)?;
             words.push(text);
             if let Some(Problem { effects, unknowns, .. }) = with {
@@ -57,16 +57,6 @@ pub fn look<'p, 'b>(
         lagged.words.push((*part, words.join("; ")));
     }
     Ok(lagged)
-}
-
-fn again<'p, 'b>(problem: &Problem<'p, 'b>) -> Problem<'p, 'b> {
-    Problem {
-        runs: problem.runs,
-        effects: problem.effects.clone(),
-        unknowns: problem.unknowns.clone(),
-        known: problem.known.clone(),
-        allowed: problem.allowed,
-    }
 }
 
 /// Whether times are known and the temperature is followed on its way.
@@ -132,7 +122,7 @@ fn with_lag<'p, 'b>(
     free: bool,
 ) -> Option<Problem<'p, 'b>> {
     let at = unknown(problem, kinds[0], 0)?;
-    let mut with = again(problem);
+    let mut with = problem.with(problem.unknowns.clone());
     let runs: Vec<usize> = (0..problem.runs.len()).collect();
     let number = with.effects.len();
     with.effects.push(EffectInstance {

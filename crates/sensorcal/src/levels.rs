@@ -165,7 +165,8 @@ pub fn constants(
     let allowed = fit::noise(&reduced, shape)?;
     let problem =
         Problem { runs: &reduced, effects: Vec::new(), unknowns, known: Vec::new(), allowed: &allowed };
-    let fit = problem.solve()?;
+    let allowed = problem.called_for(Vec::new())?;
+    let fit = Problem { allowed: &allowed, ..problem }.solve()?;
     Ok(groups.iter().enumerate().map(|(at, (number, _))| constant(&fit, at, &runs[*number])).collect())
 }
 

@@ -241,14 +241,13 @@ pub fn code(readings: &[f64]) -> Option<f64> {
     (steps.len() >= 3 && steps.len() < sorted.len() - 1 && steps.iter().all(whole)).then_some(width)
 }
 
-/// Width of a code of a run, in its unit: as its readings show it, else as the instrument states it.
+/// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for codes.
 pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
     let instrument = document.instrument.as_ref();
-    let stated = match run.context.unit {
+    match run.context.unit {
         Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
         Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
-    };
-    code(&run.reading).or(stated)
+    }
 }
 
 #[cfg(test)]

@@ -43,7 +43,8 @@ pub fn offset(
 ) -> Result<Option<ReversalOffset>, Error> {
     let mut found = ReversalOffset::default();
     for (path, recording) in recordings(document, procedure::SENSOR_OFFSET_REVERSAL, sensor)? {
-        let (reversal, _) = one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
+        let Outcome { reversal, .. } =
+            one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
         let out = reversal.pairs.used.iter().filter(|used| !**used).count();
         if out > 0 {
             let rows: Vec<String> = reversal
@@ -99,7 +100,17 @@ pub fn imperfect(reversals: &[Reversal], turn: Turn) -> ImperfectTurn {
     }
 }
 
-/// One recording, and the contribution of temperatures that was taken off its offset (None where there was nothing to take).
+/// What one recording gives.
+pub struct Outcome {
+    /// The result.
+    pub reversal: Reversal,
+    /// Variance of the offset from scatter, nT²; the rest is common to recordings.
+    pub scatter_nt2: f64,
+    /// Derivative of the offset by each parameter of the temperatures; None where they were not taken off.
+    pub by_temperature: Option<Vec<f64>>,
+}
+
+/// One recording.
 pub fn one(
     document: &Document,
     recording: &Recording,
@@ -108,7 +119,7 @@ pub fn one(
     sensitivity: Sensitivity<'_>,
     noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
-) -> Result<(Reversal, Option<f64>), Error> {
+) -> Result<Outcome, Error> {
     let (reading, unit) = output(recording, path, sensor)?;
     let Some(position) = recording.column("position") else {
         let expected = "`position`, +1 or −1 in the order taken";
@@ -156,9 +167,12 @@ pub fn one(
     pairs.used = used;
     let offset = fit.coefficients[0];
     // The parameters of temperature move the offset by their mean derivative.
-    let by: Vec<f64> =
-        contribution.iter().flat_map(|c| &c.derivatives).map(|column| mean(column, &kept)).collect();
-    let variance = fit.covariance[(0, 0)] + (offset * k_std / k).powi(2) + conditions.variance(&by);
+    let by_temperature: Option<Vec<f64>> = contribution
+        .as_ref()
+        .map(|contribution| contribution.derivatives.iter().map(|column| mean(column, &kept)).collect());
+    let scatter_nt2 = fit.covariance[(0, 0)];
+    let common = by_temperature.as_ref().map_or(0.0, |by| conditions.variance(by));
+    let variance = scatter_nt2 + (offset * k_std / k).powi(2) + common;
     let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.covariance[(i, i)].sqrt());
     let reversal = Reversal {
         recording: recording.id.clone(),
@@ -168,7 +182,7 @@ pub fn one(
         pairs,
         noise,
     };
-    Ok((reversal, contribution.map(|c| mean(&c.field_nt, &kept))))
+    Ok(Outcome { reversal, scatter_nt2, by_temperature })
 }
 
 fn mean(column: &[f64], rows: &[usize]) -> f64 {

@@ -1,9 +1,9 @@
 //! Readings that no longer follow the field.
 
-use common::{Axis, Saturation};
+use common::{Axis, Document, Saturation};
 
 use crate::Error;
-use crate::readings::{Run, code};
+use crate::readings::{Run, code_width};
 use crate::sensitivity::along;
 
 /// Readings within this share of the largest one stand still.
@@ -14,12 +14,16 @@ const CODES: f64 = 2.0;
 const MISSED: f64 = 20.0;
 
 /// Takes out of the runs the readings at which the output stands still though the field goes on.
-pub fn take_out(runs: &mut [Run<'_>], sensor: Axis) -> Result<Option<Saturation>, Error> {
+pub fn take_out(
+    document: &Document,
+    runs: &mut [Run<'_>],
+    sensor: Axis,
+) -> Result<Option<Saturation>, Error> {
     let mut found = Saturation::default();
     for run in runs.iter_mut() {
-        let field = along(run);
+        let (field, code) = (along(run), code_width(document, run).unwrap_or(0.0));
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            let flat = flat(run, &field, sign);
+            let flat = flat(run, &field, sign, code);
             let Some(begin) = flat.iter().copied().min_by(|a, b| field[*a].abs().total_cmp(&field[*b].abs()))
             else {
                 continue;
@@ -41,12 +45,12 @@ pub fn take_out(runs: &mut [Run<'_>], sensor: Axis) -> Result<Option<Saturation>
 }
 
 /// Rows on one side that read the same though their fields differ: none unless there are at least two.
-fn flat(run: &Run<'_>, field: &[f64], sign: f64) -> Vec<usize> {
+fn flat(run: &Run<'_>, field: &[f64], sign: f64, code: f64) -> Vec<usize> {
     let reading = |row: usize| sign * run.reading[row];
     let Some(extreme) = run.rows.iter().map(|row| reading(*row)).reduce(f64::max).filter(|v| *v > 0.0) else {
         return Vec::new();
     };
-    let still = (STILL * extreme).max(CODES * code(&run.reading).unwrap_or(0.0));
+    let still = (STILL * extreme).max(CODES * code);
     let rows: Vec<usize> = run.rows.iter().copied().filter(|row| reading(*row) >= extreme - still).collect();
     // The slope where the field is smaller says how far the readings should be apart.
     let Some(slope) = slope(run, field) else { return Vec::new() };

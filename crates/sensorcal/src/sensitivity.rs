@@ -52,7 +52,7 @@ pub fn calibrate(
         return Ok(None);
     }
     let unit = runs[0].context.unit;
-    let saturation = saturation::take_out(&mut runs, sensor)?;
+    let saturation = saturation::take_out(document, &mut runs, sensor)?;
     let k0 = runs[0].basic.sensors[sensor.index()].sensitivity;
     let code_nt = runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k0;
     let shape = noise(code_nt);
@@ -63,7 +63,10 @@ pub fn calibrate(
     let constants = [Parameter::Sensitivity(sensor), Parameter::SensorOffset(sensor)];
     let unknowns = constants.map(|parameter| Unknown::Chain(parameter, all.clone())).to_vec();
     let allowed = fit::noise(&runs, &shape)?;
+    let candidates = candidates(&runs)?;
     let problem = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
+    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let problem = Problem { allowed: &allowed, ..problem };
     let line = problem.solve()?;
     if line.linear.freedom < 2.0 {
         return Err(Error::Undetermined(format!(
@@ -71,7 +74,7 @@ pub fn calibrate(
             line.linear.residuals.len()
         )));
     }
-    let extended = departure::extend(&problem, &candidates(&runs)?)?;
+    let extended = departure::extend(&problem, &candidates)?;
     let fit = &extended.fit;
     let orders = orders(&problem, &line)?;
     let field_errors = field_errors(&runs, fit);
@@ -199,7 +202,7 @@ fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>,
     for order in 2..=ORDERS {
         let power = |run: &Run<'_>| along(run).iter().map(|b| (b / FULL_NT).powi(order as i32)).collect();
         unknowns.push(Unknown::Column(problem.runs.iter().map(power).collect()));
-        let fit = departure::solve_with(problem, unknowns.clone())?;
+        let fit = problem.with(unknowns.clone()).solve()?;
         if fit.linear.rank < unknowns.len() || fit.linear.freedom < 2.0 {
             break;
         }

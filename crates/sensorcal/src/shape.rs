@@ -168,6 +168,11 @@ impl Allowed {
         self.only(|at| Some(at) == best)
     }
 
+    /// The sensor's own noise alone, where it is known.
+    pub fn own(&self) -> Option<Self> {
+        self.known.then(|| self.only(|at| at == 0))
+    }
+
     fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
         let kept: Vec<usize> = (0..self.whitenings.len()).filter(|at| keep(*at)).collect();
         Self {

@@ -121,10 +121,13 @@ pub fn coefficients(
     let code_nt = heated.runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k;
     let shape = noise(code_nt);
     let allowed = fit::noise(&heated.runs, &shape)?;
+    let candidates = candidates(&heated);
     let (effects, asked) = effects(&heated, sensor);
     let problem = problem(document, &heated, effects, &asked, &allowed);
+    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
-    let extended = departure::extend(&lags.problem, &candidates(&heated))?;
+    let extended = departure::extend(&lags.problem, &candidates)?;
     let levels = levels::at_temperatures(&heated, &shape)?;
     describe(&heated, &lags, &extended.fit, &levels, &mut found);
     found.departures = extended.departures;
