@@ -75,7 +75,7 @@ pub fn coefficients(
     unknowns.extend(sought.iter().map(|one| Unknown::Column(one.column.clone())));
     let problem = Problem { unknowns, ..base };
     let candidates = [squared(&runs, &across)];
-    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let extended = departure::extend(&problem, &candidates)?;
     let fit = &extended.fit;

@@ -13,6 +13,8 @@ use crate::shape::Allowed;
 
 /// A departure is claimed below this probability, adjusted for all that were looked for.
 pub const FOUND_BELOW: f64 = 0.01;
+/// The sensor's own noise explains residuals that chance makes so large with this probability.
+const EXPLAINED: f64 = 0.01;
 /// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
 const RIVAL_WITHIN: f64 = 6.63;
 /// Less than this of a departure left beside the fit, and the recordings cannot show it.
@@ -55,9 +57,28 @@ impl Candidate {
     }
 }
 
-/// Candidates as unknowns.
-pub fn unknowns(candidates: &[Candidate]) -> Vec<Unknown> {
-    candidates.iter().map(|candidate| Unknown::Column(candidate.column.clone())).collect()
+/// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside the unknowns and
+/// all candidates, it alone.
+pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed, Error> {
+    let Some(own) = problem.allowed.own() else { return Ok(problem.allowed.clone()) };
+    let fit = Problem { allowed: &own, ..problem.with(problem.unknowns.clone()) }.solve()?;
+    let mut wide = fit.design.clone();
+    for candidate in candidates {
+        let column = used(problem.runs, &candidate.column);
+        if visible_share(&wide, &column) > VISIBLE {
+            wide = beside(&wide, &column);
+        }
+    }
+    let left = correlated::fit(wide.as_ref(), &fit.linear.residuals, &own.whitenings, Scale::Fitted)?;
+    let squares = left.variance_factor * left.freedom;
+    let explained = left.freedom < 1.0 || stats::chi_squared_p(squares, left.freedom) >= EXPLAINED;
+    Ok(if explained { own } else { problem.allowed.clone() })
+}
+
+/// A design with one more column.
+fn beside(design: &Mat<f64>, column: &[f64]) -> Mat<f64> {
+    let (rows, columns) = (design.nrows(), design.ncols());
+    Mat::from_fn(rows, columns + 1, |i, j| if j < columns { design[(i, j)] } else { column[i] })
 }
 
 /// A fit with what it needed beside its unknowns.
@@ -88,9 +109,9 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
     let (mut departures, mut found, mut rivals) = (Vec::new(), Vec::<&'static str>::new(), Vec::new());
     for round in 0..=MOST {
         let mut trials: Vec<(&Candidate, f64, f64)> = Vec::new();
-        let beside = Beside::of(problem.allowed, &fit);
+        let fitted = Beside::of(problem.allowed, &fit);
         for (candidate, column) in visible.iter().filter(|(candidate, _)| !found.contains(&candidate.name)) {
-            let Some(Tried { size, std, p_value, gain }) = beside.try_column(column)? else { continue };
+            let Some(Tried { size, std, p_value, gain }) = fitted.try_column(column)? else { continue };
             if round == 0 {
                 departures.push(Departure {
                     departure: candidate.name.into(),
@@ -147,14 +168,7 @@ impl<'f> Beside<'f> {
     /// None where the column is not seen beside the others.
     fn try_column(&self, column: &[f64]) -> Result<Option<Tried>, Error> {
         let (rows, unknowns) = (self.fit.design.nrows(), self.fit.design.ncols());
-        let wider =
-            Mat::from_fn(
-                rows,
-                unknowns + 1,
-                |i, j| {
-                    if j < unknowns { self.fit.design[(i, j)] } else { column[i] }
-                },
-            );
+        let wider = beside(&self.fit.design, column);
         if rows <= unknowns + 1 {
             return Ok(None);
         }

@@ -70,7 +70,7 @@ pub fn drift(
     dates.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     if dates.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "sensor {sensor}: {} recordings of `offset_drift`; a mean and its scatter need three dates, a trend five, a yearly term {}",
+            "sensor {sensor}: `offset_drift` was recorded on {} of the 3 dates that a mean and its scatter need (a trend needs 5, a yearly term {})",
             dates.len(),
             ANNUAL_FROM.1
         )));

@@ -2,7 +2,6 @@
 
 use common::{Axis, FitNoise, Quantity};
 use estimate::correlated::{self, CorrelatedFit, Scale};
-use estimate::stats;
 use faer::Mat;
 use physics::{Basic, EffectInstance, Parameter};
 
@@ -10,8 +9,6 @@ use crate::Error;
 use crate::readings::Run;
 use crate::shape::{Allowed, Place, Rows, Shape};
 
-/// The sensor's own noise explains residuals that chance makes so large with this probability.
-const EXPLAINED: f64 = 0.01;
 /// Most steps of the iteration.
 const STEPS: usize = 30;
 /// A step that moves no prediction by more than this is the last one, nT.
@@ -69,18 +66,6 @@ impl<'a, 'b> Problem<'a, 'b> {
             known: self.known.clone(),
             allowed: self.allowed,
         }
-    }
-
-    /// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside the unknowns
-    /// and `more` of them, it alone.
-    pub fn called_for(&self, more: Vec<Unknown>) -> Result<Allowed, Error> {
-        let Some(own) = self.allowed.own() else { return Ok(self.allowed.clone()) };
-        let fit = Problem { allowed: &own, ..self.with([self.unknowns.clone(), more].concat()) }.solve()?;
-        if fit.linear.freedom < 1.0 {
-            return Ok(own);
-        }
-        let explained = stats::chi_squared_p(fit.sum_of_squares(), fit.linear.freedom) >= EXPLAINED;
-        Ok(if explained { own } else { self.allowed.clone() })
     }
 }
 

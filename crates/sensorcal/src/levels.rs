@@ -6,6 +6,7 @@ use indexmap::IndexMap;
 use physics::Parameter;
 
 use crate::Error;
+use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
 use crate::readings::Run;
 use crate::sensitivity::along;
@@ -165,7 +166,7 @@ pub fn constants(
     let allowed = fit::noise(&reduced, shape)?;
     let problem =
         Problem { runs: &reduced, effects: Vec::new(), unknowns, known: Vec::new(), allowed: &allowed };
-    let allowed = problem.called_for(Vec::new())?;
+    let allowed = noise_called_for(&problem, &[])?;
     let fit = Problem { allowed: &allowed, ..problem }.solve()?;
     Ok(groups.iter().enumerate().map(|(at, (number, _))| constant(&fit, at, &runs[*number])).collect())
 }

@@ -109,7 +109,7 @@ fn read<'a>(
     let count = field_nt.len() as f64;
     let mean_nt = field_nt.iter().sum::<f64>() / count;
     let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();
-    if rms_nt == 0.0 {
+    if field_nt.iter().all(|field| *field == field_nt[0]) {
         let found = format!("the constant reading {}", reading[0]);
         let expected = "readings that vary: was the sensor connected, or is its noise below a code? Amplify before the converter";
         return Err(Fault::document(column, found, expected).into());

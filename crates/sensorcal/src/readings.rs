@@ -181,7 +181,8 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         let (b, v) = (b - mean.0, v - mean.1);
         (bb, bv, vv) = (bb + b * b, bv + b * v, vv + v * v);
     }
-    if bb <= 0.0 {
+    let largest = points.iter().map(|point| point.0.abs()).fold(0.0, f64::max);
+    if bb <= 1e-18 * count * largest * largest {
         let key = format!("{}.columns.coil_{}", run.path, run.coil);
         let expected = "fields on both sides of zero; one field alone shows no sensitivity";
         return Err(Fault::document(key, "a drive that never changes", expected).into());
@@ -199,7 +200,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     if explained < FOLLOWS {
         let found =
             format!("readings that follow the field of coil {} by {:.1} % only", run.coil, 100.0 * explained);
-        let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped?";
+        let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped, or is the output clipped?";
         return Err(Fault::document(column, found, expected).into());
     }
     let sensitivity = bb / bv;

@@ -65,7 +65,7 @@ pub fn calibrate(
     let allowed = fit::noise(&runs, &shape)?;
     let candidates = candidates(&runs)?;
     let problem = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
-    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let line = problem.solve()?;
     if line.linear.freedom < 2.0 {

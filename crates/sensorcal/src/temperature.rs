@@ -124,7 +124,7 @@ pub fn coefficients(
     let candidates = candidates(&heated);
     let (effects, asked) = effects(&heated, sensor);
     let problem = problem(document, &heated, effects, &asked, &allowed);
-    let allowed = problem.called_for(departure::unknowns(&candidates))?;
+    let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
     let extended = departure::extend(&lags.problem, &candidates)?;
