@@ -2,32 +2,49 @@
 
 use faer::linalg::solvers::Llt;
 use faer::{Mat, MatRef, Side};
+use std::sync::Arc;
 
 use crate::Error;
 use crate::linear::{self, LinearFit};
 
-/// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹.
+/// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹. Block-diagonal: groups of readings that
+/// share nothing follow each other.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    factor: Llt<f64>,
+    /// L of each block.
+    blocks: Vec<Arc<Llt<f64>>>,
     /// ln |V|.
     log_determinant: f64,
 }
 
 impl Whitening {
-    /// Of a covariance, which must be positive definite.
-    pub fn of(covariance: MatRef<'_, f64>) -> Result<Self, Error> {
-        let rows = covariance.nrows();
-        let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
-        let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-        let log_determinant = (0..rows).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum();
-        Ok(Self { factor, log_determinant })
+    /// Of the covariance of each group of readings, which must be positive definite.
+    pub fn of(covariances: &[Mat<f64>]) -> Result<Self, Error> {
+        let blocks: Vec<Arc<Llt<f64>>> = covariances
+            .iter()
+            .map(|covariance| {
+                let rows = covariance.nrows();
+                let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
+                let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+                Ok(Arc::new(factor))
+            })
+            .collect::<Result<_, Error>>()?;
+        let logarithm = |factor: &Arc<Llt<f64>>| -> f64 {
+            (0..factor.L().nrows()).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum()
+        };
+        let log_determinant = blocks.iter().map(logarithm).sum();
+        Ok(Self { blocks, log_determinant })
     }
 
     /// L⁻¹ A.
     pub fn apply(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
         let mut white = matrix.to_owned();
-        self.factor.L().solve_lower_triangular_in_place(white.as_mut());
+        let mut from = 0;
+        for factor in &self.blocks {
+            let rows = factor.L().nrows();
+            factor.L().solve_lower_triangular_in_place(white.as_mut().subrows_mut(from, rows));
+            from += rows;
+        }
         white
     }
 
@@ -156,8 +173,8 @@ mod tests {
     fn independent_errors_give_the_linear_fit() {
         let design = Mat::from_fn(12, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
         let y: Vec<f64> = (0..12).map(|i| 3.0 + 0.5 * f64::from(i) + f64::from(i * i % 5)).collect();
-        let white = Whitening::of(Mat::from_fn(12, 12, |i, j| if i == j { 4.0 } else { 0.0 }).as_ref())
-            .expect("a factor");
+        let white =
+            Whitening::of(&[Mat::from_fn(12, 12, |i, j| if i == j { 4.0 } else { 0.0 })]).expect("a factor");
         let one = fit(design.as_ref(), &y, std::slice::from_ref(&white), Scale::Fitted).expect("a fit");
         let plain = linear::fit(design.as_ref(), &y, None).expect("a fit");
         for k in 0..2 {
@@ -178,9 +195,8 @@ mod tests {
         let design = Mat::from_fn(11, 2, |i, j| if j == 0 { 1.0 } else { i as f64 - 5.0 });
         let y: Vec<f64> = (0..11).map(|i| if i % 2 == 0 { 0.1 } else { -0.1 }).collect();
         let both = Mat::from_fn(11, 11, |i, j| if i == j { 1.01 } else { 1.0 });
-        let found =
-            fit(design.as_ref(), &y, &[Whitening::of(both.as_ref()).expect("a factor")], Scale::Fitted)
-                .expect("a fit");
+        let found = fit(design.as_ref(), &y, &[Whitening::of(&[both]).expect("a factor")], Scale::Fitted)
+            .expect("a fit");
         let unit = |k: usize| found.covariance[(k, k)] / found.variance_factor;
         assert!((unit(0) - (1.0 + 0.01 / 11.0)).abs() < 1e-12);
         assert!((unit(1) - 0.01 / 110.0).abs() < 1e-12);

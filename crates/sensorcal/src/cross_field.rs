@@ -243,7 +243,7 @@ fn unknown_axes(
 fn significance(fit: &Fit, first: usize, count: usize) -> TestResult {
     let block = Mat::from_fn(count, count, |i, j| fit.scatter[(first + i, first + j)]);
     let values = Mat::from_fn(count, 1, |i, _| fit.values[first + i]);
-    let form = estimate::correlated::Whitening::of(block.as_ref())
+    let form = estimate::correlated::Whitening::of(std::slice::from_ref(&block))
         .map(|white| white.apply(values.as_ref()).squared_norm_l2())
         .unwrap_or(0.0);
     let f = form / count as f64;

@@ -256,7 +256,8 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
         ));
     }
     let time: Vec<f64> = dates.iter().map(|date| date.time_s - dates[0].time_s).collect();
-    let rows = [(dates.len(), Some(time))];
+    let count = dates.len();
+    let rows = [(count, Some(time))];
     let white = Noise { white_rms_nt: Some(1.0), ..Noise::default() };
     let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
     let walk = Noise { random_walk_nt_per_sqrt_s: Some(1.0), ..Noise::default() };
@@ -265,13 +266,13 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
     let seconds: Vec<f64> = octaves.iter().copied().step_by(2).collect();
     let allowed = |noise: &Noise, ratios: &[f64]| -> Result<Allowed, Error> {
         let mut allowed = Allowed::default();
+        let shape = noise::covariance(noise, count, rows[0].1.as_deref())
+            .map_err(|error| Error::Undetermined(error.to_string()))?;
+        let size = (0..count).map(|row| shape[row * count + row]).sum::<f64>() / count as f64;
         for ratio in ratios {
-            allowed.add(&rows, |rows, time| {
-                let mut all = noise::covariance(noise, rows, time)
-                    .map_err(|error| Error::Undetermined(error.to_string()))?;
-                let size = (0..rows).map(|row| all[row * rows + row]).sum::<f64>() / rows as f64;
-                all.iter_mut().for_each(|value| *value *= ratio * mean / size);
-                (0..rows).for_each(|row| all[row * rows + row] += variance[row].max(1e-6 * mean));
+            allowed.add(&rows, |_, count| {
+                let mut all: Vec<f64> = shape.iter().map(|value| value * ratio * mean / size).collect();
+                (0..count).for_each(|row| all[row * count + row] += variance[row].max(1e-6 * mean));
                 Ok(Block { covariance: all, flicker_share: ratio / (1.0 + ratio), size: 1.0 + ratio })
             })?;
         }

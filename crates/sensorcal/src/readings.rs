@@ -13,6 +13,9 @@ const STATED_WITHIN: f64 = 1.25;
 /// A sensor that is said to be turned along a coil points there by its stated orientation at least so far (cosine).
 const ALONG: f64 = 0.7;
 
+/// So many readings show their codes.
+const ENOUGH: usize = 100_000;
+
 /// One recording of one sensor that was turned along a coil.
 #[derive(Clone)]
 pub struct Run<'a> {
@@ -231,7 +234,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
 /// Width of a code as a series of readings shows it: the smallest step between different readings, where all steps are whole
 /// multiples of it; None where they are not.
 pub fn code(readings: &[f64]) -> Option<f64> {
-    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).collect();
+    let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).take(ENOUGH).collect();
     sorted.sort_by(f64::total_cmp);
     let largest = sorted.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let rounding = 1e-12 * largest;

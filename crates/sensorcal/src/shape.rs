@@ -70,14 +70,19 @@ impl Shape {
             + self.rounding();
         let own = Noise { white_rms_nt: Some(white.sqrt()), ..self.known.clone().unwrap_or_default() };
         let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
+        let parts: Vec<[Vec<f64>; 2]> = recordings
+            .iter()
+            .map(|(rows, time)| {
+                Ok([covariance(&own, *rows, time.as_deref())?, covariance(&flicker, *rows, time.as_deref())?])
+            })
+            .collect::<Result<_, Error>>()?;
         for [more_white, more_flicker] in extra {
-            allowed.add(recordings, |rows, time| {
-                let mut all = covariance(&own, rows, time)?;
-                let mean = mean_variance(&all, rows);
-                let shape = covariance(&flicker, rows, time)?;
-                let size = mean_variance(&shape, rows);
+            allowed.add(recordings, |number, rows| {
+                let [own, shape] = &parts[number];
+                let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));
                 let scale = if size > 0.0 { more_flicker * mean / size } else { 0.0 };
-                all.iter_mut().zip(&shape).for_each(|(value, shape)| *value += scale * shape);
+                let mut all: Vec<f64> =
+                    own.iter().zip(shape).map(|(own, shape)| own + scale * shape).collect();
                 (0..rows).for_each(|row| all[row * rows + row] += more_white * mean);
                 let total = 1.0 + more_white + more_flicker;
                 Ok(Block {
@@ -129,30 +134,24 @@ pub struct Allowed {
 }
 
 impl Allowed {
-    /// One more, block-diagonal over the recordings; made sure of by a billionth of its diagonal.
+    /// One more: a block for each recording by its number and rows, made sure of by a billionth of its diagonal.
     pub fn add(
         &mut self,
         recordings: &[Rows],
-        block: impl Fn(usize, Option<&[f64]>) -> Result<Block, Error>,
+        block: impl Fn(usize, usize) -> Result<Block, Error>,
     ) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
-        let mut all = Mat::zeros(total, total);
-        let mut from = 0;
+        let mut blocks = Vec::new();
         let mut described = [0.0; 2];
-        for (rows, time) in recordings {
-            let one = block(*rows, time.as_deref())?;
-            for i in 0..*rows {
-                for j in 0..*rows {
-                    all[(from + i, from + j)] = one.covariance[i * rows + j];
-                }
-                all[(from + i, from + i)] *= 1.0 + 1e-9;
-            }
-            from += rows;
+        for (number, (rows, _)) in recordings.iter().enumerate() {
+            let one = block(number, *rows)?;
+            let sure = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
+            blocks.push(Mat::from_fn(*rows, *rows, |i, j| one.covariance[i * rows + j] * sure(i, j)));
             let share = *rows as f64 / total as f64;
             described[0] += share * one.flicker_share;
             described[1] += share * one.size;
         }
-        self.whitenings.push(Whitening::of(all.as_ref())?);
+        self.whitenings.push(Whitening::of(&blocks)?);
         self.described.push(described);
         Ok(())
     }
