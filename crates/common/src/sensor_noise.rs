@@ -68,7 +68,8 @@ pub struct NoiseSeriesResult {
     pub rounding_nt2_per_hz: Option<f64>,
     /// `sensor`, `both` or `quantiser`: what the fast end of this series shows.
     pub measured: String,
-    /// Amplification before the converter that would bring rounding to a tenth of the white noise's variance.
+    /// Amplification before the converter that would bring rounding to a tenth of the density at the fast end; a lower bound
+    /// where codes are larger than the noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplification_needed: Option<f64>,
 }

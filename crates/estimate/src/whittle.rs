@@ -21,9 +21,10 @@ use search::Found;
 
 /// A restriction of the white noise is dropped below this probability.
 const RESTRICTED: f64 = 0.01;
-/// Twice the gain in log likelihood that flicker has to bring: white noise alone reaches it with a probability of 1 %, by
-/// simulation. Without flicker there is no exponent, so that the gain is neither χ²(1) nor χ²(2).
-const FLICKER: f64 = 8.3;
+/// Twice the gain in log likelihood that flicker has to bring. White noise alone reaches it with a probability of 1 % in
+/// three series together and of 0.5 % in one, by simulation: without flicker there is no exponent, so that the gain has
+/// neither of the distributions χ²(1) and χ²(2).
+const FLICKER: f64 = 7.7;
 /// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not being negative.
 const WHITE: f64 = 5.412;
 
@@ -57,7 +58,7 @@ pub struct WhittleFit {
     pub exponent: Estimate,
     /// Whether α was stopped by its limits, 0.2 and 2.5: the model is not that of the noise.
     pub exponent_at_limit: bool,
-    /// Twice the gain in log likelihood that flicker brings. Significant above 8.3.
+    /// Twice the gain in log likelihood that flicker brings. Significant above 7.7.
     pub flicker_gain: f64,
     /// What is the same in the white noise of all series.
     pub white: White,
@@ -74,11 +75,12 @@ pub struct WhittleFit {
     pub covariance: Mat<f64>,
     /// −Σ count (ln P + I/P).
     pub log_likelihood: f64,
-    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; 1 for one series.
-    pub per_reading_p: f64,
+    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; None where there was
+    /// nothing to choose.
+    pub per_reading_p: Option<f64>,
     /// The same for the density.
-    pub density_p: f64,
-    /// Groups of at least 30 ordinates against the model.
+    pub density_p: Option<f64>,
+    /// Groups of at least 30 ordinates against the model; a shorter series is one group.
     pub groups: Vec<Group>,
     /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the groups;
     /// None if there are no more groups than unknowns.
@@ -89,10 +91,10 @@ pub struct WhittleFit {
 ///
 /// −ln L = Σ count (ln P(f) + I/P(f)).
 ///
-/// Flicker is the same in all series. Of the white noise one rms of a reading serves for all unless the likelihood ratio
-/// against each its own has a probability below 1 %, then one density if that has not, then each its own. The
-/// uncertainties are those of the Fisher information; they hold for Gaussian noise whose density changes little over one
-/// over the length of a series, and not for the choice among models.
+/// Flicker is the same in all series; a series has none below one over its length. Of the white noise one rms of a reading
+/// serves for all unless the likelihood ratio against each its own has a probability below 1 %, then one density if
+/// that has not, then each its own. The uncertainties are those of the Fisher information: they hold for Gaussian noise
+/// whose density changes little over one over the length of a series, and leave out the choice among models.
 ///
 /// Source: P. Whittle, Estimation and information in stationary time series, Ark. Mat. 2 (1953) 423–434.
 ///
@@ -103,52 +105,51 @@ pub struct WhittleFit {
 pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
     let data = Data::of(series)?;
     let [reading, density, each] = [White::PerReading, White::Density, White::Each];
-    let models = [reading, density, each].map(|white| Model::new(&data, white));
+    let models = [reading, density, each].map(|white| Model { data: &data, white });
     let (by_reading, by_density) = (models[0].best(&[])?, models[1].best(&[])?);
     let starts = [(0, &by_reading), (1, &by_density)];
     let starts = starts.map(|(number, found)| models[2].spread(&models[number], &found.theta));
     let found = [by_reading, by_density, models[2].best(&starts)?];
     let choice = Choice::of(found.each_ref().map(|found| found.cost), data.series());
-    if flicker_gain(&models[choice.number], &found[choice.number]) > FLICKER {
-        return report(&models[choice.number], &found[choice.number], &choice);
+    let gain = flicker_gain(&models[choice.number], &found[choice.number]);
+    if gain > FLICKER {
+        return report(&models[choice.number], &found[choice.number], gain, &choice);
     }
     let found = models.each_ref().map(without_flicker);
     let choice = Choice::of(found.each_ref().map(|found| found.cost), data.series());
-    report(&models[choice.number], &found[choice.number], &choice)
+    report(&models[choice.number], &found[choice.number], gain, &choice)
 }
 
-/// The same with the white noise as told.
+/// The same with the form of the white noise as told.
 ///
 /// # Errors
 ///
 /// As [`fit`].
 pub fn fit_with(series: &[Periodogram], white: White) -> Result<WhittleFit, Error> {
     let data = Data::of(series)?;
-    let model = Model::new(&data, white);
+    let model = Model { data: &data, white };
     let found = model.best(&[])?;
-    let found = if flicker_gain(&model, &found) > FLICKER { found } else { without_flicker(&model) };
-    report(&model, &found, &Choice { number: 0, per_reading_p: f64::NAN, density_p: f64::NAN })
+    let gain = flicker_gain(&model, &found);
+    let found = if gain > FLICKER { found } else { without_flicker(&model) };
+    report(&model, &found, gain, &Choice { number: 0, per_reading_p: None, density_p: None })
 }
 
 /// Which of the models: by reading, by density, each.
 struct Choice {
     number: usize,
-    per_reading_p: f64,
-    density_p: f64,
+    per_reading_p: Option<f64>,
+    density_p: Option<f64>,
 }
 
 impl Choice {
     fn of(costs: [f64; 3], series: usize) -> Self {
-        let p = |cost: f64| {
-            if series == 1 {
-                1.0
-            } else {
-                chi_squared_p(2.0 * (cost - costs[2]).max(0.0), series as f64 - 1.0)
-            }
-        };
-        let (per_reading_p, density_p) = (p(costs[0]), p(costs[1]));
+        if series == 1 {
+            return Choice { number: 0, per_reading_p: None, density_p: None };
+        }
+        let [per_reading_p, density_p] = [costs[0], costs[1]]
+            .map(|cost| chi_squared_p(2.0 * (cost - costs[2]).max(0.0), series as f64 - 1.0));
         let number = [per_reading_p, density_p].iter().position(|p| *p > RESTRICTED).unwrap_or(2);
-        Choice { number, per_reading_p, density_p }
+        Choice { number, per_reading_p: Some(per_reading_p), density_p: Some(density_p) }
     }
 }
 

@@ -286,7 +286,7 @@ fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
     for series in found.series.iter().filter(|series| series.measured != "sensor") {
         let more = series.amplification_needed.map_or_else(
             || "; amplify before the converter until the readings scatter over several codes".to_string(),
-            |gain| format!("; amplify {gain:.1} times more before the converter"),
+            |gain| format!("; amplify at least {gain:.1} times more before the converter"),
         );
         let what = match series.measured.as_str() {
             "both" => "sensor and quantiser together",

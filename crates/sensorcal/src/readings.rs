@@ -15,6 +15,8 @@ const ALONG: f64 = 0.7;
 
 /// So many readings show their codes.
 const ENOUGH: usize = 100_000;
+/// So many readings share a code, in the mean, where codes are to be seen.
+const SHARED: usize = 4;
 
 /// One recording of one sensor that was turned along a coil.
 #[derive(Clone)]
@@ -242,7 +244,8 @@ pub fn code(readings: &[f64]) -> Option<f64> {
     let width = steps.iter().copied().fold(f64::INFINITY, f64::min);
     let whole =
         |step: &f64| (step / width - (step / width).round()).abs() * width <= rounding.max(1e-6 * width);
-    (steps.len() >= 3 && steps.len() < sorted.len() - 1 && steps.iter().all(whole)).then_some(width)
+    (!steps.is_empty() && SHARED * (steps.len() + 1) <= sorted.len() && steps.iter().all(whole))
+        .then_some(width)
 }
 
 /// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for codes.

@@ -12,5 +12,5 @@ fn case(name: &str, input: &str) {
 
 #[test]
 fn golden() {
-    case("every-procedure", "coilcal/every-procedure/expected.json");
+    case("small", "sensorcal/small/input.json");
 }

@@ -12,10 +12,10 @@ const FITTED: usize = 8;
 const REACH: f64 = 0.6;
 /// Frequencies tried over the reach of a peak before the best one is refined.
 const TRIED: usize = 25;
-/// Accuracy of the order of a sine (ordinates).
-const ACCURACY: f64 = 1e-10;
+/// Golden sections of that: to 1e-11 of an ordinate.
+const SECTIONS: usize = 48;
 /// What leaks from a sine is followed until it is this share of the local level.
-const LEAKAGE: f64 = 1e-3;
+const LEAKAGE: f64 = 1e-4;
 
 /// x_m = c e^(2πi ν m/n) + c* e^(−2πi ν m/n).
 #[derive(Clone, Copy, Debug)]
@@ -103,7 +103,7 @@ fn golden(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
     const RATIO: f64 = 0.618_033_988_749_894_8;
     let (mut left, mut right) = (high - RATIO * (high - low), low + RATIO * (high - low));
     let (mut at_left, mut at_right) = (value(left), value(right));
-    while high - low > ACCURACY {
+    for _ in 0..SECTIONS {
         if at_left > at_right {
             (high, right, at_right) = (right, left, at_left);
             left = high - RATIO * (high - low);

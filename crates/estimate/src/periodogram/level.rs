@@ -3,14 +3,24 @@
 use std::f64::consts::LN_2;
 use std::ops::Range;
 
+use faer::Mat;
+
+use crate::Svd;
+
 /// Fewest ordinates of a block.
-const LEAST_BLOCK: usize = 20;
+const LEAST_BLOCK: usize = 10;
 /// Last ordinate over the first of a longer block.
-const BLOCK_RATIO: f64 = 1.5;
+const BLOCK_RATIO: f64 = 1.3;
 /// A block of fewer ordinates is steep; its level is found again about its own slope.
-const STEEP_BLOCK: usize = 200;
+const STEEP_BLOCK: usize = 100;
 /// Rounds of that.
 const ROUNDS: usize = 2;
+/// The level bends by about so much: second derivative of ln P over ln f. A corner of white noise with f^-α has α²/4.
+const BEND: f64 = 0.5;
+/// Singular values below this share of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-12;
+/// Relative standard deviation of the median of m exponential variables, times √m.
+const MEDIAN_STD: f64 = 1.0 / LN_2;
 /// Neighbours on either side to which an ordinate is compared: a fifth of its own number, within these.
 const NEIGHBOURS: Range<usize> = 24..200;
 /// Neighbours so near are left out: what is between two ordinates shows in both.
@@ -18,7 +28,7 @@ const TOO_NEAR: usize = 2;
 /// Fewer neighbours say nothing.
 const LEAST_NEIGHBOURS: usize = 10;
 
-/// Expected power of the ordinates: straight lines in ln power over ln k between the medians of blocks.
+/// Expected power of the ordinates: straight lines in ln power over ln k between the medians of blocks, smoothed.
 pub(super) struct Level {
     blocks: Vec<Range<usize>>,
     /// ln k and ln power.
@@ -28,46 +38,51 @@ pub(super) struct Level {
 impl Level {
     /// The level of powers |X_k|², k = 0, 1, …; the one at zero and those left out are not seen.
     pub fn of(power: &[f64], left_out: &[bool]) -> Self {
-        let mut level = Level { blocks: blocks(power.len()), nodes: Vec::new() };
+        let kept = |block: &Range<usize>| block.clone().filter(|k| !left_out[*k]);
+        let blocks = blocks(power.len());
+        let seen: Vec<(&Range<usize>, f64)> = blocks
+            .iter()
+            .map(|block| (block, kept(block).count() as f64))
+            .filter(|(_, count)| *count >= 0.5 * LEAST_BLOCK as f64)
+            .collect();
+        let mut level = Level { blocks: blocks.clone(), nodes: Vec::new() };
         let mut buffer = Vec::new();
-        let mut seen = Vec::new();
-        for block in &level.blocks {
+        let mut ln_level = |block: &Range<usize>, level: &dyn Fn(usize) -> f64| {
             buffer.clear();
-            buffer.extend(block.clone().filter(|k| !left_out[*k]).map(|k| power[k]));
-            if buffer.len() >= LEAST_BLOCK / 2 {
-                let middle = 0.5 * ((block.start as f64).ln() + (block.end as f64).ln());
-                let ordinate = median(&mut buffer) / LN_2;
-                level.nodes.push((middle, ordinate.max(f64::MIN_POSITIVE).ln()));
-                seen.push(block.clone());
-            }
-        }
+            buffer.extend(kept(block).map(|k| power[k] / level(k)));
+            let (median, expected) = median(&mut buffer);
+            (median / expected).max(f64::MIN_POSITIVE).ln()
+        };
+        let middle = |block: &Range<usize>| 0.5 * ((block.start as f64).ln() + (block.end as f64).ln());
+        let mut medians: Vec<(f64, f64)> =
+            seen.iter().map(|(block, _)| (middle(block), ln_level(block, &|_| 1.0))).collect();
+        let std: Vec<f64> = seen.iter().map(|(_, count)| MEDIAN_STD / count.sqrt()).collect();
+        level.nodes = smoothed(&medians, &std);
         for _ in 0..ROUNDS {
-            let steep = seen.iter().take_while(|block| block.len() < STEEP_BLOCK);
-            let corrections: Vec<f64> = steep
-                .map(|block| {
-                    buffer.clear();
-                    let kept = block.clone().filter(|k| !left_out[*k]);
-                    buffer.extend(kept.map(|k| power[k] / level.at(k)));
-                    (median(&mut buffer) / LN_2).max(f64::MIN_POSITIVE).ln()
-                })
-                .collect();
-            for (node, correction) in level.nodes.iter_mut().zip(corrections) {
-                node.1 += correction;
+            for ((block, _), median) in seen.iter().zip(&mut medians) {
+                if block.len() < STEEP_BLOCK {
+                    median.1 = level.at_ln(median.0) + ln_level(block, &|k| level.at(k));
+                }
             }
+            level.nodes = smoothed(&medians, &std);
         }
         level
     }
 
     /// Expected power at ordinate `k` ≥ 1.
     pub fn at(&self, k: usize) -> f64 {
-        let x = (k as f64).ln();
+        self.at_ln((k as f64).ln()).exp()
+    }
+
+    /// Its logarithm, at ln k.
+    fn at_ln(&self, x: f64) -> f64 {
         match self.nodes.as_slice() {
-            [] => 1.0,
-            [only] => only.1.exp(),
+            [] => 0.0,
+            [only] => only.1,
             nodes => {
                 let right = nodes.partition_point(|node| node.0 < x).clamp(1, nodes.len() - 1);
                 let ((x0, y0), (x1, y1)) = (nodes[right - 1], nodes[right]);
-                (y0 + (y1 - y0) * (x - x0) / (x1 - x0)).exp()
+                y0 + (y1 - y0) * (x - x0) / (x1 - x0)
             }
         }
     }
@@ -76,8 +91,7 @@ impl Level {
     pub fn above(&self, power: &[f64], left_out: &[bool], first: usize, factor: f64) -> Vec<usize> {
         let mut found = Vec::new();
         for block in &self.blocks {
-            // The level is monotone between a node and the ends of its block, so that the least of these three is the
-            // least of all.
+            // The level is monotone from the node in the middle to either end of the block: it is lowest at one of these.
             let middle = ((block.start * block.end) as f64).sqrt() as usize;
             let ends = [block.start, middle, middle + 1, block.end - 1];
             let least = ends.iter().map(|k| self.at(*k)).fold(f64::INFINITY, f64::min) * factor;
@@ -106,7 +120,7 @@ impl Level {
         if count < LEAST_NEIGHBOURS {
             return 0.0;
         }
-        let ratio = power[k] / self.at(k) / median(&mut ratios);
+        let ratio = power[k] / self.at(k) / median(&mut ratios).0;
         -(0..count.div_ceil(2)).map(|i| (ratio / (count - i) as f64).ln_1p()).sum::<f64>()
     }
 }
@@ -126,10 +140,38 @@ fn blocks(end: usize) -> Vec<Range<usize>> {
     blocks
 }
 
-/// The middle one, the lower of two; the values lose their order.
-fn median(values: &mut [f64]) -> f64 {
-    let middle = values.len().div_ceil(2) - 1;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+/// The points of least squares that are near to the given ones and bend little: over three neighbours 2 Δ apart the second
+/// derivative has the standard deviation BEND/√Δ, so that what is smoothed is the same whatever the spacing.
+fn smoothed(points: &[(f64, f64)], std: &[f64]) -> Vec<(f64, f64)> {
+    let n = points.len();
+    if n < 3 {
+        return points.to_vec();
+    }
+    let x = |i: usize| points[i].0;
+    let mut design = Mat::zeros(2 * n - 2, n);
+    let mut right = vec![0.0; 2 * n - 2];
+    for i in 0..n {
+        (design[(i, i)], right[i]) = (1.0 / std[i], points[i].1 / std[i]);
+    }
+    for i in 1..n - 1 {
+        let (left, after, half) = (x(i) - x(i - 1), x(i + 1) - x(i), 0.5 * (x(i + 1) - x(i - 1)));
+        let weight = half.sqrt() / (BEND * half);
+        design[(n + i - 1, i - 1)] = weight / left;
+        design[(n + i - 1, i)] = -weight * (1.0 / left + 1.0 / after);
+        design[(n + i - 1, i + 1)] = weight / after;
+    }
+    match Svd::of(design.as_ref(), RANK_TOLERANCE) {
+        Ok(svd) => points.iter().zip(svd.solve(&right)).map(|(point, y)| (point.0, y)).collect(),
+        Err(_) => points.to_vec(),
+    }
+}
+
+/// The middle one, the lower of two, and its expectation for exponential variables of mean one; the values lose
+/// their order.
+fn median(values: &mut [f64]) -> (f64, f64) {
+    let middle = values.len().div_ceil(2);
+    let expected = (0..middle).map(|i| 1.0 / (values.len() - i) as f64).sum();
+    (*values.select_nth_unstable_by(middle - 1, f64::total_cmp).1, expected)
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@ use crate::stats::coverage_factor;
 /// The standard normal distribution is below this with a probability of 95 %.
 pub(super) const ONE_SIDED_95: f64 = 1.644_854;
 
-/// A value that is not negative by its nature, with its standard uncertainty.
+/// A value with its standard uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The value; 0: none was seen.
+    /// The value. Of what cannot be negative, 0: none was seen.
     pub value: f64,
     /// Its standard uncertainty; beside a value of 0, the one-sided 95 % bound over 1.645.
     pub std: f64,

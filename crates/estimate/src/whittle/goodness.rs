@@ -6,7 +6,7 @@ use crate::stats::chi_squared_p;
 /// Fewest ordinates of a group.
 const LEAST_ORDINATES: f64 = 30.0;
 
-/// Neighbouring ordinates of a series, at least 30, against the model.
+/// Neighbouring ordinates of a series against the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Group {
     /// The series.

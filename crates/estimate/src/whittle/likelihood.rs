@@ -8,8 +8,6 @@ use crate::periodogram::Periodogram;
 
 /// Least and largest exponent α.
 pub(super) const EXPONENTS: (f64, f64) = (0.2, 2.5);
-/// A part below this share of the density is none.
-const NEGLIGIBLE: f64 = 1e-9;
 
 /// The bins of all series.
 pub(super) struct Data {
@@ -65,36 +63,23 @@ impl Data {
     }
 }
 
-/// P = exp(θ₀ − θ₁ x) + c exp θ_(2+g), x = ln f less its lowest; g the group and c the shape of the white part of
-/// a series.
+/// P = θ₀ (f/f₀)^−θ₁ + c θ_(2+g), f₀ the lowest frequency; g the group and c the shape of the white part of a series.
 ///
-/// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of −∞: that part is absent.
+/// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of zero: that part is absent.
 pub(super) struct Model<'a> {
     pub data: &'a Data,
     pub white: White,
-    /// The least value of each unknown that is sought.
-    pub least: Vec<f64>,
 }
 
-/// Cost, its gradient and the Fisher information, over θ.
+/// Cost, its gradient, its second derivatives and their expectation (the Fisher information), over θ.
 pub(super) struct Slope {
     pub cost: f64,
     pub gradient: Vec<f64>,
+    pub hessian: Mat<f64>,
     pub fisher: Mat<f64>,
 }
 
-impl<'a> Model<'a> {
-    pub fn new(data: &'a Data, white: White) -> Self {
-        let mut model = Model { data, white, least: Vec::new() };
-        let levels = model.pooled(|bin| bin.ln_density - model.shape(bin.series).ln());
-        let highest =
-            data.bins.iter().map(|bin| levels[model.group(bin.series)] + model.shape(bin.series).ln());
-        let flicker = highest.fold(f64::NEG_INFINITY, f64::max);
-        let whites = levels.iter().map(|level| level + NEGLIGIBLE.ln());
-        model.least = [flicker + NEGLIGIBLE.ln(), EXPONENTS.0].into_iter().chain(whites).collect();
-        model
-    }
-
+impl Model<'_> {
     /// Number of white unknowns.
     pub fn groups(&self) -> usize {
         if self.white == White::Each { self.data.series() } else { 1 }
@@ -122,20 +107,20 @@ impl<'a> Model<'a> {
 
     /// The unknowns of another form of white noise as those of each series.
     pub fn spread(&self, other: &Model, theta: &[f64]) -> Vec<f64> {
-        let white = |s: usize| theta[2 + other.group(s)] + (other.shape(s) / self.shape(s)).ln();
+        let white = |s: usize| theta[2 + other.group(s)] * other.shape(s) / self.shape(s);
         theta[..2].iter().copied().chain((0..self.data.series()).map(white)).collect()
     }
 
     /// The white noise of greatest likelihood without flicker: the mean ordinate of each group.
     pub fn white_only(&self) -> Vec<f64> {
         let whites = self.pooled(|bin| bin.density / self.shape(bin.series));
-        [f64::NEG_INFINITY, 1.0].into_iter().chain(whites.into_iter().map(f64::ln)).collect()
+        [0.0, 1.0].into_iter().chain(whites).collect()
     }
 
     /// Flicker and white part of the density of a bin.
     pub fn parts(&self, theta: &[f64], bin: &Binned) -> (f64, f64) {
-        let white = theta[2 + self.group(bin.series)].exp() * self.shape(bin.series);
-        ((theta[0] - theta[1] * bin.x).exp(), white)
+        let white = theta[2 + self.group(bin.series)] * self.shape(bin.series);
+        (theta[0] * (-theta[1] * bin.x).exp(), white)
     }
 
     /// Σ count (I/P − 1 − ln(I/P)), half the deviance.
@@ -148,26 +133,32 @@ impl<'a> Model<'a> {
         self.data.bins.iter().map(term).sum()
     }
 
-    /// Cost, gradient and information; for a white unknown the exponential of θ is taken where `linear`.
-    pub fn slope(&self, theta: &[f64], linear: bool) -> Slope {
+    /// Cost and derivatives. With s = ∂P/∂θ / P and q = ∂²P/∂θ² / P the gradient of an ordinate is (1 − I/P) s, its second
+    /// derivative (2 I/P − 1) s sᵀ + (1 − I/P) q, and the expectation of that s sᵀ.
+    pub fn slope(&self, theta: &[f64]) -> Slope {
         let unknowns = theta.len();
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);
-        let mut fisher = Mat::zeros(unknowns, unknowns);
+        let (mut hessian, mut fisher) = (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
         for bin in &self.data.bins {
-            let (flicker, white) = self.parts(theta, bin);
-            let density = flicker + white;
+            let (shape, white_shape) = ((-theta[1] * bin.x).exp(), self.shape(bin.series));
+            let own = 2 + self.group(bin.series);
+            let flicker = theta[0] * shape;
+            let density = flicker + theta[own] * white_shape;
             let ratio = bin.density / density;
             cost += bin.count * (ratio - 1.0 + density.ln() - bin.ln_density);
-            let flicker = flicker / density;
-            let white = if linear { self.shape(bin.series) } else { white } / density;
-            let slopes = [(0, flicker), (1, -bin.x * flicker), (2 + self.group(bin.series), white)];
-            for (i, slope) in slopes {
-                gradient[i] += bin.count * slope * (1.0 - ratio);
-                for (j, other) in slopes {
+            let s = [(0, shape / density), (1, -bin.x * flicker / density), (own, white_shape / density)];
+            for (i, slope) in s {
+                gradient[i] += bin.count * (1.0 - ratio) * slope;
+                for (j, other) in s {
                     fisher[(i, j)] += bin.count * slope * other;
+                    hessian[(i, j)] += bin.count * (2.0 * ratio - 1.0) * slope * other;
                 }
             }
+            let bent = bin.count * (1.0 - ratio) * bin.x * shape / density;
+            hessian[(0, 1)] -= bent;
+            hessian[(1, 0)] -= bent;
+            hessian[(1, 1)] += bent * bin.x * theta[0];
         }
-        Slope { cost, gradient, fisher }
+        Slope { cost, gradient, hessian, fisher }
     }
 }

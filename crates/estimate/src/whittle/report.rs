@@ -4,7 +4,7 @@ use super::estimate::Estimate;
 use super::goodness::{groups, p_value};
 use super::likelihood::{EXPONENTS, Model};
 use super::search::{Found, inverse};
-use super::{Choice, WHITE, White, WhittleFit, flicker_gain};
+use super::{Choice, WHITE, White, WhittleFit};
 use crate::Error;
 
 impl WhittleFit {
@@ -74,12 +74,21 @@ fn power_law(exponent: f64, low_hz: f64, high_hz: f64) -> [f64; 2] {
 }
 
 /// What a maximum says.
-pub(super) fn report(model: &Model, found: &Found, choice: &Choice) -> Result<WhittleFit, Error> {
+pub(super) fn report(
+    model: &Model,
+    found: &Found,
+    flicker_gain: f64,
+    choice: &Choice,
+) -> Result<WhittleFit, Error> {
     let (data, theta) = (model.data, &found.theta);
-    let flicker = theta[0].is_finite();
+    let flicker = theta[0] > 0.0;
     let kept: Vec<usize> = (if flicker { 0 } else { 2 }..theta.len()).collect();
-    let mut covariance = inverse(&model.slope(theta, true).fisher, &kept)?;
-    // From the amplitude at the lowest frequency to the one at 1 Hz: ln A = θ₀ + α ln f₀.
+    let mut covariance = inverse(&model.slope(theta).fisher, &kept)?;
+    // From the amplitude at the lowest frequency to the logarithm of that at 1 Hz: ln A = ln θ₀ + α ln f₀.
+    if flicker {
+        (0..theta.len()).for_each(|i| covariance[(0, i)] /= theta[0]);
+        (0..theta.len()).for_each(|i| covariance[(i, 0)] /= theta[0]);
+    }
     for i in 0..theta.len() {
         covariance[(0, i)] += data.lowest * covariance[(1, i)];
     }
@@ -87,13 +96,13 @@ pub(super) fn report(model: &Model, found: &Found, choice: &Choice) -> Result<Wh
         covariance[(i, 0)] += data.lowest * covariance[(i, 1)];
     }
     let (amplitude, amplitude_upper) = if flicker {
-        let value = (theta[0] + theta[1] * data.lowest).exp();
+        let value = theta[0] * (theta[1] * data.lowest).exp();
         (Estimate { value, std: value * covariance[(0, 0)].sqrt() }, None)
     } else {
         let bound = flicker_bound(model, theta)?;
         (Estimate::below(bound), Some(bound))
     };
-    let white_variances: Vec<f64> = theta[2..].iter().map(|white| white.exp()).collect();
+    let white_variances: Vec<f64> = theta[2..].to_vec();
     let mut whites = Vec::new();
     for (group, variance) in white_variances.iter().enumerate() {
         let gain = if flicker { white_gain(model, found, group)? } else { f64::INFINITY };
@@ -120,7 +129,7 @@ pub(super) fn report(model: &Model, found: &Found, choice: &Choice) -> Result<Wh
         amplitude_upper,
         exponent: Estimate { value: theta[1], std: covariance[(1, 1)].sqrt() },
         exponent_at_limit: flicker && [EXPONENTS.0, EXPONENTS.1].contains(&theta[1]),
-        flicker_gain: flicker_gain(model, found),
+        flicker_gain,
         white: model.white,
         white_rms,
         white_upper,
@@ -137,11 +146,8 @@ pub(super) fn report(model: &Model, found: &Found, choice: &Choice) -> Result<Wh
 /// Twice the fall in log likelihood without the white noise of a group.
 fn white_gain(model: &Model, found: &Found, group: usize) -> Result<f64, Error> {
     let unknown = 2 + group;
-    if found.theta[unknown] == f64::NEG_INFINITY {
-        return Ok(0.0);
-    }
     let mut without = found.theta.clone();
-    without[unknown] = f64::NEG_INFINITY;
+    without[unknown] = 0.0;
     Ok(2.0 * (model.minimise(without, &[unknown])?.cost - found.cost))
 }
 
