@@ -292,9 +292,9 @@ fn levels_of(
     if groups.iter().any(|(_, rows)| rows.len() < 3) {
         return Ok(());
     }
-    let constants = levels::constants(runs, &groups, shape)?;
+    let (constants, _) = levels::constants(runs, &groups, shape)?;
     let mut columns = CrossFieldLevels::default();
-    for (((number, _), field), (_, k, offset)) in groups.iter().zip(&fields).zip(&constants) {
+    for (((number, _), field), (k, offset)) in groups.iter().zip(&fields).zip(&constants) {
         let largest =
             (0..field.len()).max_by(|a, b| field[*a].abs().total_cmp(&field[*b].abs())).unwrap_or(0);
         columns.recording.push(*number);

@@ -273,7 +273,7 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
             allowed.add(&rows, |_, count| {
                 let mut all: Vec<f64> = shape.iter().map(|value| value * ratio * mean / size).collect();
                 (0..count).for_each(|row| all[row * count + row] += variance[row].max(1e-6 * mean));
-                Ok(Block { covariance: all, flicker_share: ratio / (1.0 + ratio), size: 1.0 + ratio })
+                Ok(Block { covariance: all, flicker_share: ratio / (1.0 + ratio) })
             })?;
         }
         Ok(allowed)

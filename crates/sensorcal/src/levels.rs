@@ -56,8 +56,6 @@ pub struct Level {
     pub warmer: [f64; 2],
     /// Which way the moving temperature had gone.
     pub branch: i8,
-    /// dB/B against the run's mean condition, with its variance.
-    pub scale: (f64, f64),
     /// k and its standard uncertainty.
     pub sensitivity: (f64, f64),
     /// O and its standard uncertainty, nT.
@@ -81,7 +79,7 @@ pub fn branches(warmer: &[f64]) -> Vec<f64> {
 }
 
 /// k and O at each temperature that was held while the field went through its steps.
-pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<Vec<Level>, Error> {
+pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<(Vec<Level>, Fit), Error> {
     let mut groups = Vec::new();
     for (number, (run, both)) in heated.runs.iter().zip(&heated.warmer).enumerate() {
         let moving = usize::from(spread(run, &both[1]) > spread(run, &both[0]));
@@ -115,16 +113,15 @@ pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<Vec<Level>,
     }
     let members: Vec<(usize, Vec<usize>)> =
         groups.iter().map(|(run, rows, ..)| (*run, rows.clone())).collect();
-    let constants = constants(&heated.runs, &members, shape)?;
-    let levels = groups.into_iter().zip(constants).map(|((run, _, warmer, branch), (scale, k, o))| Level {
+    let (constants, fit) = constants(&heated.runs, &members, shape)?;
+    let levels = groups.into_iter().zip(constants).map(|((run, _, warmer, branch), (k, o))| Level {
         run,
         warmer,
         branch,
-        scale,
         sensitivity: k,
         offset: o,
     });
-    Ok(levels.collect())
+    Ok((levels.collect(), fit))
 }
 
 fn spread(run: &Run<'_>, values: &[f64]) -> f64 {
@@ -132,15 +129,16 @@ fn spread(run: &Run<'_>, values: &[f64]) -> f64 {
     of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min)
 }
 
-type Constants = ((f64, f64), (f64, f64), (f64, f64));
+/// k and O, each with its standard uncertainty.
+type Constants = ((f64, f64), (f64, f64));
 
-/// dB/B, k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
+/// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
 /// groups have a line for each run.
 pub fn constants(
     runs: &[Run<'_>],
     groups: &[(usize, Vec<usize>)],
     shape: &Shape,
-) -> Result<Vec<Constants>, Error> {
+) -> Result<(Vec<Constants>, Fit), Error> {
     let mut reduced: Vec<Run<'_>> = runs.to_vec();
     for (number, run) in reduced.iter_mut().enumerate() {
         run.rows.retain(|row| groups.iter().any(|(of, rows)| *of == number && rows.contains(row)));
@@ -168,7 +166,9 @@ pub fn constants(
         Problem { runs: &reduced, effects: Vec::new(), unknowns, known: Vec::new(), allowed: &allowed };
     let allowed = noise_called_for(&problem, &[])?;
     let fit = Problem { allowed: &allowed, ..problem }.solve()?;
-    Ok(groups.iter().enumerate().map(|(at, (number, _))| constant(&fit, at, &runs[*number])).collect())
+    let each =
+        groups.iter().enumerate().map(|(at, (number, _))| constant(&fit, at, &runs[*number])).collect();
+    Ok((each, fit))
 }
 
 /// From the column's coefficients, V = (B (1 + b) + a − O₀)/k₀: k = k₀/(1 + b), O = (O₀ − a)/(1 + b).
@@ -177,7 +177,7 @@ fn constant(fit: &Fit, at: usize, run: &Run<'_>) -> Constants {
     let (b, a) = (fit.values[2 * at], fit.values[2 * at + 1]);
     let (b_std, a_std) = (fit.type_a(2 * at), fit.type_a(2 * at + 1));
     let k = first.sensitivity / (1.0 + b);
-    ((b, b_std * b_std), (k, k * b_std / (1.0 + b)), ((first.offset_nt - a) / (1.0 + b), a_std))
+    ((k, k * b_std / (1.0 + b)), ((first.offset_nt - a) / (1.0 + b), a_std))
 }
 
 /// The levels as columns.
@@ -198,46 +198,49 @@ pub fn columns(levels: &[Level], heated: &Heated<'_>) -> TemperatureLevels {
 }
 
 /// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on either side of
-/// it, in the runs in which the part moved; ppm/K and nT/K of the field that is read.
-pub fn three_point(levels: &[Level], part: Part) -> IndexMap<String, Quantity> {
+/// it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is that of the levels.
+pub fn three_point(levels: &[Level], fit: &Fit, part: Part) -> IndexMap<String, Quantity> {
     let at = usize::from(part == Part::Electronics);
     let moved = |run: usize| {
         let of = || levels.iter().filter(move |level| level.run == run).map(|level| level.warmer[at]);
         of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min) > SAME_K
     };
-    let members: Vec<&Level> = levels.iter().filter(|level| moved(level.run)).collect();
+    let members: Vec<usize> = (0..levels.len()).filter(|number| moved(levels[*number].run)).collect();
     let nearest = |sign: f64| {
-        let side = members.iter().map(|level| sign * level.warmer[at]).filter(|t| *t > SAME_K);
+        let side = members.iter().map(|number| sign * levels[*number].warmer[at]).filter(|t| *t > SAME_K);
         side.fold(f64::INFINITY, f64::min)
     };
     let (below, above) = (-nearest(-1.0), nearest(1.0));
     if !below.is_finite() || !above.is_finite() {
         return IndexMap::new();
     }
-    let within = |level: &&&Level| (below - SAME_K..=above + SAME_K).contains(&level.warmer[at]);
-    let central: Vec<&Level> = members.iter().filter(within).copied().collect();
-    let slope = |value: &dyn Fn(&Level) -> (f64, f64)| -> Option<Quantity> {
-        // Each run has its own mean.
-        let runs: Vec<usize> = central.iter().map(|level| level.run).fold(Vec::new(), |mut runs, run| {
-            if !runs.contains(&run) {
-                runs.push(run);
-            }
-            runs
-        });
-        let design = Mat::from_fn(central.len(), 1 + runs.len(), |i, j| match j {
-            0 => central[i].warmer[at],
-            j => f64::from(u8::from(runs[j - 1] == central[i].run)),
-        });
-        let y: Vec<f64> = central.iter().map(|level| value(level).0).collect();
-        let std: Vec<f64> = central.iter().map(|level| value(level).1).collect();
-        let fit = estimate::linear::fit(design.as_ref(), &y, Some(&std)).ok()?;
-        Some(Quantity::new(fit.coefficients[0], fit.covariance[(0, 0)].sqrt()))
+    let near = |number: &usize| (below - SAME_K..=above + SAME_K).contains(&levels[*number].warmer[at]);
+    let central: Vec<usize> = members.into_iter().filter(near).collect();
+    let mut runs: Vec<usize> = central.iter().map(|number| levels[*number].run).collect();
+    runs.dedup();
+    // Each run has its own mean.
+    let design = Mat::from_fn(central.len(), 1 + runs.len(), |i, j| match j {
+        0 => levels[central[i]].warmer[at],
+        j => f64::from(u8::from(runs[j - 1] == levels[central[i]].run)),
+    });
+    // The slope is a sum over the levels, whose errors go together.
+    let weight = |i: usize| -> Option<f64> {
+        let unit: Vec<f64> = (0..central.len()).map(|j| f64::from(u8::from(i == j))).collect();
+        Some(estimate::linear::fit(design.as_ref(), &unit, None).ok()?.coefficients[0])
     };
-    let scale = slope(&|level| (1e6 * level.scale.0, 1e6 * level.scale.1.sqrt()));
-    // A larger offset O is a smaller field that is read.
-    let offset = slope(&|level| (-level.offset.0, level.offset.1));
-    [("sensitivity_ppm_per_k", scale), ("offset_nt_per_k", offset)]
+    let Some(weights) = (0..central.len()).map(weight).collect::<Option<Vec<f64>>>() else {
+        return IndexMap::new();
+    };
+    let slope = |which: usize, unit: f64| {
+        let place = |i: usize| 2 * central[i] + which;
+        let value: f64 = (0..central.len()).map(|i| weights[i] * fit.values[place(i)]).sum();
+        let row = |i: usize| -> f64 {
+            (0..central.len()).map(|j| weights[i] * weights[j] * fit.scatter[(place(i), place(j))]).sum()
+        };
+        let variance: f64 = (0..central.len()).map(row).sum();
+        Quantity::new(unit * value, unit * variance.sqrt())
+    };
+    [("sensitivity_ppm_per_k".to_string(), slope(0, 1e6)), ("offset_nt_per_k".to_string(), slope(1, 1.0))]
         .into_iter()
-        .filter_map(|(name, slope)| Some((name.to_string(), slope?)))
         .collect()
 }

@@ -318,9 +318,8 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
             < FOUND_BELOW
     {
         findings.push(format!(
-            "the residuals scatter {:.2} times as much as the {} noise promises; the intervals rest on the residuals",
-            factor.sqrt(),
-            fit.noise.source
+            "the residuals scatter {:.2} times as much as the sensor's own noise: that of the field is allowed for",
+            factor.sqrt()
         ));
     }
     findings.extend(conditions.not_recorded(runs));

@@ -85,11 +85,7 @@ impl Shape {
                     own.iter().zip(shape).map(|(own, shape)| own + scale * shape).collect();
                 (0..rows).for_each(|row| all[row * rows + row] += more_white * mean);
                 let total = 1.0 + more_white + more_flicker;
-                Ok(Block {
-                    covariance: all,
-                    flicker_share: 1.0 - (white / mean + more_white) / total,
-                    size: total,
-                })
+                Ok(Block { covariance: all, flicker_share: 1.0 - (white / mean + more_white) / total })
             })?;
         }
         Ok(allowed)
@@ -118,8 +114,6 @@ pub struct Block {
     pub covariance: Vec<f64>,
     /// Share of flicker noise in the variance of a reading.
     pub flicker_share: f64,
-    /// Variance of a reading over that of the noise that is known.
-    pub size: f64,
 }
 
 /// Covariances that are allowed for.
@@ -127,8 +121,8 @@ pub struct Block {
 pub struct Allowed {
     /// They.
     pub whitenings: Vec<Whitening>,
-    /// For each, the share of flicker noise in the variance of a reading, and that variance over what is known.
-    described: Vec<[f64; 2]>,
+    /// For each, the share of flicker noise in the variance of a reading.
+    flicker_shares: Vec<f64>,
     source: String,
     known: bool,
 }
@@ -142,17 +136,15 @@ impl Allowed {
     ) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut blocks = Vec::new();
-        let mut described = [0.0; 2];
+        let mut flicker_share = 0.0;
         for (number, (rows, _)) in recordings.iter().enumerate() {
             let one = block(number, *rows)?;
             let sure = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
             blocks.push(Mat::from_fn(*rows, *rows, |i, j| one.covariance[i * rows + j] * sure(i, j)));
-            let share = *rows as f64 / total as f64;
-            described[0] += share * one.flicker_share;
-            described[1] += share * one.size;
+            flicker_share += one.flicker_share * *rows as f64 / total as f64;
         }
         self.whitenings.push(Whitening::of(&blocks)?);
-        self.described.push(described);
+        self.flicker_shares.push(flicker_share);
         Ok(())
     }
 
@@ -176,7 +168,7 @@ impl Allowed {
         let kept: Vec<usize> = (0..self.whitenings.len()).filter(|at| keep(*at)).collect();
         Self {
             whitenings: kept.iter().map(|at| self.whitenings[*at].clone()).collect(),
-            described: kept.iter().map(|at| self.described[*at]).collect(),
+            flicker_shares: kept.iter().map(|at| self.flicker_shares[*at]).collect(),
             ..self.clone()
         }
     }
@@ -184,14 +176,21 @@ impl Allowed {
     /// What a fit says of its noise.
     pub fn describe(&self, fit: &CorrelatedFit) -> FitNoise {
         let rms = (fit.residuals.iter().map(|r| r * r).sum::<f64>() / fit.residuals.len() as f64).sqrt();
-        let mean = |which: usize| -> f64 {
-            self.described.iter().zip(&fit.weights).map(|(of, weight)| of[which] * weight).sum()
+        // The first covariance is the sensor's own noise, where that is known.
+        let own = |white: &Whitening| {
+            let squares: f64 = white.apply_to(&fit.residuals).iter().map(|r| r * r).sum();
+            squares / fit.freedom
         };
         FitNoise {
             source: self.source.clone(),
             rms_nt: rms,
-            variance_factor: self.known.then(|| fit.variance_factor * mean(1)),
-            flicker_share: mean(0),
+            variance_factor: self.whitenings.first().filter(|_| self.known).map(own),
+            flicker_share: self
+                .flicker_shares
+                .iter()
+                .zip(&fit.weights)
+                .map(|(share, weight)| share * weight)
+                .sum(),
             degrees_of_freedom: fit.freedom,
             coverage_factor_95: stats::coverage_factor(0.95, fit.freedom),
         }

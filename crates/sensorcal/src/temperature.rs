@@ -128,8 +128,8 @@ pub fn coefficients(
     let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
     let extended = departure::extend(&lags.problem, &candidates)?;
-    let levels = levels::at_temperatures(&heated, &shape)?;
-    describe(&heated, &lags, &extended.fit, &levels, &mut found);
+    let (levels, each) = levels::at_temperatures(&heated, &shape)?;
+    describe(&heated, &lags, &extended.fit, (&levels, &each), &mut found);
     found.departures = extended.departures;
     found.levels = levels::columns(&levels, &heated);
     found.noise = extended.fit.noise.clone();
@@ -320,7 +320,7 @@ fn describe(
     heated: &Heated<'_>,
     lags: &lag::Lagged<'_, '_>,
     fit: &Fit,
-    levels: &[Level],
+    (levels, each): (&[Level], &Fit),
     found: &mut TemperatureFit,
 ) {
     for part in &heated.parts {
@@ -335,7 +335,7 @@ fn describe(
                 reference + values().fold(f64::INFINITY, f64::min),
                 reference + values().fold(f64::NEG_INFINITY, f64::max),
             ],
-            three_point: levels::three_point(levels, *part),
+            three_point: levels::three_point(levels, each, *part),
             ..TemperatureOfPart::default()
         };
         for (number, kinds) in part.kinds().into_iter().enumerate() {
