@@ -2,7 +2,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, Extra, GradientCoil, Matrix3x3,
+    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Extra, GradientCoil,
     NullingCalibration, PerAxis, Quantity, SensorCalibration,
 };
 
@@ -71,20 +71,6 @@ pub struct CoilCalibration {
     /// How its gradient coil is to be set.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gradient_coil: Option<GradientCoil>,
-    /// Keys that this version does not know.
-    #[serde(flatten)]
-    pub extra: Extra,
-}
-
-/// The test magnetometer against the reference: T = R η + d, rows are samples.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-pub struct DifferentialCalibration {
-    /// η: column j holds what the reference's x, y, z give to the test's axis j.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub matrix: Option<Matrix3x3>,
-    /// d, nT.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub offset_nt: Option<PerAxis<Quantity>>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

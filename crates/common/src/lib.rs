@@ -8,6 +8,7 @@ mod axes;
 mod axis;
 mod calibration;
 mod coil;
+mod differential;
 mod document;
 mod error;
 mod facility;
@@ -32,9 +33,12 @@ pub use axes::{
     OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
 };
 pub use axis::{Axis, PerAxis};
-pub use calibration::{Calibration, CoilCalibration, DifferentialCalibration, ReferenceConditions};
+pub use calibration::{Calibration, CoilCalibration, ReferenceConditions};
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
+};
+pub use differential::{
+    ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit, MatrixElement,
 };
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};

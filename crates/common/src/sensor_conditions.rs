@@ -44,16 +44,20 @@ pub struct TemperatureOfPart {
     pub range_c: [f64; 2],
     /// dB/B for each K at the reference, ppm/K.
     pub sensitivity_ppm_per_k: Quantity,
-    /// dB/B for each K², ppm/K².
-    pub sensitivity_ppm_per_k2: Quantity,
+    /// dB/B for each K², ppm/K²; absent with less than three temperatures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensitivity_ppm_per_k2: Option<Quantity>,
     /// Probability of that curvature by chance.
-    pub sensitivity_curvature_p: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensitivity_curvature_p: Option<f64>,
     /// dB for each K at the reference, nT/K.
     pub offset_nt_per_k: Quantity,
-    /// dB for each K², nT/K².
-    pub offset_nt_per_k2: Quantity,
+    /// dB for each K², nT/K²; absent with less than three temperatures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset_nt_per_k2: Option<Quantity>,
     /// Probability of that curvature by chance.
-    pub offset_curvature_p: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub offset_curvature_p: Option<f64>,
     /// The report's slopes through the three temperatures around the reference: ppm/K and nT/K.
     pub three_point: IndexMap<String, Quantity>,
     /// Time by which the change follows the temperature, s, where the readings show one.

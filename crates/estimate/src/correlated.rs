@@ -106,7 +106,7 @@ pub fn fit(
     for whitening in covariances {
         let fit = linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None)?;
         let misfit = match scale {
-            Scale::Fitted => fit.freedom * fit.sum_of_squares.ln(),
+            Scale::Fitted => fit.freedom * fit.sum_of_squares.max(f64::MIN_POSITIVE).ln(),
             Scale::Known => fit.sum_of_squares,
         };
         let likelihood = -0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit);
@@ -143,7 +143,7 @@ pub fn fit(
         coefficients,
         covariance,
         residuals,
-        whitened: likeliest.residuals.iter().map(|r| r / std).collect(),
+        whitened: likeliest.residuals.iter().map(|r| if std > 0.0 { r / std } else { 0.0 }).collect(),
         variance_factor: factor(likeliest),
         freedom: likeliest.freedom,
         rank: likeliest.rank,

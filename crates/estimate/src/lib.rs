@@ -13,6 +13,7 @@ pub mod normality;
 pub mod periodogram;
 pub mod robust;
 pub mod sine;
+pub mod spectral;
 pub mod spectrum;
 pub mod stats;
 pub mod svd;

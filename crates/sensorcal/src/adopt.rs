@@ -11,7 +11,7 @@ use crate::departure::FOUND_BELOW;
 const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
 
 /// Puts the effects of temperature, the nonlinearity and the effect of fields across into `model.effects`, in place of what an
-/// earlier run put there for this sensor.
+/// earlier run put there for this sensor, or of what was stated of the same effects.
 pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
     let mut effects: Vec<AdoptedEffect> = Vec::new();
     if found.calibration.temperature.is_some() {
@@ -35,9 +35,13 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
     if let Some(cross) = &found.calibration.cross_field {
         effects.extend(across(cross, sensor));
     }
+    let mine =
+        |effect: &AdoptedEffect| effect.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1);
+    let anew: Vec<String> = effects.iter().map(|effect| effect.effect.clone()).collect();
     let earlier = |effect: &AdoptedEffect| {
         effect.sensor == Some(sensor)
-            && effect.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1)
+            && effect.recording.is_none()
+            && (mine(effect) || anew.contains(&effect.effect))
     };
     if effects.is_empty() && document.model.is_none() {
         return;
@@ -70,7 +74,9 @@ fn across(cross: &CrossFieldFit, sensor: Axis) -> Vec<AdoptedEffect> {
         .filter(|(_, found)| !found.is_empty())
         .map(|(kind, found)| {
             let all = kind.parameters().iter();
-            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, 0.0));
+            // What was not seen is zero, give or take the largest that was.
+            let most = found.values().map(|size| size.value().abs()).fold(0.0, f64::max);
+            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, most));
             one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
         })
         .collect()

@@ -72,8 +72,11 @@ fn one(
         all.extend(code.map(|code| ("rounding", code / 12f64.sqrt())));
     }
     if let Some(cross) = &sensor.cross_field {
-        let variance: f64 = (0..cross.covariance.len()).map(|i| cross.covariance[i][i]).sum();
-        all.push(("field of 50 000 nT across", variance.sqrt()));
+        let share = |key: &str| if key.starts_with("sensitivity.") { field / ACROSS_NT } else { 1.0 };
+        let by: Vec<f64> = cross.covariance_order.iter().map(|key| share(key)).collect();
+        let row = |i: usize| (0..by.len()).map(|j| by[i] * cross.covariance[i][j] * by[j]).sum::<f64>();
+        let variance: f64 = (0..by.len()).map(row).sum();
+        all.push(("field of 50 000 nT across", variance.max(0.0).sqrt()));
     }
     if let Some(drift) = &sensor.drift {
         all.push(("offset drift in a year", drift.own_rms_nt));

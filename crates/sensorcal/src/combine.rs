@@ -58,6 +58,9 @@ fn joined(constants: &Constants, reversal: Option<&Quantity>) -> Joined {
     };
     let difference = offset - constants.offset_nt;
     let variance = c[1][1] + std * std;
+    if variance <= 0.0 {
+        return (alone, c, None);
+    }
     let p = stats::chi_squared_p(difference * difference / variance, 1.0);
     if p < DISAGREE_BELOW {
         let finding = format!(

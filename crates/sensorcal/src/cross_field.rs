@@ -22,7 +22,8 @@ use crate::shape::Shape;
 
 /// A field across that moves by less than this share of the field along is none.
 const ACROSS: f64 = 0.01;
-/// A parameter that moves no reading by this share of itself, or of which less is left beside the others, cannot be told.
+/// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside the others,
+/// cannot be told.
 const VISIBLE: f64 = 0.2;
 /// Fields count in units of the catalogue's reference field.
 const FULL_NT: f64 = 50_000.0;
@@ -114,18 +115,29 @@ fn across(runs: &[Run<'_>]) -> Result<Vec<Vec<Axis>>, Error> {
                 of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min)
             };
             let along = size(run.coil);
-            let coils: Vec<Axis> = Axis::ALL
-                .into_iter()
-                .filter(|coil| *coil != run.coil && size(*coil) > ACROSS * along)
-                .collect();
+            let mut coils: Vec<Axis> = Vec::new();
+            for coil in Axis::ALL {
+                let apart = coils.iter().all(|other| !together(run, coil, *other));
+                if coil != run.coil && size(coil) > ACROSS * along && apart {
+                    coils.push(coil);
+                }
+            }
             if coils.is_empty() {
                 let found = format!("no field across sensor {} that changes", run.sensor);
-                let expected = "drive on a coil across the sensor: zero and both signs";
+                let expected = "drive on a coil across the sensor, zero and both signs in one recording, with one setting of the sensor";
                 return Err(Fault::document(format!("{}.columns", run.path), found, expected).into());
             }
             Ok(coils)
         })
         .collect()
+}
+
+/// Whether two coils are driven in proportion: a lean towards the one cannot be told from one towards the other.
+fn together(run: &Run<'_>, coil: Axis, other: Axis) -> bool {
+    let column = |coil: Axis| -> Vec<f64> { run.rows.iter().map(|row| run.coil_nt(coil, *row)).collect() };
+    let (one, two) = (column(coil), column(other));
+    let with = Mat::from_fn(one.len(), 2, |i, j| if j == 0 { 1.0 } else { two[i] });
+    visible_share(&with, &one) < ACROSS
 }
 
 fn series(runs: &[Run<'_>], only: usize, value: &dyn Fn(&Run<'_>, usize) -> f64) -> Vec<Vec<f64>> {
@@ -144,10 +156,17 @@ fn misalignments(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Vec<Unknown> {
         .collect()
 }
 
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| value.abs().max(most))
+}
+
 /// The parameters of the catalogue's effects that these recordings can tell apart, and those that they cannot.
 fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>), Error> {
     let (mut seen, mut unseen): (Vec<Sought>, Vec<Sought>) = (Vec::new(), Vec::new());
     for kind in [Kind::CrossField, Kind::CrossFieldSensitivity] {
+        let sizes = (0..kind.parameters().len())
+            .map(|number| Ok(largest(&used(runs, &Candidate::effect(kind, number, runs)?.column))));
+        let most = sizes.collect::<Result<Vec<f64>, Error>>()?.into_iter().fold(0.0, f64::max);
         for number in 0..kind.parameters().len() {
             let column = Candidate::effect(kind, number, runs)?.column;
             let others: Vec<Vec<f64>> = seen.iter().map(|one| used(runs, &one.column)).collect();
@@ -155,9 +174,9 @@ fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sough
                 if j < design.ncols() { design[(i, j)] } else { others[j - design.ncols()][i] }
             });
             let values = used(runs, &column);
-            let size = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let size = largest(&values);
             let one = Sought { kind, number, column };
-            if size > VISIBLE && visible_share(&beside, &values) > VISIBLE {
+            if size > VISIBLE * most && visible_share(&beside, &values) > VISIBLE {
                 seen.push(one);
             } else {
                 unseen.push(one);
@@ -402,7 +421,9 @@ fn findings(
         found.findings.push(format!("{} cannot be told from these recordings; {more}", missing.join(", ")));
     }
     let p = found.significance.map_or(1.0, |test| test.p_value);
-    found.findings.push(if p < FOUND_BELOW {
+    found.findings.push(if found.offset.is_empty() {
+        format!("whether fields across change sensor {sensor} cannot be told")
+    } else if p < FOUND_BELOW {
         format!("fields across change sensor {sensor} (p = {p:.1e})")
     } else {
         format!("fields across do not change sensor {sensor} beyond the experimental error (p = {p:.2})")

@@ -190,7 +190,10 @@ impl<'f> Beside<'f> {
 /// A series over the used rows of all runs.
 pub fn used(runs: &[Run<'_>], series: &[Vec<f64>]) -> Vec<f64> {
     let of = runs.iter().zip(series);
-    of.flat_map(|(run, series)| run.rows.iter().map(|row| series[*row]).collect::<Vec<_>>()).collect()
+    of.flat_map(|(run, series)| {
+        run.rows.iter().map(|row| series.get(*row).copied().unwrap_or(0.0)).collect::<Vec<_>>()
+    })
+    .collect()
 }
 
 /// The share of a column that is left beside the columns of a design.

@@ -250,7 +250,8 @@ fn annual(fit: &CorrelatedFit, at: usize) -> AnnualTerm {
 fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
     let variance: Vec<f64> = dates.iter().map(|date| date.scatter_nt2).collect();
     let mean = variance.iter().sum::<f64>() / variance.len() as f64;
-    if mean <= 0.0 {
+    let largest = dates.iter().map(|date| date.offset.value().abs()).fold(0.0, f64::max);
+    if mean <= 1e-24 * largest * largest {
         return Err(Error::Undetermined(
             "the offsets of the dates have no scatter; are they copies of one?".into(),
         ));

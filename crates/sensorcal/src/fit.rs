@@ -107,6 +107,12 @@ impl Fit {
         Quantity::new(self.values[unknown], self.covariance(unknown, unknown).sqrt())
     }
 
+    /// Widens what comes from scatter by a factor of the variance.
+    pub fn widen(&mut self, factor: f64) {
+        let unknowns = self.scatter.nrows();
+        self.scatter = Mat::from_fn(unknowns, unknowns, |i, j| factor * self.scatter[(i, j)]);
+    }
+
     /// Σ of the squared whitened residuals, in units of the noise that was allowed for.
     pub fn sum_of_squares(&self) -> f64 {
         self.linear.variance_factor * self.linear.freedom
@@ -151,7 +157,10 @@ impl Problem<'_, '_> {
                 step.iter_mut().for_each(|s| *s *= 0.5);
             }
         }
-        Err(Error::Estimate(estimate::Error::NotConverged { iterations: STEPS, last_shift: f64::NAN }))
+        Err(Error::Undetermined(format!(
+            "recording \"{}\": no fit settles within {STEPS} steps; do the drives, or the temperatures, go together?",
+            self.runs[0].context.recording.id
+        )))
     }
 
     fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
@@ -262,11 +271,19 @@ impl Problem<'_, '_> {
 
     /// Where the iteration begins.
     fn first(&self) -> State {
-        State {
-            basics: self.runs.iter().map(|run| run.basic.clone()).collect(),
-            effects: self.effects.clone(),
-            columns: vec![0.0; self.unknowns.len()],
+        let mut basics: Vec<Basic> = self.runs.iter().map(|run| run.basic.clone()).collect();
+        for unknown in &self.unknowns {
+            // What several runs share begins alike in all.
+            if let Unknown::Chain(parameter, runs) = unknown {
+                let shared = place(&mut basics[runs[0]], *parameter).map(|value| *value);
+                for run in runs {
+                    if let (Some(value), Some(shared)) = (place(&mut basics[*run], *parameter), shared) {
+                        *value = shared;
+                    }
+                }
+            }
         }
+        State { basics, effects: self.effects.clone(), columns: vec![0.0; self.unknowns.len()] }
     }
 
     /// Derivatives of the predicted field by further parameters, nT, over the used rows of all runs.
@@ -361,13 +378,13 @@ pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Vec<Known> {
             let of = stated?.coil(coil)?;
             let std = |quantity: &Option<Quantity>| quantity.as_ref().and_then(Quantity::std).unwrap_or(0.0);
             let (k, b0) = (std(&of.constant_nt_per_a), std(&of.offset_nt));
-            let order = ["constant_nt_per_a", "offset_nt"];
-            let covariance = of
-                .covariance
-                .clone()
-                .filter(|_| of.covariance_order.as_ref().is_some_and(|keys| keys == &order))
-                .filter(|rows| rows.len() == 2 && rows.iter().all(|row| row.len() == 2))
-                .unwrap_or_else(|| vec![vec![k * k, 0.0], vec![0.0, b0 * b0]]);
+            let order = of.covariance_order.as_deref().unwrap_or_default();
+            let place = |key: &str| order.iter().position(|name| name == key);
+            let stated = place("constant_nt_per_a").zip(place("offset_nt")).and_then(|(k, b0)| {
+                let value = |i: usize, j: usize| of.covariance.as_ref()?.get(i)?.get(j).copied();
+                Some(vec![vec![value(k, k)?, value(k, b0)?], vec![value(b0, k)?, value(b0, b0)?]])
+            });
+            let covariance = stated.unwrap_or_else(|| vec![vec![k * k, 0.0], vec![0.0, b0 * b0]]);
             Some(Known {
                 parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
                 covariance,

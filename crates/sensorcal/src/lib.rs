@@ -99,7 +99,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         let entry = sensors.entry(sensor).get_or_insert_default();
         combine::into(entry, found.calibration, found.constants.as_ref());
         let terms = budget::Terms { constants: found.constants.as_ref(), conditions: &found.conditions };
-        entry.budget = budget::budget(entry, &terms, options);
+        let budget = budget::budget(entry, &terms, options);
+        if !budget.is_empty() {
+            entry.budget = budget;
+        }
     }
     if let Some(calibration) = &mut document.calibration {
         calibration.common_extrema =

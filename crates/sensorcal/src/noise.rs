@@ -52,11 +52,12 @@ pub fn analyse(
     sensor: Axis,
     sensitivity: &(dyn Fn(Unit) -> Option<(f64, f64)> + Sync),
 ) -> Result<Option<SensorNoise>, Error> {
-    let mine =
-        document.recordings.iter().enumerate().filter(|(_, recording)| {
-            recording.procedure == procedure::SENSOR_NOISE && holds(recording, sensor)
-        });
-    let mine: Vec<(usize, &Recording)> = mine.collect();
+    let mut mine: Vec<(usize, &Recording)> = Vec::new();
+    for (index, recording) in document.recordings.iter().enumerate() {
+        if recording.procedure == procedure::SENSOR_NOISE && holds(recording, index, sensor)? {
+            mine.push((index, recording));
+        }
+    }
     let mut all: Vec<Series<'_>> = mine
         .par_iter()
         .map(|(index, recording)| read(recording, &format!("recordings[{index}]"), sensor, sensitivity))
@@ -78,9 +79,18 @@ pub fn analyse(
     Ok(Some(result(&all, &fit, sensor)))
 }
 
-fn holds(recording: &Recording, sensor: Axis) -> bool {
-    let named = recording.conditions.sensor.is_none_or(|of| of == sensor);
-    named && ["v", "nt"].iter().any(|unit| recording.axis_column("sensor", sensor, unit).is_some())
+/// Whether a recording has readings of a sensor; one that names the sensor must.
+fn holds(recording: &Recording, index: usize, sensor: Axis) -> Result<bool, Error> {
+    let path = format!("recordings[{index}]");
+    if recording.table.is_some() {
+        let expected = "the readings under `columns`";
+        return Err(Fault::document(format!("{path}.table"), "a file beside the document", expected).into());
+    }
+    match recording.conditions.sensor {
+        Some(of) if of == sensor => output(recording, &path, sensor).map(|_| true),
+        Some(_) => Ok(false),
+        None => Ok(["v", "nt"].iter().any(|unit| recording.axis_column("sensor", sensor, unit).is_some())),
+    }
 }
 
 fn read<'a>(

@@ -16,7 +16,7 @@ const ALONG: f64 = 0.7;
 /// So many readings show their codes.
 const ENOUGH: usize = 100_000;
 /// So many readings share a code, in the mean, where codes are to be seen.
-const SHARED: usize = 4;
+const SHARED: usize = 2;
 
 /// One recording of one sensor that was turned along a coil.
 #[derive(Clone)]
@@ -115,7 +115,16 @@ pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<
 pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result<Vec<Run<'a>>, Error> {
     let references = References::of(document);
     let found = recordings(document, procedure, sensor)?;
-    found.into_iter().map(|(path, recording)| run(document, recording, path, sensor, references)).collect()
+    let runs: Vec<Run<'a>> = found
+        .into_iter()
+        .map(|(path, recording)| run(document, recording, path, sensor, references))
+        .collect::<Result<_, Error>>()?;
+    if let Some(other) = runs.iter().find(|run| run.context.unit != runs[0].context.unit) {
+        let found = "readings in another unit than in the recording before";
+        let expected = "one unit for all recordings of a sensor's procedure";
+        return Err(Fault::document(format!("{}.columns", other.path), found, expected).into());
+    }
+    Ok(runs)
 }
 
 fn run<'a>(
@@ -163,6 +172,7 @@ fn run<'a>(
     basic.mu.set_column(sensor.index(), &(along * direction));
     let rows = (0..recording.rows())
         .filter(|row| reading[*row].is_finite() && context.current_a[*row].iter().all(|a| a.is_finite()))
+        .filter(|row| recording.column("time_s").is_none_or(|time| time[*row].is_finite()))
         .collect();
     let mut run = Run { context, path, sensor, coil, basic, oriented, reading, rows };
     begin(document, &mut run, unit, direction)?;
@@ -179,21 +189,15 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         let found = format!("{} readings beside a known field", points.len());
         return Err(Fault::document(column, found, "at least four").into());
     }
-    let count = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |(b, v), point| (b + point.0 / count, v + point.1 / count));
-    let (mut bb, mut bv, mut vv) = (0.0, 0.0, 0.0);
-    for (b, v) in &points {
-        let (b, v) = (b - mean.0, v - mean.1);
-        (bb, bv, vv) = (bb + b * b, bv + b * v, vv + v * v);
-    }
+    let line = Line::through(&points);
     let largest = points.iter().map(|point| point.0.abs()).fold(0.0, f64::max);
-    if bb <= 1e-18 * count * largest * largest {
+    if line.bb <= 1e-18 * points.len() as f64 * largest * largest {
         let key = format!("{}.columns.coil_{}", run.path, run.coil);
         let expected = "fields on both sides of zero; one field alone shows no sensitivity";
         return Err(Fault::document(key, "a drive that never changes", expected).into());
     }
-    if vv <= 1e-12 * mean.1 * mean.1 {
-        let found = format!("the constant reading {}", mean.1);
+    if line.vv <= 1e-12 * line.mean.1 * line.mean.1 {
+        let found = format!("the constant reading {}", line.mean.1);
         let expected = format!(
             "readings that follow the {:.0} nT by which the field changes; was the sensor connected?",
             points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max)
@@ -201,14 +205,19 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         );
         return Err(Fault::document(column, found, expected).into());
     }
-    let explained = bv * bv / (bb * vv);
+    // The ends may be clipped: where the inner half follows the field better, the first line goes through it.
+    let inner: Vec<(f64, f64)> =
+        points.iter().copied().filter(|point| point.0.abs() <= 0.5 * largest).collect();
+    let inner = Line::through(&inner);
+    let line = if inner.explained() > line.explained() { inner } else { line };
+    let explained = line.explained();
     if explained < FOLLOWS {
         let found =
             format!("readings that follow the field of coil {} by {:.1} % only", run.coil, 100.0 * explained);
         let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped, or is the output clipped?";
         return Err(Fault::document(column, found, expected).into());
     }
-    let sensitivity = bb / bv;
+    let sensitivity = line.bb / line.bv;
     let stated = run.basic.sensors[sensor.index()].sensitivity;
     let known = document
         .calibration
@@ -229,8 +238,35 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     }
     let first = &mut run.basic.sensors[sensor.index()];
     first.sensitivity = sensitivity;
-    first.offset_nt = mean.0 - sensitivity * mean.1;
+    first.offset_nt = line.mean.0 - sensitivity * line.mean.1;
     Ok(())
+}
+
+/// A straight line through points (field, reading).
+struct Line {
+    mean: (f64, f64),
+    bb: f64,
+    bv: f64,
+    vv: f64,
+}
+
+impl Line {
+    fn through(points: &[(f64, f64)]) -> Self {
+        let count = points.len() as f64;
+        let mean = points.iter().fold((0.0, 0.0), |(b, v), point| (b + point.0 / count, v + point.1 / count));
+        let mut line = Self { mean, bb: 0.0, bv: 0.0, vv: 0.0 };
+        for (b, v) in points {
+            let (b, v) = (b - mean.0, v - mean.1);
+            (line.bb, line.bv, line.vv) = (line.bb + b * b, line.bv + b * v, line.vv + v * v);
+        }
+        line
+    }
+
+    /// Share of the readings' variance that it explains; none where there is none.
+    fn explained(&self) -> f64 {
+        let share = self.bv * self.bv / (self.bb * self.vv);
+        if share.is_finite() { share } else { 0.0 }
+    }
 }
 
 /// Width of a code as a series of readings shows it: the smallest step between different readings, where all steps are whole

@@ -9,7 +9,7 @@ use common::{
 use estimate::correlated::{self, Scale};
 use estimate::stats;
 use faer::Mat;
-use physics::{Context, References};
+use physics::{Context, References, Unit};
 
 use crate::Error;
 use crate::conditions::Conditions;
@@ -150,11 +150,12 @@ pub fn one(
     let field: Vec<f64> = (0..recording.rows())
         .map(|row| k * reading[row] - contribution.as_ref().map_or(0.0, |c| c.field_nt[row]))
         .collect();
-    let shape = noise(code(reading).unwrap_or(0.0) * k);
+    let code_nt = code_width(document, reading, unit) * k;
+    let shape = noise(code_nt);
     let series = Series { recording, field: &field, position, shape: &shape };
     let mut pairs = series.pairs(&rows, 0.0);
     let mut kept = rows.clone();
-    if let Some(worst) = outlier(&pairs.offset_nt) {
+    if let Some(worst) = outlier(&pairs.offset_nt, code_nt) {
         pairs.used[worst] = false;
         let first = rows.iter().position(|row| *row == pairs.row[worst]).unwrap_or(0);
         let bad: Vec<usize> = rows[first..(first + 2).min(rows.len())].to_vec();
@@ -170,7 +171,7 @@ pub fn one(
     let by_temperature: Option<Vec<f64>> = contribution
         .as_ref()
         .map(|contribution| contribution.derivatives.iter().map(|column| mean(column, &kept)).collect());
-    let scatter_nt2 = fit.covariance[(0, 0)];
+    let scatter_nt2 = scatter(&series, &kept, &fit, code_nt)?;
     let common = by_temperature.as_ref().map_or(0.0, |by| conditions.variance(by));
     let variance = scatter_nt2 + (offset * k_std / k).powi(2) + common;
     let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.covariance[(i, i)].sqrt());
@@ -183,6 +184,38 @@ pub fn one(
         noise,
     };
     Ok(Outcome { reversal, scatter_nt2, by_temperature })
+}
+
+/// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and what the readings
+/// show, for they may have been amplified; of two different readings the step may be that of the positions.
+fn code_width(document: &Document, reading: &[f64], unit: Unit) -> f64 {
+    let instrument = document.instrument.as_ref();
+    let stated = match unit {
+        Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
+        Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
+    };
+    match (stated, code(reading)) {
+        (Some(stated), Some(seen)) => stated.min(seen),
+        (one, other) => one.or(other).unwrap_or(0.0),
+    }
+}
+
+/// Variance of the offset from scatter, nT². Where the noise is not known, no memory that is allowed for makes it smaller than
+/// independent readings would; and where the readings scatter by less than a code, rounding of either position does not
+/// average down: δ²/12 each, halved in their sum.
+fn scatter(
+    series: &Series<'_>,
+    rows: &[usize],
+    fit: &correlated::CorrelatedFit,
+    code_nt: f64,
+) -> Result<f64, Error> {
+    let (design, y) = series.problem(rows);
+    let plain = estimate::linear::fit(design.as_ref(), &y, None)?;
+    let variance = plain.sum_of_squares / plain.freedom;
+    let independent = plain.covariance[(0, 0)] * variance;
+    let floor = if variance.sqrt() < 0.5 * code_nt { code_nt * code_nt / 24.0 } else { 0.0 };
+    let own = fit.covariance[(0, 0)];
+    Ok(if series.shape.is_known() { own } else { own.max(independent) } + floor)
 }
 
 fn mean(column: &[f64], rows: &[usize]) -> f64 {
@@ -206,7 +239,7 @@ impl Series<'_> {
     }
 
     /// k V = −O + p B + p (t − t̄) Ḃ: offset, the shield's field and its drift.
-    fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise), Error> {
+    fn problem(&self, rows: &[usize]) -> (Mat<f64>, Vec<f64>) {
         let time = self.centred(rows).filter(|_| rows.len() >= DRIFT_FROM);
         let design = Mat::from_fn(rows.len(), 2 + usize::from(time.is_some()), |i, column| {
             let position = self.position[rows[i]];
@@ -217,7 +250,11 @@ impl Series<'_> {
                 (_, None) => 0.0,
             }
         });
-        let y: Vec<f64> = rows.iter().map(|row| self.field[*row]).collect();
+        (design, rows.iter().map(|row| self.field[*row]).collect())
+    }
+
+    fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise), Error> {
+        let (design, y) = self.problem(rows);
         let allowed = self.shape.allowed(&[(rows.len(), times(self.recording, rows))], Place::Shield)?;
         let fit = correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted)?;
         if fit.freedom < 1.0 {
@@ -253,8 +290,8 @@ impl Series<'_> {
     }
 }
 
-/// The value that does not belong to the others, by Grubbs' test: t² = n (n − 2) g²/((n − 1)² − n g²).
-fn outlier(values: &[f64]) -> Option<usize> {
+/// The value that does not belong to the others, by more than a code, by Grubbs' test: t² = n (n − 2) g²/((n − 1)² − n g²).
+fn outlier(values: &[f64], code_nt: f64) -> Option<usize> {
     let n = values.len() as f64;
     if n < 4.0 {
         return None;
@@ -266,7 +303,8 @@ fn outlier(values: &[f64]) -> Option<usize> {
     let g = (values[worst] - mean).abs() / std;
     let left = (n - 1.0).powi(2) - n * g * g;
     let t = if left > 0.0 { (n * (n - 2.0) * g * g / left).sqrt() } else { f64::INFINITY };
-    (std > 0.0 && n * stats::two_sided_p(t, n - 2.0) < OUTLIER_BELOW).then_some(worst)
+    let far = (values[worst] - mean).abs() > code_nt;
+    (far && std > 0.0 && n * stats::two_sided_p(t, n - 2.0) < OUTLIER_BELOW).then_some(worst)
 }
 
 #[cfg(test)]
@@ -276,9 +314,9 @@ mod tests {
     #[test]
     fn one_bad_pair_is_told() {
         let mut offsets = vec![0.31, 0.29, 0.30, 0.32, 0.31, 0.28, 0.30, 0.31];
-        assert_eq!(outlier(&offsets), None);
+        assert_eq!(outlier(&offsets, 0.0), None);
         offsets[5] = 0.9;
-        assert_eq!(outlier(&offsets), Some(5));
-        assert_eq!(outlier(&[0.1, 5.0, 0.2]), None);
+        assert_eq!(outlier(&offsets, 0.0), Some(5));
+        assert_eq!(outlier(&[0.1, 5.0, 0.2], 0.0), None);
     }
 }

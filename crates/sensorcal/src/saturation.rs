@@ -10,6 +10,8 @@ use crate::sensitivity::along;
 const STILL: f64 = 1e-6;
 /// Codes of the converter by which a reading that stands still may differ.
 const CODES: f64 = 2.0;
+/// A single reading falls short of the line by so much of itself before it counts as standing still.
+const SHORT: f64 = 1e-3;
 /// A reading is missed by so many times what it may differ by before it counts as standing still.
 const MISSED: f64 = 20.0;
 
@@ -56,7 +58,14 @@ fn flat(run: &Run<'_>, field: &[f64], sign: f64, code: f64) -> Vec<usize> {
     let Some(slope) = slope(run, field) else { return Vec::new() };
     let fields = || rows.iter().map(|row| sign * field[*row]);
     let apart = fields().fold(f64::NEG_INFINITY, f64::max) - fields().fold(f64::INFINITY, f64::min);
-    if rows.len() >= 2 && apart * slope > MISSED * still { rows } else { Vec::new() }
+    if rows.len() >= 2 && apart * slope > MISSED * still {
+        return rows;
+    }
+    // One reading alone stands still where it falls short of the line of the inner ones by far.
+    let last = run.rows.iter().copied().max_by(|a, b| (sign * field[*a]).total_cmp(&(sign * field[*b])));
+    let short =
+        |row: usize| slope * sign * field[row] - reading(row) > SHORT * reading(row).abs() + MISSED * still;
+    last.filter(|row| short(*row)).into_iter().collect()
 }
 
 /// Reading for each nT where the field is at most half of its largest size.

@@ -74,7 +74,8 @@ pub fn calibrate(
             line.linear.residuals.len()
         )));
     }
-    let extended = departure::extend(&problem, &candidates)?;
+    let mut extended = departure::extend(&problem, &candidates)?;
+    let apart = agreement(&problem, &mut extended)?;
     let fit = &extended.fit;
     let orders = orders(&problem, &line)?;
     let field_errors = field_errors(&runs, fit);
@@ -115,6 +116,7 @@ pub fn calibrate(
     let nonlinearity = places.filter_map(|(name, at)| Some((Kind::named(name)?, fit.quantity(at)))).collect();
     let largest_nt = largest(&runs);
     result.findings = findings(&result, code_nt, conditions, &runs);
+    result.findings.extend(apart);
     Ok(Some(Constants {
         unit,
         sensitivity: k,
@@ -125,6 +127,33 @@ pub fn calibrate(
         largest_nt,
         fit: result,
     }))
+}
+
+/// Whether several recordings agree on k and O; where they do not, uncertainties rest on their differences.
+fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> Result<Option<String>, Error> {
+    let count = problem.runs.len();
+    if count < 2 {
+        return Ok(None);
+    }
+    let sensor = problem.runs[0].sensor;
+    let one = |parameter: Parameter| (0..count).map(move |run| Unknown::Chain(parameter, vec![run]));
+    let own = one(Parameter::Sensitivity(sensor)).chain(one(Parameter::SensorOffset(sensor))).collect();
+    let single = problem.allowed.likeliest(&extended.fit.linear);
+    let squares = |unknowns: Vec<Unknown>| -> Result<(f64, f64), Error> {
+        let fit = Problem { allowed: &single, ..problem.with(unknowns) }.solve()?;
+        Ok((fit.sum_of_squares(), fit.linear.freedom))
+    };
+    let (shared, apart) = (squares(problem.unknowns.clone())?, squares(own)?);
+    let (above, below) = (shared.1 - apart.1, apart.1);
+    let f = (shared.0 - apart.0).max(0.0) / above / (apart.0 / below);
+    let p = stats::f_p(f, above, below);
+    if p >= FOUND_BELOW {
+        return Ok(None);
+    }
+    extended.fit.widen(f);
+    Ok(Some(format!(
+        "the recordings do not agree on k and O (p = {p:.1e}); the uncertainties rest on their differences"
+    )))
 }
 
 /// Key of the sensitivity for readings of a unit.
@@ -172,7 +201,7 @@ fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
         let middle = run.rows.iter().filter_map(|row| time.get(*row)).sum::<f64>() / run.rows.len() as f64;
         time.iter().map(|t| (t - middle) / 3600.0).collect()
     };
-    Ok(vec![
+    let mut all = vec![
         Candidate::effect(Kind::QuadraticNonlinearity, 0, runs)?,
         Candidate::effect(Kind::CubicNonlinearity, 0, runs)?,
         Candidate {
@@ -185,8 +214,11 @@ fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
             parameter: "negative_less_positive_nt",
             column: each(&|run| along(run).iter().map(|b| b.min(0.0) / FULL_NT).collect()),
         },
-        Candidate { name: "offset_drift", parameter: "rate_nt_per_h", column: each(&hours) },
-    ])
+    ];
+    if runs.iter().all(|run| run.times().is_some()) {
+        all.push(Candidate { name: "offset_drift", parameter: "rate_nt_per_h", column: each(&hours) });
+    }
+    Ok(all)
 }
 
 /// Polynomials from the line up, the last term of each tested beside the lower ones.

@@ -11,6 +11,8 @@ use crate::Error;
 const RATIOS: [f64; 10] = [0.0, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
 const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
+/// Readings in one fit at most.
+const MOST_ROWS: usize = 4000;
 /// Covariances that weigh less than this are left out of further fits.
 const WEIGHTY: f64 = 1e-3;
 
@@ -49,6 +51,11 @@ impl Shape {
         Self { known, source, rounding_nt2: code_nt * code_nt / 12.0 }
     }
 
+    /// Whether the sensor's noise is known.
+    pub fn is_known(&self) -> bool {
+        self.known.is_some()
+    }
+
     /// The covariances that are allowed for, over several recordings that share nothing: the times of each, or how many rows
     /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
     /// top; where it is not known, flicker noise in every proportion.
@@ -66,6 +73,12 @@ impl Shape {
             (source, Place::Coils) => format!("{source}, with that of the field"),
         };
         let mut allowed = Allowed { source, known: self.known.is_some(), ..Allowed::default() };
+        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
+        if total > MOST_ROWS {
+            return Err(Error::Undetermined(format!(
+                "{total} readings in one fit; its covariance is a full matrix, and {MOST_ROWS} are the limit: record fewer, or leave some out"
+            )));
+        }
         let white = self.known.as_ref().map_or(1.0, |noise| noise.white_rms_nt.unwrap_or(0.0).powi(2))
             + self.rounding();
         let own = Noise { white_rms_nt: Some(white.sqrt()), ..self.known.clone().unwrap_or_default() };
@@ -73,7 +86,12 @@ impl Shape {
         let parts: Vec<[Vec<f64>; 2]> = recordings
             .iter()
             .map(|(rows, time)| {
-                Ok([covariance(&own, *rows, time.as_deref())?, covariance(&flicker, *rows, time.as_deref())?])
+                let mut own = covariance(&own, *rows, time.as_deref())?;
+                if mean_variance(&own, *rows) == 0.0 {
+                    // Flicker noise alone, and no times: the readings are as good as independent.
+                    (0..*rows).for_each(|row| own[row * rows + row] = 1.0);
+                }
+                Ok([own, covariance(&flicker, *rows, time.as_deref())?])
             })
             .collect::<Result<_, Error>>()?;
         for [more_white, more_flicker] in extra {

@@ -229,7 +229,13 @@ fn distinct(heated: &Heated<'_>, part: Part) -> usize {
         .flat_map(|(run, both)| run.rows.iter().map(|row| both[at][*row]).collect::<Vec<_>>())
         .collect();
     all.sort_by(f64::total_cmp);
-    1 + all.windows(2).filter(|pair| pair[1] - pair[0] > 1.0).count()
+    let (mut levels, mut begin) = (1, all.first().copied().unwrap_or(0.0));
+    for temperature in all {
+        if temperature - begin > 1.0 {
+            (levels, begin) = (levels + 1, temperature);
+        }
+    }
+    levels
 }
 
 /// Each run with its own k and O, the polynomial of the sensor, and the effects of temperature common to all.
@@ -341,12 +347,12 @@ fn describe(
         for (number, kinds) in part.kinds().into_iter().enumerate() {
             let linear = lags.linear(kinds).map(|at| fit.quantity(at)).unwrap_or_default();
             let curvature = lags.index(kinds[0], 1);
-            let quadratic = curvature.map(|at| fit.quantity(at)).unwrap_or_default();
-            let p = curvature
-                .map_or(1.0, |at| stats::two_sided_p(fit.values[at] / fit.type_a(at), fit.linear.freedom));
+            let quadratic = curvature.map(|at| fit.quantity(at));
+            let p =
+                curvature.map(|at| stats::two_sided_p(fit.values[at] / fit.type_a(at), fit.linear.freedom));
             let lag = lags.index(kinds[1], 1).map(|at| fit.quantity(at));
             if let (Some(c), Some(q)) = (lags.linear(kinds), curvature)
-                && p < FOUND_BELOW
+                && p.is_some_and(|p| p < FOUND_BELOW)
                 && lag.is_none()
             {
                 let (value, std) = extremum(fit, c, q);

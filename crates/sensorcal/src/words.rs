@@ -26,6 +26,12 @@ pub fn summary(document: &Document) -> String {
             ),
         );
     }
+    if !text.is_empty() {
+        line(
+            &mut text,
+            "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval",
+        );
+    }
     text
 }
 
@@ -49,7 +55,8 @@ fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
     let k = volts.or(sensor.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nT/nT")));
     let mut head = format!("sensorcal: sensor {axis}:");
     if let Some((k, unit)) = k {
-        let _ = write!(head, " {} {unit}", plus_minus(k, 4));
+        let digits = if unit == "nT/V" { 4 } else { 8 };
+        let _ = write!(head, " {} {unit}", plus_minus(k, digits));
     }
     if let Some(offset) = &sensor.offset_nt {
         let _ = write!(head, ", offset {} nT", signed(offset, 3));
@@ -123,13 +130,13 @@ fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
         line(
             text,
             &format!(
-                "  {name} from {:.0} to {:.0} degC: k {} ppm/K and {} ppm/K², offset {} nT/K and {} nT/K²",
+                "  {name} from {:.0} to {:.0} degC: the field that is read moves by {} ppm/K{}, and by {} nT/K{}",
                 of.range_c[0],
                 of.range_c[1],
                 signed(&of.sensitivity_ppm_per_k, 3),
-                signed(&of.sensitivity_ppm_per_k2, 4),
+                curvature(&of.sensitivity_ppm_per_k2, 4, "ppm/K²"),
                 signed(&of.offset_nt_per_k, 4),
-                signed(&of.offset_nt_per_k2, 5)
+                curvature(&of.offset_nt_per_k2, 5, "nT/K²")
             ),
         );
     };
@@ -138,6 +145,10 @@ fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
             part(name, of);
         }
     }
+}
+
+fn curvature(quantity: &Option<Quantity>, digits: usize, unit: &str) -> String {
+    quantity.as_ref().map_or(String::new(), |quantity| format!(" and {} {unit}", signed(quantity, digits)))
 }
 
 fn cross_line(cross: &CrossFieldFit) -> String {

@@ -61,9 +61,9 @@ fn coefficients_and_the_report_s_slopes() {
     assert!(fit.electronics.is_none());
     for (name, quantity, truth) in [
         ("ppm/K", &part.sensitivity_ppm_per_k, 28.0),
-        ("ppm/K2", &part.sensitivity_ppm_per_k2, 0.05),
+        ("ppm/K2", part.sensitivity_ppm_per_k2.as_ref().expect("a curvature"), 0.05),
         ("nT/K", &part.offset_nt_per_k, 0.05),
-        ("nT/K2", &part.offset_nt_per_k2, -0.001),
+        ("nT/K2", part.offset_nt_per_k2.as_ref().expect("a curvature"), -0.001),
         ("three points, ppm/K", &part.three_point["sensitivity_ppm_per_k"], 28.0),
         ("three points, nT/K", &part.three_point["offset_nt_per_k"], 0.05),
     ] {
@@ -233,4 +233,39 @@ fn without_both_signs_a_lean_cannot_be_told() {
     let cross = sensor(&document(across(8, &[0.0, 60_000.0], 3.0))).cross_field.expect("fields across");
     assert!(cross.offset.is_empty());
     assert!(cross.findings.iter().any(|finding| finding.contains("both signs")), "{:?}", cross.findings);
+}
+
+#[test]
+fn a_ramp_shows_its_curvature_and_no_lag() {
+    let steps: Vec<(f64, f64)> = (0..301).map(|row| (-7.0 + 0.2 * f64::from(row), 23.0)).collect();
+    let mut stream = Stream::new(21, "ramp");
+    let field = |row: usize| 50_000.0 * (row % 11) as f64 / 5.0 - 50_000.0;
+    let adds = |b: f64, s: f64| b * 1e-6 * (28.0 * s + 0.05 * s * s) + 0.05 * s + 0.001 * s * s;
+    let volts = steps
+        .iter()
+        .enumerate()
+        .map(|(row, (s, _))| read(&mut stream, field(row) + adds(field(row), s - 23.0), 0.0, 0.1))
+        .collect();
+    let rows = steps.len();
+    let columns = [
+        ("time_s", (0..rows).map(|row| 60.0 * row as f64).collect()),
+        ("coil_x_a", (0..rows).map(|row| field(row) / COIL).collect()),
+        ("sensor_x_v", volts),
+        ("sensor_temperature_c", steps.iter().map(|step| step.0).collect()),
+        ("electronics_temperature_c", vec![23.0; rows]),
+    ];
+    let part =
+        fitted(&document(vec![recording("ramp", "temperature_run", &columns)])).sensor.expect("the sensor");
+    let curvature = part.sensitivity_ppm_per_k2.expect("a curvature");
+    assert!((curvature.value() - 0.05).abs() < 3.5 * curvature.std().expect("a std"), "{curvature:?}");
+    assert!(part.lag_s.is_none(), "{}", part.lag);
+}
+
+#[test]
+fn small_fields_across_show_what_they_can() {
+    let levels = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
+    let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("fields across");
+    let second = &cross.offset["second_nt"];
+    assert!((second.value() - 8.0).abs() < 3.5 * second.std().expect("a std"), "{second:?}");
+    assert!(cross.significance.expect("a test").p_value < 1e-6);
 }

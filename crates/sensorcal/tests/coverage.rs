@@ -120,9 +120,9 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
         let of = part.as_ref().expect("a part");
         let values = [
             &of.sensitivity_ppm_per_k,
-            &of.sensitivity_ppm_per_k2,
+            of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
             &of.offset_nt_per_k,
-            &of.offset_nt_per_k2,
+            of.offset_nt_per_k2.as_ref().expect("a curvature"),
         ];
         let keys = ["ppm/K", "ppm/K2", "nT/K", "nT/K2"];
         for (number, (value, key)) in values.into_iter().zip(keys).enumerate() {

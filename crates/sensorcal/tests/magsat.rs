@@ -48,11 +48,15 @@ fn every_true_coefficient_is_within_its_interval() {
             add(&format!("{scale} slope"), &of.sensitivity_ppm_per_k, truth(&scale, "coefficient_ppm_per_k"));
             add(
                 &format!("{scale} curvature"),
-                &of.sensitivity_ppm_per_k2,
+                of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
                 truth(&scale, "curvature_ppm_per_k2"),
             );
             add(&format!("{shift} slope"), &of.offset_nt_per_k, truth(&shift, "coefficient_nt_per_k"));
-            add(&format!("{shift} curvature"), &of.offset_nt_per_k2, truth(&shift, "curvature_nt_per_k2"));
+            add(
+                &format!("{shift} curvature"),
+                of.offset_nt_per_k2.as_ref().expect("a curvature"),
+                truth(&shift, "curvature_nt_per_k2"),
+            );
         }
         let cross = sensor.cross_field.as_ref().expect("fields across");
         for (name, quantity) in &cross.offset {

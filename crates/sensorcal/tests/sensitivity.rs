@@ -146,3 +146,58 @@ fn scales_and_signs() {
     let (turned_k, turned_o) = straight(&document);
     assert!((k - turned_k).abs() < 1e-8 * K && (o - turned_o).abs() < 1e-8);
 }
+
+#[test]
+fn without_times_there_is_still_an_answer() {
+    let mut document = with(vec![sensitivity(11, &sweep(50_000.0, 41), 0.2, |b| b)]);
+    document["recordings"][0]["columns"].as_object_mut().expect("columns").remove("time_s");
+    let found = sensor(&document);
+    assert!((found.sensitivity_nt_per_v.expect("k").value() - K).abs() < 0.05);
+    assert!(found.sensitivity.expect("a fit").departures.iter().all(|d| d.departure != "offset_drift"));
+}
+
+#[test]
+fn recordings_are_joined_or_told_apart() {
+    let two = |second: f64| {
+        let mut other = sensitivity(13, &sweep(50_000.0, 41), 0.2, |b| b * second);
+        other["id"] = json!("again");
+        with(vec![sensitivity(12, &sweep(50_000.0, 41), 0.2, |b| b), other])
+    };
+    let alike = sensor(&two(1.0));
+    let fit = alike.sensitivity.expect("a fit");
+    assert!(fit.findings.iter().all(|finding| !finding.contains("do not agree")), "{:?}", fit.findings);
+    // Readings 1e-4 higher are a k 1e-4 lower: the mean of both, and an uncertainty that reaches them.
+    let apart = sensor(&two(1.0001));
+    let k = apart.sensitivity_nt_per_v.expect("k");
+    assert!((k.value() / K - (1.0 - 0.5e-4)).abs() < 5e-6, "{k:?}");
+    assert!(k.std().expect("a std") > 0.1, "{k:?}");
+    assert!(
+        apart.sensitivity.expect("a fit").findings.iter().any(|finding| finding.contains("do not agree"))
+    );
+}
+
+#[test]
+fn readings_without_any_noise_give_numbers() {
+    let found = sensor(&with(vec![sensitivity(14, &sweep(50_000.0, 41), 0.0, |b| b - 2.0)]));
+    let k = found.sensitivity_nt_per_v.expect("k");
+    assert!((k.value() - K).abs() < 1e-6 && k.std().expect("a std") < 1e-6, "{k:?}");
+}
+
+#[test]
+fn one_clipped_reading_is_told() {
+    let fit = sensor(&with(vec![sensitivity(15, &sweep(50_000.0, 101), 0.1, |b| b.min(49_700.0))]));
+    let fit = fit.sensitivity.expect("a fit");
+    assert_eq!(fit.saturation.as_ref().expect("a saturation").count, 1);
+    assert!(fit.noise.rms_nt < 0.2, "{}", fit.noise.rms_nt);
+}
+
+#[test]
+fn an_effect_that_was_stated_is_not_there_twice() {
+    let mut document =
+        with(vec![sensitivity(16, &sweep(50_000.0, 101), 0.1, |b| b + 2.0 * (b / 5e4).powi(3))]);
+    document["model"] = json!({"effects": [{"effect": "cubic_nonlinearity", "sensor": "x", "parameters": {"departure_nt": 1.8}}]});
+    let found = build::run(&document).expect("calibrated");
+    let effects = found.model.expect("a model").effects;
+    assert_eq!(effects.len(), 1);
+    assert!((effects[0].parameters["departure_nt"].value() - 2.0).abs() < 0.2);
+}

@@ -1,0 +1,106 @@
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity};
+
+/// The test magnetometer against the reference: T = R η + d, rows are samples.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct DifferentialCalibration {
+    /// η: column j holds what the reference's x, y, z give to the test's axis j.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<Matrix3x3>,
+    /// d, nT: mean of T − R η.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset_nt: Option<PerAxis<Quantity>>,
+    /// Covariance of the matrix in the order of `covariance_order`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Vec<Vec<f64>>>,
+    /// `matrix[0][0]`, `matrix[1][0]`, …: column by column.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance_order: Option<Vec<String>>,
+    /// How they were found.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fit: Option<Box<DifferentialFit>>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// How a test magnetometer was held against its reference, by diffmag.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct DifferentialFit {
+    /// The recording.
+    pub recording: String,
+    /// Samples used.
+    pub samples: usize,
+    /// From one sample to the next, s.
+    pub step_s: f64,
+    /// Samples of which a reading is missing; they are left out.
+    pub missing: usize,
+    /// Every element of the matrix by its place, `xy` from the reference's x to the test's y.
+    pub elements: IndexMap<String, MatrixElement>,
+    /// Which interval to quote, and why.
+    pub quoted: String,
+    /// Each axis of the test instrument.
+    pub axes: PerAxis<DifferenceAxis>,
+    /// The clock of the test instrument against the reference's.
+    pub clock: Option<ClockDifference>,
+    /// What looks wrong, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<String>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One element of the matrix.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MatrixElement {
+    /// By least squares, as the source has it.
+    pub least_squares: f64,
+    /// Its standard uncertainty if the errors were independent, with N − 4 degrees of freedom (the source's).
+    pub std_independent: f64,
+    /// The same by Newey and West.
+    pub std_newey_west: f64,
+    /// The same under the noise that was fitted to the difference.
+    pub std_noise: f64,
+    /// By least squares weighted with the spectrum of that noise.
+    pub weighted: f64,
+    /// Its standard uncertainty.
+    pub weighted_std: f64,
+}
+
+/// The difference d along one axis of the test instrument.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct DifferenceAxis {
+    /// Rms of d about its mean, nT.
+    pub rms_nt: f64,
+    /// 95 % interval of its standard deviation by χ² with N − 4 degrees of freedom, as the source has it, nT.
+    pub rms_interval_independent_nt: [f64; 2],
+    /// A of its flicker noise A f^-α, nT²/Hz at 1 Hz.
+    pub flicker_nt2_per_hz_at_1hz: Quantity,
+    /// α.
+    pub flicker_exponent: Quantity,
+    /// White noise of one reading, nT.
+    pub white_rms_nt: Quantity,
+    /// √P at 1 Hz of the flicker noise, nT/√Hz.
+    pub density_at_1hz_nt_per_sqrt_hz: Quantity,
+    /// Probability of a worse agreement of the spectrum with that form by chance.
+    pub goodness_p: f64,
+    /// Overlapping Allan deviation.
+    pub allan: AllanDeviation,
+    /// Straight drift under the fitted noise, nT/day.
+    pub drift_nt_per_day: Quantity,
+}
+
+/// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ClockDifference {
+    /// Its offset in the middle of the recording, s.
+    pub offset_s: Quantity,
+    /// How much faster it runs, ppm.
+    pub rate_ppm: Quantity,
+}

@@ -1,0 +1,72 @@
+use nalgebra::Matrix3;
+use thiserror::Error;
+
+use super::EtaCovariance;
+
+/// Singular values of η with columns of unit length that are smaller than this share of the largest count as zero.
+const FLAT: f64 = 1e-9;
+/// Standard uncertainties by which the determinant of η must differ from zero.
+const SIGMAS: f64 = 3.0;
+
+/// Why the fourteen parameters were not found.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// η has no inverse.
+    #[error(
+        "η is singular within its uncertainty: its determinant is {determinant:.3e} ± {uncertainty:.1e}; three axes of one instrument lie in a plane, an output is dead or connected twice, or the field did not vary in three directions"
+    )]
+    Singular {
+        /// Determinant of η.
+        determinant: f64,
+        /// Its standard uncertainty.
+        uncertainty: f64,
+    },
+    /// The known values are impossible.
+    #[error("known values of the {instrument}: found {found}; expected {expected}")]
+    Known {
+        /// Whose values they are.
+        instrument: &'static str,
+        /// What they are.
+        found: String,
+        /// What they can be.
+        expected: &'static str,
+    },
+    /// A matrix given as a covariance is none.
+    #[error(
+        "the covariance of {of} is none: {found}; it must be finite, symmetric and have no negative eigenvalue"
+    )]
+    Covariance {
+        /// Of which values.
+        of: &'static str,
+        /// What is wrong with it.
+        found: String,
+    },
+    /// η and the known values contradict each other.
+    #[error(
+        "no pair of instruments has this η and these known values: the reference's axes would not span space"
+    )]
+    NoAnswer,
+    /// The iteration failed.
+    #[error("the fourteen parameters were not found numerically: {0}")]
+    Estimate(#[from] estimate::Error),
+}
+
+/// Refuses an η that cannot be told from a singular one: det η = Σ_j η_ij C_ij, with C its cofactors, and to first order
+/// var(det η) = cᵀ Σ c with c the nine cofactors.
+pub(super) fn refuse_singular(eta: &Matrix3<f64>, covariance: &EtaCovariance) -> Result<(), Error> {
+    let columns: [_; 3] = std::array::from_fn(|j| eta.column(j).into_owned());
+    let cofactors = Matrix3::from_fn(|i, j| columns[(j + 1) % 3].cross(&columns[(j + 2) % 3])[i]);
+    let determinant = eta.determinant();
+    let gradient = nalgebra::SVector::<f64, 9>::from_column_slice(cofactors.as_slice());
+    let uncertainty = gradient.dot(&(covariance * gradient)).max(0.0).sqrt();
+    let unit = Matrix3::from_columns(&columns.map(|column| column / column.norm()));
+    // Columns of zeros and elements that are not finite leave numbers here that are not finite.
+    let flat = !unit.iter().all(|element| element.is_finite()) || {
+        let sigma = unit.singular_values();
+        sigma.min() <= FLAT * sigma.max()
+    };
+    if flat || determinant.abs() <= SIGMAS * uncertainty {
+        return Err(Error::Singular { determinant, uncertainty });
+    }
+    Ok(())
+}

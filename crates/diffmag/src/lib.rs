@@ -1,0 +1,30 @@
+//! Two magnetometers side by side (the differential method): T = R η + d, rows are samples.
+//!
+//! η says how the test instrument is turned and scaled against the reference, d is the difference that no turn explains. Its
+//! spectrum is fitted, and with it the intervals of η that hold for errors with memory.
+
+mod difference;
+mod error;
+pub mod fourteen;
+mod regression;
+mod series;
+mod words;
+
+pub use error::Error;
+pub use words::summary;
+
+use common::Document;
+
+/// What is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {}
+
+/// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
+pub fn run(mut document: Document, _: &Options) -> Result<Document, Error> {
+    let pair = series::read(&document)?;
+    let found = regression::calibrate(&pair)?;
+    let calibration = document.calibration.get_or_insert_default();
+    let extra = calibration.differential.take().map(|kept| kept.extra).unwrap_or_default();
+    calibration.differential = Some(common::DifferentialCalibration { extra, ..found });
+    Ok(document)
+}

@@ -1,0 +1,142 @@
+//! Linear regression of long even series whose errors have a known spectrum.
+
+use faer::{Mat, Side};
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use crate::Error;
+use crate::stats::mean;
+
+/// A regression y ≈ c + X β of n samples Δt apart; the constant is taken off as the mean.
+#[derive(Clone, Debug)]
+pub struct SpectralFit {
+    /// β by least squares.
+    pub least_squares: Vec<f64>,
+    /// Its covariance under errors of the given spectrum.
+    pub covariance: Mat<f64>,
+    /// (X°ᵀ X°)⁻¹: its covariance if the errors were independent and of variance one.
+    pub independent: Mat<f64>,
+    /// β weighted by the spectrum: the estimate of least variance.
+    pub weighted: Vec<f64>,
+    /// Its covariance.
+    pub weighted_covariance: Mat<f64>,
+}
+
+/// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of y's unit, per
+/// Hz).
+///
+/// With the transforms x̃_k, ỹ_k at f_k = k/(nΔt), k = 1 … n/2, and the errors' variance there, S_k = n P(f_k)/(2Δt):
+///
+/// - least squares, β = (X°ᵀX°)⁻¹ X°ᵀy°, has the covariance (X°ᵀX°)⁻¹ (X°ᵀ V X°)(X°ᵀX°)⁻¹ with
+///   X°ᵀVX° = 2/n Σ x̃_k* x̃_kᵀ P_k/(2Δt): errors with memory are in it;
+/// - weighted, β = (Σ x̃_k* x̃_kᵀ/S_k)⁻¹ Σ x̃_k* ỹ_k/S_k (real parts), with the covariance (2 Σ x̃_k* x̃_kᵀ/S_k)⁻¹.
+///
+/// Errors are taken as periodic over the series, which matters for what is slower than its length.
+///
+/// Source: E. J. Hannan, Regression for time series, in Time Series Analysis (M. Rosenblatt, ed.), Wiley 1963.
+///
+/// # Errors
+///
+/// [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the columns depend on each
+/// other.
+pub fn regress(
+    columns: &[Vec<f64>],
+    y: &[f64],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+) -> Result<SpectralFit, Error> {
+    let (rows, unknowns) = (y.len(), columns.len());
+    if rows < 2 * unknowns + 2 {
+        return Err(Error::TooFew { found: rows, unknowns });
+    }
+    let mut planner = RealFftPlanner::<f64>::new();
+    let plan = planner.plan_fft_forward(rows);
+    let transform = |values: &[f64]| -> Vec<Complex<f64>> {
+        let middle = mean(values);
+        let mut input: Vec<f64> = values.iter().map(|value| value - middle).collect();
+        let mut output = plan.make_output_vec();
+        plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
+        output
+    };
+    let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
+    let y = transform(y);
+    let count = rows as f64;
+    let (mut plain, mut noisy, mut weighted) =
+        (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
+    let (mut plain_y, mut weighted_y) = (vec![0.0; unknowns], vec![0.0; unknowns]);
+    for k in 1..y.len() {
+        let frequency = k as f64 / (count * step_s);
+        // The Nyquist frequency stands once in the transform, the others twice.
+        let twice = if 2 * k == rows { 1.0 } else { 2.0 };
+        let variance = density(frequency) / (2.0 * step_s);
+        for i in 0..unknowns {
+            for j in 0..=i {
+                let product = twice * (x[i][k].conj() * x[j][k]).re / count;
+                plain[(i, j)] += product;
+                noisy[(i, j)] += product * variance;
+                weighted[(i, j)] += product / variance;
+            }
+            let product = twice * (x[i][k].conj() * y[k]).re / count;
+            plain_y[i] += product;
+            weighted_y[i] += product / variance;
+        }
+    }
+    let whole = |half: Mat<f64>| Mat::from_fn(unknowns, unknowns, |i, j| half[(i.max(j), i.min(j))]);
+    let (plain, noisy, weighted) = (inverse(&whole(plain))?, whole(noisy), inverse(&whole(weighted))?);
+    let times = |matrix: &Mat<f64>, vector: &[f64]| -> Vec<f64> {
+        (0..unknowns).map(|i| (0..unknowns).map(|j| matrix[(i, j)] * vector[j]).sum()).collect()
+    };
+    Ok(SpectralFit {
+        least_squares: times(&plain, &plain_y),
+        covariance: &plain * &noisy * &plain,
+        weighted: times(&weighted, &weighted_y),
+        weighted_covariance: weighted,
+        independent: plain,
+    })
+}
+
+/// The inverse of a positive definite matrix, its rows and columns scaled first.
+fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let n = matrix.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();
+    let failed = |reason: &str| Error::Decomposition { rows: n, columns: n, reason: reason.into() };
+    if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
+        return Err(failed("a column that does not vary, or is not finite"));
+    }
+    let scaled = Mat::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
+    let factor = scaled.as_ref().llt(Side::Lower).map_err(|error| failed(&format!("{error:?}")))?;
+    let unit = Mat::<f64>::identity(n, n);
+    let inverse = faer::linalg::solvers::Solve::solve(&factor, &unit);
+    Ok(Mat::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear;
+
+    #[test]
+    fn white_errors_give_least_squares() {
+        let rows = 97;
+        let x: Vec<Vec<f64>> = vec![
+            (0..rows).map(|i| 20_000.0 + (0.13 * f64::from(i)).sin() * 30.0).collect(),
+            (0..rows).map(|i| 50_000.0 + (0.031 * f64::from(i * i % 71)).cos() * 20.0).collect(),
+        ];
+        let y: Vec<f64> = (0..rows as usize)
+            .map(|i| 7.0 + 0.9 * x[0][i] - 0.2 * x[1][i] + 0.01 * f64::from((i as i32 * 37) % 11))
+            .collect();
+        let fit = regress(&x, &y, 1.0, &|_| 2.0 * 0.25).expect("a fit");
+        let design = Mat::from_fn(rows as usize, 3, |i, j| if j == 0 { 1.0 } else { x[j - 1][i] });
+        let plain = linear::fit(design.as_ref(), &y, None).expect("a fit");
+        for k in 0..2 {
+            assert!((fit.least_squares[k] - plain.coefficients[k + 1]).abs() < 1e-9);
+            assert!((fit.weighted[k] - plain.coefficients[k + 1]).abs() < 1e-9);
+            let variance = plain.covariance[(k + 1, k + 1)];
+            assert!((fit.independent[(k, k)] / variance - 1.0).abs() < 1e-6);
+            // P = 2 σ² Δt with σ = 0.5.
+            assert!((fit.covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
+            assert!((fit.weighted_covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
+        }
+        assert!(regress(&[vec![1.0; 97]], &y, 1.0, &|_| 1.0).is_err());
+    }
+}
