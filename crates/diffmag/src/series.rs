@@ -74,6 +74,12 @@ pub fn read(document: &Document) -> Result<Pair<'_>, Error> {
     let (reference, test) = (columns("reference")?, columns("test")?);
     let whole: Vec<bool> =
         (0..rows).map(|row| reference.iter().chain(&test).all(|c| c[row].is_finite())).collect();
+    let together = whole.iter().filter(|whole| **whole).count();
+    if together < LEAST {
+        let found = format!("{together} rows in which both instruments read");
+        let expected = "at least five: do the two recordings overlap in time?";
+        return Err(Fault::document(format!("{path}.columns"), found, expected).into());
+    }
     check(&path, &reference, &test)?;
     let bridge = |columns: [Vec<f64>; 3]| columns.map(|column| bridged(&column));
     Ok(Pair { recording, step_s, reference: bridge(reference), test: bridge(test), whole })
