@@ -1,6 +1,7 @@
 //! The two instruments' readings as even series, with what is wrong told by its place.
 
 use common::{Axis, Document, Error as Fault, Recording, procedure, series};
+use physics::memory::bridged;
 
 use crate::Error;
 
@@ -81,7 +82,7 @@ pub fn read(document: &Document) -> Result<Pair<'_>, Error> {
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
     check(&path, &reference, &test)?;
-    let bridge = |columns: [Vec<f64>; 3]| columns.map(|column| bridged(&column));
+    let bridge = |columns: [Vec<f64>; 3]| columns.map(|column| bridged(time, column));
     Ok(Pair { recording, step_s, reference: bridge(reference), test: bridge(test), whole })
 }
 
@@ -134,21 +135,4 @@ fn check(path: &str, reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Result<
         return Err(Fault::document(format!("{path}.columns.test_x_nt"), found, expected).into());
     }
     Ok(())
-}
-
-/// A series with missing samples on straight lines between their neighbours.
-fn bridged(column: &[f64]) -> Vec<f64> {
-    let mut all = column.to_vec();
-    let known: Vec<usize> = (0..column.len()).filter(|row| column[*row].is_finite()).collect();
-    let (Some(first), Some(last)) = (known.first(), known.last()) else { return all };
-    all[..*first].fill(column[*first]);
-    all[*last..].fill(column[*last]);
-    for pair in known.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let step = (column[to] - column[from]) / (to - from) as f64;
-        for (passed, value) in all[from + 1..to].iter_mut().enumerate() {
-            *value = column[from] + step * (passed + 1) as f64;
-        }
-    }
-    all
 }

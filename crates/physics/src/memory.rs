@@ -223,7 +223,7 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
 }
 
 /// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are missing.
-pub(crate) fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
+pub fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
     if x.iter().all(|x| x.re().is_finite()) {
         return x;
     }
