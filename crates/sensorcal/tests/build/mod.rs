@@ -1,7 +1,8 @@
 //! Recordings made by hand, for tests.
+// Each test file takes what it needs of this; what it does not need is not dead.
 #![allow(dead_code)]
 
-use common::{Axis, Document, Recording, SensorCalibration};
+use common::{Axis, Document, SensorCalibration};
 use noise::Stream;
 use serde_json::{Value, json};
 
@@ -68,9 +69,4 @@ pub fn run(document: &Value) -> Result<Document, sensorcal::Error> {
 pub fn sensor(document: &Value) -> SensorCalibration {
     let found = run(document).unwrap_or_else(|error| panic!("{error}"));
     found.calibration.expect("a calibration").sensor(Axis::X).expect("sensor x").clone()
-}
-
-/// The recordings of a parsed document, for changes.
-pub fn column<'a>(recording: &'a mut Recording, name: &str) -> &'a mut Vec<f64> {
-    &mut recording.columns.get_mut(name).expect("a column").0
 }
