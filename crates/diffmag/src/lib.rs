@@ -22,7 +22,8 @@ pub struct Options {}
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, _: &Options) -> Result<Document, Error> {
     let pair = series::read(&document)?;
-    let found = regression::calibrate(&pair)?;
+    let fits = regression::fit(&pair)?;
+    let found = regression::calibrate(&pair, &fits)?;
     let calibration = document.calibration.get_or_insert_default();
     let extra = calibration.differential.take().map(|kept| kept.extra).unwrap_or_default();
     calibration.differential = Some(common::DifferentialCalibration { extra, ..found });

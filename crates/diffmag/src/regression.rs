@@ -18,24 +18,34 @@ const DAY_S: f64 = 86_400.0;
 const TOLD_BELOW: f64 = 0.01;
 
 /// The fit of one axis of the test instrument.
-struct AxisFit {
-    fit: SpectralFit,
-    noise: Noise,
-    /// T − R η less its mean, η as weighted, nT.
-    difference: Vec<f64>,
-    offset_nt: f64,
+pub struct AxisFit {
+    /// Coefficients of the reference's x, y, z (nT/nT) and of the straight drift (nT/day).
+    pub fit: SpectralFit,
+    /// Noise of the difference.
+    pub noise: Noise,
+    /// T − R η − drift less its mean, η as weighted, nT.
+    pub difference: Vec<f64>,
+    /// Mean of T − R η, nT.
+    pub offset_nt: f64,
     newey_west: Vec<f64>,
 }
 
-/// The matrix and the difference.
-pub fn calibrate(pair: &Pair<'_>) -> Result<DifferentialCalibration, Error> {
+/// Fits each axis of the test instrument.
+pub fn fit(pair: &Pair<'_>) -> Result<[AxisFit; 3], Error> {
+    let days = days(pair);
+    let one = |axis: Axis| one(pair, &days, &pair.test[axis.index()]);
+    Ok([one(Axis::X)?, one(Axis::Y)?, one(Axis::Z)?])
+}
+
+/// Days from the middle of the recording.
+fn days(pair: &Pair<'_>) -> Vec<f64> {
+    let middle = 0.5 * (pair.whole.len() as f64 - 1.0) * pair.step_s;
+    (0..pair.whole.len()).map(|row| (row as f64 * pair.step_s - middle) / DAY_S).collect()
+}
+
+/// The matrix and the difference, as a document has them.
+pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCalibration, Error> {
     let rows = pair.whole.len();
-    let middle = 0.5 * (rows as f64 - 1.0) * pair.step_s;
-    let days: Vec<f64> = (0..rows).map(|row| (row as f64 * pair.step_s - middle) / DAY_S).collect();
-    let fits: Vec<AxisFit> = Axis::ALL
-        .iter()
-        .map(|axis| one(pair, &days, &pair.test[axis.index()]))
-        .collect::<Result<_, Error>>()?;
     let mut fit = DifferentialFit {
         recording: pair.recording.id.clone(),
         samples: pair.samples(),
@@ -47,7 +57,7 @@ pub fn calibrate(pair: &Pair<'_>) -> Result<DifferentialCalibration, Error> {
     let mut matrix = [[0.0; 3]; 3];
     let mut covariance = vec![vec![0.0; 9]; 9];
     let mut offsets = PerAxis::default();
-    for (axis, found) in Axis::ALL.into_iter().zip(&fits) {
+    for (axis, found) in Axis::ALL.into_iter().zip(fits) {
         let j = axis.index();
         let mut described = difference::describe(&found.difference, &found.noise)?;
         let drift = found.fit.weighted_covariance[(3, 3)].sqrt();
@@ -73,7 +83,7 @@ pub fn calibrate(pair: &Pair<'_>) -> Result<DifferentialCalibration, Error> {
         *offsets.entry(axis) = Some(Quantity::new(found.offset_nt, lowest.sqrt()));
         *fit.axes.entry(axis) = Some(described);
     }
-    fit.clock = clock(pair, &fits, &days)?;
+    fit.clock = clock(pair, fits, &days(pair))?;
     fit.findings = words::findings(&fit, TOLD_BELOW);
     let order = Axis::ALL.iter().flat_map(|j| (0..3).map(move |i| format!("matrix[{i}][{}]", j.index())));
     Ok(DifferentialCalibration {
