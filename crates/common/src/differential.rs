@@ -2,6 +2,10 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+mod fourteen;
+
+pub use fourteen::*;
+
 use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity};
 
 /// The test magnetometer against the reference: T = R η + d, rows are samples.
@@ -19,6 +23,12 @@ pub struct DifferentialCalibration {
     /// `matrix[0][0]`, `matrix[1][0]`, …: column by column.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance_order: Option<Vec<String>>,
+    /// Five values of one of the instruments, known beforehand; the fourteen parameters follow with the matrix.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub known: Option<KnownInstrument>,
+    /// How the instruments and their axes stand to each other.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fourteen: Option<Box<FourteenParameters>>,
     /// How they were found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Box<DifferentialFit>>,

@@ -38,7 +38,8 @@ pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
 pub use differential::{
-    ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit, MatrixElement,
+    Angle, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit, FourteenParameters,
+    KnownInstrument, Magnetometer, MatrixElement,
 };
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};

@@ -85,6 +85,10 @@ pub struct Fourteen {
     pub reference_tilt: Tilt,
     /// The tilt of the test's z.
     pub test_tilt: Tilt,
+    /// Cosines of the angles between axes: x·y, y·z, x·z of the reference, then of the test instrument.
+    pub cosines: [f64; 6],
+    /// Their standard uncertainties.
+    pub cosine_uncertainties: [f64; 6],
 }
 
 impl Fourteen {

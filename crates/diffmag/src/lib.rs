@@ -6,6 +6,7 @@
 mod difference;
 mod error;
 pub mod fourteen;
+mod mutual;
 mod regression;
 mod series;
 mod words;
@@ -25,7 +26,9 @@ pub fn run(mut document: Document, _: &Options) -> Result<Document, Error> {
     let fits = regression::fit(&pair)?;
     let found = regression::calibrate(&pair, &fits)?;
     let calibration = document.calibration.get_or_insert_default();
-    let extra = calibration.differential.take().map(|kept| kept.extra).unwrap_or_default();
-    calibration.differential = Some(common::DifferentialCalibration { extra, ..found });
+    let kept = calibration.differential.take().unwrap_or_default();
+    let fourteen = mutual::parameters(&found, kept.known.as_ref())?.map(Box::new);
+    let (known, extra) = (kept.known, kept.extra);
+    calibration.differential = Some(common::DifferentialCalibration { known, fourteen, extra, ..found });
     Ok(document)
 }

@@ -1,6 +1,6 @@
 //! The result in a few lines for people.
 
-use common::{Axis, DifferentialFit, Document, Quantity};
+use common::{Axis, DifferentialFit, Document, FourteenParameters, Magnetometer, Quantity};
 use std::fmt::Write;
 
 use crate::regression::p_of;
@@ -98,8 +98,48 @@ pub fn summary(document: &Document) -> String {
             plus_minus(&clock.rate_ppm, 3)
         );
     }
+    if let Some(fourteen) = found.and_then(|found| found.fourteen.as_ref()) {
+        text += &mutual(fourteen);
+    }
     for finding in &fit.findings {
         let _ = writeln!(text, "    {finding}");
     }
+    text
+}
+
+/// How the instruments stand to each other.
+fn mutual(fourteen: &FourteenParameters) -> String {
+    let mut text = String::new();
+    // Writing to a String cannot fail.
+    let _ = match (fourteen.known, fourteen.assumed) {
+        (_, true) => {
+            writeln!(text, "  if the reference is orthogonal with equal scales (nobody said; see `known`):")
+        }
+        (Magnetometer::Reference, false) => writeln!(text, "  with the reference as known:"),
+        (Magnetometer::Test, false) => writeln!(text, "  with the test instrument as known:"),
+    };
+    let angles: Vec<String> = fourteen
+        .angles
+        .iter()
+        .filter(|(name, angle)| angle.std_arcsec > 0.0 && !fourteen.undetermined.contains(name))
+        .map(|(name, angle)| format!("{name} {:.5}° ± {:.2}″", angle.value_deg, angle.std_arcsec))
+        .collect();
+    let _ = writeln!(text, "    {}", angles.join(", "));
+    let ratios: Vec<String> = fourteen
+        .ratios
+        .iter()
+        .filter(|(_, ratio)| ratio.std() != Some(0.0))
+        .map(|(name, ratio)| {
+            format!("{} {:.6} ± {:.6}", name.replace('_', "/"), ratio.value(), ratio.std().unwrap_or(0.0))
+        })
+        .collect();
+    let _ = writeln!(text, "    scales {}", ratios.join(", "));
+    let (whose, angles) = match fourteen.known {
+        Magnetometer::Reference => ("test instrument", &fourteen.test_non_orthogonality_arcsec),
+        Magnetometer::Test => ("reference", &fourteen.reference_non_orthogonality_arcsec),
+    };
+    let angles: Vec<String> =
+        angles.iter().map(|(pair, angle)| format!("{pair} {}″", plus_minus(angle, 1))).collect();
+    let _ = writeln!(text, "    {whose} off right angles: {}", angles.join(", "));
     text
 }

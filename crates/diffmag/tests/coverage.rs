@@ -1,10 +1,11 @@
 //! Coverage of η, noise level, drift and clock over simulated pairs, under white and under flicker noise with natural field
 //! variation; and how far the source's own intervals fall short. FLUXCAL_CAMPAIGNS sets how many.
 
-use common::{Axis, Quantity};
+use common::{Axis, Document, Quantity};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use simulate::DifferentialTruth;
 
 fn campaigns() -> u64 {
     std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
@@ -23,8 +24,8 @@ fn plan(noise: &Value, seed: u64) -> simulate::Plan {
                 "background": {"flicker_nt2_per_hz_at_1hz": 2e-4, "flicker_exponent": 1.6}
             },
             "differential": {
-                "reference": {"alpha_deg": 25.0, "beta_deg": 0.31, "gamma_deg": 0.22, "scale": [1.0012, 0.9985, 1.0007]},
-                "test": {"phi_deg": [91.1, 0.9, 40.0], "theta_deg": [89.6, 90.4, 0.35], "scale": [0.9991, 1.0016, 0.9979]},
+                "reference": {"alpha_deg": 25.0, "beta_deg": 0.31, "gamma_deg": 5.0, "scale": [1.0012, 0.9985, 1.0007]},
+                "test": {"phi_deg": [91.1, 0.9, 40.0], "theta_deg": [89.6, 90.4, 6.0], "scale": [0.9991, 1.0016, 0.9979]},
                 "offset_nt": [12.0, -7.5, 21.0]
             }
         },
@@ -33,16 +34,61 @@ fn plan(noise: &Value, seed: u64) -> simulate::Plan {
     common::parse(&plan.to_string()).expect("a plan")
 }
 
+/// The nine that are not known, with the five of either instrument known exactly.
+fn angles(document: &Document, pair: &DifferentialTruth) -> IndexMap<String, f64> {
+    let degrees: Vec<f64> = (0..3).flat_map(|j| [pair.test.phi_deg[j], pair.test.theta_deg[j]]).collect();
+    let reference = [pair.reference.alpha_deg, pair.reference.beta_deg, pair.reference.gamma_deg];
+    let (r, t) = (pair.reference.scale, pair.test.scale);
+    let values =
+        [&reference[..], &degrees[..], &[t[0] / r[0], r[0] / r[1], r[2] / r[1], t[0] / t[1], t[2] / t[1]]]
+            .concat();
+    let mut all = IndexMap::new();
+    for (name, matrix, scale) in [("reference", pair.reference_matrix(), r), ("test", pair.test_matrix(), t)]
+    {
+        let epsilon = |i: usize, j: usize| {
+            let cosine = matrix.row(i).dot(&matrix.row(j)) / (matrix.row(i).norm() * matrix.row(j).norm());
+            cosine.asin().to_degrees() * 3600.0
+        };
+        let known = json!({
+            "instrument": name,
+            "non_orthogonality_arcsec": {"xy": epsilon(0, 1), "yz": epsilon(1, 2), "xz": epsilon(0, 2)},
+            "ratio_x_y": scale[0] / scale[1],
+            "ratio_z_y": scale[2] / scale[1],
+        });
+        let mut given = document.clone();
+        given.calibration =
+            Some(serde_json::from_value(json!({"differential": {"known": known}})).expect("known"));
+        let found = diffmag::run(given, &diffmag::Options::default()).expect("fitted");
+        let found = found.calibration.and_then(|c| c.differential?.fourteen).expect("fourteen");
+        assert!(found.numerical_difference_rad < 1e-12, "{}", found.numerical_difference_rad);
+        for ((key, angle), value) in found.angles.iter().zip(&values) {
+            if angle.std_arcsec > 0.0 && !found.undetermined.contains(key) {
+                let off = 3600.0 * (angle.value_deg - value);
+                all.insert(format!("{key} with the {name} known"), off.abs() / (1.96 * angle.std_arcsec));
+            }
+        }
+        for ((key, ratio), value) in found.ratios.iter().zip(&values[9..]) {
+            if let Some(std) = ratio.std().filter(|std| *std > 1e-12) {
+                all.insert(
+                    format!("{key} with the {name} known"),
+                    (ratio.value() - value).abs() / (1.96 * std),
+                );
+            }
+        }
+    }
+    all
+}
+
 /// For each parameter: its distance from the truth in units of its 95 % interval.
 fn missed(noise: &Value, seed: u64) -> IndexMap<String, f64> {
     let simulate::Campaign { document, truth, .. } =
         simulate::campaign(&plan(noise, seed)).expect("simulated");
     let pair = truth.differential.as_ref().expect("two instruments");
+    let mut all = angles(&document, pair);
     let true_matrix = pair.calibration().expect("a matrix").matrix.expect("a matrix");
     let found = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
     let found = found.calibration.expect("a calibration").differential.expect("a fit");
     let fit = found.fit.expect("a fit");
-    let mut all = IndexMap::new();
     for (i, from) in Axis::ALL.into_iter().enumerate() {
         for (j, to) in Axis::ALL.into_iter().enumerate() {
             let element = &fit.elements[&format!("{from}{to}")];

@@ -1,6 +1,6 @@
 //! Uncertainty to first order (JCGM 100, 5.2), with exact derivatives and a rule for azimuths of vertical axes.
 
-use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2, Vector3};
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use num_dual::Dual64;
 
 use super::known::LOOSE_RAD;
@@ -18,6 +18,7 @@ const POLE: f64 = 1e-12;
 struct Derivatives {
     parameters: SMatrix<f64, 14, 14>,
     horizontal: [SMatrix<f64, 2, 14>; 4],
+    cosines: SMatrix<f64, 6, 14>,
 }
 
 /// The parameters of `pair`, found from η and what is known, with their covariance J Σ Jᵀ.
@@ -63,7 +64,16 @@ pub(super) fn propagate(
             undetermined.push(NAMES[azimuth]);
         }
     }
-    Fourteen { values, covariance, undetermined, reference_tilt: tilt(0), test_tilt: tilt(3) }
+    let spread = derivatives.cosines * given * derivatives.cosines.transpose();
+    Fourteen {
+        values,
+        covariance,
+        undetermined,
+        reference_tilt: tilt(0),
+        test_tilt: tilt(3),
+        cosines: pair.cosines(),
+        cosine_uncertainties: std::array::from_fn(|k| spread[(k, k)].max(0.0).sqrt()),
+    }
 }
 
 /// The mean square of a tilt about the value found.
@@ -78,7 +88,11 @@ fn horizontal(pair: &Pair, k: usize) -> Vector2<f64> {
 
 /// One run of the closed form for each given number, that number carrying the derivative.
 fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &Known) -> Derivatives {
-    let mut all = Derivatives { parameters: SMatrix::zeros(), horizontal: [SMatrix::zeros(); 4] };
+    let mut all = Derivatives {
+        parameters: SMatrix::zeros(),
+        horizontal: [SMatrix::zeros(); 4],
+        cosines: SMatrix::zeros(),
+    };
     for given in 0..14 {
         let mut lifted_eta = eta.map(Dual64::from);
         let mut lifted_values = known.values().map(Dual64::from);
@@ -98,6 +112,7 @@ fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &Known) -> Derivatives {
             [column[azimuth], column[polar]] = turn(&pair.axes[k], &change);
             all.horizontal[k].set_column(given, &change.xy());
         }
+        all.cosines.set_column(given, &SVector::from(moved.cosines().map(|cosine| cosine.eps)));
         // Known angles are their own derivative, also where the axis is vertical.
         if let KnownAxes::Reference(_) = known.axes {
             let [azimuth, polar] = ANGLES[0];

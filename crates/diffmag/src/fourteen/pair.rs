@@ -50,6 +50,15 @@ impl<T: Real> Pair<T> {
         let factors = self.test_factors();
         Matrix3::from_fn(|i, j| dot(&test[j], &fields[i]) * factors[j] / reference[i])
     }
+
+    /// Cosines of the angles x·y, y·z, x·z between the reference's axes, then of those between the test's.
+    pub fn cosines(&self) -> [T; 6] {
+        let zero = T::from(0.0);
+        let [z_r, x, y, z] = &self.axes;
+        let x_r = Vector3::new(self.beta.cos(), self.beta.sin(), zero);
+        let y_r = Vector3::new(zero, T::from(1.0), zero);
+        [(&x_r, &y_r), (&y_r, z_r), (&x_r, z_r), (x, y), (y, z), (x, z)].map(|(a, b)| dot(a, b))
+    }
 }
 
 impl Pair {
