@@ -12,6 +12,7 @@ pub mod linear;
 pub mod normality;
 pub mod periodogram;
 pub mod robust;
+pub mod screen;
 pub mod sine;
 pub mod spectral;
 pub mod spectrum;

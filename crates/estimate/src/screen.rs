@@ -1,0 +1,207 @@
+//! Which of many groups of columns explain a residual, from nothing but the products of all columns.
+//!
+//! Residual and columns are whitened: errors are independent with variance one. The products are gathered block by block of rows,
+//! so that series of any length are gone through once; projection, gains, their distribution by chance and prediction of rows left
+//! out follow from them.
+
+use faer::{Mat, MatRef, Side};
+
+use crate::Error;
+
+mod chance;
+mod held_out;
+
+pub use chance::{Chance, Search};
+
+/// Directions of scaled columns with less than this share of their squared length are rounding.
+const ROUNDING: f64 = 1e-10;
+/// A column of which projection has left less than this share of the squared length is gone.
+const GONE: f64 = 1e-9;
+
+/// Products of columns and residual, block by block.
+#[derive(Clone, Debug)]
+pub struct Products {
+    columns: usize,
+    blocks: Vec<Mat<f64>>,
+    rows: Vec<usize>,
+}
+
+impl Products {
+    /// Of so many columns, none yet.
+    pub fn of(columns: usize) -> Self {
+        Self { columns, blocks: Vec::new(), rows: Vec::new() }
+    }
+
+    /// Adds a block of rows: the columns, then the residual as the last one.
+    pub fn push(&mut self, block: MatRef<'_, f64>) {
+        self.blocks.push(block.transpose() * block);
+        self.rows.push(block.nrows());
+    }
+
+    /// Number of blocks.
+    pub fn blocks(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows.iter().sum()
+    }
+
+    /// Sum over the blocks.
+    fn total(&self) -> Mat<f64> {
+        let zero = Mat::zeros(self.columns + 1, self.columns + 1);
+        self.blocks.iter().fold(zero, |sum, block| sum + block)
+    }
+}
+
+/// A group of columns fitted to what is left.
+#[derive(Clone, Debug)]
+pub struct Gain {
+    /// By how much Σ of the squared residuals falls: χ² of the group's rank if there is nothing of it.
+    pub gain: f64,
+    /// Rank of what is left of its columns.
+    pub rank: usize,
+    /// Its coefficients, zero for columns that are gone.
+    pub coefficients: Vec<f64>,
+    /// Their covariance, infinite variances for columns that are gone.
+    pub covariance: Mat<f64>,
+}
+
+/// Columns and residual, with some of the columns projected out of all others.
+#[derive(Clone, Debug)]
+pub struct Screen {
+    /// Products of what is left, the residual last.
+    left: Mat<f64>,
+    /// Squared lengths of the columns as they were.
+    whole: Vec<f64>,
+    rows: usize,
+    /// Rank of what was projected out.
+    used: usize,
+}
+
+impl Screen {
+    /// All columns, nothing projected out.
+    pub fn of(products: &Products) -> Self {
+        let left = products.total();
+        let whole = (0..products.columns).map(|j| left[(j, j)]).collect();
+        Self { left, whole, rows: products.rows(), used: 0 }
+    }
+
+    /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and Lovell).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Decomposition`] for products that are not finite.
+    pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
+        let part = Part::of(self, group)?;
+        let size = self.left.nrows();
+        let across = Mat::from_fn(part.rank(), size, |k, j| -> f64 {
+            (0..group.len()).map(|i| part.directions[(i, k)] * self.left[(group[i], j)]).sum()
+        });
+        let taken = across.transpose() * &across;
+        Ok(Self {
+            left: &self.left - taken,
+            whole: self.whole.clone(),
+            rows: self.rows,
+            used: self.used + part.rank(),
+        })
+    }
+
+    /// Σ of the squared residuals.
+    pub fn sum_of_squares(&self) -> f64 {
+        let last = self.left.nrows() - 1;
+        self.left[(last, last)].max(0.0)
+    }
+
+    /// Rows less the rank of what was projected out.
+    pub fn freedom(&self) -> f64 {
+        self.rows as f64 - self.used as f64
+    }
+
+    /// Share of a column's squared length that is left: what of it the fit of others has not swallowed.
+    pub fn visible(&self, column: usize) -> f64 {
+        if self.whole[column] > 0.0 {
+            (self.left[(column, column)] / self.whole[column]).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Fits a group of columns to what is left of the residual.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Decomposition`] for products that are not finite.
+    pub fn gain(&self, group: &[usize]) -> Result<Gain, Error> {
+        let part = Part::of(self, group)?;
+        let last = self.left.nrows() - 1;
+        let along: Vec<f64> = (0..part.rank())
+            .map(|k| {
+                (0..group.len()).map(|i| part.directions[(i, k)] * self.left[(group[i], last)]).sum::<f64>()
+            })
+            .collect();
+        let mut covariance = &part.directions * part.directions.transpose();
+        for (i, gone) in part.gone.iter().enumerate() {
+            if *gone {
+                covariance[(i, i)] = f64::INFINITY;
+            }
+        }
+        Ok(Gain {
+            gain: along.iter().map(|a| a * a).sum(),
+            rank: part.rank(),
+            coefficients: (0..group.len())
+                .map(|i| (0..part.rank()).map(|k| part.directions[(i, k)] * along[k]).sum())
+                .collect(),
+            covariance,
+        })
+    }
+}
+
+/// Directions within a group along which something is left: D with Dᵀ (CᵀC) D = 1, one column a direction.
+struct Part {
+    directions: Mat<f64>,
+    gone: Vec<bool>,
+}
+
+impl Part {
+    fn of(screen: &Screen, group: &[usize]) -> Result<Self, Error> {
+        let lengths: Vec<f64> = group
+            .iter()
+            .map(
+                |&column| {
+                    if screen.visible(column) > GONE { screen.left[(column, column)].sqrt() } else { 0.0 }
+                },
+            )
+            .collect();
+        let scaled = Mat::from_fn(group.len(), group.len(), |i, j| {
+            let product = lengths[i] * lengths[j];
+            if product > 0.0 { screen.left[(group[i], group[j])] / product } else { 0.0 }
+        });
+        let (values, vectors) = eigen(scaled.as_ref())?;
+        let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k] > ROUNDING).collect();
+        let directions = Mat::from_fn(group.len(), kept.len(), |i, k| {
+            if lengths[i] > 0.0 { vectors[(i, kept[k])] / (values[kept[k]].sqrt() * lengths[i]) } else { 0.0 }
+        });
+        Ok(Self { directions, gone: lengths.iter().map(|length| *length == 0.0).collect() })
+    }
+
+    fn rank(&self) -> usize {
+        self.directions.ncols()
+    }
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix.
+fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let n = matrix.nrows();
+    let failed = |reason: String| Error::Decomposition { rows: n, columns: n, reason };
+    if n == 0 {
+        return Ok((Vec::new(), Mat::zeros(0, 0)));
+    }
+    if (0..n).any(|i| (0..n).any(|j| !matrix[(i, j)].is_finite())) {
+        return Err(failed("products that are not finite".into()));
+    }
+    let found = matrix.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let values = (0..n).map(|k| found.S().column_vector()[k]).collect();
+    Ok((values, found.U().to_owned()))
+}
