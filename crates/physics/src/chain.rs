@@ -49,16 +49,13 @@ pub fn predict(
     run(basic, effects, &values, context)
 }
 
-/// Derivatives of the readings: one series for each parameter.
-pub type Derivatives = Vec<Vec<Vector3<f64>>>;
-
 /// The prediction and its derivative by each of `parameters`.
 pub fn predict_with_jacobian(
     basic: &Basic,
     effects: &[EffectInstance],
     context: &Context<'_>,
     parameters: &[Parameter],
-) -> Result<(Prediction, Derivatives), Error> {
+) -> Result<(Prediction, Vec<Prediction>), Error> {
     let prediction = predict(basic, effects, context)?;
     let derivatives = parameters
         .iter()
@@ -70,8 +67,13 @@ pub fn predict_with_jacobian(
                 .collect();
             seed(basic, &mut lifted, &mut values, *parameter);
             let values: Vec<&[Dual64]> = values.iter().map(Vec::as_slice).collect();
-            let readings = run(&lifted, effects, &values, context)?.readings;
-            Ok(readings.into_iter().map(|reading| reading.map(|value| value.eps)).collect())
+            let lifted = run(&lifted, effects, &values, context)?;
+            let of = |series: Vec<Vector3<Dual64>>| series.iter().map(|v| v.map(|value| value.eps)).collect();
+            Ok(Prediction {
+                field_geo: of(lifted.field_geo),
+                field_sen: of(lifted.field_sen),
+                readings: of(lifted.readings),
+            })
         })
         .collect::<Result<_, Error>>()?;
     Ok((prediction, derivatives))

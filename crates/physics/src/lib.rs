@@ -24,7 +24,7 @@ mod model;
 mod reading;
 
 pub use catalogue::{Kind, adopt};
-pub use chain::{Derivatives, Parameter, Prediction, predict, predict_with_jacobian};
+pub use chain::{Parameter, Prediction, predict, predict_with_jacobian};
 pub use context::{Context, References, Thermometer, Unit, orientation};
 pub use effect::{
     About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings,

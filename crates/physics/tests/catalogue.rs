@@ -131,7 +131,7 @@ fn jacobians_agree_with_finite_differences() {
             .zip(&at)
             .map(|(k, value)| value * smooth(kind, kind.parameters()[*k].name))
             .collect();
-        let columns: Vec<Vec<f64>> = jacobian.iter().map(|column| flat(column)).collect();
+        let columns: Vec<Vec<f64>> = jacobian.iter().map(|column| flat(&column.readings)).collect();
         println!("{}", kind.name());
         testkit::check_jacobian(predict, &at, &scales, &columns, 1e-6);
     }
@@ -185,7 +185,7 @@ fn basic_chain_jacobian_agrees_with_finite_differences() {
             _ => 1.0,
         })
         .collect();
-    let columns: Vec<Vec<f64>> = jacobian.iter().map(|column| flat(column)).collect();
+    let columns: Vec<Vec<f64>> = jacobian.iter().map(|column| flat(&column.readings)).collect();
     testkit::check_jacobian(predict, &vec![0.0; parameters.len()], &scales, &columns, 1e-6);
 }
 
@@ -227,7 +227,7 @@ impl estimate::Problem for OneEffect<'_> {
             residual[i] = (self.observed[i] - predicted) * to_nt;
         }
         for (j, column) in derivatives.iter().enumerate() {
-            for (i, derivative) in flat(column).into_iter().enumerate() {
+            for (i, derivative) in flat(&column.readings).into_iter().enumerate() {
                 jacobian[(i, j)] = derivative * to_nt;
             }
         }

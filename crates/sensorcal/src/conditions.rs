@@ -79,7 +79,7 @@ impl Conditions {
             |series: &[nalgebra::Vector3<f64>]| series.iter().map(|v| v[sensor.index()]).collect::<Vec<_>>();
         Ok(Some(Contribution {
             field_nt: of(&prediction.readings),
-            derivatives: derivatives.iter().map(|series| of(series)).collect(),
+            derivatives: derivatives.iter().map(|derivative| of(&derivative.readings)).collect(),
         }))
     }
 

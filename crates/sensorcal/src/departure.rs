@@ -50,7 +50,7 @@ impl Candidate {
                 physics::predict_with_jacobian(&run.basic, &[effect], &run.context, &asked)
                     .map_err(|error| error.at(&run.path))?;
             let k = run.basic.sensors[at].sensitivity;
-            Ok(derivatives[0].iter().map(|derivative| k * derivative[at]).collect())
+            Ok(derivatives[0].readings.iter().map(|derivative| k * derivative[at]).collect())
         });
         let column = column.collect::<Result<_, Error>>()?;
         Ok(Self { name: kind.name(), parameter: kind.parameters()[parameter].name, column })

@@ -311,7 +311,10 @@ impl Problem<'_, '_> {
             physics::predict_with_jacobian(basic, &state.effects, &run.context, parameters)
                 .map_err(|error| Error::Document(error.at(&run.path)))?;
         let of = |series: &[nalgebra::Vector3<f64>]| series.iter().map(|v| v[run.sensor.index()]).collect();
-        Ok((of(&prediction.readings), derivatives.iter().map(|series| of(series)).collect()))
+        Ok((
+            of(&prediction.readings),
+            derivatives.iter().map(|derivative| of(&derivative.readings)).collect(),
+        ))
     }
 
     fn advance(&self, state: &State, step: &[f64]) -> State {
