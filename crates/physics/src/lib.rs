@@ -22,6 +22,7 @@ mod inverse;
 pub mod memory;
 mod model;
 mod reading;
+mod setting;
 
 pub use catalogue::{Kind, adopt};
 pub use chain::{Parameter, Prediction, predict, predict_with_jacobian};
@@ -33,3 +34,4 @@ pub use error::Error;
 pub use inverse::field_in_sen;
 pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};
 pub use reading::{Reading, field_geo, parallel, reading};
+pub use setting::Setting;

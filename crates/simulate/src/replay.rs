@@ -2,7 +2,7 @@
 
 use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
 use nalgebra::Vector3;
-use physics::{Basic, Context, EffectInstance, Prediction, References};
+use physics::{Basic, Context, EffectInstance, Prediction, References, Setting};
 use rayon::prelude::*;
 
 /// A replayed document and what is to be said of it.
@@ -49,16 +49,10 @@ fn recording(
         return Err(Error::document(format!("{path}.table"), "a file beside the document", expected));
     }
     let at = |error: physics::Error| error.at(&path);
-    let mut context = Context::new(document, recorded, references).map_err(at)?;
+    let Setting { basic, context } = Setting::of(document, recorded, references).map_err(at)?;
     let differential = context.reference_nt.is_some();
     let prefix = if differential { "test" } else { "sensor" };
-    let basic =
-        if differential { Basic::differential(document) } else { Basic::found(document, context.unit) };
     if !differential {
-        let left = residual_field(document);
-        if context.in_coils {
-            context.ambient_nt.iter_mut().for_each(|field| *field += left);
-        }
         check_coils(&basic, &context, &path)?;
     }
     let suffix = if differential { "nt" } else { context.unit.suffix() };
@@ -182,13 +176,6 @@ fn check_coils(basic: &Basic, context: &Context<'_>, path: &str) -> Result<(), E
         }
     }
     Ok(())
-}
-
-/// What axescal found to be left in the coils without drive, GEO, nT.
-fn residual_field(document: &Document) -> Vector3<f64> {
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let found = axes.and_then(|axes| axes.residual_field_nt.as_ref());
-    Vector3::from(Axis::ALL.map(|axis| found.and_then(|f| f.get(axis)).map_or(0.0, common::Quantity::value)))
 }
 
 fn notes(document: &Document, effects: &[EffectInstance]) -> Vec<String> {
