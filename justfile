@@ -22,6 +22,7 @@ bench:
     cargo bench -p axescal --bench axescal
     cargo bench -p simulate --bench simulate
     cargo bench -p sensorcal --bench sensorcal
+    cargo bench -p tables --bench read
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
