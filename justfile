@@ -23,12 +23,14 @@ bench:
     cargo bench -p simulate --bench simulate
     cargo bench -p sensorcal --bench sensorcal
     cargo bench -p tables --bench read
+    cargo bench -p diffmag --bench stream
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test coverage -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test coverage -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
 
 # The main job, to look at
 demo:

@@ -2,11 +2,21 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-mod fourteen;
-
-pub use fourteen::*;
-
 use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity};
+
+mod drift;
+mod fourteen;
+mod kept_out;
+mod octaves;
+mod reference_noise;
+mod stability;
+
+pub use drift::*;
+pub use fourteen::*;
+pub use kept_out::*;
+pub use octaves::*;
+pub use reference_noise::*;
+pub use stability::*;
 
 /// The test magnetometer against the reference: T = R η + d, rows are samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -41,14 +51,16 @@ pub struct DifferentialCalibration {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct DifferentialFit {
-    /// The recording.
-    pub recording: String,
+    /// The recordings, by their ids.
+    pub recordings: Vec<String>,
     /// Samples used.
     pub samples: usize,
     /// From one sample to the next, s.
     pub step_s: f64,
-    /// Samples of which a reading is missing; they are left out.
+    /// Samples of which a reading is missing or was taken out; they are left out.
     pub missing: usize,
+    /// What was kept out.
+    pub kept_out: KeptOut,
     /// Every element of the matrix by its place, `xy` from the reference's x to the test's y.
     pub elements: IndexMap<String, MatrixElement>,
     /// Which interval to quote, and why.
@@ -57,6 +69,18 @@ pub struct DifferentialFit {
     pub axes: PerAxis<DifferenceAxis>,
     /// The clock of the test instrument against the reference's.
     pub clock: Option<ClockDifference>,
+    /// η by octave of averaging times, where only statistics of the series are left.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub octaves: Option<PerAxis<Vec<OctaveAgreement>>>,
+    /// Whether the matrix holds still; None where the recording is too short to be divided.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stability: Option<MatrixStability>,
+    /// How far noise of the reference pulls the matrix, and what was done about it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reference_noise: Option<ReferenceNoise>,
+    /// Noise of each of three instruments, where there is a third.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub three_cornered: Option<ThreeCornered>,
     /// What looks wrong, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<String>,
@@ -68,12 +92,13 @@ pub struct DifferentialFit {
 /// One element of the matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MatrixElement {
-    /// By least squares, as the source has it.
+    /// By least squares of the reference's axes alone, as the source has it: a drift is not taken off.
     pub least_squares: f64,
     /// Its standard uncertainty if the errors were independent, with N − 4 degrees of freedom (the source's).
     pub std_independent: f64,
-    /// The same by Newey and West.
-    pub std_newey_west: f64,
+    /// The same by Newey and West; absent where only statistics of the series are left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub std_newey_west: Option<f64>,
     /// The same under the noise that was fitted to the difference.
     pub std_noise: f64,
     /// By least squares weighted with the spectrum of that noise.
@@ -100,10 +125,13 @@ pub struct DifferenceAxis {
     pub density_at_1hz_nt_per_sqrt_hz: Quantity,
     /// Probability of a worse agreement of the spectrum with that form by chance.
     pub goodness_p: f64,
+    /// The weighted matrix rests on frequencies up to this: above, the instruments do not answer alike, Hz. Absent: on all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub weighted_up_to_hz: Option<f64>,
     /// Overlapping Allan deviation.
     pub allan: AllanDeviation,
-    /// Straight drift under the fitted noise, nT/day.
-    pub drift_nt_per_day: Quantity,
+    /// Its drift.
+    pub drift: Drift,
 }
 
 /// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
@@ -113,4 +141,13 @@ pub struct ClockDifference {
     pub offset_s: Quantity,
     /// How much faster it runs, ppm.
     pub rate_ppm: Quantity,
+    /// Whether the test instrument's times were corrected for both.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub corrected: bool,
+    /// Offset left after the correction, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_offset_s: Option<Quantity>,
+    /// Rate left after the correction, ppm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_rate_ppm: Option<Quantity>,
 }

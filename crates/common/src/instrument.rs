@@ -41,10 +41,7 @@ pub struct Instrument {
 impl Instrument {
     /// The declared noise of one sensor, where it is declared.
     pub fn noise_of(&self, sensor: Axis) -> Option<&Noise> {
-        match self.noise.as_ref()? {
-            NoiseOfSensors::Each(each) => each.get(sensor),
-            NoiseOfSensors::Same(noise) => Some(noise),
-        }
+        self.noise.as_ref()?.of(sensor)
     }
 }
 
@@ -56,6 +53,16 @@ pub enum NoiseOfSensors {
     Same(Noise),
     /// One for each sensor.
     Each(Box<PerAxis<Noise>>),
+}
+
+impl NoiseOfSensors {
+    /// That of one sensor, where it is declared.
+    pub fn of(&self, sensor: Axis) -> Option<&Noise> {
+        match self {
+            NoiseOfSensors::Each(each) => each.get(sensor),
+            NoiseOfSensors::Same(noise) => Some(noise),
+        }
+    }
 }
 
 impl<'de> Deserialize<'de> for NoiseOfSensors {
@@ -101,6 +108,16 @@ pub struct Noise {
 }
 
 impl Noise {
+    /// One-sided power density of readings `step_s` apart, nT²/Hz: 2 σ² Δt + A f^-α + r²/(2π² f²), r that of the random walk.
+    pub fn density(&self, frequency_hz: f64, step_s: f64) -> f64 {
+        let white = self.white_rms_nt.unwrap_or(0.0);
+        let flicker = self.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+        let walk = self.random_walk_nt_per_sqrt_s.unwrap_or(0.0) / (std::f64::consts::PI * frequency_hz);
+        2.0 * white * white * step_s
+            + flicker * frequency_hz.powf(-self.flicker_exponent.unwrap_or(1.0))
+            + 0.5 * walk * walk
+    }
+
     /// Rms of one reading in a record of `length_s` seconds sampled each `step_s` seconds, nT:
     /// √(white² + ∫ A f^-α df) from 1/length to the Nyquist frequency 1/(2 step).
     /// Without times only the white part is known.

@@ -38,8 +38,12 @@ pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
 pub use differential::{
-    Angle, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit, FourteenParameters,
-    KnownInstrument, Magnetometer, MatrixElement,
+    Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,
+    Drift, DriftChange, DriftForm, ElementChange, EventInstrument, EventKind, FourteenParameters, Gap,
+    InSpectrum, IteratedDrift, JointDrift, KeptOut, KeptOutEvent, KnownInstrument, Magnetometer,
+    MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability, MatrixWindow, MatrixWindows,
+    OctaveAgreement, OneMatrix, OwnNoise, PhaseClock, PulledElement, QuietDisturbed, ReferenceNoise,
+    ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
 };
 pub use document::{Document, FORMAT_VERSION, parse};
 pub use error::{Error, ExitCode};

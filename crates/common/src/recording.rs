@@ -4,7 +4,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::Serialize
 use std::{borrow::Cow, fmt};
 
 use crate::time::Start;
-use crate::{Axis, Extra, Matrix3x3};
+use crate::{Axis, Extra, Matrix3x3, NoiseOfSensors};
 
 /// Names of the procedures that recordings follow.
 pub mod procedure {
@@ -132,6 +132,11 @@ pub struct Conditions {
     /// Time over which one sample is averaged, s. Absent: samples are instantaneous.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integration_s: Option<f64>,
+    /// Noise of the reference magnetometer of a differential recording, as its makers or an earlier comparison state it: the
+    /// same for its three axes, or keyed by axis. It is taken from the difference, and what it pulls off the matrix is put
+    /// back; absent, it is sought in the readings. (`instrument.noise` is that of the test instrument.)
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reference_noise: Option<NoiseOfSensors>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

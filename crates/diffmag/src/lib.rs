@@ -1,30 +1,56 @@
 //! Two magnetometers side by side (the differential method): T = R η + d, rows are samples.
 //!
 //! η says how the test instrument is turned and scaled against the reference, d is the difference that no turn explains. Its
-//! spectrum is fitted, and with it the intervals of η that hold for errors with memory.
+//! spectrum is fitted, and with it the intervals of η that hold for errors with memory. Before that the instruments are put on one
+//! grid of times, their clocks compared, and steps and spikes kept out.
 
+mod bands;
+mod clock;
+mod constancy;
 mod difference;
+mod drift;
 mod error;
+mod events;
+mod files;
 pub mod fourteen;
 mod mutual;
+mod prepare;
+mod reference_noise;
 mod regression;
 mod series;
+mod stability;
+pub mod stream;
+mod three;
+mod windows;
 mod words;
 
 pub use error::Error;
+pub use files::take;
 pub use words::summary;
 
 use common::Document;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {}
+pub struct Options {
+    /// Move the test instrument's readings to the reference's clock.
+    pub correct_clock: bool,
+}
+
+/// What has a smaller probability by chance is told.
+const TOLD_BELOW: f64 = 0.01;
 
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
-pub fn run(mut document: Document, _: &Options) -> Result<Document, Error> {
-    let pair = series::read(&document)?;
-    let fits = regression::fit(&pair)?;
-    let found = regression::calibrate(&pair, &fits)?;
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    let raw = series::read(&document)?;
+    let prepared = prepare::prepare(&raw, options.correct_clock)?;
+    let fits = regression::fit(&prepared.pair)?;
+    let mut found = regression::calibrate(&raw, &prepared, &fits)?;
+    let level = regression::level(&prepared.pair, &fits);
+    if let Some(fit) = &mut found.fit {
+        fit.stability = stability::of(&level, &fits)?;
+    }
+    reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
     let calibration = document.calibration.get_or_insert_default();
     let kept = calibration.differential.take().unwrap_or_default();
     let fourteen = mutual::parameters(&found, kept.known.as_ref())?.map(Box::new);

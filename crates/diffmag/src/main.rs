@@ -1,8 +1,12 @@
 //! `diffmag`: two magnetometers side by side.
 
-use clap::Parser;
+use clap::{Args, Parser, Subcommand};
 use common::pipe::{self, Io, Program};
+use common::{Document, HistoryEntry, to_text};
 use diffmag::Options;
+use diffmag::stream::{self, Partial};
+use rayon::prelude::*;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "diffmag", version: env!("CARGO_PKG_VERSION") };
@@ -11,21 +15,96 @@ const PROGRAM: Program = Program { name: "diffmag", version: env!("CARGO_PKG_VER
 #[derive(Parser)]
 #[command(
     version,
+    args_conflicts_with_subcommands = true,
     after_help = "Example:\n  \
     simulate campaign fixtures/plans/observatory-pair.json | diffmag > result.json\n\n\
     Exit codes: 0 done; 1 the recordings do not determine the answer; 2 the request or the document is wrong."
 )]
 struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
     #[command(flatten)]
     io: Io,
+    /// Correct the times of the test instrument by what its clock differs, and fit again
+    #[arg(long)]
+    correct_clock: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Long series in files, in one pass and bounded memory
+    Stream(StreamArgs),
+    /// Join statistics that `stream --partial` wrote
+    Merge(PiecesArgs),
+}
+
+#[derive(Args)]
+#[command(after_help = "Example:\n  diffmag stream pair-2024.parquet pair-2025.csv > result.json")]
+struct StreamArgs {
+    #[command(flatten)]
+    pieces: PiecesArgs,
+    /// From one sample to the next, s; found from the first rows where it is not told
+    #[arg(long, value_name = "SECONDS")]
+    step_s: Option<f64>,
+}
+
+#[derive(Args)]
+struct PiecesArgs {
+    /// Pieces in any order: .csv, .ndjson, .parquet (columns time_s, reference_x_nt, …, test_z_nt), .json
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Write the statistics, to be merged with those of other pieces, in place of the answer
+    #[arg(long)]
+    partial: bool,
+    /// Write to this file; absent: standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    quiet: bool,
 }
 
 fn main() -> ExitCode {
-    pipe::finish(PROGRAM, run(&Cli::parse()))
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        None => run(&cli),
+        Some(Command::Stream(StreamArgs { pieces, step_s })) => join(pieces, "stream", *step_s),
+        Some(Command::Merge(pieces)) => join(pieces, "merge", None),
+    };
+    pipe::finish(PROGRAM, result)
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let options = Options::default();
-    pipe::stage(PROGRAM, &cli.io, Vec::new(), |document| diffmag::run(document, &options), diffmag::summary)?;
+    let options = Options { correct_clock: cli.correct_clock };
+    let arguments = if cli.correct_clock { vec!["--correct-clock".to_string()] } else { Vec::new() };
+    pipe::stage(PROGRAM, &cli.io, arguments, |document| diffmag::run(document, &options), diffmag::summary)?;
+    Ok(())
+}
+
+fn join(args: &PiecesArgs, command: &str, step_s: Option<f64>) -> anyhow::Result<()> {
+    let pieces: Vec<Partial> = args
+        .files
+        .par_iter()
+        .map(|file| diffmag::take(file, step_s))
+        .collect::<Result<_, _>>()
+        .map_err(common::Error::from)?;
+    let joined = stream::merge(pieces).map_err(common::Error::from)?;
+    if args.partial {
+        pipe::write(args.output.as_deref(), &joined.to_text())?;
+        return Ok(());
+    }
+    let mut document: Document = stream::document(&joined).map_err(common::Error::from)?;
+    let step = step_s.map(|step_s| format!("--step-s={step_s}"));
+    document.history.push(HistoryEntry {
+        stage: PROGRAM.name.into(),
+        version: PROGRAM.version.into(),
+        arguments: [command.to_string()].into_iter().chain(step).collect(),
+        input_sha256: None,
+        extra: Default::default(),
+    });
+    pipe::write(args.output.as_deref(), &to_text(&document))?;
+    if !args.quiet {
+        pipe::say(&diffmag::summary(&document));
+    }
     Ok(())
 }

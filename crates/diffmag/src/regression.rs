@@ -1,53 +1,84 @@
 //! η and d, with the source's intervals and with ones that hold for errors with memory.
 
 use common::{
-    Axis, ClockDifference, DifferentialCalibration, DifferentialFit, MatrixElement, PerAxis, Quantity,
+    Axis, DifferentialCalibration, DifferentialFit, Drift, EventInstrument, EventKind, KeptOut, KeptOutEvent,
+    MatrixElement, PerAxis, Quantity,
 };
+use estimate::cosine::{self, Errors};
+use estimate::periodogram::periodogram;
 use estimate::spectral::{self, SpectralFit};
 use estimate::{hac, stats};
 use faer::Mat;
 
 use crate::difference::{self, Noise};
+use crate::drift::{self, Columns};
+use crate::prepare::Prepared;
 use crate::series::Pair;
-use crate::{Error, words};
+use crate::{Error, TOLD_BELOW, words};
 
-/// Rounds of fitting the noise to the difference and the matrix under that noise.
-const ROUNDS: usize = 3;
-const DAY_S: f64 = 86_400.0;
-/// A clock's offset is told below this probability.
-const TOLD_BELOW: f64 = 0.01;
+/// The reference's axes and the straight drift.
+const STRAIGHT: usize = 4;
+/// Weighted and plain η that are so far apart less often do not agree.
+const DISAGREE_BELOW: f64 = 0.01;
+/// The band is not narrowed to fewer coefficients.
+const LEAST_KEPT: usize = 256;
 
 /// The fit of one axis of the test instrument.
 pub struct AxisFit {
-    /// Coefficients of the reference's x, y, z (nT/nT) and of the straight drift (nT/day).
+    /// Weighted coefficients of the reference's x, y, z (nT/nT), of the straight drift (nT/day), where an exponential drift is
+    /// demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, and of the steps (nT).
     pub fit: SpectralFit,
     /// Noise of the difference.
     pub noise: Noise,
-    /// T − R η − drift less its mean, η as weighted, nT.
+    /// T − R η − drift − steps less its mean, η as weighted, nT.
     pub difference: Vec<f64>,
     /// Mean of T − R η, nT.
     pub offset_nt: f64,
+    /// Its drift, as a document has it.
+    pub drift: Drift,
+    /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
+    drift_columns: Vec<Vec<f64>>,
+    source: Source,
+}
+
+/// The source's fit: least squares of the reference's axes alone.
+struct Source {
+    fit: SpectralFit,
     newey_west: Vec<f64>,
+    /// T − R η less its mean, nT.
+    difference: Vec<f64>,
 }
 
 /// Fits each axis of the test instrument.
-pub fn fit(pair: &Pair<'_>) -> Result<[AxisFit; 3], Error> {
-    let days = days(pair);
-    let one = |axis: Axis| one(pair, &days, &pair.test[axis.index()]);
-    Ok([one(Axis::X)?, one(Axis::Y)?, one(Axis::Z)?])
+pub fn fit(pair: &Pair) -> Result<[AxisFit; 3], Error> {
+    let columns = Columns::of(pair);
+    let one = |axis: Axis| one(&columns, axis.index());
+    let (x, (y, z)) = rayon::join(|| one(Axis::X), || rayon::join(|| one(Axis::Y), || one(Axis::Z)));
+    Ok([x?, y?, z?])
 }
 
-/// Days from the middle of the recording.
-fn days(pair: &Pair<'_>) -> Vec<f64> {
-    let middle = 0.5 * (pair.whole.len() as f64 - 1.0) * pair.step_s;
-    (0..pair.whole.len()).map(|row| (row as f64 * pair.step_s - middle) / DAY_S).collect()
+/// The pair without steps and exponential drift, as they were fitted.
+pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
+    let columns = |axis: usize| -> Vec<Vec<f64>> {
+        let exponential = fits[axis].drift_columns.iter().cloned();
+        exponential.chain(pair.step_columns(axis)).collect()
+    };
+    let test = std::array::from_fn(|axis| {
+        without(&pair.test[axis], &columns(axis), &fits[axis].fit.weighted[STRAIGHT..])
+    });
+    Pair { test, steps: Default::default(), ..pair.clone() }
 }
 
 /// The matrix and the difference, as a document has them.
-pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCalibration, Error> {
+pub fn calibrate(
+    raw: &Pair,
+    prepared: &Prepared,
+    fits: &[AxisFit; 3],
+) -> Result<DifferentialCalibration, Error> {
+    let pair = &prepared.pair;
     let rows = pair.whole.len();
     let mut fit = DifferentialFit {
-        recording: pair.recording.id.clone(),
+        recordings: pair.recordings.clone(),
         samples: pair.samples(),
         step_s: pair.step_s,
         missing: rows - pair.samples(),
@@ -59,9 +90,10 @@ pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCal
     let mut offsets = PerAxis::default();
     for (axis, found) in Axis::ALL.into_iter().zip(fits) {
         let j = axis.index();
-        let mut described = difference::describe(&found.difference, &found.noise)?;
-        let drift = found.fit.weighted_covariance[(3, 3)].sqrt();
-        described.drift_nt_per_day = Quantity::new(found.fit.weighted[3], drift);
+        let source = &found.source;
+        let mut described = difference::describe(&found.difference, &source.difference, &found.noise)?;
+        described.drift = found.drift.clone();
+        described.weighted_up_to_hz = Some(found.noise.highest_hz()).filter(|highest| highest.is_finite());
         let variance = described.rms_nt.powi(2);
         for (i, reference) in Axis::ALL.into_iter().enumerate() {
             matrix[i][j] = found.fit.weighted[i];
@@ -69,10 +101,10 @@ pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCal
                 covariance[3 * j + i][3 * j + k] = found.fit.weighted_covariance[(i, k)];
             }
             let element = MatrixElement {
-                least_squares: found.fit.least_squares[i],
-                std_independent: (found.fit.independent[(i, i)] * variance).sqrt(),
-                std_newey_west: found.newey_west[i],
-                std_noise: found.fit.covariance[(i, i)].sqrt(),
+                least_squares: source.fit.least_squares[i],
+                std_independent: (source.fit.independent[(i, i)] * variance).sqrt(),
+                std_newey_west: Some(source.newey_west[i]),
+                std_noise: source.fit.covariance[(i, i)].sqrt(),
                 weighted: found.fit.weighted[i],
                 weighted_std: found.fit.weighted_covariance[(i, i)].sqrt(),
             };
@@ -83,8 +115,11 @@ pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCal
         *offsets.entry(axis) = Some(Quantity::new(found.offset_nt, lowest.sqrt()));
         *fit.axes.entry(axis) = Some(described);
     }
-    fit.clock = clock(pair, fits, &days(pair))?;
+    fit.kept_out = kept_out(raw, prepared, fits);
+    fit.clock = prepared.clock.clone();
     fit.findings = words::findings(&fit, TOLD_BELOW);
+    fit.findings.extend(pair.told.iter().cloned());
+    fit.findings.extend(pair.third.iter().map(|_| words::third()));
     let order = Axis::ALL.iter().flat_map(|j| (0..3).map(move |i| format!("matrix[{i}][{}]", j.index())));
     Ok(DifferentialCalibration {
         matrix: Some(matrix),
@@ -96,104 +131,175 @@ pub fn calibrate(pair: &Pair<'_>, fits: &[AxisFit; 3]) -> Result<DifferentialCal
     })
 }
 
-/// One axis: the reference's three axes and a straight drift, under the noise of what they leave.
-fn one(pair: &Pair<'_>, days: &[f64], test: &[f64]) -> Result<AxisFit, Error> {
-    let mut columns: Vec<Vec<f64>> = pair.reference.to_vec();
-    columns.push(days.to_vec());
-    let mut fit = spectral::regress(&columns, test, pair.step_s, &|_| 1.0)?;
-    let mut difference = rest(&columns, test, &fit.least_squares);
-    let mut noise = Noise::of(&difference.0, pair.step_s)?;
-    for _ in 0..ROUNDS {
-        fit = spectral::regress(&columns, test, pair.step_s, &|frequency| noise.density(frequency))?;
-        difference = rest(&columns, test, &fit.weighted);
-        noise = Noise::of(&difference.0, pair.step_s)?;
+/// What was kept out; a step of the test instrument with the size that the fit of its axis gives it.
+fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
+    let mut fitted = [0; 3];
+    let events = prepared.events.found.iter().map(|event| {
+        let mut size_nt = Quantity::new(event.size, event.std);
+        if event.kind == EventKind::Step && event.instrument != EventInstrument::Reference {
+            let steps = &prepared.pair.steps[event.axis];
+            let (number, fit) = (fitted[event.axis], &fits[event.axis].fit);
+            if number < steps.len() {
+                let column = fit.weighted.len() - steps.len() + number;
+                let std = fit.weighted_covariance[(column, column)].sqrt();
+                size_nt = Quantity::new(event.size + fit.weighted[column], std);
+            }
+            fitted[event.axis] += 1;
+        }
+        KeptOutEvent {
+            kind: event.kind,
+            instrument: event.instrument,
+            axis: Axis::ALL[event.axis],
+            time_s: raw.time_s(event.from),
+            rows: [event.from, event.to],
+            size_nt,
+            z: event.z,
+            extra: common::Extra::new(),
+        }
+    });
+    KeptOut {
+        events: events.collect(),
+        gaps: raw.gaps(),
+        more: prepared.events.more,
+        extra: common::Extra::new(),
     }
-    let plain = rest(&columns, test, &fit.least_squares).0;
-    let means: Vec<f64> = columns.iter().map(|column| mean(column)).collect();
-    let design = Mat::from_fn(test.len(), columns.len(), |i, j| columns[j][i] - means[j]);
-    let robust = hac::newey_west(design.as_ref(), &plain, fit.independent.as_ref(), hac::lags(test.len()));
-    let offset_nt = mean(test) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
-    Ok(AxisFit {
-        newey_west: (0..3).map(|i| robust[(i, i)].sqrt()).collect(),
-        fit,
-        noise,
-        difference: difference.0,
-        offset_nt,
-    })
 }
 
-fn mean(values: &[f64]) -> f64 {
+/// One axis: the reference's three axes, the drift that the readings demand and the steps, under the noise of what they leave, in
+/// the band in which the instruments answer alike.
+fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
+    let pair = whole.pair;
+    let test = &pair.test[axis];
+    let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
+    let transforms = |design: &[Vec<f64>]| -> Vec<Vec<f64>> {
+        design.iter().map(|column| whole.transform(column)).collect()
+    };
+    let mut step_transforms = transforms(&steps);
+    let mut y = whole.transform(test);
+    let straight_design = [&pair.reference[..], std::slice::from_ref(&whole.days), &steps].concat();
+    let seen = lines(whole, &straight_design, test, &y)?;
+    let Plain { noise: plain_noise, kept } = plain(whole, &transforms(&straight_design), &y, &seen)?;
+    let columns = &whole.up_to(kept);
+    y.truncate(kept);
+    step_transforms.iter_mut().for_each(|step| step.truncate(kept));
+    let beside = drift::Beside { steps: &step_transforms, lines_hz: &seen };
+    let (straight, noise) = columns.straight(&y, &beside)?;
+    let joint = drift::joint(columns, &y, &noise, &beside)?;
+    let demanded = joint.as_ref().filter(|joint| joint.p < drift::LEVEL);
+    let drift_columns = demanded.map_or(Vec::new(), |joint| columns.exponential(joint.ln_tau).to_vec());
+    let regression = demanded.map_or(&straight, |joint| &joint.regression);
+    let mut design = straight_design;
+    design.splice(STRAIGHT..STRAIGHT, drift_columns.iter().cloned());
+    let difference = rest(&design, test, &regression.coefficients);
+    let sizes = &regression.coefficients[design.len() - steps.len()..];
+    let level = without(test, &steps, sizes);
+    let found = drift::describe(
+        columns,
+        &level,
+        regression,
+        demanded.map_or(&noise, |joint| &joint.noise),
+        joint.as_ref(),
+    )?;
+    let noise = match joint {
+        Some(joint) if joint.p < drift::LEVEL => joint.noise,
+        _ => noise,
+    };
+    let all: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
+    let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+    let fit = cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?;
+    let offset_nt = mean(&level) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
+    let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
+    // Noise is told of all that is left, but weighs only in the band.
+    let noise = if kept == whole.kept {
+        noise
+    } else {
+        Noise::seen(&difference, pair)?.up_to(whole.cosine.frequency(kept))
+    };
+    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, source })
+}
+
+/// What least squares say: noise, and how much of the band agrees with them.
+struct Plain {
+    noise: Noise,
+    /// Cosine coefficients, from the lowest on.
+    kept: usize,
+}
+
+/// Least squares rest on what is strong, which is slow; weights rest on where the difference is quiet. The two have one answer only
+/// where the instruments answer alike: filters, and noise of the reference where the field is weak, show at short periods. So
+/// the band is halved until the weighted η agrees with least squares.
+fn plain(columns: &Columns<'_>, design: &[Vec<f64>], y: &[f64], lines_hz: &[f64]) -> Result<Plain, Error> {
+    let up_to = |kept: usize| -> Vec<&[f64]> { design.iter().map(|column| &column[..kept]).collect() };
+    let independent = Errors::independent(&columns.cosine);
+    let noise =
+        columns.noise(&cosine::weighted(&up_to(y.len()), y, &independent)?, &independent, lines_hz)?;
+    let errors = noise.errors(&columns.cosine)?;
+    let fit = cosine::regress(&up_to(y.len()), y, &errors)?;
+    let mut kept = y.len();
+    while kept / 2 >= LEAST_KEPT {
+        let weighted = cosine::weighted(&up_to(kept), &y[..kept], &errors)?;
+        let p = spectral::agreement_p(
+            (&fit.least_squares[..3], &fit.covariance),
+            (&weighted.coefficients[..3], &weighted.covariance),
+        )?;
+        if p >= DISAGREE_BELOW {
+            break;
+        }
+        kept /= 2;
+    }
+    Ok(Plain { noise, kept })
+}
+
+/// Least squares of the reference's axes alone, with the covariance under these errors and by Newey and West.
+fn source(columns: &Columns<'_>, test: &[f64], errors: &Errors) -> Result<Source, Error> {
+    let reference = &columns.pair.reference;
+    let fit = cosine::regress(&columns.base()[..3], &columns.transform(test), errors)?;
+    let difference = rest(reference, test, &fit.least_squares);
+    let means = reference.each_ref().map(|column| mean(column));
+    // Beside centred columns the constant stands alone.
+    let count = test.len();
+    let design = Mat::from_fn(count, 4, |i, j| if j < 3 { reference[j][i] - means[j] } else { 1.0 });
+    let inverse = Mat::from_fn(4, 4, |i, j| match (i, j) {
+        (3, 3) => 1.0 / count as f64,
+        (3, _) | (_, 3) => 0.0,
+        _ => fit.independent[(i, j)],
+    });
+    let robust = hac::newey_west(design.as_ref(), &difference, inverse.as_ref(), hac::lags(count));
+    Ok(Source { newey_west: (0..3).map(|i| robust[(i, i)].sqrt()).collect(), fit, difference })
+}
+
+/// The readings less steps of these sizes.
+fn without(test: &[f64], steps: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
+    let row =
+        |row: usize| test[row] - steps.iter().zip(sizes).map(|(step, size)| size * step[row]).sum::<f64>();
+    (0..test.len()).map(row).collect()
+}
+
+/// Frequencies (Hz) at which what least squares leave has spectral lines: they are not noise.
+fn lines(columns: &Columns<'_>, design: &[Vec<f64>], test: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
+    let transforms: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
+    let transforms: Vec<&[f64]> = transforms.iter().map(Vec::as_slice).collect();
+    let plain = cosine::weighted(&transforms, y, &Errors::independent(&columns.cosine))?;
+    let left = rest(design, test, &plain.coefficients);
+    Ok(periodogram(&left, columns.pair.step_s)?.lines.iter().map(|line| line.frequency_hz).collect())
+}
+
+/// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
+pub fn mean(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let first = values.iter().sum::<f64>() / count;
     first + values.iter().map(|value| value - first).sum::<f64>() / count
 }
 
-/// What the columns leave, less its mean, and that mean.
-fn rest(columns: &[Vec<f64>], y: &[f64], coefficients: &[f64]) -> (Vec<f64>, f64) {
+/// What the columns leave, less its mean.
+pub fn rest(columns: &[Vec<f64>], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let means: Vec<f64> = columns.iter().map(|column| mean(column)).collect();
     let middle = mean(y);
-    let left: Vec<f64> = (0..y.len())
-        .map(|row| {
-            let explained: f64 =
-                (0..columns.len()).map(|j| coefficients[j] * (columns[j][row] - means[j])).sum();
-            y[row] - middle - explained
-        })
-        .collect();
-    (left, middle)
-}
-
-/// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a rate it grows in
-/// time.
-fn clock(pair: &Pair<'_>, fits: &[AxisFit], days: &[f64]) -> Result<Option<ClockDifference>, Error> {
-    let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
-    for found in fits {
-        let turned: Vec<f64> = (0..pair.whole.len())
-            .map(|row| (0..3).map(|i| found.fit.weighted[i] * pair.reference[i][row]).sum())
-            .collect();
-        let rate = slope(&turned, pair.step_s);
-        let mut columns: Vec<Vec<f64>> = vec![
-            rate.iter().map(|r| -r).collect(),
-            rate.iter().zip(days).map(|(r, day)| -r * day * DAY_S * 1e-6).collect(),
-        ];
-        columns.extend(pair.reference.iter().cloned());
-        columns.push(days.to_vec());
-        let density = |frequency: f64| found.noise.density(frequency);
-        let fit = spectral::regress(&columns, &found.difference, pair.step_s, &density)?;
-        let block = Mat::from_fn(2, 2, |i, j| fit.weighted_covariance[(i, j)]);
-        let determinant = block[(0, 0)] * block[(1, 1)] - block[(0, 1)] * block[(1, 0)];
-        let inverse = [
-            [block[(1, 1)] / determinant, -block[(0, 1)] / determinant],
-            [-block[(1, 0)] / determinant, block[(0, 0)] / determinant],
-        ];
-        for i in 0..2 {
-            for j in 0..2 {
-                information[i][j] += inverse[i][j];
-                right[i] += inverse[i][j] * fit.weighted[j];
-            }
-        }
-    }
-    let [[a, b], [c, d]] = information;
-    let determinant = a * d - b * c;
-    if determinant.is_nan() || determinant <= 0.0 {
-        return Ok(None);
-    }
-    let offset = (d * right[0] - b * right[1]) / determinant;
-    let rate = (a * right[1] - c * right[0]) / determinant;
-    Ok(Some(ClockDifference {
-        offset_s: Quantity::new(offset, (d / determinant).sqrt()),
-        rate_ppm: Quantity::new(rate, (a / determinant).sqrt()),
-    }))
-}
-
-/// Central differences, nT/s; one-sided at the ends.
-fn slope(values: &[f64], step_s: f64) -> Vec<f64> {
-    let last = values.len() - 1;
-    (0..values.len())
-        .map(|row| {
-            let (from, to) = (row.saturating_sub(1), (row + 1).min(last));
-            (values[to] - values[from]) / ((to - from) as f64 * step_s)
-        })
-        .collect()
+    let row = |row: usize| {
+        let explained: f64 = (0..columns.len()).map(|j| coefficients[j] * (columns[j][row] - means[j])).sum();
+        y[row] - middle - explained
+    };
+    (0..y.len()).map(row).collect()
 }
 
 /// Probability of a quantity so far from zero by chance.

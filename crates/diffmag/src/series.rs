@@ -1,48 +1,182 @@
-//! The two instruments' readings as even series, with what is wrong told by its place.
+//! The instruments' readings on one even grid of times, with what is wrong told by its place.
 
-use common::{Axis, Document, Error as Fault, Recording, procedure, series};
+use common::time::Start;
+use common::{Axis, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
 
 use crate::Error;
 
+mod check;
+mod grid;
+mod piece;
+
+use grid::Grid;
+use piece::Piece;
+
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;
-/// Two columns that are alike to this share of their changes are one.
-const ALIKE: f64 = 1e-12;
-/// The test instrument's changes over the reference's; beyond, they are in other units.
-const UNITS: f64 = 20.0;
+/// Names of the instruments, as their columns begin.
+const NAMES: [&str; 3] = ["reference", "test", "third"];
+/// Readings that are missing stand on straight lines; with more than one in so many missing these would be most of what is fitted.
+const WHOLE: usize = 2;
 
-/// Both instruments at the same moments.
-pub struct Pair<'a> {
-    /// The recording.
-    pub recording: &'a Recording,
-    /// From one sample to the next, s.
-    pub step_s: f64,
-    /// Readings of the reference, missing ones bridged, nT.
-    pub reference: [Vec<f64>; 3],
-    /// Readings of the test instrument, missing ones bridged, nT.
-    pub test: [Vec<f64>; 3],
-    /// Rows in which nothing is missing.
-    pub whole: Vec<bool>,
+/// What one instrument recorded.
+struct Instrument {
+    name: &'static str,
+    /// In the order of time, without overlap.
+    pieces: Vec<Piece>,
 }
 
-impl Pair<'_> {
+impl Instrument {
+    fn start_s(&self) -> f64 {
+        self.pieces[0].start_s
+    }
+
+    fn end_s(&self) -> f64 {
+        self.pieces[self.pieces.len() - 1].end_s()
+    }
+
+    fn longest(&self) -> &Piece {
+        let rows = |piece: &&Piece| piece.columns[0].len();
+        self.pieces.iter().rev().max_by_key(rows).unwrap_or(&self.pieces[0])
+    }
+
+    fn step_s(&self) -> f64 {
+        self.longest().step_s
+    }
+}
+
+/// The instruments at the same moments.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// Ids of the recordings.
+    pub recordings: Vec<String>,
+    /// Time of the first row, s.
+    pub first_s: f64,
+    /// From one sample to the next, s.
+    pub step_s: f64,
+    /// Readings of the reference, nT; rows that are not whole stand on straight lines between those that are.
+    pub reference: [Vec<f64>; 3],
+    /// Readings of the test instrument in the same way, nT.
+    pub test: [Vec<f64>; 3],
+    /// Readings of a third instrument on straight lines over its own gaps, nT.
+    pub third: Option<[Vec<f64>; 3]>,
+    /// Noise of the reference, where a recording declares it.
+    pub reference_noise: Option<NoiseOfSensors>,
+    /// Rows in which neither reference nor test misses a reading.
+    pub whole: Vec<bool>,
+    /// Where an instrument went through a filter: above this frequency the difference is not what was recorded, Hz.
+    pub highest_hz: Option<f64>,
+    /// First rows after the steps that are to be fitted to each test axis.
+    pub steps: [Vec<usize>; 3],
+    /// What was done to bring them together, in words.
+    pub told: Vec<String>,
+}
+
+impl Pair {
     /// How many samples are whole.
     pub fn samples(&self) -> usize {
         self.whole.iter().filter(|whole| **whole).count()
     }
+
+    /// Time of a row, s.
+    pub fn time_s(&self, row: usize) -> f64 {
+        self.first_s + row as f64 * self.step_s
+    }
+
+    /// Time from the middle of the recording, s.
+    pub fn from_middle_s(&self, row: usize) -> f64 {
+        (row as f64 - 0.5 * (self.whole.len() as f64 - 1.0)) * self.step_s
+    }
+
+    /// The steps of a test axis as columns: 0 before, 1 after.
+    pub fn step_columns(&self, axis: usize) -> impl Iterator<Item = Vec<f64>> {
+        let rows = self.whole.len();
+        self.steps[axis]
+            .iter()
+            .map(move |step| (0..rows).map(|row| if row < *step { 0.0 } else { 1.0 }).collect())
+    }
+
+    /// Puts the rows that are not whole onto straight lines, all six columns alike.
+    pub fn bridge(&mut self) {
+        let rows: Vec<f64> = (0..self.whole.len()).map(|row| row as f64).collect();
+        for column in self.reference.iter_mut().chain(&mut self.test) {
+            for (value, _) in column.iter_mut().zip(&self.whole).filter(|(_, whole)| !**whole) {
+                *value = f64::NAN;
+            }
+            *column = bridged(&rows, std::mem::take(column));
+        }
+    }
+
+    /// Runs of rows that are not whole.
+    pub fn gaps(&self) -> Vec<Gap> {
+        let mut gaps = Vec::new();
+        let mut row = 0;
+        while row < self.whole.len() {
+            let samples = self.whole[row..].iter().take_while(|whole| !**whole).count();
+            if samples > 0 {
+                let (from_s, to_s) = (self.time_s(row), self.time_s(row + samples - 1));
+                gaps.push(Gap { from_s, to_s, samples, ..Gap::default() });
+            }
+            row += samples.max(1);
+        }
+        gaps
+    }
 }
 
-/// Reads the one differential recording of a document.
-pub fn read(document: &Document) -> Result<Pair<'_>, Error> {
-    let mut found =
-        document.recordings.iter().enumerate().filter(|(_, r)| r.procedure == procedure::DIFFERENTIAL);
-    let (index, recording) = found.next().ok_or(Error::Nothing)?;
-    if let Some((second, _)) = found.next() {
-        let expected = "one differential recording in a document";
-        return Err(Fault::document(format!("recordings[{second}]"), "a second one", expected).into());
+/// Reads the differential recordings of a document: both instruments in one, each in its own, several pieces of each.
+pub fn read(document: &Document) -> Result<Pair, Error> {
+    let found: Vec<(usize, &Recording)> = document
+        .recordings
+        .iter()
+        .enumerate()
+        .filter(|(_, recording)| recording.procedure == procedure::DIFFERENTIAL)
+        .collect();
+    let (first, _) = *found.first().ok_or(Error::Nothing)?;
+    let start = earliest(&found)?;
+    let mut instruments = NAMES.map(|name| Instrument { name, pieces: Vec::new() });
+    for (index, recording) in &found {
+        let path = format!("recordings[{index}]");
+        let origin_s =
+            recording.start().zip(start).map_or(0.0, |(own, earliest)| own.unix_s - earliest.unix_s);
+        let time = times(recording, &path, origin_s)?;
+        for number in read_by(recording, &path)? {
+            instruments[number].pieces.push(Piece::of(recording, &path, NAMES[number], &time)?);
+        }
     }
-    let path = format!("recordings[{index}]");
+    for instrument in &mut instruments {
+        order(instrument)?;
+    }
+    let [reference, test, third] = instruments;
+    for instrument in [&reference, &test] {
+        if instrument.pieces.is_empty() {
+            let name = instrument.name;
+            let expected =
+                format!("`{name}_x_nt`, … of the {name} instrument, in this recording or in one of its own");
+            return Err(
+                Fault::document(format!("recordings[{first}].columns"), "no such column", expected).into()
+            );
+        }
+    }
+    join(&found, [reference, test, third])
+}
+
+/// The earliest `start`. Recordings on a clock of the day and on the campaign's clock do not go together.
+fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
+    let with = found.iter().find(|(_, recording)| recording.start().is_some());
+    let without = found.iter().find(|(_, recording)| recording.start().is_none());
+    if let (Some((with, _)), Some((without, _))) = (with, without) {
+        let message = format!("no such key, where recordings[{with}] has one");
+        let expected =
+            "`start` in all differential recordings or in none: else their times have no common zero";
+        return Err(Fault::document(format!("recordings[{without}].start"), message, expected).into());
+    }
+    let starts = found.iter().filter_map(|(_, recording)| recording.start());
+    Ok(starts.min_by(|a, b| a.unix_s.total_cmp(&b.unix_s)))
+}
+
+/// The times of a recording, from the common zero.
+fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
     if recording.table.is_some() {
         let expected = "the readings under `columns`";
         return Err(Fault::document(format!("{path}.table"), "a file beside the document", expected).into());
@@ -53,86 +187,122 @@ pub fn read(document: &Document) -> Result<Pair<'_>, Error> {
         let expected = "at least five: a regression has four unknowns for each axis";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
-    let time = recording.column("time_s").unwrap_or_default();
+    let Some(time) = recording.column("time_s") else {
+        let expected = "`time_s`: samples are put together by their times";
+        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+    };
     let key = format!("{path}.columns.time_s");
+    if let Some(row) = time.iter().position(|t| !t.is_finite()) {
+        let found = format!("null in row {row}");
+        let expected = "a time in every row; leave out rows of which nobody knows when they were";
+        return Err(Fault::document(key, found, expected).into());
+    }
     if let Some(row) = time.windows(2).position(|pair| pair[1] <= pair[0]) {
         let found = format!("{} after {} in row {}", time[row + 1], time[row], row + 1);
         return Err(
             Fault::document(key, found, "times that rise; sort the rows, and take doubles out").into()
         );
     }
-    let Some(step_s) = series::even_step_s(time) else {
-        let expected = "even times, with nulls in the readings where samples are missing";
-        return Err(Fault::document(key, "no even times", expected).into());
-    };
-    let columns = |quantity: &str| -> Result<[Vec<f64>; 3], Error> {
-        let mut all: [Vec<f64>; 3] = Default::default();
-        for axis in Axis::ALL {
-            all[axis.index()] = column(recording, &path, quantity, axis)?;
+    Ok(time.iter().map(|t| t + origin_s).collect())
+}
+
+/// The instruments, by their places in [`NAMES`], that a recording has columns of.
+fn read_by(recording: &Recording, path: &str) -> Result<Vec<usize>, Error> {
+    let has =
+        |name: &str| Axis::ALL.into_iter().any(|axis| recording.axis_column(name, axis, "nt").is_some());
+    let numbers: Vec<usize> = (0..NAMES.len()).filter(|number| has(NAMES[*number])).collect();
+    if numbers.is_empty() {
+        let expected = "`reference_x_nt`, … or `test_x_nt`, …: the readings of an instrument";
+        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+    }
+    Ok(numbers)
+}
+
+/// Sorts the pieces of an instrument by time and refuses those that overlap.
+fn order(instrument: &mut Instrument) -> Result<(), Error> {
+    instrument.pieces.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    for pair in instrument.pieces.windows(2) {
+        if pair[1].start_s <= pair[0].end_s() {
+            let found = format!(
+                "readings of the {} instrument from {} s on, where {} goes on to {} s",
+                instrument.name,
+                pair[1].start_s,
+                pair[0].path,
+                pair[0].end_s()
+            );
+            let expected =
+                "pieces of one instrument that follow each other; take out what was recorded twice";
+            return Err(Fault::document(format!("{}.columns.time_s", pair[1].path), found, expected).into());
         }
-        Ok(all)
+    }
+    Ok(())
+}
+
+/// The instruments on one grid.
+fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]) -> Result<Pair, Error> {
+    let path = test.pieces[0].path.clone();
+    let Some(grid) = Grid::of(&reference, &test) else {
+        let found = format!(
+            "readings of the test instrument from {} to {} s, of the reference from {} to {} s",
+            test.start_s(),
+            test.end_s(),
+            reference.start_s(),
+            reference.end_s()
+        );
+        let expected = "recordings that overlap in time; look at `start` and at the clocks";
+        return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
     };
-    let (reference, test) = (columns("reference")?, columns("test")?);
-    let whole: Vec<bool> =
-        (0..rows).map(|row| reference.iter().chain(&test).all(|c| c[row].is_finite())).collect();
+    let reads = [&reference, &test].map(|instrument| grid.read(instrument));
+    let whole: Vec<bool> = (0..grid.rows)
+        .map(|row| reads.iter().flat_map(|read| &read.columns).all(|column| column[row].is_finite()))
+        .collect();
     let together = whole.iter().filter(|whole| **whole).count();
     if together < LEAST {
         let found = format!("{together} rows in which both instruments read");
         let expected = "at least five: do the two recordings overlap in time?";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
-    check(&path, &reference, &test)?;
-    let bridge = |columns: [Vec<f64>; 3]| columns.map(|column| bridged(time, column));
-    Ok(Pair { recording, step_s, reference: bridge(reference), test: bridge(test), whole })
-}
-
-fn column(recording: &Recording, path: &str, quantity: &str, axis: Axis) -> Result<Vec<f64>, Error> {
-    let name = format!("{quantity}_{axis}_nt");
-    let Some(column) = recording.column(&name) else {
-        let expected = format!("`{name}`, the readings of the {quantity} instrument along {axis}");
-        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+    if together * WHOLE < grid.rows {
+        let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
+        let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
+        return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
+    }
+    let [reference, test] = reads;
+    check::check(&path, &reference.columns, &test.columns)?;
+    let third = (!third.pieces.is_empty()).then(|| grid.read(&third));
+    let mut told = reference.told;
+    told.extend(test.told);
+    told.extend(third.iter().flat_map(|third| third.told.clone()));
+    // One recording with several instruments says the same of each.
+    told.dedup();
+    let rows: Vec<f64> = (0..grid.rows).map(|row| row as f64).collect();
+    let mut pair = Pair {
+        recordings: found.iter().map(|(_, recording)| recording.id.clone()).collect(),
+        first_s: grid.time_s(0),
+        step_s: grid.step_s,
+        highest_hz: (reference.filtered || test.filtered).then(|| grid.passband_hz()),
+        reference: reference.columns,
+        test: test.columns,
+        third: third.map(|third| third.columns.map(|column| bridged(&rows, column))),
+        reference_noise: reference_noise(found)?,
+        whole,
+        steps: Default::default(),
+        told,
     };
-    let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
-    if known.len() < LEAST {
-        let found = format!("{} readings", known.len());
-        return Err(Fault::document(format!("{path}.columns.{name}"), found, "at least five").into());
-    }
-    if known.iter().all(|value| *value == known[0]) {
-        let found = format!("the constant reading {}", known[0]);
-        let expected = "readings that follow the field; was the instrument connected?";
-        return Err(Fault::document(format!("{path}.columns.{name}"), found, expected).into());
-    }
-    Ok(column.to_vec())
+    pair.bridge();
+    Ok(pair)
 }
 
-/// Root of the mean square about the mean, over what is known.
-fn spread(column: &[f64]) -> f64 {
-    let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
-    let mean = known.iter().sum::<f64>() / known.len() as f64;
-    (known.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / known.len() as f64).sqrt()
-}
-
-/// Columns that are one, and units that cannot be the same.
-fn check(path: &str, reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Result<(), Error> {
-    for (i, axis) in Axis::ALL.into_iter().enumerate() {
-        for (j, other) in Axis::ALL.into_iter().enumerate() {
-            let difference: Vec<f64> = reference[i].iter().zip(&test[j]).map(|(r, t)| t - r).collect();
-            if spread(&difference) <= ALIKE * spread(&reference[i]) {
-                let found = format!("the same readings as in `reference_{axis}_nt`");
-                let expected = "readings of a second instrument; was a column copied?";
-                return Err(
-                    Fault::document(format!("{path}.columns.test_{other}_nt"), found, expected).into()
-                );
-            }
-        }
+/// The noise of the reference that a recording declares, which is that of all.
+fn reference_noise(found: &[(usize, &Recording)]) -> Result<Option<NoiseOfSensors>, Error> {
+    let declared = |(index, recording): &(usize, &Recording)| {
+        recording.conditions.reference_noise.clone().map(|noise| (*index, noise))
+    };
+    let Some((index, noise)) = found.iter().find_map(declared) else { return Ok(None) };
+    if let Some(axis) = Axis::ALL.into_iter().find(|axis| noise.of(*axis).is_none()) {
+        let expected = "that of each of the reference's three axes, or one for all";
+        let key = format!("recordings[{index}].conditions.reference_noise.{axis}");
+        return Err(Fault::document(key, "no noise", expected).into());
     }
-    let size =
-        |columns: &[Vec<f64>; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
-    let ratio = size(test) / size(reference);
-    if !(1.0 / UNITS..=UNITS).contains(&ratio) {
-        let found = format!("changes {ratio:.2e} times those of the reference");
-        let expected = "readings of both instruments in nT; are those of one in V, or in µT?";
-        return Err(Fault::document(format!("{path}.columns.test_x_nt"), found, expected).into());
-    }
-    Ok(())
+    Ok(Some(noise))
 }

@@ -1,12 +1,18 @@
 //! The result in a few lines for people.
 
-use common::{Axis, DifferentialFit, Document, FourteenParameters, Magnetometer, Quantity};
+use common::{
+    Axis, DifferentialFit, Document, Drift, DriftForm, EventInstrument, EventKind, FourteenParameters,
+    KeptOut, Magnetometer, OneMatrix, Quantity,
+};
 use std::fmt::Write;
 
+use crate::reference_noise;
 use crate::regression::p_of;
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
+/// Tests of whether the matrix holds still are told below this probability.
+pub const TOLD_BELOW: f64 = 0.01;
 /// The independent interval is too narrow when the honest one is wider by this.
 const NARROW: f64 = 1.5;
 
@@ -33,29 +39,131 @@ pub fn findings(fit: &DifferentialFit, told_below: f64) -> Vec<String> {
                 of.goodness_p
             ));
         }
-        if p_of(&of.drift_nt_per_day) < told_below {
-            findings
-                .push(format!("axis {axis}: the difference drifts (p = {:.1e})", p_of(&of.drift_nt_per_day)));
+        if let Some(highest) = of.weighted_up_to_hz {
+            findings.push(format!(
+                "axis {axis}: the matrix rests on periods above {}; at shorter ones the instruments do not answer alike (filters, or noise of the reference)",
+                duration(1.0 / highest)
+            ));
         }
+        findings.extend(drift(&of.drift).map(|text| format!("axis {axis}: the difference drifts {text}")));
     }
     if let Some(clock) = &fit.clock {
         let (late, fast) = (p_of(&clock.offset_s), p_of(&clock.rate_ppm));
+        let mend =
+            if clock.corrected { "corrected for" } else { "the matrix suffers; ask for --correct-clock" };
         if late < told_below {
-            findings.push(format!(
-                "the clocks differ (p = {late:.1e}); correct the times before the matrix is used"
-            ));
+            findings.push(format!("the clocks differ (p = {late:.1e}): {mend}"));
         }
         if fast < told_below {
-            findings.push(format!("the clocks run at different rates (p = {fast:.1e})"));
+            findings.push(format!("the clocks run at different rates (p = {fast:.1e}): {mend}"));
+        }
+        if clock.corrected {
+            findings.push(moved());
         }
     }
+    findings.extend(kept_out(&fit.kept_out));
     if fit.missing > 0 {
         findings.push(format!(
-            "{} samples lack a reading and stand on straight lines between their neighbours",
+            "{} samples lack a reading or were taken out; in their places stand the most likely readings under the fitted noise",
             fit.missing
         ));
     }
     findings
+}
+
+fn kept_out(kept_out: &KeptOut) -> Vec<String> {
+    let of = |kind: EventKind| kept_out.events.iter().filter(|event| event.kind == kind).count();
+    let (steps, spikes, intervals) = (of(EventKind::Step), of(EventKind::Spike), of(EventKind::Interval));
+    let mut findings = Vec::new();
+    if steps + spikes + intervals > 0 {
+        findings.push(format!(
+            "kept out of the fit: {steps} steps (fitted with it), {spikes} spikes and {intervals} disturbed intervals (taken out); \
+             `kept_out` lists them"
+        ));
+    }
+    if kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
+        findings.push(
+            "of some events it cannot be told in which instrument they are: the axes lie too close".into(),
+        );
+    }
+    if kept_out.more {
+        findings.push("there are more steps and spikes than are looked for: the noise is not of the form that is fitted".into());
+    }
+    findings
+}
+
+fn moved() -> String {
+    "the test instrument's readings were moved in time by a filter: its white noise is lower near half the sampling rate, and the \
+     noise is told from the band below"
+        .into()
+}
+
+/// A third instrument.
+pub fn third() -> String {
+    "the third instrument's readings are not used for the matrix of the other two".into()
+}
+
+/// Times that are not quite even.
+pub fn scattered(id: &str, by_s: f64) -> String {
+    format!("\"{id}\": its times scatter by up to {by_s:.3} s about even ones and are taken as even")
+}
+
+/// Times that were made even.
+pub fn uneven(id: &str, step_s: f64) -> String {
+    format!(
+        "\"{id}\": its times are uneven; its readings were interpolated to steps of {step_s:.6} s, which lowers their noise unevenly"
+    )
+}
+
+/// An instrument that was brought to another grid.
+pub fn filtered(instrument: &str, from_s: f64, to_s: f64, white: f64) -> String {
+    format!(
+        "the {instrument} instrument's readings, {from_s} s apart, were filtered to the grid of {to_s} s: {:.0} % of the rms of its white \
+         noise pass, and the noise is told from the band below 0.9 of half the sampling rate",
+        100.0 * white
+    )
+}
+
+/// Which drift the readings demand.
+fn drift(of: &Drift) -> Option<String> {
+    let straight = || {
+        let rate = plus_minus(&of.straight_nt_per_day, 4);
+        format!("by {rate} nT a day (p = {:.1e})", of.straight_p)
+    };
+    let exponential = || {
+        let joint = of.joint.as_ref()?;
+        let limit = if joint.time_constant_at_limit { ", at the limit of what is sought" } else { "" };
+        Some(format!(
+            "exponentially, {} nT at the beginning with a time constant of {:.0} s ({:.0} to {:.0}{limit}; p = {:.1e})",
+            plus_minus(&joint.amplitude_nt, 3),
+            joint.time_constant_s.value(),
+            joint.time_constant_interval_s[0],
+            joint.time_constant_interval_s[1],
+            of.exponential_p
+        ))
+    };
+    match of.demanded {
+        DriftForm::None => None,
+        DriftForm::Straight => Some(straight()),
+        DriftForm::Exponential => exponential(),
+        DriftForm::Both => exponential().map(|text| format!("{text}, and {}", straight())),
+    }
+}
+
+/// Probability of estimates so far apart, by the axes together or by one of them: twice and six times the least.
+pub fn p_of_one(test: &OneMatrix) -> f64 {
+    let axes = test.axes.iter().map(|(_, axis)| 6.0 * axis.p);
+    axes.fold(2.0 * test.p, f64::min).min(1.0)
+}
+
+/// A time or a period in the unit that suits it.
+pub fn duration(seconds: f64) -> String {
+    match seconds.abs() {
+        s if s < 120.0 => format!("{seconds:.3} s"),
+        s if s < 7_200.0 => format!("{:.1} min", seconds / 60.0),
+        s if s < 172_800.0 => format!("{:.1} h", seconds / 3_600.0),
+        _ => format!("{:.2} days", seconds / 86_400.0),
+    }
 }
 
 fn plus_minus(quantity: &Quantity, digits: usize) -> String {
@@ -68,7 +176,13 @@ pub fn summary(document: &Document) -> String {
     let found = document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref());
     let Some(fit) = found.and_then(|found| found.fit.as_ref()) else { return text };
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "diffmag: \"{}\", {} samples of {} s", fit.recording, fit.samples, fit.step_s);
+    let _ = writeln!(
+        text,
+        "diffmag: \"{}\", {} samples of {} s",
+        fit.recordings.join("\", \""),
+        fit.samples,
+        fit.step_s
+    );
     for axis in Axis::ALL {
         let row: Vec<String> = Axis::ALL
             .iter()
@@ -81,13 +195,14 @@ pub fn summary(document: &Document) -> String {
         let offset = found.and_then(|found| found.offset_nt.as_ref()?.get(axis));
         let _ = writeln!(
             text,
-            "  test {axis}: offset {} nT, rms {:.3} nT, {:.2} ± {:.2} pT/√Hz at 1 Hz as f^{:.2}, drift {} nT a day",
+            "  test {axis}: offset {} nT, rms {:.3} nT, {:.2} ± {:.2} pT/√Hz at 1 Hz as f^{:.2}, drift {} nT a day, {} nT a month",
             offset.map_or(String::new(), |offset| plus_minus(offset, 3)),
             of.rms_nt,
             1e3 * of.density_at_1hz_nt_per_sqrt_hz.value(),
             1e3 * of.density_at_1hz_nt_per_sqrt_hz.std().unwrap_or(0.0),
             -of.flicker_exponent.value(),
-            plus_minus(&of.drift_nt_per_day, 4)
+            plus_minus(&of.drift.per_day.drift_nt, 4),
+            plus_minus(&of.drift.per_month.drift_nt, 3)
         );
     }
     if let Some(clock) = &fit.clock {
@@ -97,11 +212,21 @@ pub fn summary(document: &Document) -> String {
             plus_minus(&clock.offset_s, 4),
             plus_minus(&clock.rate_ppm, 3)
         );
+        if let (Some(offset), Some(rate)) = (&clock.left_offset_s, &clock.left_rate_ppm) {
+            let _ =
+                writeln!(text, "  corrected; left: {} s, {} ppm", plus_minus(offset, 4), plus_minus(rate, 3));
+        }
+    }
+    let of_reference = fit.reference_noise.as_ref();
+    for line in of_reference.map(reference_noise::lines).unwrap_or_default() {
+        let _ = writeln!(text, "  {line}");
     }
     if let Some(fourteen) = found.and_then(|found| found.fourteen.as_ref()) {
         text += &mutual(fourteen);
     }
-    for finding in &fit.findings {
+    let of_reference = of_reference.map(|noise| noise.findings.as_slice()).unwrap_or_default();
+    let moved = fit.stability.iter().flat_map(|stability| &stability.findings);
+    for finding in fit.findings.iter().chain(of_reference).chain(moved) {
         let _ = writeln!(text, "    {finding}");
     }
     text

@@ -5,19 +5,31 @@
 
 pub mod allan;
 pub mod correlated;
+pub mod cosine;
+pub mod cross_spectrum;
+pub mod events;
+pub mod exact;
 pub mod gauss_newton;
+pub mod haar;
 pub mod hac;
 pub mod influence;
+pub mod innovations;
+pub mod lag;
 pub mod linear;
 pub mod normality;
 pub mod periodogram;
+pub mod positive;
+pub mod resample;
 pub mod robust;
+mod scoring;
 pub mod screen;
 pub mod sine;
+pub mod sources;
 pub mod spectral;
 pub mod spectrum;
 pub mod stats;
 pub mod svd;
+pub mod tsqr;
 pub mod whittle;
 
 pub use gauss_newton::{Fit, Options, Problem, Step, linearised, solve};
@@ -61,4 +73,14 @@ pub enum Error {
     /// A series that has no spectrum.
     #[error("no spectrum of a series {0}")]
     Series(&'static str),
+    /// A density that no noise has.
+    #[error(
+        "the density of the noise is {found} at {frequency_hz} Hz; it must be finite and above zero from 0 Hz to the Nyquist frequency: hold it constant below the lowest frequency of its law"
+    )]
+    Density {
+        /// Where.
+        frequency_hz: f64,
+        /// What was found.
+        found: f64,
+    },
 }

@@ -1,11 +1,12 @@
 //! Linear regression of long even series whose errors have a known spectrum.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex;
 
 use crate::Error;
-use crate::stats::mean;
+use crate::positive::Positive;
+use crate::stats::{chi_squared_p, mean};
 
 /// A regression y ≈ c + X β of n samples Δt apart; the constant is taken off as the mean.
 #[derive(Clone, Debug)]
@@ -82,7 +83,8 @@ pub fn regress(
         }
     }
     let whole = |half: Mat<f64>| Mat::from_fn(unknowns, unknowns, |i, j| half[(i.max(j), i.min(j))]);
-    let (plain, noisy, weighted) = (inverse(&whole(plain))?, whole(noisy), inverse(&whole(weighted))?);
+    let (plain, noisy, weighted) =
+        (Positive::of(&whole(plain))?.inverse, whole(noisy), Positive::of(&whole(weighted))?.inverse);
     let times = |matrix: &Mat<f64>, vector: &[f64]| -> Vec<f64> {
         (0..unknowns).map(|i| (0..unknowns).map(|j| matrix[(i, j)] * vector[j]).sum()).collect()
     };
@@ -95,19 +97,25 @@ pub fn regress(
     })
 }
 
-/// The inverse of a positive definite matrix, its rows and columns scaled first.
-fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    let n = matrix.nrows();
-    let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();
-    let failed = |reason: &str| Error::Decomposition { rows: n, columns: n, reason: reason.into() };
-    if scale.iter().any(|s| !(*s > 0.0 && s.is_finite())) {
-        return Err(failed("a column that does not vary, or is not finite"));
-    }
-    let scaled = Mat::from_fn(n, n, |i, j| matrix[(i, j)] / (scale[i] * scale[j]));
-    let factor = scaled.as_ref().llt(Side::Lower).map_err(|error| failed(&format!("{error:?}")))?;
-    let unit = Mat::<f64>::identity(n, n);
-    let inverse = faer::linalg::solvers::Solve::solve(&factor, &unit);
-    Ok(Mat::from_fn(n, n, |i, j| inverse[(i, j)] / (scale[i] * scale[j])))
+/// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less to be true:
+///
+/// H = qᵀ (V_plain − V_weighted)⁻¹ q, q their difference, is χ² with as many degrees of freedom as there are coefficients. Where
+/// the difference of the covariances is none (the noise is not as was thought), V_plain stands in its place.
+///
+/// Source: J. A. Hausman, Specification tests in econometrics, Econometrica 46 (1978) 1251–1271.
+///
+/// # Errors
+///
+/// [`Error::Decomposition`] for a covariance that is none.
+pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) -> Result<f64, Error> {
+    let count = plain.0.len();
+    let between = Mat::from_fn(count, count, |i, j| plain.1[(i, j)] - weighted.1[(i, j)]);
+    let alone = || Positive::of(&Mat::from_fn(count, count, |i, j| plain.1[(i, j)]));
+    let inverse = Positive::of(&between).or_else(|_| alone())?.inverse;
+    let apart: Vec<f64> = plain.0.iter().zip(weighted.0).map(|(a, b)| a - b).collect();
+    let row = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * apart[j]).sum() };
+    let distance: f64 = (0..count).map(|i| apart[i] * row(i)).sum();
+    Ok(chi_squared_p(distance.max(0.0), count as f64))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use faer::Mat;
 
 use crate::Error;
 use crate::periodogram::Periodogram;
+use crate::scoring::{Found, Likelihood};
 use crate::stats::chi_squared_p;
 
 mod estimate;
@@ -14,10 +15,10 @@ mod search;
 
 pub use estimate::Estimate;
 pub use goodness::Group;
+pub(crate) use likelihood::{EXPONENTS, LONGEST};
 
 use likelihood::{Data, Model};
 use report::report;
-use search::Found;
 
 /// A restriction of the white noise is dropped below this probability.
 const RESTRICTED: f64 = 0.01;

@@ -195,6 +195,8 @@ fn check_noise(plan: &Plan) -> Result<(), Error> {
     all.extend(plan.truth.offset_wander.iter().map(|noise| ("truth.offset_wander".to_string(), noise)));
     let reference = plan.truth.differential.as_ref().and_then(|two| two.reference_noise.as_ref());
     all.extend(reference.map(|noise| ("truth.differential.reference_noise".to_string(), noise)));
+    let third = plan.truth.differential.as_ref().and_then(|two| two.third.as_ref()?.noise.as_ref());
+    all.extend(third.map(|noise| ("truth.differential.third.noise".to_string(), noise)));
     for (path, noise) in all {
         let exponent = noise.flicker_exponent.unwrap_or(1.0);
         if !(0.0..=2.0).contains(&exponent) {

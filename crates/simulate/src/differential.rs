@@ -20,6 +20,23 @@ pub struct DifferentialTruth {
     /// Noise of the reference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_noise: Option<Noise>,
+    /// A third instrument, read as `third_x_nt`, ….
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub third: Option<ThirdTruth>,
+}
+
+/// A third instrument beside the two.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThirdTruth {
+    /// Its axes and scales.
+    pub axes: TestAxes,
+    /// Constant part of its additive error, nT.
+    #[serde(default)]
+    pub offset_nt: [f64; 3],
+    /// Its noise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
 }
 
 /// The reference: x and y in the horizontal plane, y the y of the frame; angles in deg.
@@ -57,6 +74,17 @@ fn ones() -> [f64; 3] {
     [1.0; 3]
 }
 
+impl TestAxes {
+    /// Rows = scale × axis: the readings are this times B.
+    pub fn matrix(&self) -> Matrix3<f64> {
+        Matrix3::from_fn(|row, column| {
+            let (phi, theta) = (self.phi_deg[row].to_radians(), self.theta_deg[row].to_radians());
+            let axis = [phi.sin() * theta.sin(), phi.cos() * theta.sin(), theta.cos()];
+            axis[column] * self.scale[row]
+        })
+    }
+}
+
 impl DifferentialTruth {
     /// M_r: rows = scale × axis of the reference; its readings are M_r B.
     pub fn reference_matrix(&self) -> Matrix3<f64> {
@@ -70,22 +98,13 @@ impl DifferentialTruth {
         Matrix3::from_fn(|row, column| axes[row][column] * scale[row])
     }
 
-    /// M_t: rows = scale × axis of the test instrument.
-    pub fn test_matrix(&self) -> Matrix3<f64> {
-        Matrix3::from_fn(|row, column| {
-            let (phi, theta) = (self.test.phi_deg[row].to_radians(), self.test.theta_deg[row].to_radians());
-            let axis = [phi.sin() * theta.sin(), phi.cos() * theta.sin(), theta.cos()];
-            axis[column] * self.test.scale[row]
-        })
-    }
-
     /// η and d of T = R η + d: with R = M_r B and T = M_t B (columns), ηᵀ = M_t M_r⁻¹.
     pub fn calibration(&self) -> Result<DifferentialCalibration, Error> {
         let inverse = self.reference_matrix().try_inverse().ok_or_else(|| {
             let expected = "three axes that do not lie in one plane, and scales that are not zero";
             Error::document("truth.differential.reference", "axes without an inverse", expected)
         })?;
-        let eta = (self.test_matrix() * inverse).transpose();
+        let eta = (self.test.matrix() * inverse).transpose();
         let [x, y, z] = self.offset_nt.map(|offset| Some(Quantity::Bare(offset)));
         let matrix: Matrix3x3 = frames::rows(&eta);
         let offset_nt = Some(PerAxis { x, y, z, ..PerAxis::default() });

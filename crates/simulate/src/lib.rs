@@ -19,7 +19,7 @@ mod sweep;
 mod truth;
 
 pub use campaign::{Campaign, campaign};
-pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes};
+pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes, ThirdTruth};
 pub use effects::{Layout, catalogue};
 pub use outside::{OutsidePlan, Site, SiteNoise, SitePlan, Storm};
 pub use plan::{CalibrationPart, DriveRecord, Plan, Profile, Temperatures, Timing, TruthPlan};

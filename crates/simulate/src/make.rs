@@ -243,6 +243,7 @@ impl World<'_> {
         let noise = |prefix: &str, axis: Axis| {
             let declared = match prefix {
                 "test" => instrument.noise_of(axis).cloned(),
+                "third" => truth.third.as_ref().and_then(|third| third.noise.clone()),
                 _ => truth.reference_noise.clone(),
             };
             let channel = format!("{}/{prefix}_{axis}_nt", context.recording.id);
@@ -257,11 +258,23 @@ impl World<'_> {
         for (axis, column) in Axis::ALL.into_iter().zip(&mut reference_read) {
             column.iter_mut().zip(noise("reference", axis)?).for_each(|(value, error)| *value += error);
         }
+        let mut third_read = None;
+        if let Some(third) = &truth.third {
+            let (matrix, offset) = (third.axes.matrix(), Vector3::from(third.offset_nt));
+            let readings: Vec<Vector3<f64>> =
+                context.ambient_nt.iter().map(|field| matrix * field + offset).collect();
+            let mut columns = by_axis(&readings);
+            for (axis, column) in Axis::ALL.into_iter().zip(&mut columns) {
+                column.iter_mut().zip(noise("third", axis)?).for_each(|(value, error)| *value += error);
+            }
+            third_read = Some(("third", columns));
+        }
         context.noise_nt = errors;
         let basic = Basic::differential(self.document);
         let effects = self.effects_in(context.recording);
         let test = physics::predict(&basic, &effects, &context).map_err(at)?.readings;
-        for (prefix, series) in [("reference", reference_read), ("test", by_axis(&test))] {
+        let both = [("reference", reference_read), ("test", by_axis(&test))];
+        for (prefix, series) in both.into_iter().chain(third_read) {
             for (axis, mut column) in Axis::ALL.iter().zip(series) {
                 noise::quantise(&mut column, instrument.quantisation_nt.unwrap_or(0.0));
                 read.push((format!("{prefix}_{axis}_nt"), column));

@@ -16,7 +16,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// None was seen, below a one-sided 95 % bound.
-    pub(super) fn below(bound: f64) -> Self {
+    pub(crate) fn below(bound: f64) -> Self {
         Estimate { value: 0.0, std: bound / ONE_SIDED_95 }
     }
 

@@ -5,9 +5,12 @@ use faer::Mat;
 use super::White;
 use crate::Error;
 use crate::periodogram::Periodogram;
+use crate::scoring::{Likelihood, Slope};
 
 /// Least and largest exponent α.
-pub(super) const EXPONENTS: (f64, f64) = (0.2, 2.5);
+pub(crate) const EXPONENTS: (f64, f64) = (0.2, 2.5);
+/// Longest step in the exponent.
+pub(crate) const LONGEST: f64 = 0.5;
 
 /// The bins of all series.
 pub(super) struct Data {
@@ -71,14 +74,6 @@ pub(super) struct Model<'a> {
     pub white: White,
 }
 
-/// Cost, its gradient, its second derivatives and their expectation (the Fisher information), over θ.
-pub(super) struct Slope {
-    pub cost: f64,
-    pub gradient: Vec<f64>,
-    pub hessian: Mat<f64>,
-    pub fisher: Mat<f64>,
-}
-
 impl Model<'_> {
     /// Number of white unknowns.
     pub fn groups(&self) -> usize {
@@ -122,9 +117,11 @@ impl Model<'_> {
         let white = theta[2 + self.group(bin.series)] * self.shape(bin.series);
         (theta[0] * (-theta[1] * bin.x).exp(), white)
     }
+}
 
+impl Likelihood for Model<'_> {
     /// Σ count (I/P − 1 − ln(I/P)), half the deviance.
-    pub fn cost(&self, theta: &[f64]) -> f64 {
+    fn cost(&self, theta: &[f64]) -> f64 {
         let term = |bin: &Binned| {
             let (flicker, white) = self.parts(theta, bin);
             let density = flicker + white;
@@ -135,7 +132,7 @@ impl Model<'_> {
 
     /// Cost and derivatives. With s = ∂P/∂θ / P and q = ∂²P/∂θ² / P the gradient of an ordinate is (1 − I/P) s, its second
     /// derivative (2 I/P − 1) s sᵀ + (1 − I/P) q, and the expectation of that s sᵀ.
-    pub fn slope(&self, theta: &[f64]) -> Slope {
+    fn slope(&self, theta: &[f64]) -> Slope {
         let unknowns = theta.len();
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);
         let (mut hessian, mut fisher) = (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
@@ -160,5 +157,12 @@ impl Model<'_> {
             hessian[(1, 1)] += bent * bin.x * theta[0];
         }
         Slope { cost, gradient, hessian, fisher }
+    }
+
+    fn limits(&self, theta: &[f64], unknown: usize) -> (f64, f64) {
+        match unknown {
+            1 => ((EXPONENTS.0 - theta[1]).max(-LONGEST), (EXPONENTS.1 - theta[1]).min(LONGEST)),
+            _ => (-theta[unknown], f64::INFINITY),
+        }
     }
 }

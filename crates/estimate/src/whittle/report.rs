@@ -3,9 +3,9 @@
 use super::estimate::Estimate;
 use super::goodness::{groups, p_value};
 use super::likelihood::{EXPONENTS, Model};
-use super::search::{Found, inverse};
 use super::{Choice, WHITE, White, WhittleFit};
 use crate::Error;
+use crate::scoring::{Found, Likelihood, inverse, minimise, upper};
 
 impl WhittleFit {
     /// Density A f^-α of the flicker noise (unit²/Hz).
@@ -110,7 +110,7 @@ pub(super) fn report(
             let std = covariance[(2 + group, 2 + group)].sqrt();
             (Estimate { value: *variance, std }, None)
         } else {
-            let bound = model.upper(found, 2 + group, &[])?;
+            let bound = upper(model, found, 2 + group, &[])?;
             (Estimate::below(bound), Some(bound))
         });
     }
@@ -148,13 +148,13 @@ fn white_gain(model: &Model, found: &Found, group: usize) -> Result<f64, Error> 
     let unknown = 2 + group;
     let mut without = found.theta.clone();
     without[unknown] = 0.0;
-    Ok(2.0 * (model.minimise(without, &[unknown])?.cost - found.cost))
+    Ok(2.0 * (minimise(model, without, &[unknown])?.cost - found.cost))
 }
 
 /// One-sided 95 % bound of A for an exponent of one, where there is no significant flicker.
 fn flicker_bound(model: &Model, white: &[f64]) -> Result<f64, Error> {
-    let best = model.minimise(white.to_vec(), &[1])?;
-    Ok(model.upper(&best, 0, &[1])? * model.data.lowest.exp())
+    let best = minimise(model, white.to_vec(), &[1])?;
+    Ok(upper(model, &best, 0, &[1])? * model.data.lowest.exp())
 }
 
 #[cfg(test)]

@@ -1,0 +1,273 @@
+//! The clock of the test instrument against the reference's.
+
+use common::{ClockDifference, Quantity};
+use estimate::resample::{PASSBAND, resample};
+use estimate::{events, lag, spectral};
+use faer::Mat;
+
+use crate::difference::Noise;
+use crate::drift::days;
+use crate::regression::rest;
+use crate::series::Pair;
+use crate::{Error, TOLD_BELOW};
+
+/// Rounds of fitting the noise and the regression under it.
+const ROUNDS: usize = 2;
+/// Time constants of the drifts that a look takes off, as shares of the length; fewer rows than these have none.
+const DRIFTS: [f64; 4] = [0.5, 0.15, 0.045, 0.0135];
+const LEAST_FOR_DRIFTS: usize = 512;
+/// Columns of a look before the reference's: offset and rate.
+const CLOCK: usize = 2;
+/// Samples between a row and the places whose difference gives the slope.
+const BESIDE: f64 = 0.1;
+/// Largest offset that is searched, as a share of the recording's length.
+const REACH: f64 = 0.1;
+/// A lag must explain more than none does by this χ².
+const GAIN: f64 = 50.0;
+
+/// How late the test instrument's times are: offset + rate × time from the middle.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shift {
+    /// In the middle of the recording, s.
+    pub offset_s: f64,
+    /// s/s.
+    pub rate: f64,
+}
+
+impl Shift {
+    /// At a time from the middle of the recording on the test instrument's clock, s.
+    pub fn at(&self, from_middle_s: f64) -> f64 {
+        self.offset_s + self.rate * from_middle_s
+    }
+
+    /// None.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The instrument whose readings are moved in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moved {
+    /// The reference, to the moments at which the test instrument read: nothing happens to the test instrument's readings.
+    Reference,
+    /// The test instrument, to the reference's clock.
+    Test,
+}
+
+/// The pair with both instruments at the same moments if the test instrument's times are late by `shift`.
+pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
+    let mut pair = pair.clone();
+    if shift.is_none() {
+        return pair;
+    }
+    let places: Vec<f64> = (0..pair.whole.len())
+        .map(|row| {
+            let t = pair.from_middle_s(row);
+            let by = match moved {
+                Moved::Reference => -shift.at(t),
+                Moved::Test => shift.at(t + shift.at(t)),
+            };
+            row as f64 + by / pair.step_s
+        })
+        .collect();
+    let columns = match moved {
+        Moved::Reference => &mut pair.reference,
+        Moved::Test => &mut pair.test,
+    };
+    for column in columns.iter_mut() {
+        for (value, _) in column.iter_mut().zip(&pair.whole).filter(|(_, whole)| !**whole) {
+            *value = f64::NAN;
+        }
+    }
+    let read = resample(&columns[..], &places, 1.0);
+    for (column, read) in columns.iter_mut().zip(read.columns) {
+        *column = read;
+    }
+    let whole = |row: usize| columns.iter().all(|column| column[row].is_finite());
+    let whole: Vec<bool> = (0..places.len()).map(|row| pair.whole[row] && whole(row)).collect();
+    pair.whole = whole;
+    if moved == Moved::Test {
+        for row in pair.steps.iter_mut().flatten() {
+            let late = shift.at((*row as f64 - 0.5 * places.len() as f64) * pair.step_s) / pair.step_s;
+            *row = (*row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
+        }
+    }
+    pair.highest_hz = Some(PASSBAND * 0.5 / pair.step_s);
+    pair.bridge();
+    pair
+}
+
+/// A fit of one axis with the clock's columns in it.
+pub struct LookAxis {
+    /// What the reference's x, y, z give.
+    pub eta: [f64; 3],
+    /// Noise of what is left.
+    pub noise: Noise,
+    /// Coefficients of [`columns`].
+    coefficients: Vec<f64>,
+    turned_by: [f64; 3],
+}
+
+/// A fit of the three axes, and the clock that it shows.
+pub struct Look {
+    /// The axes.
+    pub axes: [LookAxis; 3],
+    /// What is left of the clocks' difference; None where nothing says it.
+    pub clock: Option<ClockDifference>,
+}
+
+/// Fits each axis with the reference, a straight drift and the clock's difference.
+///
+/// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a rate it grows in time. So
+/// the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the axes' answers are put together by their information.
+pub fn look(pair: &Pair) -> Result<Look, Error> {
+    let drifts = drifts(pair);
+    let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
+    let mut one = |axis: usize| -> Result<LookAxis, Error> {
+        let test = &pair.test[axis];
+        let mut base: Vec<Vec<f64>> = pair.reference.to_vec();
+        base.extend(drifts.iter().cloned());
+        base.extend(pair.step_columns(axis));
+        let plain = spectral::regress(&base, test, pair.step_s, &|_| 1.0)?;
+        let mut eta = std::array::from_fn(|i| plain.least_squares[i]);
+        let mut noise = Noise::seen(&rest(&base, test, &plain.least_squares), pair)?;
+        let under = spectral::regress(&base, test, pair.step_s, &|f| noise.density(f))?;
+        // Where the instruments do not answer alike at all frequencies, what is strong decides.
+        let agree = spectral::agreement_p(
+            (&under.least_squares[..3], &under.covariance),
+            (&under.weighted[..3], &under.weighted_covariance),
+        )?;
+        let plain_only = agree < TOLD_BELOW;
+        let mut turned_by = eta;
+        let mut coefficients = Vec::new();
+        for round in 0..ROUNDS {
+            turned_by = eta;
+            let mut columns = clock_columns(pair, &turned_by);
+            columns.extend(base.iter().cloned());
+            let mut fit = spectral::regress(&columns, test, pair.step_s, &|f| noise.density(f))?;
+            if plain_only {
+                (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
+            }
+            eta = std::array::from_fn(|i| fit.weighted[CLOCK + i]);
+            if round + 1 == ROUNDS {
+                add(&mut information, &mut right, &fit);
+            }
+            noise = Noise::seen(&rest(&columns, test, &fit.weighted), pair)?;
+            coefficients = fit.weighted[..CLOCK + 3 + drifts.len()].to_vec();
+        }
+        Ok(LookAxis { eta, noise, coefficients, turned_by })
+    };
+    let axes = [one(0)?, one(1)?, one(2)?];
+    Ok(Look { axes, clock: solved(information, right) })
+}
+
+impl Look {
+    /// What is left of an axis of another pair on the same grid: steps that were taken off before the look are in it.
+    pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
+        let columns = self.columns(pair, axis);
+        rest(&columns, &pair.test[axis], &self.axes[axis].coefficients)
+    }
+
+    /// Gives the test instrument its most likely readings where rows are not whole: what the reference says, and what is left before
+    /// and after.
+    pub fn complete(&self, pair: &mut Pair) -> Result<(), Error> {
+        let missing: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
+        if !missing.contains(&true) {
+            return Ok(());
+        }
+        for (axis, of) in self.axes.iter().enumerate() {
+            let left = self.left(pair, axis);
+            let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
+            for (row, value) in pair.test[axis].iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
+                *value += filled[row] - left[row];
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns of an axis, steps left out.
+    fn columns(&self, pair: &Pair, axis: usize) -> Vec<Vec<f64>> {
+        let mut columns = clock_columns(pair, &self.axes[axis].turned_by);
+        columns.extend(pair.reference.iter().cloned());
+        columns.extend(drifts(pair));
+        columns
+    }
+
+    /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag of the largest likelihood, s.
+    pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
+        let reach = (REACH * pair.whole.len() as f64) as usize;
+        let mut gains = vec![0.0; 2 * reach + 1];
+        for (test, axis) in pair.test.iter().zip(&self.axes) {
+            let of_axis =
+                lag::explained(&pair.reference, test, pair.step_s, &|f| axis.noise.density(f), reach)?;
+            gains.iter_mut().zip(of_axis).for_each(|(sum, gain)| *sum += gain);
+        }
+        let best =
+            (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
+        let found = gains[best] - gains[reach] > GAIN;
+        Ok(found.then_some((best as f64 - reach as f64) * pair.step_s))
+    }
+}
+
+/// A straight drift, and exponential ones enough to take off any that comes to rest: else its beginning would be taken for steps.
+fn drifts(pair: &Pair) -> Vec<Vec<f64>> {
+    let rows = pair.whole.len();
+    let exponential = |share: &f64| -> Vec<f64> {
+        (0..rows).map(|row| (-(row as f64) / (share * rows as f64)).exp()).collect()
+    };
+    let shares: &[f64] = if rows < LEAST_FOR_DRIFTS { &[] } else { &DRIFTS };
+    std::iter::once(days(pair)).chain(shares.iter().map(exponential)).collect()
+}
+
+/// −dB/dt of the field Rη along an axis, and that times the time in 10⁶ s.
+fn clock_columns(pair: &Pair, eta: &[f64; 3]) -> Vec<Vec<f64>> {
+    let turned: Vec<f64> =
+        (0..pair.whole.len()).map(|row| (0..3).map(|i| eta[i] * pair.reference[i][row]).sum()).collect();
+    let late: Vec<f64> = slope(&turned, pair.step_s).iter().map(|rate| -rate).collect();
+    let fast = late.iter().enumerate().map(|(row, late)| late * pair.from_middle_s(row) * 1e-6).collect();
+    vec![late, fast]
+}
+
+/// Adds one axis' knowledge of offset and rate, all its other unknowns free.
+fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &spectral::SpectralFit) {
+    let block = Mat::from_fn(2, 2, |i, j| fit.weighted_covariance[(i, j)]);
+    let determinant = block[(0, 0)] * block[(1, 1)] - block[(0, 1)] * block[(1, 0)];
+    let inverse = [
+        [block[(1, 1)] / determinant, -block[(0, 1)] / determinant],
+        [-block[(1, 0)] / determinant, block[(0, 0)] / determinant],
+    ];
+    for i in 0..2 {
+        for j in 0..2 {
+            information[i][j] += inverse[i][j];
+            right[i] += inverse[i][j] * fit.weighted[j];
+        }
+    }
+}
+
+fn solved([[a, b], [c, d]]: [[f64; 2]; 2], right: [f64; 2]) -> Option<ClockDifference> {
+    let determinant = a * d - b * c;
+    if determinant.is_nan() || determinant <= 0.0 {
+        return None;
+    }
+    let offset = (d * right[0] - b * right[1]) / determinant;
+    let rate = (a * right[1] - c * right[0]) / determinant;
+    Some(ClockDifference {
+        offset_s: Quantity::new(offset, (d / determinant).sqrt()),
+        rate_ppm: Quantity::new(rate, (a / determinant).sqrt()),
+        ..ClockDifference::default()
+    })
+}
+
+/// dB/dt by the difference over a fifth of a step of the band-limited interpolation, nT/s: within 2 % up to half the sampling rate.
+/// Differences of whole steps would fall short by more than half where the field says most about the clock.
+fn slope(values: &[f64], step_s: f64) -> Vec<f64> {
+    let beside = |by: f64| {
+        let places: Vec<f64> = (0..values.len()).map(|row| row as f64 + by).collect();
+        resample(&[values], &places, 1.0).columns.swap_remove(0)
+    };
+    let rate =
+        beside(BESIDE).into_iter().zip(beside(-BESIDE)).map(|(b, a)| (b - a) / (2.0 * BESIDE * step_s));
+    // Beyond the ends nothing is known.
+    rate.map(|rate| if rate.is_finite() { rate } else { 0.0 }).collect()
+}

@@ -1,0 +1,191 @@
+use common::{JointDrift, Quantity};
+use estimate::cosine::{Errors, Projection, Regression, dot, weighted};
+use estimate::stats;
+use std::f64::consts::PI;
+
+use super::{Beside, Columns, ROUNDS};
+use crate::Error;
+use crate::difference::Noise;
+
+/// Most steps of the refinement.
+const MOST_STEPS: usize = 30;
+/// It ends when ln τ moves less; while the noise is not settled, than the second.
+const ACCURACY: f64 = 1e-7;
+const ROUGH: f64 = 0.02;
+/// A step is halved so often.
+const HALVINGS: i32 = 12;
+
+/// η, b, a and τ together.
+pub struct Joint {
+    /// Coefficients of the reference's x, y, z, the days, e^(−t/τ) and its derivative with respect to ln τ; the last is zero
+    /// at the best τ.
+    pub regression: Regression,
+    pub ln_tau: f64,
+    /// Least and greatest ln τ that were sought.
+    limits: (f64, f64),
+    pub noise: Noise,
+    /// Probability of an exponential as great by chance, over all τ.
+    pub p: f64,
+    pub freedom: f64,
+}
+
+/// Least squares over η, b, a and τ, weighted by the noise of what they leave: variable projection, the linear unknowns
+/// solved for each τ; sought over a grid of ln τ, refined by Gauss and Newton.
+///
+/// Source: G. H. Golub and V. Pereyra, Separable nonlinear least squares, Inverse Problems 19 (2003) R1–R26.
+pub fn joint(
+    columns: &Columns<'_>,
+    y: &[f64],
+    start: &Noise,
+    beside: &Beside<'_>,
+) -> Result<Option<Joint>, Error> {
+    if columns.search.is_empty() {
+        return Ok(None);
+    }
+    let mut noise = start.clone();
+    for _ in 0..ROUNDS {
+        let errors = noise.errors(&columns.cosine)?;
+        let best = Best::of(columns, y, &errors, beside, ROUGH)?;
+        noise = columns.noise(&best.regression, &errors, beside.lines_hz)?;
+    }
+    let Best { regression, ln_tau, score, length } =
+        Best::of(columns, y, &noise.errors(&columns.cosine)?, beside, ACCURACY)?;
+    let freedom = noise.freedom(&columns.cosine, &regression.weights[4]);
+    let p = chance(score, length, freedom);
+    Ok(Some(Joint { regression, ln_tau, limits: columns.limits(), noise, p, freedom }))
+}
+
+/// The exponential that explains most.
+struct Best {
+    regression: Regression,
+    ln_tau: f64,
+    /// Its amplitude over the standard deviation, τ held.
+    score: f64,
+    /// Length of the curve that the exponentials of all τ, less what the other columns explain and of unit length, go through.
+    length: f64,
+}
+
+impl Best {
+    fn of(
+        columns: &Columns<'_>,
+        y: &[f64],
+        errors: &Errors,
+        beside: &Beside<'_>,
+        accuracy: f64,
+    ) -> Result<Self, Error> {
+        let projection = Projection::of(&columns.with(&[], beside), y, errors)?;
+        let (mut start, mut most, mut length) = (columns.search[0].0, 0.0, 0.0);
+        let mut before: Option<Vec<f64>> = None;
+        for (ln_tau, column) in &columns.search {
+            let Some(direction) = projection.direction(column, errors) else { continue };
+            let score = projection.score(&direction).abs();
+            if score > most {
+                (start, most) = (*ln_tau, score);
+            }
+            if let Some(before) = &before {
+                length += dot(before, &direction).clamp(-1.0, 1.0).acos();
+            }
+            before = Some(direction);
+        }
+        let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
+        Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
+    }
+}
+
+/// P(max |z| ≥ score) of noise alone along a curve of length L: P(|t_ν| ≥ z) + L/π (1 + z²/ν)^(−ν/2), an upper bound that is
+/// sharp where it is small. Without an exponential there is no τ, so that χ² does not hold.
+///
+/// Sources: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the alternative, Biometrika 74
+/// (1987) 33–43; M. Knowles and D. Siegmund, On Hotelling's approach to testing for a nonlinear parameter in regression,
+/// Int. Stat. Rev. 57 (1989) 205–220.
+fn chance(score: f64, length: f64, freedom: f64) -> f64 {
+    let crossings = length / PI * (-0.5 * freedom * (score * score / freedom).ln_1p()).exp();
+    (stats::two_sided_p(score, freedom) + crossings).min(1.0)
+}
+
+/// The best τ near a start, and by what its exponential lowers the sum of squares.
+fn refine(
+    columns: &Columns<'_>,
+    y: &[f64],
+    errors: &Errors,
+    (projection, beside): (&Projection, &Beside<'_>),
+    start: f64,
+    accuracy: f64,
+) -> Result<(Regression, f64, f64), Error> {
+    let (low, high) = columns.limits();
+    let gain = |ln_tau: f64| {
+        let column = columns.transform(&columns.exponential(ln_tau)[0]);
+        projection.direction(&column, errors).map_or(0.0, |direction| projection.score(&direction).powi(2))
+    };
+    let at = |ln_tau: f64| {
+        let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
+        weighted(&columns.with(&[&plain, &slope], beside), y, errors)
+    };
+    let mut ln_tau = start;
+    let mut reached = gain(ln_tau);
+    for _ in 0..MOST_STEPS {
+        let regression = at(ln_tau)?;
+        let step = (regression.coefficients[5] / regression.coefficients[4]).clamp(-1.0, 1.0);
+        let better = (0..HALVINGS).find_map(|halvings| {
+            let next = (ln_tau + step * 0.5_f64.powi(halvings)).clamp(low, high);
+            let found = gain(next);
+            (found >= reached).then_some((next, found))
+        });
+        let Some((next, found)) = better else { break };
+        let moved = (next - ln_tau).abs();
+        (ln_tau, reached) = (next, found);
+        if moved < accuracy {
+            break;
+        }
+    }
+    Ok((at(ln_tau)?, ln_tau, reached))
+}
+
+impl Joint {
+    /// The factor that makes ± 1.96 standard uncertainties Student's interval.
+    pub fn widening(&self) -> f64 {
+        widening(self.freedom)
+    }
+
+    /// η, b, a and ln τ.
+    pub fn values(&self) -> [f64; 6] {
+        let found = &self.regression.coefficients;
+        [found[0], found[1], found[2], found[3], found[4], self.ln_tau]
+    }
+
+    /// Covariance of η, b, a and ln τ: that of the linear unknowns and of the derivative's coefficient, which is a δ ln τ.
+    pub fn covariance(&self) -> Vec<Vec<f64>> {
+        let scale = |i: usize| if i == 5 { 1.0 / self.regression.coefficients[4] } else { 1.0 };
+        let widening = |i: usize| if i < 3 { 1.0 } else { self.widening() };
+        let element = |i: usize, j: usize| {
+            scale(i) * scale(j) * widening(i) * widening(j) * self.regression.covariance[(i, j)]
+        };
+        (0..6).map(|i| (0..6).map(|j| element(i, j)).collect()).collect()
+    }
+
+    /// As a document has it.
+    pub fn document(&self) -> JointDrift {
+        let (values, covariance) = (self.values(), self.covariance());
+        let quantity = |i: usize| Quantity::new(values[i], covariance[i][i].sqrt());
+        let (low, high) = self.limits;
+        let half = stats::coverage_factor(0.95, f64::INFINITY) * covariance[5][5].sqrt();
+        let tau = self.ln_tau.exp();
+        JointDrift {
+            eta: [quantity(0), quantity(1), quantity(2)],
+            straight_nt_per_day: quantity(3),
+            amplitude_nt: quantity(4),
+            time_constant_s: Quantity::new(tau, tau * covariance[5][5].sqrt()),
+            time_constant_interval_s: [
+                (self.ln_tau - half).max(low).exp(),
+                (self.ln_tau + half).min(high).exp(),
+            ],
+            time_constant_at_limit: self.ln_tau <= low || self.ln_tau >= high,
+            covariance,
+        }
+    }
+}
+
+/// Student's 97.5 % point over the normal one.
+pub fn widening(freedom: f64) -> f64 {
+    stats::coverage_factor(0.95, freedom) / stats::coverage_factor(0.95, f64::INFINITY)
+}

@@ -1,0 +1,93 @@
+//! Before the fit: what is wrong with the clocks and with single samples is found, and kept out.
+
+use common::{ClockDifference, Quantity};
+
+use crate::clock::{self, Look, Moved, Shift, aligned};
+use crate::events::{self, Events};
+use crate::regression::p_of;
+use crate::series::Pair;
+use crate::{Error, TOLD_BELOW};
+
+/// Rounds of aligning the clocks and finding events.
+const ROUNDS: usize = 12;
+/// The clocks are aligned when the next correction is less than this share of its uncertainty.
+const SETTLED: f64 = 0.1;
+
+/// The readings as they are to be fitted.
+pub struct Prepared {
+    /// Without events; on the reference's clock where that was asked for.
+    pub pair: Pair,
+    /// Which events.
+    pub events: Events,
+    /// The clocks.
+    pub clock: Option<ClockDifference>,
+}
+
+/// Finds the clocks' difference and the events, each with the other taken out, until neither changes.
+///
+/// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its moments: so a sudden change of the field is in
+/// both, and no filter spreads a spike of the test instrument.
+pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
+    let (mut shift, mut events) = (Shift::default(), Events::default());
+    let (mut clock, mut last) = (None, None::<Look>);
+    for _ in 0..ROUNDS {
+        let mut together = aligned(&events.taken_out(raw, shift), shift, Moved::Reference);
+        if let Some(look) = &last {
+            look.complete(&mut together)?;
+        }
+        let look = clock::look(&together)?;
+        if let Some(offset_s) = look.coarse_offset_s(&together)? {
+            shift.offset_s += offset_s;
+            last = None;
+            continue;
+        }
+        let found = events::search(&aligned(raw, shift, Moved::Reference), &look)?;
+        let same = found.same(&events);
+        events = found;
+        clock = look.clock.as_ref().map(|left| total(shift, left));
+        let near = off(&look) <= SETTLED;
+        last = Some(look);
+        let due = clock.as_ref().filter(|clock| differ(clock)).map_or(Shift::default(), |clock| Shift {
+            offset_s: clock.offset_s.value(),
+            rate: clock.rate_ppm.value() * 1e-6,
+        });
+        if same && (due == shift || (near && !due.is_none())) {
+            break;
+        }
+        shift = due;
+    }
+    let mut pair = events.taken_out(raw, shift);
+    if let Some(clock) = clock.as_mut().filter(|_| correct_clock && !shift.is_none()) {
+        pair = aligned(&pair, shift, Moved::Test);
+        let look = clock::look(&pair)?;
+        look.complete(&mut pair)?;
+        clock.corrected = true;
+        let left = clock::look(&pair)?.clock;
+        clock.left_offset_s = left.as_ref().map(|left| left.offset_s.clone());
+        clock.left_rate_ppm = left.map(|left| left.rate_ppm);
+    } else if pair.whole.contains(&false) {
+        let look = clock::look(&pair)?;
+        look.complete(&mut pair)?;
+    }
+    Ok(Prepared { pair, events, clock })
+}
+
+/// Whether the clocks differ.
+fn differ(clock: &ClockDifference) -> bool {
+    p_of(&clock.offset_s).min(p_of(&clock.rate_ppm)) < TOLD_BELOW
+}
+
+/// The larger of offset and rate over their uncertainties.
+fn off(look: &Look) -> f64 {
+    let over = |quantity: &Quantity| (quantity.value() / quantity.std().unwrap_or(f64::INFINITY)).abs();
+    look.clock.as_ref().map_or(0.0, |clock| over(&clock.offset_s).max(over(&clock.rate_ppm)))
+}
+
+fn total(shift: Shift, left: &ClockDifference) -> ClockDifference {
+    let sum = |have: f64, left: &Quantity| Quantity::new(have + left.value(), left.std().unwrap_or(0.0));
+    ClockDifference {
+        offset_s: sum(shift.offset_s, &left.offset_s),
+        rate_ppm: sum(shift.rate * 1e6, &left.rate_ppm),
+        ..ClockDifference::default()
+    }
+}

@@ -1,0 +1,160 @@
+//! Sentences about noise of the reference.
+
+use common::{Axis, OwnNoise, PerAxis, Quantity, ReferenceNoise, ReferenceNoiseSource, ThreeCornered};
+
+/// Which interval to quote where the matrix is corrected.
+pub fn quoted(from: ReferenceNoiseSource) -> String {
+    let by = match from {
+        ReferenceNoiseSource::ThirdInstrument => "with the third instrument",
+        ReferenceNoiseSource::Declared => "with its declared noise",
+        _ => "with what the spectra show of it",
+    };
+    format!(
+        "`matrix` with `covariance`: noise of the reference pulls least squares and the weighted elements toward zero, and \
+         `matrix` is corrected for that {by}"
+    )
+}
+
+/// The share below which the pull is under half of each uncertainty.
+fn harmless_share(report: &ReferenceNoise) -> f64 {
+    let worst = report.elements.values().map(|element| element.largest_pull_over_std).fold(0.0, f64::max);
+    0.5 / worst
+}
+
+/// Whose noise the difference is, and why.
+pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> String {
+    if let Some(three) = three {
+        return format!("each instrument has its own noise, by the third instrument: {}", split(three));
+    }
+    let shares = report.share.as_ref().map(of_axes);
+    match (report.known_from, shares) {
+        (ReferenceNoiseSource::Declared, Some(shares)) => format!(
+            "by its declared noise the reference has {shares} of the difference's power; the rest is ascribed to the test \
+             instrument"
+        ),
+        (ReferenceNoiseSource::Spectrum, Some(shares)) => format!(
+            "by the spectra the reference has {shares} of the difference's power; the rest is ascribed to the test instrument"
+        ),
+        _ => {
+            let harmless = harmless_share(report);
+            let enough = if harmless < 1.0 {
+                format!(
+                    "the pull on the matrix is below half of each uncertainty where the reference has less than {} % of \
+                     that power",
+                    digits(100.0 * harmless)
+                )
+            } else {
+                "whichever instrument has it, the pull on the matrix is below half of each uncertainty".into()
+            };
+            format!(
+                "the difference is ascribed to the test instrument, because the noise of the reference is not known and is \
+                 taken to be the smaller: figures of the test instrument are upper bounds of its noise, and {enough}"
+            )
+        }
+    }
+}
+
+/// What looks wrong, or is worth knowing.
+pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_below: f64) -> Vec<String> {
+    let mut findings = Vec::new();
+    let worst = |of: &dyn Fn(&common::PulledElement) -> f64| {
+        report.elements.iter().map(|(name, element)| (name, of(element))).max_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let pulled = |element: &common::PulledElement| element.pull.map_or(0.0, f64::abs) / element.pulled_std;
+    match worst(&pulled) {
+        Some((name, pull)) if pull > 0.5 => findings.push(format!(
+            "noise of the reference had pulled the matrix by up to {} of its uncertainties ({name})",
+            digits(pull)
+        )),
+        _ => {}
+    }
+    let corrected = report.elements.values().any(|element| element.corrected.is_some());
+    if !corrected && report.known_from == ReferenceNoiseSource::Declared {
+        findings.push(
+            "the declared noise of the reference is more than half of what its readings hold along some direction: the field \
+             is hardly seen, and the matrix is left as it is; record when the field is less quiet"
+                .into(),
+        );
+    } else if !corrected {
+        if let Some((name, most)) = worst(&|element| element.largest_pull_over_std) {
+            if most > 0.5 {
+                findings.push(format!(
+                    "noise of the reference may have pulled the matrix by up to {} of its uncertainties ({name}); declare it \
+                     in `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
+                    digits(most)
+                ));
+            }
+        }
+    }
+    if let Some(spectrum) = &report.in_spectrum {
+        let told = spectrum.p < told_below;
+        if spectrum.used {
+            findings.push(
+                "the coefficients fall where the field is weak, as noise of the reference makes them; a test instrument that \
+                 answers less to fast changes looks much the same"
+                    .into(),
+            );
+        } else if told && report.known_from == ReferenceNoiseSource::Unknown {
+            findings.push(format!(
+                "the coefficients fall where the field is weak, but not as noise of the reference makes them (p = {:.1e}): \
+                 the two instruments do not answer alike at all frequencies",
+                spectrum.consistency_p
+            ));
+        }
+    }
+    if let Some(three) = three.filter(|three| three.goodness_p < told_below) {
+        findings.push(format!(
+            "the noises of the three instruments are not independent, or not A/f^α and white (p = {:.1e}): something is \
+             common to two of them, and the split is not to be trusted",
+            three.goodness_p
+        ));
+    }
+    findings
+}
+
+/// Lines for people.
+pub fn lines(report: &ReferenceNoise) -> Vec<String> {
+    let mut lines = vec![report.ascribed.clone()];
+    if let Some(test) = &report.test {
+        lines.push(format!("the test instrument's own noise: {}", of_instrument(test)));
+    }
+    lines
+}
+
+fn split(three: &ThreeCornered) -> String {
+    let all = [("reference", &three.reference), ("test instrument", &three.test), ("third", &three.third)];
+    all.map(|(name, noise)| format!("{name} {}", of_instrument(noise))).join("; ")
+}
+
+/// White noise and density at 1 Hz of the three axes.
+fn of_instrument(noise: &PerAxis<OwnNoise>) -> String {
+    let of = |unit: &str, factor: f64, value: &dyn Fn(&OwnNoise) -> (f64, f64)| {
+        let each = Axis::ALL.iter().filter_map(|axis| noise.get(*axis)).map(|own| {
+            let (value, high) = value(own);
+            if value > 0.0 { digits(factor * value) } else { format!("< {}", digits(factor * high)) }
+        });
+        format!("{} {unit}", each.collect::<Vec<_>>().join(", "))
+    };
+    let white = |own: &OwnNoise| (own.white_rms_nt.value(), own.white_interval_nt[1]);
+    let flicker =
+        |own: &OwnNoise| (own.density_at_1hz_nt_per_sqrt_hz.value(), own.density_interval_nt_per_sqrt_hz[1]);
+    format!("{} white, {} at 1 Hz (x, y, z)", of("nT", 1.0, &white), of("pT/√Hz", 1e3, &flicker))
+}
+
+/// Shares along x, y, z.
+fn of_axes(shares: &PerAxis<Quantity>) -> String {
+    let percent = |share: &Quantity| {
+        format!("{} ± {}", digits(100.0 * share.value()), digits(100.0 * share.std().unwrap_or(0.0)))
+    };
+    let each: Vec<String> = Axis::ALL.iter().filter_map(|axis| shares.get(*axis)).map(percent).collect();
+    format!("{} % (x, y, z)", each.join(", "))
+}
+
+/// Two digits.
+fn digits(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return "0".into();
+    }
+    let places = (1 - value.abs().log10().floor() as i32).max(0) as usize;
+    format!("{value:.places$}")
+}

@@ -1,0 +1,96 @@
+//! Pieces of several instruments on one grid of times.
+
+use estimate::resample::{PASSBAND, resample};
+
+use super::Instrument;
+use super::piece::{EXACT, Piece};
+use crate::words;
+
+/// Steps that differ by less than this share are of one rate.
+const SAME_RATE: f64 = 1e-4;
+
+/// Even times.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// The first, s.
+    pub start_s: f64,
+    /// From one to the next, s.
+    pub step_s: f64,
+    /// How many.
+    pub rows: usize,
+}
+
+/// An instrument on a grid.
+pub struct OnGrid {
+    /// Readings, NaN where missing.
+    pub columns: [Vec<f64>; 3],
+    /// Whether a piece went through the filter.
+    pub filtered: bool,
+    /// What was done, in words.
+    pub told: Vec<String>,
+}
+
+impl Grid {
+    /// The times of the slower of two instruments, of the test instrument where they are as fast, while both record; None where
+    /// they never do.
+    pub fn of(reference: &Instrument, test: &Instrument) -> Option<Self> {
+        let slower = if reference.step_s() > test.step_s() * (1.0 + SAME_RATE) { reference } else { test };
+        let piece = slower.longest();
+        let from = reference.start_s().max(test.start_s());
+        let to = reference.end_s().min(test.end_s());
+        let step_s = piece.step_s;
+        let first = ((from - piece.start_s) / step_s - EXACT).ceil();
+        let last = ((to - piece.start_s) / step_s + EXACT).floor();
+        (last >= first).then(|| Self {
+            start_s: piece.start_s + first * step_s,
+            step_s,
+            rows: (last - first) as usize + 1,
+        })
+    }
+
+    /// Time of a row, s.
+    pub fn time_s(&self, row: usize) -> f64 {
+        self.start_s + row as f64 * self.step_s
+    }
+
+    /// The upper end of the band that the filter leaves alone, Hz.
+    pub fn passband_hz(&self) -> f64 {
+        PASSBAND * 0.5 / self.step_s
+    }
+
+    /// An instrument's readings at these times.
+    pub fn read(&self, instrument: &Instrument) -> OnGrid {
+        let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| vec![f64::NAN; self.rows]);
+        let (mut told, mut filtered) = (Vec::new(), false);
+        for piece in &instrument.pieces {
+            told.extend(piece.told.clone());
+            let place = |row: f64| (self.start_s + row * self.step_s - piece.start_s) / piece.step_s;
+            let last = piece.columns[0].len() as f64 - 1.0;
+            let inside = |row: &usize| (-EXACT..=last + EXACT).contains(&place(*row as f64));
+            let rows: Vec<usize> = (0..self.rows).filter(inside).collect();
+            let (Some(first), Some(end)) = (rows.first(), rows.last()) else { continue };
+            let places: Vec<f64> = rows.iter().map(|row| place(*row as f64)).collect();
+            let own = |at: f64| (at - at.round()).abs() <= EXACT;
+            let read = if own(places[0]) && own(places[places.len() - 1]) && self.same_rate(piece) {
+                piece.columns.clone().map(|column| {
+                    places.iter().map(|at| column[at.round().max(0.0) as usize]).collect::<Vec<f64>>()
+                })
+            } else {
+                let resampled = resample(&piece.columns, &places, self.step_s / piece.step_s);
+                filtered = true;
+                told.push(words::filtered(instrument.name, piece.step_s, self.step_s, resampled.white_share));
+                let [x, y, z] = [0, 1, 2].map(|axis| resampled.columns[axis].clone());
+                [x, y, z]
+            };
+            for (column, read) in columns.iter_mut().zip(read) {
+                column[*first..=*end].copy_from_slice(&read);
+            }
+        }
+        told.dedup();
+        OnGrid { columns, filtered, told }
+    }
+
+    fn same_rate(&self, piece: &Piece) -> bool {
+        (piece.step_s / self.step_s - 1.0).abs() < SAME_RATE
+    }
+}

@@ -1,0 +1,162 @@
+//! Readings of one instrument that are even in time: one piece of what its logger recorded.
+
+use common::{Axis, Error as Fault, Recording};
+use estimate::resample::pchip;
+use estimate::stats::median;
+
+use super::LEAST;
+use crate::{Error, words};
+
+/// Times count as even when each lies within this share of a step of its place.
+const EVEN: f64 = 0.25;
+/// Times that scatter by less than this share of a step are exact.
+pub const EXACT: f64 = 1e-3;
+/// An interval of so many usual ones is a gap.
+const GAP: f64 = 3.0;
+
+/// One instrument in one recording, its times made even.
+pub struct Piece {
+    /// JSON path of the recording.
+    pub path: String,
+    /// Time of the first row, s.
+    pub start_s: f64,
+    /// From one row to the next, s.
+    pub step_s: f64,
+    /// Readings along x, y, z, nT; NaN where one is missing.
+    pub columns: [Vec<f64>; 3],
+    /// What was done to the times, in words.
+    pub told: Option<String>,
+}
+
+impl Piece {
+    /// Time of the last row, s.
+    pub fn end_s(&self) -> f64 {
+        self.start_s + self.step_s * (self.columns[0].len() - 1) as f64
+    }
+
+    /// The readings `{instrument}_{axis}_nt` of a recording at its times.
+    pub fn of(recording: &Recording, path: &str, instrument: &str, time: &[f64]) -> Result<Self, Error> {
+        let mut columns: [Vec<f64>; 3] = Default::default();
+        for axis in Axis::ALL {
+            columns[axis.index()] = column(recording, path, instrument, axis)?;
+        }
+        Ok(place(time, columns, path, &recording.id))
+    }
+}
+
+/// Rows at their places on an even grid; rows that were never written are missing there.
+fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Piece {
+    let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual = median(&intervals);
+    let mut places = vec![0.0];
+    for interval in &intervals {
+        places.push(places[places.len() - 1] + (interval / usual).round().max(1.0));
+    }
+    let last = time.len() - 1;
+    let ends = (time[0], (time[last] - time[0]) / places[last]);
+    let scatter = |(start_s, step_s): (f64, f64)| {
+        let off = places.iter().zip(time).map(|(place, t)| (t - start_s - place * step_s).abs() / step_s);
+        off.fold(0.0, f64::max)
+    };
+    let (start_s, step_s) = if scatter(ends) <= EXACT { ends } else { line(&places, time) };
+    let scatter = scatter((start_s, step_s));
+    let path = path.to_owned();
+    if scatter <= EVEN {
+        let rows = places[last] as usize + 1;
+        let columns = columns.map(|column| {
+            let mut even = vec![f64::NAN; rows];
+            places.iter().zip(column).for_each(|(place, value)| even[*place as usize] = value);
+            even
+        });
+        let told = (scatter > EXACT).then(|| words::scattered(id, scatter * step_s));
+        return Piece { path, start_s, step_s, columns, told };
+    }
+    let between: Vec<f64> = intervals.iter().copied().filter(|interval| *interval <= GAP * usual).collect();
+    let step_s = between.iter().sum::<f64>() / between.len() as f64;
+    let start_s = time[0];
+    let rows = ((time[last] - start_s) / step_s + 1e-6).floor() as usize + 1;
+    let at: Vec<f64> = (0..rows).map(|row| start_s + row as f64 * step_s).collect();
+    let columns = columns.map(|column| interpolated(time, &column, &at, GAP * usual));
+    Piece { path, start_s, step_s, columns, told: Some(words::uneven(id, step_s)) }
+}
+
+/// The line t = a + b k of least squares.
+fn line(places: &[f64], time: &[f64]) -> (f64, f64) {
+    let count = places.len() as f64;
+    let (k, t) = (places.iter().sum::<f64>() / count, time.iter().sum::<f64>() / count);
+    let (mut above, mut below) = (0.0, 0.0);
+    for (place, time) in places.iter().zip(time) {
+        above += (place - k) * (time - t);
+        below += (place - k).powi(2);
+    }
+    let step = above / below;
+    (t - step * k, step)
+}
+
+/// What is known, read at other times; NaN within gaps.
+fn interpolated(time: &[f64], column: &[f64], at: &[f64], gap_s: f64) -> Vec<f64> {
+    let known: Vec<(f64, f64)> =
+        time.iter().copied().zip(column.iter().copied()).filter(|(_, value)| value.is_finite()).collect();
+    let (time, values): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
+    let mut read = pchip(&time, &values, at);
+    for (value, t) in read.iter_mut().zip(at) {
+        let after = time.partition_point(|known| known < t);
+        if after > 0 && after < time.len() && time[after] - time[after - 1] > gap_s {
+            *value = f64::NAN;
+        }
+    }
+    read
+}
+
+fn column(recording: &Recording, path: &str, instrument: &str, axis: Axis) -> Result<Vec<f64>, Error> {
+    let name = format!("{instrument}_{axis}_nt");
+    let Some(column) = recording.column(&name) else {
+        let expected = format!("`{name}`, the readings of the {instrument} instrument along {axis}");
+        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+    };
+    let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
+    if known.len() < LEAST {
+        let found = format!("{} readings", known.len());
+        return Err(Fault::document(format!("{path}.columns.{name}"), found, "at least five").into());
+    }
+    if known.iter().all(|value| *value == known[0]) {
+        let found = format!("the constant reading {}", known[0]);
+        let expected = "readings that follow the field; was the instrument connected?";
+        return Err(Fault::document(format!("{path}.columns.{name}"), found, expected).into());
+    }
+    Ok(column.to_vec())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn placed(time: &[f64]) -> Piece {
+        let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
+        place(time, [column.clone(), column.clone(), column], "recordings[0]", "it")
+    }
+
+    #[test]
+    fn rows_that_were_never_written_are_missing() {
+        let piece = placed(&[0.0, 1.0, 2.0, 5.0, 6.0, 7.0]);
+        assert!((piece.step_s - 1.0).abs() < 1e-12 && piece.told.is_none());
+        assert_eq!(
+            piece.columns[0].iter().map(|v| v.is_nan()).collect::<Vec<_>>()[2..6],
+            [false, true, true, false]
+        );
+        // A slow drift of the stamps against their nominal step is no scatter.
+        let time: Vec<f64> = (0..5000).map(|k| 1.0003 * f64::from(k)).collect();
+        assert!(placed(&time).told.is_none());
+    }
+
+    #[test]
+    fn uneven_times_are_interpolated() {
+        let time: Vec<f64> = (0..60).map(|k| f64::from(k) + 0.45 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
+        let piece = placed(&time);
+        assert!(piece.told.is_some());
+        for (row, value) in piece.columns[0].iter().enumerate() {
+            let t = piece.start_s + row as f64 * piece.step_s;
+            assert!((value - 5.0 - 0.5 * t).abs() < 1e-9, "a straight line stays one");
+        }
+    }
+}

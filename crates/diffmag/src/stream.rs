@@ -1,0 +1,211 @@
+//! Two magnetometers over very long series: one pass in bounded memory, and pieces that are joined later to the same answer.
+//!
+//! T = R η + d as everywhere in this crate. Kept are
+//!
+//! - a triangular factor of the columns, for least squares ([`estimate::tsqr`]);
+//! - the differences of neighbouring blocks of 2^L samples at absolute places (Haar), as sums of their products by level: they
+//!   say by octave how the instruments agree and what noise is left, and weigh η;
+//! - the means of at most 64 long blocks, which hold what is slower.
+
+mod answer;
+mod error;
+mod fit;
+mod grid;
+mod memory;
+mod moments;
+mod noise;
+mod octaves;
+mod partial;
+mod profile;
+mod pyramid;
+mod slow;
+mod tile;
+mod told;
+
+pub use answer::{AxisFit, Estimate, NoiseFit, StreamFit, answer};
+pub use error::Error;
+pub use grid::Grid;
+pub use octaves::Octave;
+pub use partial::{Partial, merge};
+pub use told::document;
+
+use partial::Row;
+use tile::TILE;
+
+/// Places of one triangular factorisation, a whole number of tiles.
+const LEAF: usize = 1024;
+
+/// Rows of both instruments, in the order of time; NaN where a reading is missing.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'a> {
+    /// Times, s.
+    pub time_s: &'a [f64],
+    /// Readings of the reference's x, y, z, nT.
+    pub reference_nt: [&'a [f64]; 3],
+    /// Readings of the test instrument's x, y, z, nT.
+    pub test_nt: [&'a [f64]; 3],
+}
+
+/// Takes a piece of a series row by row.
+#[derive(Clone, Debug, Default)]
+pub struct Statistics {
+    partial: Option<Partial>,
+    rows: u64,
+    last: Option<i64>,
+    leaf: i64,
+    /// Whole samples of the leaf: places and readings.
+    places: Vec<f64>,
+    readings: [Vec<f64>; 6],
+}
+
+impl Statistics {
+    /// Nothing yet; the grid is found from the first batch ([`Grid::found`]).
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Nothing yet, on a known grid.
+    pub fn on(grid: Grid) -> Self {
+        Self { partial: Some(Partial::new(grid)), ..Self::default() }
+    }
+
+    /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap. What comes out does
+    /// not depend on how the rows are cut into batches, once the grid is known.
+    ///
+    /// # Errors
+    ///
+    /// Columns of unlike length, a time that is missing, off the grid or does not rise, a first batch without an even step.
+    pub fn push(&mut self, batch: &Batch<'_>) -> Result<(), Error> {
+        let columns = [batch.reference_nt, batch.test_nt].concat();
+        let expected = batch.time_s.len();
+        if let Some(odd) = columns.iter().find(|column| column.len() != expected) {
+            return Err(Error::Lengths { found: odd.len(), expected });
+        }
+        if expected == 0 {
+            return Ok(());
+        }
+        let mut partial = match self.partial.take() {
+            Some(partial) => partial,
+            None => Partial::new(Grid::found(batch.time_s)?),
+        };
+        let mut at = 0;
+        let mut taken = Ok(());
+        while at < expected && taken.is_ok() {
+            let run = self.take_run(&mut partial, &batch.time_s[at..], &columns, at);
+            at += run;
+            if run == 0 {
+                let readings = std::array::from_fn(|i| columns[i][at]);
+                taken = self.take(&mut partial, batch.time_s[at], readings);
+                at += 1;
+            }
+        }
+        self.partial = Some(partial);
+        taken
+    }
+
+    /// Takes the whole samples at the next places of the leaf, one after the other; gives how many.
+    fn take_run(&mut self, partial: &mut Partial, times: &[f64], columns: &[&[f64]], from: usize) -> usize {
+        let Some(next) = self.last.map(|last| last + 1) else { return 0 };
+        let room = ((self.leaf + 1) * LEAF as i64 - next).max(0) as usize;
+        let times = &times[..room.min(times.len())];
+        let on = |(at, time): (usize, &f64)| partial.grid.holds(*time, next + at as i64);
+        let mut run = times.iter().enumerate().position(|at| !on(at)).unwrap_or(times.len());
+        for column in columns {
+            let rest = &column[from..from + run];
+            run = rest.iter().position(|reading| !reading.is_finite()).unwrap_or(run);
+        }
+        self.places.extend((next..next + run as i64).map(|place| place as f64));
+        for (to, column) in self.readings.iter_mut().zip(columns) {
+            to.extend_from_slice(&column[from..from + run]);
+        }
+        partial.samples += run as u64;
+        self.rows += run as u64;
+        self.last = Some(next + run as i64 - 1);
+        run
+    }
+
+    /// Takes one row.
+    fn take(&mut self, partial: &mut Partial, time_s: f64, readings: [f64; 6]) -> Result<(), Error> {
+        let row = self.rows;
+        if !time_s.is_finite() {
+            return Err(Error::NoTime { row });
+        }
+        let step_s = partial.grid.step_s;
+        let place = partial.grid.place(time_s).map_err(|off| Error::OffGrid { row, time_s, off, step_s })?;
+        match self.last {
+            Some(last) if place <= last => return Err(Error::Backwards { row, time_s }),
+            Some(last) if place > last + 1 => {
+                partial.absent += (place - last - 1) as u64;
+                partial.gaps += 1;
+            }
+            Some(_) => {}
+            None => {
+                partial.covered = vec![[place, place]];
+                self.leaf = place.div_euclid(LEAF as i64);
+            }
+        }
+        let leaf = place.div_euclid(LEAF as i64);
+        if leaf != self.leaf {
+            self.close(partial, (self.leaf + 1) * LEAF as i64);
+            let (from, to) = ((self.leaf + 1) * (LEAF / TILE) as i64, leaf * (LEAF / TILE) as i64);
+            partial.pyramid.insert_empty(from, to);
+            self.leaf = leaf;
+        }
+        if readings.iter().all(|reading| reading.is_finite()) {
+            self.places.push(place as f64);
+            self.readings.iter_mut().zip(readings).for_each(|(column, reading)| column.push(reading));
+            partial.samples += 1;
+        } else {
+            partial.missing += 1;
+        }
+        self.rows += 1;
+        self.last = Some(place);
+        Ok(())
+    }
+
+    /// Ends the leaf, of which the places before `end` are known.
+    fn close(&mut self, partial: &mut Partial, end: i64) {
+        let start = partial.covered[0][0];
+        let readings = self.readings.each_ref().map(|column| column.as_slice());
+        let mut columns = vec![self.places.as_slice()];
+        columns.extend(readings);
+        partial.factor.push(&columns);
+        let size = TILE as i64;
+        let mut at = 0;
+        for tile in self.leaf * (LEAF / TILE) as i64..(self.leaf + 1) * (LEAF / TILE) as i64 {
+            let (first, after) = (tile * size, (tile + 1) * size);
+            if after <= start || first >= end {
+                continue;
+            }
+            let count =
+                self.places[at..].iter().take(TILE).take_while(|place| **place < after as f64).count();
+            let rows = at..at + count;
+            at += count;
+            if count == TILE {
+                partial.take_full(tile, readings.map(|column| &column[rows.clone()]));
+                continue;
+            }
+            let rows: Vec<Row> =
+                rows.map(|row| Row(self.places[row] as i64, readings.map(|column| column[row]))).collect();
+            if start <= first && after <= end {
+                partial.take_tile(tile, &rows);
+            } else {
+                partial.rows.extend(rows);
+            }
+        }
+        self.places.clear();
+        self.readings.iter_mut().for_each(Vec::clear);
+    }
+
+    /// The piece.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Empty`] without a row.
+    pub fn finish(mut self) -> Result<Partial, Error> {
+        let (mut partial, last) = self.partial.take().zip(self.last).ok_or(Error::Empty)?;
+        self.close(&mut partial, last + 1);
+        partial.covered[0][1] = last;
+        Ok(partial)
+    }
+}

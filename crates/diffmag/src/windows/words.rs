@@ -1,0 +1,91 @@
+//! What windows and disturbed times say of the matrix, in words.
+
+use common::{Axis, Matrix3x3, MatrixWindows, Quantity, QuietDisturbed};
+use physics::frames::ARCSEC;
+
+use crate::words::{TOLD_BELOW, duration, p_of_one};
+
+/// Of windows.
+pub fn findings(found: &MatrixWindows) -> Vec<String> {
+    let mut findings = Vec::new();
+    let (moved, trend) = (p_of_one(&found.one_matrix), p_of_one(&found.no_trend));
+    if moved < TOLD_BELOW {
+        let change = &found.largest_change;
+        findings.push(format!(
+            "the matrix does not hold still: {} windows do not have one η (p = {moved:.1e}); what stands out most is {} by {} at {}",
+            found.windows.len(),
+            named(&change.element),
+            amount(&change.element, &change.change_ppm),
+            duration(change.at_s),
+        ));
+    }
+    if trend < TOLD_BELOW
+        && let Some((element, change)) = largest(&found.trend_per_day, &found.trend_std_per_day)
+    {
+        findings.push(format!(
+            "the matrix changes steadily (p = {trend:.1e}): {} by {} a day most clearly; a pillar that settles, or a course of temperature, would turn it so",
+            named(&element),
+            amount(&element, &change),
+        ));
+    }
+    findings
+}
+
+/// Of quiet and disturbed times.
+pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
+    let (Some(quiet), Some(disturbed), Some(test)) = (&found.quiet, &found.disturbed, &found.one_matrix)
+    else {
+        return vec![format!(
+            "the field is nearly as lively in quiet as in disturbed times (a factor of {:.1}): whether the matrix differs between \
+             them cannot be asked of this recording",
+            found.activity_ratio
+        )];
+    };
+    let p = p_of_one(test);
+    if p >= TOLD_BELOW {
+        return Vec::new();
+    }
+    let of = |matrix: &dyn Fn(usize, usize) -> f64| -> Matrix3x3 {
+        std::array::from_fn(|i| std::array::from_fn(|j| matrix(i, j)))
+    };
+    let (a, b) = (&quiet.estimate, &disturbed.estimate);
+    let difference = of(&|i, j| b.matrix[i][j] - a.matrix[i][j]);
+    let std = of(&|i, j| a.std[i][j].hypot(b.std[i][j]));
+    let most = largest(&difference, &std).map_or(String::new(), |(element, change)| {
+        format!(", {} by {} most clearly", named(&element), amount(&element, &change))
+    });
+    let mut longest: Vec<[f64; 2]> = disturbed.times_s.clone();
+    longest.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
+    let when = longest.first().map_or(String::new(), |[from, to]| {
+        format!(", the longest from {} to {}", duration(*from), duration(*to))
+    });
+    vec![format!(
+        "disturbed times ({} of them{when}) have another matrix than quiet ones (p = {p:.1e}){most}; induced currents that differ \
+         between the sites would do that",
+        disturbed.times_s.len()
+    )]
+}
+
+/// The element that is farthest from zero for its uncertainty, by name and in 1e-6.
+fn largest(values: &Matrix3x3, std: &Matrix3x3) -> Option<(String, Quantity)> {
+    let all = Axis::ALL.into_iter().flat_map(|from| Axis::ALL.into_iter().map(move |to| (from, to)));
+    let far =
+        |(from, to): &(Axis, Axis)| (values[from.index()][to.index()] / std[from.index()][to.index()]).abs();
+    let (from, to) = all.max_by(|a, b| far(a).total_cmp(&far(b)))?;
+    let (value, std) = (values[from.index()][to.index()], std[from.index()][to.index()]);
+    Some((format!("{from}{to}"), Quantity::new(1e6 * value, 1e6 * std)))
+}
+
+/// `xz`: z from x.
+fn named(element: &str) -> String {
+    let (from, to) = element.split_at(element.len().min(1));
+    format!("{to} from {from}")
+}
+
+/// A scale in ppm, a direction in arcsec.
+fn amount(element: &str, change_ppm: &Quantity) -> String {
+    let (from, to) = element.split_at(element.len().min(1));
+    let (unit, size) = if from == to { ("ppm", 1.0) } else { ("arcsec", 1e-6 / ARCSEC) };
+    let (value, std) = (change_ppm.value() * size, change_ppm.std().unwrap_or(0.0) * size);
+    format!("{value:+.1} ± {std:.1} {unit}")
+}

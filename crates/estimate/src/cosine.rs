@@ -1,0 +1,143 @@
+//! Linear regression of long even series whose errors have a power-law spectrum and are not periodic.
+//!
+//! The cosine transform goes on with a series as its mirror image, so that neither a drift nor noise with memory jumps at the
+//! ends, as they do in a Fourier transform. What is slow is where it matters, and there the covariance is exact.
+
+use realfft::num_complex::Complex;
+use realfft::{RealFftPlanner, RealToComplex};
+use std::f64::consts::FRAC_PI_2;
+use std::sync::Arc;
+
+use crate::periodogram::{Bin, Periodogram};
+use crate::stats::mean;
+use crate::whittle::WhittleFit;
+
+mod errors;
+mod memory;
+mod regression;
+
+pub use errors::Errors;
+pub use regression::{Projection, Regression, dot, regress, weighted};
+
+/// Widest bin of ordinates, as a share of its lowest frequency.
+const WIDEST_BIN: f64 = 0.02;
+/// What of an ordinate a regression leaves, at least, for it to say something of the noise.
+const LEFT: f64 = 1e-6;
+
+/// The cosine transform of series of n samples Δt apart.
+#[derive(Clone)]
+pub struct Cosine {
+    rows: usize,
+    step_s: f64,
+    plan: Arc<dyn RealToComplex<f64>>,
+    turns: Vec<Complex<f64>>,
+}
+
+impl Cosine {
+    /// For series of `rows` samples `step_s` apart.
+    pub fn new(rows: usize, step_s: f64) -> Self {
+        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(rows);
+        let turn = |k: usize| Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / rows as f64);
+        Self { rows, step_s, plan, turns: (0..rows).map(turn).collect() }
+    }
+
+    /// c_k = √(2/n) Σ x_i cos(π k (i + ½)/n), k = 1 … n − 1: the mean is not in it, sums of squares about the mean stay.
+    ///
+    /// Source: J. Makhoul, A fast cosine transform in one and two dimensions, IEEE Trans. ASSP 28 (1980) 27–34.
+    pub fn transform(&self, values: &[f64]) -> Vec<f64> {
+        let middle = mean(values);
+        let even = values.iter().step_by(2);
+        let odd = values.iter().skip(1).step_by(2).rev();
+        let mut input: Vec<f64> = even.chain(odd).map(|value| value - middle).collect();
+        let mut output = self.plan.make_output_vec();
+        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
+        let scale = (2.0 / self.rows as f64).sqrt();
+        (1..self.rows)
+            .map(|k| {
+                let at = if k < output.len() { output[k] } else { output[self.rows - k].conj() };
+                scale * (at * self.turns[k]).re
+            })
+            .collect()
+    }
+
+    /// The frequency of c_k, k/(2nΔt) (Hz).
+    pub fn frequency(&self, k: usize) -> f64 {
+        k as f64 / (2.0 * self.rows as f64 * self.step_s)
+    }
+
+    /// What a regression leaves as ordinates I = 2Δt c_k² of the noise, each over the share 1 − h of its variance that is
+    /// left and with half that share as its count: so the likelihood of these is the restricted one. `left_out` says which
+    /// frequencies are not noise.
+    ///
+    /// Source: A. P. Verbyla, Modelling variance heterogeneity: residual maximum likelihood and diagnostics, J. R. Stat.
+    /// Soc. B 55 (1993) 493–508.
+    pub fn ordinates(
+        &self,
+        regression: &Regression,
+        errors: &Errors,
+        left_out: impl Fn(f64) -> bool,
+    ) -> Periodogram {
+        let mut bins: Vec<Bin> = Vec::new();
+        let mut first = 0;
+        for (row, residual) in regression.residual.iter().enumerate() {
+            let (k, frequency_hz) = (row + 1, self.frequency(row + 1));
+            let left = 1.0 - regression.leverage[row];
+            if left < LEFT || left_out(frequency_hz) {
+                continue;
+            }
+            let exact = errors.nominal.get(row).map_or(1.0, |nominal| nominal / errors.variance[row]);
+            let (power, count) = (self.step_s * residual * residual * exact, 0.5 * left);
+            match bins.last_mut().filter(|_| k < first + ((WIDEST_BIN * first as f64) as usize).max(1)) {
+                // Until the bin is whole, sums; `density` of the power, `frequency_hz` of count times frequency.
+                Some(bin) => {
+                    bin.density += power;
+                    bin.frequency_hz += count * frequency_hz;
+                    bin.count += count;
+                }
+                None => {
+                    first = k;
+                    bins.push(Bin { frequency_hz: count * frequency_hz, density: power, count });
+                }
+            }
+        }
+        for bin in &mut bins {
+            bin.frequency_hz /= bin.count;
+            bin.density /= bin.count;
+        }
+        Periodogram {
+            length_s: self.rows as f64 * self.step_s,
+            step_s: self.step_s,
+            samples: self.rows,
+            bins,
+            lines: Vec::new(),
+        }
+    }
+
+    /// Degrees of freedom of the variance of a linear estimate whose whitened weights are `weights`: 2/u², u the relative
+    /// uncertainty of that variance from the uncertainty of the noise, taken as common to all frequencies; at least one.
+    /// Flicker noise that was not seen is taken as absent.
+    ///
+    /// Source: F. E. Satterthwaite, An approximate distribution of estimates of variance components, Biometrics Bull. 2
+    /// (1946) 110–114.
+    pub fn freedom(&self, noise: &WhittleFit, weights: &[f64]) -> f64 {
+        let (mut sum, mut uncertain, mut from) = (0.0, 0.0, 1);
+        while from <= weights.len() {
+            let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(weights.len() + 1);
+            let squares: f64 = weights[from - 1..to - 1].iter().map(|weight| weight * weight).sum();
+            sum += squares;
+            uncertain += squares * relative_std(noise, self.step_s, self.frequency(from));
+            from = to;
+        }
+        (2.0 * (sum / uncertain).powi(2)).max(1.0)
+    }
+}
+
+/// Standard uncertainty of the density over it; flicker noise that was not seen is taken as absent.
+pub fn relative_std(noise: &WhittleFit, step_s: f64, frequency_hz: f64) -> f64 {
+    if noise.amplitude.value > 0.0 {
+        let density = noise.density(0, step_s, frequency_hz);
+        density.std / density.value
+    } else {
+        noise.covariance[(2, 2)].sqrt() / noise.white_variances[0]
+    }
+}

@@ -1,0 +1,334 @@
+//! Steps and spikes in a long even series whose noise has a known spectrum.
+
+use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use std::sync::Arc;
+
+use crate::Error;
+use crate::stats::{coverage_factor, mean, median};
+
+/// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model lacks there cannot look like
+/// steps.
+const MEMORY: usize = 256;
+/// Rows at either end where nothing is looked for.
+const ENDS: usize = 2;
+/// A shape is looked for where the jump from the last sample to the first leaves so much of what is known of it.
+const LEFT: f64 = 0.1;
+/// Median of |z| for a standard normal z.
+const MEDIAN_ABSOLUTE_NORMAL: f64 = 0.674_489_75;
+/// Rounds in which the sizes are fitted together.
+const SWEEPS: usize = 8;
+/// Most rounds in which missing samples are filled.
+const FILLS: usize = 60;
+/// They are filled when what is left of the equations is less than this share.
+const FILLED: f64 = 1e-4;
+/// Fewer samples than these have no events worth the name.
+const LEAST: usize = 16;
+
+/// The shape of an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Everything from the row on is higher by the size.
+    Step,
+    /// The row alone is higher by the size.
+    Spike,
+}
+
+/// An event in a series.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Event {
+    /// Its shape.
+    pub shape: Shape,
+    /// The row of the spike, or the first row after the step.
+    pub row: usize,
+    /// Its size, in the series' unit.
+    pub size: f64,
+    /// Standard uncertainty of the size under the noise.
+    pub std: f64,
+    /// Size over uncertainty when it was found.
+    pub z: f64,
+}
+
+/// The matched filter for one series.
+///
+/// With the differences e_m = d_m − d_(m−1), e_0 = d_0 − d_(n−1), their transform E_k and its variance under noise of the one-sided density P,
+/// S_k = n P(f_k)/(2Δt) · 4 sin²(πk/n), a step at row m is a delta in e, a spike a delta and its opposite in the next row. The
+/// generalised least-squares size of a delta at m is g_m/K_0 with g_m = Σ E_k e^(2πi k m/n)/S_k and K_m = Σ e^(2πi k m/n)/S_k, its variance
+/// 1/K_0. The sums leave out what is slower than 256 samples, which is the same as noise without bound there. The jump
+/// from the last sample to the first is an unknown of each fit: g'_m = g_m − g_0 K_m/K_0.
+///
+/// Source: L. A. Wainstein and V. D. Zubakov, Extraction of Signals from Noise, Prentice-Hall 1962, chapter 3.
+pub struct Search {
+    filtered: Vec<f64>,
+    kernel: Vec<f64>,
+    /// Roots of the information of a step and of a spike at each row; zero where nothing is looked for.
+    roots: [Vec<f64>; 2],
+}
+
+/// The whitening of a series' differences.
+struct Filter {
+    forward: Arc<dyn RealToComplex<f64>>,
+    back: Arc<dyn ComplexToReal<f64>>,
+    /// 1/S_k.
+    weights: Vec<f64>,
+    /// K_m.
+    kernel: Vec<f64>,
+}
+
+impl Filter {
+    fn new(n: usize, step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
+        if n < LEAST {
+            return Err(Error::TooFew { found: n, unknowns: LEAST });
+        }
+        let mut planner = RealFftPlanner::<f64>::new();
+        let (forward, back) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+        let from = (n / MEMORY).max(1);
+        let mut weights = vec![0.0; n / 2 + 1];
+        for (k, weight) in weights.iter_mut().enumerate().skip(from) {
+            let rise = (std::f64::consts::PI * k as f64 / n as f64).sin();
+            let variance = n as f64 * density(k as f64 / (n as f64 * step_s)) * 2.0 * rise * rise / step_s;
+            if !(variance > 0.0 && variance.is_finite()) {
+                return Err(Error::Series("whose noise has a density that is not above zero"));
+            }
+            *weight = 1.0 / variance;
+        }
+        let mut spectrum: Vec<Complex<f64>> = weights.iter().map(|w| Complex::new(*w, 0.0)).collect();
+        let mut kernel = back.make_output_vec();
+        back.process(&mut spectrum, &mut kernel).expect("buffers of the plan's lengths, real ends");
+        Ok(Self { forward, back, weights, kernel })
+    }
+
+    /// g' of a series.
+    fn apply(&self, series: &[f64]) -> Vec<f64> {
+        let n = series.len();
+        let mut differences: Vec<f64> =
+            (0..n).map(|m| series[m] - series[if m == 0 { n - 1 } else { m - 1 }]).collect();
+        let mut transform = self.forward.make_output_vec();
+        self.forward.process(&mut differences, &mut transform).expect("buffers of the plan's lengths");
+        transform.iter_mut().zip(&self.weights).for_each(|(e, weight)| *e *= weight);
+        transform[0].im = 0.0;
+        if n.is_multiple_of(2) {
+            transform[n / 2].im = 0.0;
+        }
+        let mut filtered = differences;
+        self.back.process(&mut transform, &mut filtered).expect("buffers of the plan's lengths, real ends");
+        let wrap = filtered[0] / self.kernel[0];
+        filtered.iter_mut().zip(&self.kernel).for_each(|(g, k)| *g -= wrap * k);
+        filtered
+    }
+}
+
+impl Search {
+    /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per Hz).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a density that is not above zero.
+    pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
+        let n = series.len();
+        let filter = Filter::new(n, step_s, density)?;
+        let filtered = filter.apply(series);
+        if !filtered[n - 1].is_finite() {
+            return Err(Error::Series("with samples that are not finite"));
+        }
+        let mut search = Self { filtered, kernel: filter.kernel, roots: Default::default() };
+        for shape in [Shape::Step, Shape::Spike] {
+            search.roots[shape as usize] = (0..n).map(|row| search.root(shape, row)).collect();
+        }
+        Ok(search)
+    }
+
+    /// How many samples.
+    pub fn rows(&self) -> usize {
+        self.filtered.len()
+    }
+
+    fn root(&self, shape: Shape, row: usize) -> f64 {
+        let n = self.rows();
+        if row < ENDS || row + ENDS >= n {
+            return 0.0;
+        }
+        let k = &self.kernel;
+        let (all, with_jump) = match shape {
+            Shape::Step => (k[0], k[row]),
+            Shape::Spike => (2.0 * (k[0] - k[1]), k[row] - k[row + 1]),
+        };
+        let information = all - with_jump * with_jump / k[0];
+        if information > LEFT * all { information.sqrt() } else { 0.0 }
+    }
+
+    fn score(&self, shape: Shape, row: usize) -> f64 {
+        match shape {
+            Shape::Step => self.filtered[row],
+            Shape::Spike => self.filtered[row] - self.filtered[row + 1],
+        }
+    }
+
+    fn ratio(&self, shape: Shape, row: usize) -> f64 {
+        let root = self.roots[shape as usize][row];
+        if root > 0.0 { self.score(shape, row) / root } else { 0.0 }
+    }
+
+    /// How wide the ratios of size and uncertainty of a shape are spread over all rows, against those of the noise: from their median
+    /// absolute value, at least one. It means something once the events are taken out.
+    pub fn scale(&self, shape: Shape) -> f64 {
+        let sizes: Vec<f64> =
+            (ENDS..self.rows() - ENDS).map(|row| self.ratio(shape, row).abs()).filter(|z| *z > 0.0).collect();
+        (median(&sizes) / MEDIAN_ABSOLUTE_NORMAL).max(1.0)
+    }
+
+    /// Size of a shape at a row and its standard uncertainty; infinite where nothing is looked for.
+    pub fn size(&self, shape: Shape, row: usize) -> (f64, f64) {
+        let root = self.roots[shape as usize][row];
+        if root > 0.0 { (self.score(shape, row) / (root * root), 1.0 / root) } else { (0.0, f64::INFINITY) }
+    }
+
+    /// The event of the largest |z|.
+    pub fn largest(&self) -> Event {
+        let mut best = (Shape::Step, 0, 0.0);
+        for shape in [Shape::Step, Shape::Spike] {
+            for row in ENDS..self.rows() - ENDS {
+                let z = self.ratio(shape, row);
+                if z.abs() > f64::abs(best.2) {
+                    best = (shape, row, z);
+                }
+            }
+        }
+        let (shape, row, z) = best;
+        let (size, std) = self.size(shape, row);
+        Event { shape, row, size, std, z }
+    }
+
+    /// Takes a shape of that size from the series.
+    pub fn remove(&mut self, shape: Shape, row: usize, size: f64) {
+        self.remove_delta(row, size);
+        if shape == Shape::Spike {
+            self.remove_delta(row + 1, -size);
+        }
+    }
+
+    fn remove_delta(&mut self, row: usize, size: f64) {
+        let (kernel, n) = (&self.kernel, self.filtered.len());
+        let with_jump = size * kernel[row] / kernel[0];
+        let (head, tail) = self.filtered.split_at_mut(row);
+        for (j, g) in head.iter_mut().enumerate() {
+            *g -= size * kernel[j + n - row] - with_jump * kernel[j];
+        }
+        for (j, g) in tail.iter_mut().enumerate() {
+            *g -= size * kernel[j] - with_jump * kernel[j + row];
+        }
+    }
+}
+
+/// A series whose missing samples have their most likely values under noise of the one-sided density `density`, given the others: those
+/// at which a spike would have the size 0. A gap that is longer than the memory of the search keeps in part what it was filled with.
+///
+/// With x the missing values, e(x) the differences and S their spectrum, eᵀ S⁻¹ e is least: conjugate gradients.
+///
+/// Source: B. Abraham, Missing observations in time series, Commun. Stat. A 10 (1981) 1643–1653.
+///
+/// # Errors
+///
+/// As [`Search::new`].
+pub fn fill(
+    series: &[f64],
+    missing: &[bool],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+) -> Result<Vec<f64>, Error> {
+    let n = series.len();
+    let rows: Vec<usize> = (0..n).filter(|row| missing[*row]).collect();
+    if rows.is_empty() || rows.len() == n {
+        return Ok(series.to_vec());
+    }
+    let filter = Filter::new(n, step_s, density)?;
+    let middle = mean(series);
+    let mut filled: Vec<f64> = series.iter().map(|value| value - middle).collect();
+    let scores = |series: &[f64]| -> Vec<f64> {
+        let g = filter.apply(series);
+        rows.iter().map(|row| g[*row] - g[(*row + 1) % n]).collect()
+    };
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let mut left: Vec<f64> = scores(&filled).iter().map(|score| -score).collect();
+    let mut direction = left.clone();
+    let mut squares = dot(&left, &left);
+    let enough = FILLED * FILLED * squares;
+    for _ in 0..FILLS {
+        if squares <= enough {
+            break;
+        }
+        let mut along = vec![0.0; n];
+        rows.iter().zip(&direction).for_each(|(row, value)| along[*row] = *value);
+        let product = scores(&along);
+        let curvature = dot(&direction, &product);
+        if curvature <= 0.0 {
+            break;
+        }
+        let step = squares / curvature;
+        rows.iter().zip(&direction).for_each(|(row, value)| filled[*row] += step * value);
+        left.iter_mut().zip(&product).for_each(|(left, product)| *left -= step * product);
+        let next = dot(&left, &left);
+        direction.iter_mut().zip(&left).for_each(|(value, left)| *value = left + next / squares * *value);
+        squares = next;
+    }
+    filled.iter_mut().for_each(|value| *value += middle);
+    if filled.iter().any(|value| !value.is_finite()) {
+        return Err(Error::Series("with samples that are not finite"));
+    }
+    Ok(filled)
+}
+
+/// The |z| that one of `trials` standard normal numbers, steps and spikes at every row, exceeds with the probability `false_alarm`.
+pub fn threshold(rows: usize, false_alarm: f64) -> f64 {
+    coverage_factor(1.0 - false_alarm / (2.0 * rows as f64), f64::INFINITY)
+}
+
+/// Steps and spikes of a series, the largest first, each taken out before the next is looked for, until none exceeds the
+/// threshold or there are `most`; then their sizes are fitted together.
+///
+/// `false_alarm` is the probability that a series of that noise without events shows one, for Gaussian noise; where the ratios of what is
+/// left are spread wider than those of such noise ([`Search::scale`]), only events are kept that exceed the threshold by as much.
+///
+/// # Errors
+///
+/// As [`Search::new`].
+pub fn find(
+    series: &[f64],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+    false_alarm: f64,
+    most: usize,
+) -> Result<Vec<Event>, Error> {
+    let middle = mean(series);
+    let level: Vec<f64> = series.iter().map(|value| value - middle).collect();
+    let mut search = Search::new(&level, step_s, density)?;
+    let least = threshold(search.rows(), false_alarm);
+    let mut events: Vec<Event> = Vec::new();
+    for _ in 0..most {
+        let event = search.largest();
+        if event.z.abs() < least {
+            break;
+        }
+        search.remove(event.shape, event.row, event.size);
+        match events.iter_mut().find(|known| (known.shape, known.row) == (event.shape, event.row)) {
+            Some(known) => known.size += event.size,
+            None => events.push(event),
+        }
+    }
+    let scales = [Shape::Step, Shape::Spike].map(|shape| search.scale(shape));
+    events.retain(|event| {
+        let kept = event.z.abs() >= least * scales[event.shape as usize];
+        if !kept {
+            search.remove(event.shape, event.row, -event.size);
+        }
+        kept
+    });
+    for _ in 0..SWEEPS {
+        for event in &mut events {
+            let (more, _) = search.size(event.shape, event.row);
+            search.remove(event.shape, event.row, more);
+            event.size += more;
+        }
+    }
+    Ok(events)
+}

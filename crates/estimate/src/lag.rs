@@ -1,0 +1,117 @@
+//! The lag at which one series follows several others.
+
+use faer::{Mat, Side};
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex;
+
+use crate::Error;
+
+/// What is slower than so many samples does not count: over it the ends of the series weigh too much.
+const MEMORY: usize = 256;
+
+/// How much of y, in χ² under noise of the one-sided density `density`, a regression on all of the columns explains when these are later by
+/// l samples: element l + reach, l from −reach to reach.
+///
+/// With the differences of all series, their transforms x̃ and ỹ and the variance S_k of a difference of the noise there,
+///
+/// χ²(l) = b_lᵀ G⁻¹ b_l, b_l = Σ x̃_k* ỹ_k e^(2πi k l/n)/S_k, G = Σ x̃_k* x̃_kᵀ/S_k.
+///
+/// Its maximum is the lag of greatest likelihood, whatever linear combination of the columns y is. Series are taken as periodic: l should
+/// be well below their length.
+///
+/// Source: C. H. Knapp and G. C. Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976) 320–327.
+///
+/// # Errors
+///
+/// [`Error::TooFew`] for fewer samples than twice the reach, [`Error::Decomposition`] where the columns depend on each other.
+pub fn explained(
+    columns: &[Vec<f64>],
+    y: &[f64],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+    reach: usize,
+) -> Result<Vec<f64>, Error> {
+    let n = y.len();
+    if n < 2 * reach + 2 {
+        return Err(Error::TooFew { found: n, unknowns: 2 * reach + 2 });
+    }
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, back) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let transform = |values: &[f64]| -> Vec<Complex<f64>> {
+        let mut differences: Vec<f64> =
+            (0..n).map(|m| if m == 0 { 0.0 } else { values[m] - values[m - 1] }).collect();
+        let mut output = forward.make_output_vec();
+        forward.process(&mut differences, &mut output).expect("buffers of the plan's lengths");
+        output
+    };
+    let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
+    let y = transform(y);
+    let from = (n / MEMORY).max(1);
+    let weight: Vec<f64> = (0..y.len())
+        .map(|k| {
+            let rise = (std::f64::consts::PI * k as f64 / n as f64).sin();
+            let variance = n as f64 * density(k as f64 / (n as f64 * step_s)) * 2.0 * rise * rise / step_s;
+            if k < from { 0.0 } else { 1.0 / variance }
+        })
+        .collect();
+    let unknowns = columns.len();
+    // Every frequency but the highest of an even length stands twice in a sum over the circle.
+    let twice = |k: usize| if 2 * k == n { 1.0 } else { 2.0 };
+    let information = Mat::from_fn(unknowns, unknowns, |i, j| {
+        (from..y.len()).map(|k| twice(k) * (x[i][k].conj() * x[j][k]).re * weight[k]).sum::<f64>()
+    });
+    let mut products = Vec::new();
+    for column in &x {
+        let mut input: Vec<Complex<f64>> =
+            column.iter().zip(&y).zip(&weight).map(|((x, y), w)| x.conj() * y * w).collect();
+        if n % 2 == 0 {
+            input[n / 2].im = 0.0;
+        }
+        let mut output = back.make_output_vec();
+        back.process(&mut input, &mut output).expect("buffers of the plan's lengths, real ends");
+        products.push(output);
+    }
+    let failed = |reason: String| Error::Decomposition { rows: unknowns, columns: unknowns, reason };
+    let factor = information.as_ref().llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let at = |lag: usize| (n + lag - reach) % n;
+    let right = Mat::from_fn(unknowns, 2 * reach + 1, |i, lag| products[i][at(lag)]);
+    let solved = faer::linalg::solvers::Solve::solve(&factor, &right);
+    Ok((0..=2 * reach).map(|lag| (0..unknowns).map(|i| right[(i, lag)] * solved[(i, lag)]).sum()).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lag_is_found_and_its_gain_is_a_chi_squared() {
+        let n = 2000;
+        let mut state = 5_u64;
+        let mut random = || {
+            state = (1_664_525 * state + 1_013_904_223) % (1 << 32);
+            state as f64 / 2_f64.powi(32) - 0.5
+        };
+        let x: Vec<Vec<f64>> = (0..2)
+            .map(|_| {
+                let mut level = 0.0;
+                (0..n + 40)
+                    .map(|_| {
+                        level += random();
+                        level
+                    })
+                    .collect()
+            })
+            .collect();
+        // Variance of the noise: 0.3²/12.
+        let y: Vec<f64> = (0..n).map(|m| 0.8 * x[0][m + 7] - 0.3 * x[1][m + 7] + 0.3 * random()).collect();
+        let columns: Vec<Vec<f64>> = x.iter().map(|x| x[20..n + 20].to_vec()).collect();
+        let density = |_: f64| 2.0 * 0.09 / 12.0;
+        let gains = explained(&columns, &y, 1.0, &density, 100).expect("gains");
+        let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).expect("a maximum");
+        assert_eq!(best as i64 - 100, 13, "y has now what the columns had 13 samples ago");
+        let wrong: f64 = (0..60).map(|lag| gains[lag]).sum::<f64>() / 60.0;
+        assert!(gains[best] > 20.0 * wrong, "{} {wrong}", gains[best]);
+        assert!(explained(&columns, &y[..100], 1.0, &density, 100).is_err());
+        assert!(explained(&[columns[0].clone(), columns[0].clone()], &y, 1.0, &density, 9).is_err());
+    }
+}

@@ -1,0 +1,90 @@
+//! Regression by cosine transforms against generalised least squares with the full covariance matrix
+//! (fixtures/reference/diffmag_drift.py).
+
+use estimate::cosine::{Cosine, Errors, Projection, regress, weighted};
+use estimate::periodogram::{Bin, Periodogram};
+use estimate::spectral;
+use estimate::whittle::{self, Estimate, WhittleFit};
+use serde_json::Value;
+
+/// A fit of A, α and white noise with these values.
+fn noise(exponent: f64, white: f64) -> WhittleFit {
+    let bin = |k: u32| Bin { frequency_hz: f64::from(k), density: 1.0 / f64::from(k), count: 1.0 };
+    let ordinates = Periodogram {
+        length_s: 1.0,
+        step_s: 1.0,
+        samples: 100,
+        bins: (1..50).map(bin).collect(),
+        lines: Vec::new(),
+    };
+    let mut fit = whittle::fit(&[ordinates]).expect("a fit");
+    fit.amplitude = Estimate { value: 1.0, std: 0.1 };
+    fit.exponent = Estimate { value: exponent, std: 0.1 };
+    fit.white_variances = vec![white];
+    fit
+}
+
+#[test]
+fn variances_of_slow_columns() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/diffmag_drift.json");
+    let text = std::fs::read_to_string(path).expect("the reference");
+    let reference: Value = serde_json::from_str(&text).expect("JSON");
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let rows = reference["slow"]["rows"].as_u64().expect("rows") as usize;
+    let cosine = Cosine::new(rows, 1.0);
+    let (mut line, mut exponential) = (Vec::new(), Vec::new());
+    for case in reference["slow"]["cases"].as_array().expect("cases") {
+        let noise = noise(number(&case["exponent"]), number(&case["white"]));
+        let errors = Errors::of(&noise, &cosine).expect("errors");
+        let time = |row: usize| row as f64 / rows as f64;
+        let tau = number(&case["tau"]);
+        let columns = [
+            cosine.transform(&(0..rows).map(time).collect::<Vec<_>>()),
+            cosine.transform(&(0..rows).map(|row| (-time(row) / tau).exp()).collect::<Vec<_>>()),
+        ];
+        let found = weighted(&[&columns[0], &columns[1]], &columns[0], &errors).expect("a fit");
+        println!("{case}: {} {}", found.covariance[(0, 0)], found.covariance[(1, 1)]);
+        line.push(found.covariance[(0, 0)] / number(&case["variance"][0]));
+        exponential.push(found.covariance[(1, 1)] / number(&case["variance"][1]));
+    }
+    let range = |ratios: &[f64]| {
+        (ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max))
+    };
+    println!("variance over that of the full covariance: {:?}, {:?}", range(&line), range(&exponential));
+    // Never too small, and too great by what `Errors::of` says.
+    assert!(range(&line).0 > 0.98 && range(&line).1 < 1.03);
+    assert!(range(&exponential).0 > 0.98 && range(&exponential).1 < 1.15);
+}
+
+#[test]
+fn independent_errors_give_least_squares() {
+    for rows in [96, 97] {
+        let wave =
+            |rate: f64| -> Vec<f64> { (0..rows).map(|i| 300.0 + (rate * f64::from(i)).sin()).collect() };
+        let columns = vec![wave(0.13), wave(0.031)];
+        let y: Vec<f64> = (0..rows)
+            .map(|i| {
+                0.9 * columns[0][i as usize] - 0.2 * columns[1][i as usize] + 0.01 * f64::from((i * 37) % 11)
+            })
+            .collect();
+        let plain = spectral::regress(&columns, &y, 1.0, &|_| 2.0).expect("a fit");
+        let cosine = Cosine::new(rows as usize, 1.0);
+        let x = [cosine.transform(&columns[0]), cosine.transform(&columns[1])];
+        let transformed = cosine.transform(&y);
+        let errors = Errors::independent(&cosine);
+        let fit = regress(&[&x[0], &x[1]], &transformed, &errors).expect("a fit");
+        for i in 0..2 {
+            assert!((fit.least_squares[i] - plain.least_squares[i]).abs() < 1e-11);
+            assert!((fit.weighted[i] - plain.least_squares[i]).abs() < 1e-11);
+            for covariance in [&fit.independent, &fit.covariance, &fit.weighted_covariance] {
+                assert!((covariance[(i, i)] / plain.independent[(i, i)] - 1.0).abs() < 1e-9);
+            }
+        }
+        // The score of the last column beside the others is its coefficient over its standard deviation.
+        let projection = Projection::of(&[&x[0]], &transformed, &errors).expect("a base");
+        let score = projection.score(&projection.direction(&x[1], &errors).expect("a direction"));
+        let expected = fit.weighted[1] / fit.weighted_covariance[(1, 1)].sqrt();
+        assert!((score - expected).abs() < 1e-9 * expected.abs());
+        assert!(projection.direction(&x[0], &errors).is_none());
+    }
+}
