@@ -262,23 +262,3 @@ fn a_short_recording_is_not_divided() {
     let found = found.expect("fitted").calibration.expect("a calibration").differential.expect("a result");
     assert!(found.fit.expect("a fit").stability.is_none());
 }
-#[test]
-fn zz_speed() {
-    let cpu = || -> f64 {
-        std::fs::read_to_string("/proc/thread-self/schedstat")
-            .unwrap()
-            .split(' ')
-            .next()
-            .unwrap()
-            .parse::<f64>()
-            .unwrap()
-            * 1e-9
-    };
-    let d = document(&Case { days: 30.0, storm: true, ..case(good()) }, 3);
-    for _ in 0..3 {
-        let c = d.clone();
-        let t = cpu();
-        let f = stability(c);
-        println!("cpu {:.3} s {:?}", cpu() - t, f.findings);
-    }
-}
