@@ -2,7 +2,7 @@
 
 use common::{ClockDifference, Quantity};
 use estimate::resample::{PASSBAND, resample};
-use estimate::{events, lag, spectral};
+use estimate::{events, lag, spectral, stats};
 use faer::Mat;
 
 use crate::difference::Noise;
@@ -22,6 +22,8 @@ const CLOCK: usize = 2;
 const BESIDE: f64 = 0.1;
 /// Largest offset that is searched, as a share of the recording's length.
 const REACH: f64 = 0.1;
+/// Changes from row to row that are so many times their median count as much: a spike of one instrument has no lag.
+const LARGEST_CHANGE: f64 = 8.0;
 /// A lag must explain more than none does by this χ².
 const GAIN: f64 = 50.0;
 
@@ -63,7 +65,7 @@ pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
     }
     let places: Vec<f64> = (0..pair.whole.len())
         .map(|row| {
-            let t = pair.from_middle_s(row);
+            let t = pair.since_middle_s(row);
             let by = match moved {
                 Moved::Reference => -shift.at(t),
                 Moved::Test => shift.at(t + shift.at(t)),
@@ -163,9 +165,10 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
 }
 
 impl Look {
-    /// What is left of an axis of another pair on the same grid: steps that were taken off before the look are in it.
-    pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
-        let columns = self.columns(pair, axis);
+    /// What is left of an axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
+    /// in the slope of the field, that of `calm`: what only the reference read is no field.
+    pub fn left(&self, pair: &Pair, calm: &Pair, axis: usize) -> Vec<f64> {
+        let columns = self.columns(pair, calm, axis);
         rest(&columns, &pair.test[axis], &self.axes[axis].coefficients)
     }
 
@@ -177,7 +180,7 @@ impl Look {
             return Ok(());
         }
         for (axis, of) in self.axes.iter().enumerate() {
-            let left = self.left(pair, axis);
+            let left = self.left(pair, pair, axis);
             let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
             for (row, value) in pair.test[axis].iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
                 *value += filled[row] - left[row];
@@ -187,8 +190,8 @@ impl Look {
     }
 
     /// The columns of an axis, steps left out.
-    fn columns(&self, pair: &Pair, axis: usize) -> Vec<Vec<f64>> {
-        let mut columns = clock_columns(pair, &self.axes[axis].turned_by);
+    fn columns(&self, pair: &Pair, calm: &Pair, axis: usize) -> Vec<Vec<f64>> {
+        let mut columns = clock_columns(calm, &self.axes[axis].turned_by);
         columns.extend(pair.reference.iter().cloned());
         columns.extend(drifts(pair));
         columns
@@ -198,9 +201,10 @@ impl Look {
     pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
         let reach = (REACH * pair.whole.len() as f64) as usize;
         let mut gains = vec![0.0; 2 * reach + 1];
+        let reference = pair.reference.each_ref().map(|column| limited(column));
         for (test, axis) in pair.test.iter().zip(&self.axes) {
-            let of_axis =
-                lag::explained(&pair.reference, test, pair.step_s, &|f| axis.noise.density(f), reach)?;
+            let density = |f: f64| axis.noise.density(f);
+            let of_axis = lag::explained(&reference, &limited(test), pair.step_s, &density, reach)?;
             gains.iter_mut().zip(of_axis).for_each(|(sum, gain)| *sum += gain);
         }
         let best =
@@ -225,8 +229,23 @@ fn clock_columns(pair: &Pair, eta: &[f64; 3]) -> Vec<Vec<f64>> {
     let turned: Vec<f64> =
         (0..pair.whole.len()).map(|row| (0..3).map(|i| eta[i] * pair.reference[i][row]).sum()).collect();
     let late: Vec<f64> = slope(&turned, pair.step_s).iter().map(|rate| -rate).collect();
-    let fast = late.iter().enumerate().map(|(row, late)| late * pair.from_middle_s(row) * 1e-6).collect();
+    let fast = late.iter().enumerate().map(|(row, late)| late * pair.since_middle_s(row) * 1e-6).collect();
     vec![late, fast]
+}
+
+/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for.
+fn limited(values: &[f64]) -> Vec<f64> {
+    let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let most = LARGEST_CHANGE * stats::median(&changes.iter().map(|change| change.abs()).collect::<Vec<_>>());
+    if most == 0.0 {
+        return values.to_vec();
+    }
+    let mut level = 0.0;
+    let sums = changes.iter().map(|change| {
+        level += change.clamp(-most, most);
+        level
+    });
+    std::iter::once(0.0).chain(sums).collect()
 }
 
 /// Adds one axis' knowledge of offset and rate, all its other unknowns free.

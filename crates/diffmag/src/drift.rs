@@ -31,7 +31,7 @@ const DAY_S: f64 = 86_400.0;
 
 /// Days from the middle of the recording.
 pub fn days(pair: &Pair) -> Vec<f64> {
-    (0..pair.whole.len()).map(|row| pair.from_middle_s(row) / DAY_S).collect()
+    (0..pair.whole.len()).map(|row| pair.since_middle_s(row) / DAY_S).collect()
 }
 
 /// What one axis has besides the columns that all have.

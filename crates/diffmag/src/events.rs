@@ -67,7 +67,7 @@ impl Events {
         let mut pair = pair.clone();
         let rows = pair.whole.len();
         for event in &self.found {
-            let late = shift.at(pair.from_middle_s(event.from)) / pair.step_s;
+            let late = shift.at(pair.since_middle_s(event.from)) / pair.step_s;
             let own = |row: f64| row.clamp(0.0, rows as f64 - 1.0) as usize;
             let (from, to) = match event.instrument {
                 EventInstrument::Reference => {
@@ -102,9 +102,9 @@ struct Single {
     event: Event,
 }
 
-/// The events of a pair whose instruments are at the same moments, given a fit of it.
-pub fn search(pair: &Pair, look: &Look) -> Result<Events, Error> {
-    let left: [Vec<f64>; 3] = std::array::from_fn(|axis| look.left(pair, axis));
+/// The events of a pair whose instruments are at the same moments, given a fit of it without those that are known, `calm`.
+pub fn search(pair: &Pair, calm: &Pair, look: &Look) -> Result<Events, Error> {
+    let left: [Vec<f64>; 3] = std::array::from_fn(|axis| look.left(pair, calm, axis));
     let eta: [[f64; 3]; 3] = std::array::from_fn(|axis| look.axes[axis].eta);
     let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
     let (mut disturbed, mut steps): (Vec<Found>, Vec<Single>) = (Vec::new(), Vec::new());
@@ -209,7 +209,10 @@ fn pursue(
             Some(known) => known.event.size += single.event.size,
             None => singles.push(single),
         }
+        // A size that was found beside a larger event is wrong by some of that one.
+        refit(&mut searches, &mut singles, eta);
     }
+    let mut singles = attributed_anew(&mut searches, singles, least, eta);
     let wide = [Shape::Step, Shape::Spike]
         .map(|shape| searches.iter().map(|search| search.scale(shape)).fold(1.0, f64::max));
     for single in &mut singles {
@@ -222,14 +225,47 @@ fn pursue(
         }
         kept
     });
-    for _ in 0..SWEEPS {
-        for single in &mut singles {
-            let (size, _) = sized(&searches, &single.parts(eta), single.event.shape, single.event.row);
-            remove(&mut searches, single, eta, size);
-            single.event.size += size;
+    (0..SWEEPS).for_each(|_| refit(&mut searches, &mut singles, eta));
+    Ok((singles, more))
+}
+
+/// The sizes of all, each with the others as they are.
+fn refit(searches: &mut [Search; 3], singles: &mut [Single], eta: &[[f64; 3]; 3]) {
+    for single in singles {
+        let (size, _) = sized(searches, &single.parts(eta), single.event.shape, single.event.row);
+        remove(searches, single, eta, size);
+        single.event.size += size;
+    }
+}
+
+/// The same events, each place's attributed with all other places' taken out: when it was found, some were not.
+fn attributed_anew(
+    searches: &mut [Search; 3],
+    mut singles: Vec<Single>,
+    least: f64,
+    eta: &[[f64; 3]; 3],
+) -> Vec<Single> {
+    let mut done: Vec<Single> = Vec::new();
+    while let Some(Event { shape, row, .. }) = singles.first().map(|single| single.event) {
+        let (here, others) =
+            singles.into_iter().partition(|single| (single.event.shape, single.event.row) == (shape, row));
+        singles = others;
+        let here: Vec<Single> = here;
+        here.iter().for_each(|single| remove(searches, single, eta, -single.event.size));
+        for _ in 0..=here.len() {
+            let sizes = searches.each_ref().map(|search| search.size(shape, row));
+            let z = sizes.map(|(size, std)| size / std);
+            let axis = (0..3).fold(0, |a, b| if z[b].abs() > z[a].abs() { b } else { a });
+            if z[axis].abs() < least {
+                break;
+            }
+            let event = Event { shape, row, size: sizes[axis].0, std: sizes[axis].1, z: z[axis] };
+            let single = attributed(searches, axis, event, eta);
+            remove(searches, &single, eta, single.event.size);
+            done.push(single);
         }
     }
-    Ok((singles, more))
+    done
 }
 
 fn remove(searches: &mut [Search; 3], single: &Single, eta: &[[f64; 3]; 3], size: f64) {

@@ -41,7 +41,7 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
             last = None;
             continue;
         }
-        let found = events::search(&aligned(raw, shift, Moved::Reference), &look)?;
+        let found = events::search(&aligned(raw, shift, Moved::Reference), &together, &look)?;
         let same = found.same(&events);
         events = found;
         clock = look.clock.as_ref().map(|left| total(shift, left));

@@ -85,7 +85,7 @@ impl Pair {
     }
 
     /// Time from the middle of the recording, s.
-    pub fn from_middle_s(&self, row: usize) -> f64 {
+    pub fn since_middle_s(&self, row: usize) -> f64 {
         (row as f64 - 0.5 * (self.whole.len() as f64 - 1.0)) * self.step_s
     }
 
