@@ -22,7 +22,7 @@ use common::{
 use physics::frames;
 
 use crate::difference::{self, Noise};
-use crate::regression::{AxisFit, mean};
+use crate::regression::{self, AxisFit, mean};
 use crate::series::Pair;
 use crate::{Error, three};
 
@@ -42,6 +42,7 @@ pub struct Found {
 
 /// Looks for noise of the reference where it can be known from.
 pub fn find(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Found, Error> {
+    let pair = &regression::without_exponentials(pair, fits);
     let start = Frame::start(pair, fits)?;
     let mut report = ReferenceNoise::default();
     let mut found = Found { report: ReferenceNoise::default(), three: None, corrected: None };

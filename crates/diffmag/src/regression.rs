@@ -20,6 +20,8 @@ use crate::{Error, TOLD_BELOW, words};
 const STRAIGHT: usize = 4;
 /// Weighted and plain η that are so far apart less often do not agree.
 const DISAGREE_BELOW: f64 = 0.01;
+/// A column of which the others leave less than this share says nothing of its own.
+const LEAST_OWN: f64 = 1e-6;
 /// The band is not narrowed to fewer coefficients.
 const LEAST_KEPT: usize = 256;
 
@@ -67,6 +69,40 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
         without(&pair.test[axis], &columns(axis), &fits[axis].fit.weighted[STRAIGHT..])
     });
     Pair { test, steps: Default::default(), ..pair.clone() }
+}
+
+/// The pair less what the exponential drifts that the readings demand explain of every column: no matrix rests on them then. They were
+/// found with a matrix that noise of the reference pulls, and may be field that it left.
+pub fn without_exponentials(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for column in fits.iter().flat_map(|fit| &fit.drift_columns) {
+        let middle = mean(column);
+        let mut own: Vec<f64> = column.iter().map(|value| value - middle).collect();
+        let length = cosine::dot(&own, &own).sqrt();
+        // Twice, for what rounding leaves the first time.
+        (0..2).for_each(|_| basis.iter().for_each(|known| take_off(&mut own, known)));
+        let left = cosine::dot(&own, &own).sqrt();
+        if left > LEAST_OWN * length {
+            own.iter_mut().for_each(|value| *value /= left);
+            basis.push(own);
+        }
+    }
+    let mut pair = pair.clone();
+    let columns = pair.reference.iter_mut().chain(&mut pair.test).chain(pair.third.iter_mut().flatten());
+    for column in columns {
+        // The constant is large: rounding.
+        let middle = mean(column);
+        column.iter_mut().for_each(|value| *value -= middle);
+        basis.iter().for_each(|known| take_off(column, known));
+        column.iter_mut().for_each(|value| *value += middle);
+    }
+    pair
+}
+
+/// Less its part along a column of length one.
+fn take_off(values: &mut [f64], column: &[f64]) {
+    let size = cosine::dot(values, column);
+    values.iter_mut().zip(column).for_each(|(value, known)| *value -= size * known);
 }
 
 /// The matrix and the difference, as a document has them.

@@ -1,13 +1,16 @@
-//! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences.
+//! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
+//! intervals that hold.
 
 use std::path::{Path, PathBuf};
 
 mod binary;
+mod coverage;
 mod faults;
 mod golden;
 mod jacobian;
 
 pub use binary::{Run, run};
+pub use coverage::agrees;
 pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use jacobian::check_jacobian;

@@ -3,7 +3,7 @@ use estimate::cosine::{Errors, Projection, Regression, dot, weighted};
 use estimate::stats;
 use std::f64::consts::PI;
 
-use super::{Beside, Columns, ROUNDS};
+use super::{Beside, Columns, LEVEL, ROUNDS};
 use crate::Error;
 use crate::difference::Noise;
 
@@ -15,6 +15,11 @@ const ROUGH: f64 = 0.02;
 /// A step is halved so often.
 const HALVINGS: i32 = 12;
 
+/// The band that confirms an exponential reaches to so many times 1/(2πτ), where nine tenths of what white noise lets be known of
+/// it are; and it has at least so many coefficients.
+const CONFIRMS: f64 = 8.0;
+const LEAST_CONFIRMS: usize = 256;
+
 /// η, b, a and τ together.
 pub struct Joint {
     /// Coefficients of the reference's x, y, z, the days, e^(−t/τ) and its derivative with respect to ln τ; the last is zero
@@ -24,7 +29,8 @@ pub struct Joint {
     /// Least and greatest ln τ that were sought.
     limits: (f64, f64),
     pub noise: Noise,
-    /// Probability of an exponential as great by chance, over all τ.
+    /// Probability of an exponential as great by chance, over all τ; the larger of the two in all of the band and in the part of
+    /// it that confirms it.
     pub p: f64,
     pub freedom: f64,
 }
@@ -32,8 +38,31 @@ pub struct Joint {
 /// Least squares over η, b, a and τ, weighted by the noise of what they leave: variable projection, the linear unknowns
 /// solved for each τ; sought over a grid of ln τ, refined by Gauss and Newton.
 ///
+/// Noise of the reference, where it is more than the field at short periods, pulls η, and the field that it leaves in the difference
+/// can look like an exponential. So one that is seen has to be seen at long periods too, where the field is strong.
+///
 /// Source: G. H. Golub and V. Pereyra, Separable nonlinear least squares, Inverse Problems 19 (2003) R1–R26.
 pub fn joint(
+    columns: &Columns<'_>,
+    y: &[f64],
+    start: &Noise,
+    beside: &Beside<'_>,
+) -> Result<Option<Joint>, Error> {
+    let Some(mut found) = in_band(columns, y, start, beside)? else { return Ok(None) };
+    // Coefficient k is at k/(2 × the length).
+    let enough = (CONFIRMS * columns.length_s() / PI * (-found.ln_tau).exp()).ceil() as usize;
+    let kept = enough.max(LEAST_CONFIRMS);
+    if found.p < LEVEL && kept < y.len() {
+        let steps: Vec<Vec<f64>> = beside.steps.iter().map(|step| step[..kept].to_vec()).collect();
+        let slow = Beside { steps: &steps, lines_hz: beside.lines_hz };
+        let errors = found.noise.errors(&columns.cosine)?;
+        let confirmed = Best::of(&columns.up_to(kept), &y[..kept], &errors, &slow, ROUGH)?;
+        found.p = found.p.max(chance(confirmed.score, confirmed.length, found.freedom));
+    }
+    Ok(Some(found))
+}
+
+fn in_band(
     columns: &Columns<'_>,
     y: &[f64],
     start: &Noise,

@@ -17,9 +17,9 @@ pub fn largest_pull(pair: &Pair, fits: &[AxisFit; 3]) -> [[f64; 3]; 3] {
         let twice = if 2 * order == rows { 1.0 } else { 2.0 };
         let level = fits.each_ref().map(|of| of.noise.level(frequency));
         let weighing = fits.each_ref().map(|of| of.noise.density(frequency));
-        for k in 0..3 {
+        for (k, most) in most.iter_mut().enumerate() {
             let allowed = (0..3).map(|l| level[l] / eta(k, l).powi(2)).fold(f64::INFINITY, f64::min);
-            (0..3).for_each(|j| most[k][j] += twice * allowed / weighing[j]);
+            most.iter_mut().zip(weighing).for_each(|(most, weighing)| *most += twice * allowed / weighing);
         }
     }
     std::array::from_fn(|i| {

@@ -75,16 +75,15 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
              is hardly seen, and the matrix is left as it is; record when the field is less quiet"
                 .into(),
         );
-    } else if !corrected {
-        if let Some((name, most)) = worst(&|element| element.largest_pull_over_std) {
-            if most > 0.5 {
-                findings.push(format!(
-                    "noise of the reference may have pulled the matrix by up to {} of its uncertainties ({name}); declare it \
-                     in `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
-                    digits(most)
-                ));
-            }
-        }
+    } else if !corrected
+        && let Some((name, most)) = worst(&|element| element.largest_pull_over_std)
+        && most > 0.5
+    {
+        findings.push(format!(
+            "noise of the reference may have pulled the matrix by up to {} of its uncertainties ({name}); declare it in \
+             `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
+            digits(most)
+        ));
     }
     if let Some(spectrum) = &report.in_spectrum {
         let told = spectrum.p < told_below;
