@@ -4,7 +4,6 @@ use common::Document;
 use serde_json::{Map, Value, json};
 
 #[test]
-#[ignore = "open: 2.6e-3 from SciPy instead of 1e-6"]
 fn the_iteration_ends_at_the_joint_least_squares() {
     let text = testkit::read_fixture("reference/diffmag_drift.json");
     let reference: Value = serde_json::from_str(&text).expect("the fixture is JSON");

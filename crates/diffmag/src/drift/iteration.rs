@@ -7,12 +7,15 @@ use estimate::cosine::dot;
 
 /// Most rounds.
 const MOST_ROUNDS: usize = 500;
-/// The drift stands when a round moves it by less than this share of the difference.
+/// The drift stands when all rounds to come would move it by less than this share of the difference, each of them by as much less
+/// than the one before as the last two.
 const STANDS: f64 = 1e-9;
 /// Most steps of the drift's fit in one round.
 const MOST_STEPS: usize = 30;
 /// A fit of the drift ends when ln τ moves less.
 const ACCURACY: f64 = 1e-10;
+/// A step of less is to a minimum that no sum of squares can tell from where it began.
+const NEAR: f64 = 1e-6;
 /// A step is halved so often.
 const HALVINGS: usize = 12;
 
@@ -53,7 +56,7 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
         .map(|(ln_tau, _)| at(columns, &d, *ln_tau))
         .max_by(|a, b| a.explained.total_cmp(&b.explained))
         .unwrap_or_default();
-    let (mut rounds, mut settled) = (0, false);
+    let (mut rounds, mut settled, mut moved_before) = (0, false, f64::INFINITY);
     while rounds < MOST_ROUNDS && !settled {
         rounds += 1;
         let d = difference(&eta);
@@ -61,8 +64,10 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
         shape = fit(columns, &d, shape.ln_tau);
         let corrected: Vec<f64> = test.iter().zip(&shape.drift).map(|(t, drift)| t - drift).collect();
         eta = matrix(&corrected);
-        let moved: f64 = shape.drift.iter().zip(&before).map(|(a, b)| (a - b).powi(2)).sum();
-        settled = rounds > 1 && moved <= STANDS * STANDS * dot(&d, &d);
+        let moved = shape.drift.iter().zip(&before).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        let ratio = moved / moved_before;
+        settled = rounds > 1 && moved <= STANDS * (1.0 / ratio - 1.0) * dot(&d, &d).sqrt();
+        moved_before = moved;
     }
     let [straight, amplitude] = shape.linear;
     let found = [eta[0], eta[1], eta[2], straight, amplitude, shape.ln_tau];
@@ -112,7 +117,7 @@ fn fit(columns: &Columns<'_>, d: &[f64], start: f64) -> Shape {
         let mut better = None;
         for _ in 0..HALVINGS {
             let next = at(columns, d, (best.ln_tau + step).clamp(low, high));
-            if next.explained > best.explained {
+            if next.explained > best.explained || step.abs() < NEAR {
                 better = Some(next);
                 break;
             }
