@@ -64,7 +64,7 @@ pub fn explained(
     for column in &x {
         let mut input: Vec<Complex<f64>> =
             column.iter().zip(&y).zip(&weight).map(|((x, y), w)| x.conj() * y * w).collect();
-        if n % 2 == 0 {
+        if n.is_multiple_of(2) {
             input[n / 2].im = 0.0;
         }
         let mut output = back.make_output_vec();

@@ -117,8 +117,8 @@ fn bridged(column: &[f64], missing: &[bool]) -> Vec<f64> {
             continue;
         }
         let from = known.map_or(0, |before| before + 1);
-        for k in from..row {
-            filled[k] = known.map_or(column[row], |before| {
+        for (k, value) in filled[..row].iter_mut().enumerate().skip(from) {
+            *value = known.map_or(column[row], |before| {
                 let share = (k - before) as f64 / (row - before) as f64;
                 column[before] + share * (column[row] - column[before])
             });

@@ -72,8 +72,9 @@ impl Errors {
     /// The covariance times x.
     pub(super) fn times(&self, x: &[f64]) -> Vec<f64> {
         let mut product: Vec<f64> = x.iter().zip(&self.variance).map(|(x, variance)| x * variance).collect();
-        for i in 0..self.low.nrows() {
-            product[i] = (0..self.low.nrows()).map(|j| self.low[(i, j)] * x[j]).sum();
+        let exact = self.low.nrows();
+        for (i, value) in product.iter_mut().enumerate().take(exact) {
+            *value = (0..exact).map(|j| self.low[(i, j)] * x[j]).sum();
         }
         product
     }

@@ -22,6 +22,8 @@ pub(super) struct Model<'a> {
     known: Vec<(usize, usize)>,
     /// ln of the lowest frequency (Hz).
     pub lowest: f64,
+    /// ln f/f₀ of each matrix.
+    x: Vec<f64>,
     /// Unknowns that are held.
     pub tied: Vec<usize>,
 }
@@ -33,6 +35,7 @@ impl<'a> Model<'a> {
         let all: Vec<&Vec<f64>> =
             mixture.columns.iter().chain(mixture.known.iter().flat_map(|group| &group.columns)).collect();
         let groups = mixture.known.iter().enumerate();
+        let lowest = mixture.spectra.frequency_hz.first().copied().unwrap_or(1.0).ln();
         let first = 3 * mixture.columns.len();
         Self {
             real: mixture.spectra.matrices.iter().map(real).collect(),
@@ -41,7 +44,8 @@ impl<'a> Model<'a> {
                 .clone()
                 .flat_map(|(group, known)| (0..known.columns.len()).map(move |place| (group, place)))
                 .collect(),
-            lowest: mixture.spectra.frequency_hz.first().copied().unwrap_or(1.0).ln(),
+            lowest,
+            x: mixture.spectra.frequency_hz.iter().map(|frequency| frequency.ln() - lowest).collect(),
             tied: groups
                 .filter(|(_, known)| known.relative_std <= 0.0)
                 .map(|(group, _)| first + group)
@@ -54,14 +58,9 @@ impl<'a> Model<'a> {
         self.mixture.columns.len()
     }
 
-    /// ln f/f₀ of a matrix.
-    fn x(&self, bin: usize) -> f64 {
-        self.mixture.spectra.frequency_hz[bin].ln() - self.lowest
-    }
-
     /// Shapes of flicker and white noise of a source.
     fn shapes(&self, theta: &[f64], source: usize, bin: usize) -> [f64; 2] {
-        [(-theta[3 * source + 1] * self.x(bin)).exp(), 2.0 * self.mixture.step_s]
+        [(-theta[3 * source + 1] * self.x[bin]).exp(), 2.0 * self.mixture.step_s]
     }
 
     /// P of one column, and its slopes over the unknowns.
@@ -69,7 +68,7 @@ impl<'a> Model<'a> {
         let first = 3 * column;
         if column < self.sources() {
             let [flicker, white] = self.shapes(theta, column, bin);
-            let bent = -self.x(bin) * theta[first] * flicker;
+            let bent = -self.x[bin] * theta[first] * flicker;
             let slopes = [(first, flicker), (first + 1, bent), (first + 2, white)];
             return (theta[first] * flicker + theta[first + 2] * white, slopes);
         }
@@ -183,7 +182,7 @@ impl Likelihood for Model<'_> {
                 continue;
             };
             cost += of_bin;
-            let x = self.x(bin);
+            let x = self.x[bin];
             let slopes: Vec<[(usize, f64); 3]> =
                 (0..self.columns.ncols()).map(|column| self.own(theta, column, bin).1).collect();
             for (a, own) in slopes.iter().enumerate() {
