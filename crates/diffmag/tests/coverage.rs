@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use simulate::DifferentialTruth;
 
 fn campaigns() -> u64 {
-    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
+    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
 }
 
 fn plan(noise: &Value, seed: u64) -> simulate::Plan {

@@ -16,7 +16,7 @@ const DAY: usize = 1440;
 const DAY_S: f64 = 86_400.0;
 
 fn campaigns() -> u64 {
-    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
+    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
 }
 
 #[derive(Clone, Copy)]

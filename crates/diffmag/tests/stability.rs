@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 fn campaigns() -> u64 {
-    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
+    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
 }
 
 /// What the cases differ in; the field has a storm from half time on where that is said.

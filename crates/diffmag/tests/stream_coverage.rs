@@ -19,7 +19,7 @@ struct Truth {
 }
 
 fn campaigns() -> u64 {
-    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(60)
+    std::env::var("FLUXCAL_CAMPAIGNS").ok().and_then(|text| text.parse().ok()).unwrap_or(40)
 }
 
 /// For each parameter: its distance from the truth in units of its 95 % interval.

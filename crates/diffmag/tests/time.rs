@@ -164,7 +164,7 @@ fn a_spike_between_parallel_axes_is_of_either_instrument() {
 /// Shares over campaigns with one spike of 10 and one step of 5 white rms each.
 #[test]
 fn what_is_kept_out_costs_the_intervals_nothing() {
-    let count = campaigns(24);
+    let count = campaigns(12);
     let all: Vec<(Vec<bool>, usize)> = (0..count)
         .into_par_iter()
         .map(|seed| {
@@ -221,7 +221,7 @@ fn what_is_kept_out_costs_the_intervals_nothing() {
 /// field is taken for an event.
 #[test]
 fn the_clock_is_found_and_corrected() {
-    let count = campaigns(16);
+    let count = campaigns(8);
     for (offset_s, rate_ppm) in [(0.0, 0.0), (3.0, 0.0), (30.0, 20.0), (-150.0, 0.0), (2400.0, -50.0)] {
         let all: Vec<[bool; 5]> = (0..count)
             .into_par_iter()
