@@ -130,7 +130,6 @@ mod tests {
     }
 
     #[test]
-    #[ignore = "open: the script counts differences in tiles at the ends, the code does not"]
     fn python_has_the_same_differences() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/diffmag_stream.json");
         let text = std::fs::read_to_string(path).expect("the reference");
