@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const BLOCKS: usize = 256;
 
 /// Cov(c_k, c_l)/√(S_k S_l), k, l = 1 … `count` (64 at most), of noise with the one-sided density f^-α down to the frequency
-/// zero; S_k = f_k^-α/(2Δt), f_k = k/(2nΔt). The same for all n and Δt.
+/// zero; S_k = f_k^-α/(2Δt), f_k = k/(2nΔt). The same for all n and Δt; right to 2e-4 up to k = 10, to 0.016 at 64 (α ≥ 0.5).
 ///
 /// Averages over neighbouring stretches of unit length have, up to a constant that no c_k sees,
 ///
@@ -51,21 +51,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_series_cut_out_of_longer_ones() {
-        // By NumPy: 1024 points cut out of 65 536 of f^-α; diagonal at k = 1, 2, 3, 10, correlation of 1 and 3.
-        let cases = [
-            (0.5, [0.831, 0.922, 0.947, 0.984], -0.089),
-            (1.0, [0.774, 0.903, 0.931, 0.980], -0.120),
-            (1.4, [0.793, 0.919, 0.939, 0.983], -0.108),
-            (1.8, [0.894, 0.964, 0.970, 0.992], -0.053),
-        ];
-        for (exponent, diagonal, correlation) in cases {
-            let found = covariance(exponent, 64);
-            for (k, expected) in [0, 1, 2, 9].into_iter().zip(diagonal) {
-                assert!((found[(k, k)] - expected).abs() < 0.002, "{exponent} {k}: {}", found[(k, k)]);
+    fn as_integrated_over_frequency() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/cosine_memory.json");
+        let text = std::fs::read_to_string(path).expect("the reference");
+        let reference: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let mut worst = [0.0_f64; 2];
+        for case in reference["cases"].as_array().expect("cases") {
+            let found = covariance(case["exponent"].as_f64().expect("an exponent"), 64);
+            for entry in case["covariance"].as_array().expect("a list") {
+                let [k, l] = [0, 1].map(|i| entry[i].as_u64().expect("a number") as usize);
+                let difference = (found[(k - 1, l - 1)] - entry[2].as_f64().expect("a value")).abs();
+                let high = &mut worst[usize::from(k > 10)];
+                *high = high.max(difference);
             }
-            let r = found[(0, 2)] / (found[(0, 0)] * found[(2, 2)]).sqrt();
-            assert!((r - correlation).abs() < 0.001, "{exponent}: {r}");
         }
+        println!("up to the tenth: {:.1e}, the last: {:.1e}", worst[0], worst[1]);
+        // Averages over a 256th of the series: what is faster is folded into the last coefficients.
+        assert!(worst[0] < 2e-4 && worst[1] < 0.02);
     }
 }
