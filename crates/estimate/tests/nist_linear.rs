@@ -1,5 +1,7 @@
 //! Linear least squares against the certified values of the NIST Statistical Reference Datasets.
 
+use estimate::cosine::{Cosine, Errors};
+use estimate::{cosine, spectral, tsqr::Tsqr};
 use faer::Mat;
 use serde_json::Value;
 
@@ -57,11 +59,15 @@ fn fewest_digits(found: &[f64], certified: &[f64]) -> f64 {
     found.iter().zip(certified).map(|(f, c)| digits(*f, *c)).fold(f64::INFINITY, f64::min)
 }
 
-#[test]
-fn certified_digits() {
+fn fixture() -> Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/nist_linear.json");
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    let fixture: Value = serde_json::from_str(&text).expect("certified values");
+    serde_json::from_str(&text).expect("certified values")
+}
+
+#[test]
+fn certified_digits() {
+    let fixture = fixture();
     let sets = fixture["sets"].as_array().expect("sets");
     assert_eq!(sets.len(), FLOORS.len());
     let mut short = Vec::new();
@@ -96,4 +102,95 @@ fn certified_digits() {
         }
     }
     assert!(short.is_empty(), "{}", short.join("\n"));
+}
+
+/// Longley's columns and response, and what is certified of them.
+struct Longley {
+    columns: Vec<Vec<f64>>,
+    y: Vec<f64>,
+    /// The constant first.
+    coefficients: Vec<f64>,
+    stds: Vec<f64>,
+    residual_std: f64,
+}
+
+fn longley() -> Longley {
+    let fixture = fixture();
+    let sets = fixture["sets"].as_array().expect("sets");
+    let set = sets.iter().find(|set| set["name"] == "Longley").expect("Longley");
+    Longley {
+        columns: set["columns"].as_array().expect("columns").iter().map(numbers).collect(),
+        y: numbers(&set["y"]),
+        coefficients: numbers(&set["coefficients"]),
+        stds: numbers(&set["std"]),
+        residual_std: set["residual_std"].as_f64().expect("a number"),
+    }
+}
+
+impl Longley {
+    /// The fewest digits of coefficients, their uncertainties and the residual standard deviation, from coefficients without
+    /// a constant and (X°ᵀX°)⁻¹: the constant is that through the means, the residuals are those of it.
+    fn fewest(&self, name: &str, coefficients: &[f64], inverse: &Mat<f64>) -> f64 {
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let means: Vec<f64> = self.columns.iter().map(|column| mean(column)).collect();
+        let explained =
+            |at: &dyn Fn(usize) -> f64| coefficients.iter().enumerate().map(|(k, b)| b * at(k)).sum::<f64>();
+        let middle = mean(&self.y);
+        let constant = middle - explained(&|k| means[k]);
+        let squares: f64 = (0..self.y.len())
+            .map(|row| (self.y[row] - middle - explained(&|k| self.columns[k][row] - means[k])).powi(2))
+            .sum();
+        let variance = squares / (self.y.len() - self.columns.len() - 1) as f64;
+        let stds: Vec<f64> = (0..coefficients.len()).map(|k| (inverse[(k, k)] * variance).sqrt()).collect();
+        let found: Vec<f64> = [constant].into_iter().chain(coefficients.iter().copied()).collect();
+        let digits_of = [
+            fewest_digits(&found, &self.coefficients),
+            fewest_digits(&stds, &self.stds[1..]),
+            digits(variance.sqrt(), self.residual_std),
+        ];
+        let [coefficients, stds, residual] = digits_of;
+        println!("{name}: coefficients {coefficients:.1}, std {stds:.1}, residual std {residual:.1} digits");
+        digits_of.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[test]
+fn longley_in_pieces() {
+    let longley = longley();
+    let all: Vec<&[f64]> = longley.columns.iter().chain([&longley.y]).map(Vec::as_slice).collect();
+    let width = all.len();
+    let piece = |from: usize, to: usize| {
+        let mut factor = Tsqr::new(width);
+        factor.push(&all.iter().map(|column| &column[from..to]).collect::<Vec<_>>());
+        factor
+    };
+    let rows = longley.y.len();
+    let mut joined = piece(11, rows);
+    joined.merge(&piece(0, 3));
+    joined.merge(&piece(3, 11));
+    let predictors: Vec<usize> = (0..width - 1).collect();
+    for (name, factor) in [("at once", piece(0, rows)), ("joined", joined)] {
+        let fit = factor.regress(&predictors, &[width - 1]).expect("a fit");
+        assert!(longley.fewest(name, &fit.coefficients[0], &fit.inverse) > 12.0, "{name}");
+        assert!(digits(fit.intercepts[0], longley.coefficients[0]) > 12.0, "{name}");
+        assert!(digits((fit.squares[0] / fit.freedom).sqrt(), longley.residual_std) > 12.0, "{name}");
+    }
+}
+
+/// Under errors without memory the regressions by transforms are ordinary least squares.
+#[test]
+fn longley_by_transforms() {
+    let longley = longley();
+    let fit = spectral::regress(&longley.columns, &longley.y, 1.0, &|_| 2.0).expect("a fit");
+    for (name, found) in [("spectral", &fit.least_squares), ("spectral, weighted", &fit.weighted)] {
+        assert!(longley.fewest(name, found, &fit.independent) > 10.0, "{name}");
+    }
+    let cosine = Cosine::new(longley.y.len(), 1.0);
+    let columns: Vec<Vec<f64>> = longley.columns.iter().map(|column| cosine.transform(column)).collect();
+    let columns: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
+    let y = cosine.transform(&longley.y);
+    let fit = cosine::regress(&columns, &y, &Errors::independent(&cosine)).expect("a fit");
+    for (name, found) in [("cosine", &fit.least_squares), ("cosine, weighted", &fit.weighted)] {
+        assert!(longley.fewest(name, found, &fit.weighted_covariance) > 10.0, "{name}");
+    }
 }
