@@ -57,12 +57,12 @@ fn take_json(path: &Path, step_s: Option<f64>) -> Result<Partial, Error> {
         action: "read",
         source,
     })?;
-    let refused =
-        |error: stream::Error| Error::Document(Fault::Request(format!("{}: {error}", path.display())));
+    let of_file = |error: String| Error::Document(Fault::Request(format!("{}: {error}", path.display())));
+    let refused = |error: stream::Error| of_file(error.to_string());
     if text.get(..64).unwrap_or(&text).contains("fluxcal-partial") {
         return Partial::parse(&text).map_err(refused);
     }
-    let document = Document::parse(&text)?;
+    let document = Document::parse(&text).map_err(|error| of_file(error.to_string()))?;
     let pieces: Vec<Partial> = document
         .recordings
         .iter()

@@ -10,6 +10,7 @@ mod check;
 mod grid;
 mod piece;
 
+pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
 use grid::Grid;
 use piece::Piece;
 
@@ -252,6 +253,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         let expected = "recordings that overlap in time; look at `start` and at the clocks";
         return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
     };
+    let paths = [reference.pieces[0].path.clone(), path.clone()];
     let reads = [&reference, &test].map(|instrument| grid.read(instrument));
     let whole: Vec<bool> = (0..grid.rows)
         .map(|row| reads.iter().flat_map(|read| &read.columns).all(|column| column[row].is_finite()))
@@ -268,7 +270,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
     }
     let [reference, test] = reads;
-    check::check(&path, &reference.columns, &test.columns)?;
+    check::check(&paths, &reference.columns, &test.columns)?;
     let third = (!third.pieces.is_empty()).then(|| grid.read(&third));
     let mut told = reference.told;
     told.extend(test.told);

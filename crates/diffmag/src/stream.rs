@@ -8,6 +8,7 @@
 //! - the means of at most 64 long blocks, which hold what is slower.
 
 mod answer;
+mod check;
 mod error;
 mod fit;
 mod grid;
@@ -86,7 +87,10 @@ impl Statistics {
         }
         let mut partial = match self.partial.take() {
             Some(partial) => partial,
-            None => Partial::new(Grid::found(batch.time_s)?),
+            None => {
+                rising(batch.time_s)?;
+                Partial::new(Grid::found(batch.time_s)?)
+            }
         };
         let mut at = 0;
         let mut taken = Ok(());
@@ -207,5 +211,16 @@ impl Statistics {
         self.close(&mut partial, last + 1);
         partial.covered[0][1] = last;
         Ok(partial)
+    }
+}
+
+/// Times in which a grid can be looked for.
+fn rising(times: &[f64]) -> Result<(), Error> {
+    if let Some(row) = times.iter().position(|time| !time.is_finite()) {
+        return Err(Error::NoTime { row: row as u64 });
+    }
+    match times.windows(2).position(|pair| pair[1] <= pair[0]) {
+        Some(row) => Err(Error::Backwards { row: row as u64 + 1, time_s: times[row + 1] }),
+        None => Ok(()),
     }
 }

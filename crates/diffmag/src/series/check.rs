@@ -1,16 +1,36 @@
 //! Columns that are one, and units that cannot be the same.
 
 use common::{Axis, Error as Fault};
+use estimate::tsqr::Tsqr;
 
 use crate::Error;
 
 /// Two columns that are alike to this share of their changes are one.
-const ALIKE: f64 = 1e-12;
+pub const ALIKE: f64 = 1e-12;
 /// The test instrument's changes over the reference's; beyond, they are in other units.
-const UNITS: f64 = 20.0;
+pub const UNITS: f64 = 20.0;
+/// A share of its changes: what a third axis must have beside the other two.
+const OUT_OF_PLANE: f64 = 1e-7;
+/// What is said where it has not.
+pub const IN_A_PLANE: &str = "the reference's x, y and z depend on each other: the field changed in a plane only, which leaves the matrix \
+                              open across it; record longer, or while the field changes more";
 
-/// Refuses a test instrument, read from the recording at `path`, that is the reference or is in other units.
-pub fn check(path: &str, reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Result<(), Error> {
+/// Refuses a test instrument that is the reference or is in other units, and instruments of which two axes are one. `paths` are
+/// those of their first recordings.
+pub fn check(paths: &[String; 2], reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Result<(), Error> {
+    for (path, instrument, columns) in [(&paths[0], "reference", reference), (&paths[1], "test", test)] {
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let difference: Vec<f64> = columns[i].iter().zip(&columns[j]).map(|(a, b)| b - a).collect();
+            if spread(&difference) <= ALIKE * spread(&columns[i]) {
+                let [axis, other] = [i, j].map(|axis| Axis::ALL[axis]);
+                let found = format!("the same readings as in `{instrument}_{axis}_nt`");
+                let expected = "readings along another axis; was a column copied?";
+                let at = format!("{path}.columns.{instrument}_{other}_nt");
+                return Err(Fault::document(at, found, expected).into());
+            }
+        }
+    }
+    let path = &paths[1];
     for (i, axis) in Axis::ALL.into_iter().enumerate() {
         for (j, other) in Axis::ALL.into_iter().enumerate() {
             let difference: Vec<f64> = reference[i].iter().zip(&test[j]).map(|(r, t)| t - r).collect();
@@ -23,6 +43,16 @@ pub fn check(path: &str, reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Res
             }
         }
     }
+    let whole: Vec<usize> = (0..reference[0].len())
+        .filter(|row| reference.iter().all(|column| column[*row].is_finite()))
+        .collect();
+    let columns =
+        reference.each_ref().map(|column| whole.iter().map(|row| column[*row]).collect::<Vec<f64>>());
+    let mut factor = Tsqr::new(3);
+    factor.push(&columns.each_ref().map(Vec::as_slice));
+    if in_a_plane(&factor, [0, 1], 2)? {
+        return Err(Error::Undetermined(IN_A_PLANE.into()));
+    }
     let size =
         |columns: &[Vec<f64>; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
     let ratio = size(test) / size(reference);
@@ -32,6 +62,18 @@ pub fn check(path: &str, reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Res
         return Err(Fault::document(format!("{path}.columns.test_x_nt"), found, expected).into());
     }
     Ok(())
+}
+
+/// Whether a column follows from two others.
+pub fn in_a_plane(factor: &Tsqr, two: [usize; 2], third: usize) -> Result<bool, estimate::Error> {
+    match factor.regress(&two, &[third]) {
+        Ok(left) => {
+            let all = factor.regress(&[], &[third])?;
+            Ok(left.squares[0].sqrt() <= OUT_OF_PLANE * all.squares[0].sqrt())
+        }
+        Err(estimate::Error::Decomposition { .. }) => Ok(true),
+        Err(other) => Err(other),
+    }
 }
 
 /// Root of the mean square about the mean, over what is known.

@@ -2,6 +2,7 @@ use estimate::stats;
 use faer::Mat;
 use serde::Serialize;
 
+use super::check;
 use super::fit::Found;
 use super::noise::Problem;
 use super::octaves::{COLUMNS, Differences, Octave, OctaveFit, UNKNOWNS};
@@ -117,7 +118,8 @@ pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
         let found = partial.samples;
         Error::Undetermined(format!("{found} whole samples; a series of statistics needs at least {LEAST}"))
     })?;
-    let plain = partial.factor.regress(&[1, 2, 3], &[4, 5, 6])?;
+    check::columns(&partial.factor)?;
+    let plain = partial.factor.regress(&check::REFERENCE, &check::TEST)?;
     let profile = partial.whole_profile();
     let slow = Slow::of(&profile);
     let axis = |axis: usize| -> Result<AxisFit, Error> {

@@ -1,0 +1,52 @@
+//! Columns of which no matrix can be told.
+
+use common::{Axis, Error as Fault};
+use estimate::tsqr::Tsqr;
+
+use crate::Error;
+use crate::series::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
+
+/// Places of the reference's and of the test instrument's readings among the columns.
+pub const REFERENCE: [usize; 3] = [1, 2, 3];
+pub const TEST: [usize; 3] = [4, 5, 6];
+
+/// Refuses readings that never change, columns that are one, and other units.
+pub fn columns(factor: &Tsqr) -> Result<(), Error> {
+    let refused = |reason: String| Err(Error::Document(Fault::Request(reason)));
+    let names = |instrument: &str| Axis::ALL.map(|axis| format!("{instrument}_{axis}_nt"));
+    let all: Vec<String> = names("reference").into_iter().chain(names("test")).collect();
+    let places = [REFERENCE, TEST].concat();
+    let squares = factor.regress(&[], &places)?.squares;
+    for ((name, place), squares) in all.iter().zip(&places).zip(&squares) {
+        let mean = factor.mean(*place);
+        if squares.sqrt() <= ALIKE * mean.abs() * (factor.count() as f64).sqrt() {
+            return refused(format!(
+                "{name}: found the constant reading {mean}; expected readings that follow the field; was the instrument connected?"
+            ));
+        }
+    }
+    for (later, place) in places.iter().enumerate() {
+        for earlier in 0..later {
+            let one = factor.regress(&[places[earlier]], &[*place])?;
+            if one.squares[0].sqrt() <= ALIKE * squares[later].sqrt() {
+                return refused(format!(
+                    "{}: found the readings of `{}`, perhaps in another unit; expected readings of its own; was a column copied?",
+                    all[later], all[earlier]
+                ));
+            }
+        }
+    }
+    let [x, y, z] = REFERENCE;
+    if in_a_plane(factor, [x, y], z)? {
+        return Err(Error::Undetermined(IN_A_PLANE.into()));
+    }
+    let size = |squares: &[f64]| squares.iter().sum::<f64>().sqrt();
+    let ratio = size(&squares[3..]) / size(&squares[..3]);
+    if !(1.0 / UNITS..=UNITS).contains(&ratio) {
+        return refused(format!(
+            "test_x_nt, …: found changes {ratio:.2e} times those of the reference; expected readings of both instruments in nT; are \
+             those of one in V, or in µT?"
+        ));
+    }
+    Ok(())
+}
