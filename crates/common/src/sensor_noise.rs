@@ -99,6 +99,17 @@ pub struct AllanDeviation {
     pub high_nt: Vec<f64>,
 }
 
+impl AllanDeviation {
+    /// Adds the deviation of a series at one averaging time with its 95 % interval.
+    pub fn push(&mut self, series: usize, averaging_s: f64, deviation_nt: f64, [low_nt, high_nt]: [f64; 2]) {
+        self.series.push(series);
+        self.averaging_s.push(averaging_s);
+        self.deviation_nt.push(deviation_nt);
+        self.low_nt.push(low_nt);
+        self.high_nt.push(high_nt);
+    }
+}
+
 /// What a measured field is uncertain by, at one field and one temperature.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]

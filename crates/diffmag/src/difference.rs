@@ -87,19 +87,9 @@ pub fn describe(difference: &[f64], source: &[f64], noise: &Noise) -> Result<Dif
     let bound = |p: f64| (squares / stats::chi_squared_quantile(p, freedom)).sqrt();
     let quantity = |estimate: Estimate| Quantity::new(estimate.value, estimate.std);
     let fit = &noise.fit;
-    let points = allan::overlapping(difference, noise.step_s, |averaging_s| {
-        let frequency = 0.5 / averaging_s;
-        let white = 2.0 * fit.white_rms[0].value.powi(2) * noise.step_s;
-        if fit.flicker_density(frequency).value > white { fit.exponent.value } else { 0.0 }
-    })?;
     let mut columns = AllanDeviation::default();
-    for point in &points {
-        let (low, high) = point.interval(0.95);
-        columns.series.push(0);
-        columns.averaging_s.push(point.averaging_s);
-        columns.deviation_nt.push(point.deviation);
-        columns.low_nt.push(point.deviation * low);
-        columns.high_nt.push(point.deviation * high);
+    for point in allan::of_noise(difference, noise.step_s, fit)? {
+        columns.push(0, point.averaging_s, point.deviation, point.band(0.95));
     }
     Ok(DifferenceAxis {
         rms_nt: (squares / freedom).sqrt(),

@@ -1,5 +1,6 @@
 //! Overlapping Allan deviation of an evenly sampled series.
 
+use crate::whittle::WhittleFit;
 use crate::{Error, stats};
 
 /// The longest averaging time is the last one of which the samples hold this many averages without overlap.
@@ -61,6 +62,21 @@ pub fn overlapping(
     Ok(lengths.map(point).collect())
 }
 
+/// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is above the white one,
+/// the greatest of those that were fitted, else white.
+///
+/// # Errors
+///
+/// As [`overlapping`].
+pub fn of_noise(samples: &[f64], step_s: f64, noise: &WhittleFit) -> Result<Vec<AllanPoint>, Error> {
+    let rms = noise.white_rms.iter().map(|white| white.value).fold(0.0, f64::max);
+    let white = 2.0 * rms.powi(2) * step_s;
+    overlapping(samples, step_s, |averaging_s| {
+        let flicker = noise.flicker_density(0.5 / averaging_s).value;
+        if flicker > white { noise.exponent.value } else { 0.0 }
+    })
+}
+
 /// The overlapping Allan deviation of the averages of `m` samples, in their unit; none if the samples do not hold two
 /// such averages, or m is 0.
 ///
@@ -79,6 +95,12 @@ impl AllanPoint {
     pub fn interval(&self, probability: f64) -> (f64, f64) {
         let (low, high) = stats::variance_interval(self.freedom, probability);
         (low.sqrt(), high.sqrt())
+    }
+
+    /// That band itself (the samples' unit).
+    pub fn band(&self, probability: f64) -> [f64; 2] {
+        let (low, high) = self.interval(probability);
+        [self.deviation * low, self.deviation * high]
     }
 }
 

@@ -69,12 +69,7 @@ pub fn analyse(
     let periodograms: Vec<Periodogram> = all.iter().map(|one| one.periodogram.clone()).collect();
     let fit = whittle::fit(&periodograms)?;
     for one in &mut all {
-        let (series, step_s) = (&one.field_nt, one.step_s);
-        one.allan = allan::overlapping(series, step_s, |averaging_s| {
-            let frequency = 0.5 / averaging_s;
-            let white = 2.0 * fit.white_rms.iter().map(|w| w.value).fold(0.0, f64::max).powi(2) * step_s;
-            if fit.flicker_density(frequency).value > white { fit.exponent.value } else { 0.0 }
-        })?;
+        one.allan = allan::of_noise(&one.field_nt, one.step_s, &fit)?;
     }
     Ok(Some(result(&all, &fit, sensor)))
 }
@@ -280,12 +275,7 @@ fn allan_columns(all: &[Series<'_>]) -> AllanDeviation {
     let mut columns = AllanDeviation::default();
     for (number, one) in all.iter().enumerate() {
         for point in &one.allan {
-            let (low, high) = point.interval(0.95);
-            columns.series.push(number);
-            columns.averaging_s.push(point.averaging_s);
-            columns.deviation_nt.push(point.deviation);
-            columns.low_nt.push(point.deviation * low);
-            columns.high_nt.push(point.deviation * high);
+            columns.push(number, point.averaging_s, point.deviation, point.band(0.95));
         }
     }
     columns

@@ -75,11 +75,7 @@ fn calibration(found: &StreamFit) -> Result<DifferentialCalibration, Error> {
 fn difference(of: &AxisFit) -> DifferenceAxis {
     let mut allan = AllanDeviation::default();
     for octave in &of.octaves {
-        allan.series.push(0);
-        allan.averaging_s.push(octave.averaging_s);
-        allan.deviation_nt.push(octave.allan_nt);
-        allan.low_nt.push(octave.allan_interval_nt[0]);
-        allan.high_nt.push(octave.allan_interval_nt[1]);
+        allan.push(0, octave.averaging_s, octave.allan_nt, octave.allan_interval_nt);
     }
     let amplitude = of.noise.flicker_nt2_per_hz_at_1hz;
     let density = amplitude.value.sqrt();
