@@ -100,7 +100,9 @@ fn moved() -> String {
 
 /// A third instrument.
 pub fn third() -> String {
-    "the third instrument's readings are not used for the matrix of the other two".into()
+    "the third instrument's readings are in no regression of `fit`; they take the pull of the reference's noise off `matrix`, and \
+     `three_cornered` has the noise of each of the three by them"
+        .into()
 }
 
 /// Times that are not quite even.
