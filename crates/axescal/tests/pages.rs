@@ -27,7 +27,7 @@ fn commands(page: &str) -> Vec<String> {
 fn commands_of_the_pages() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    for other in ["simulate", "coilcal"] {
+    for other in ["simulate", "coilcal", "sensorcal", "diffmag"] {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -35,8 +35,10 @@ fn commands_of_the_pages() {
     symlink(binaries, folder.path().join("target/release")).expect("a link");
     symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
     let mut run = 0;
-    for page in ["README.md", "docs/axescal.md", "docs/document.md", "docs/simulate.md", "docs/coilcal.md"] {
-        for block in commands(&fs::read_to_string(root.join(page)).expect("a page")) {
+    let stages =
+        ["simulate", "coilcal", "sensorcal", "axescal", "diffmag"].map(|stage| format!("docs/{stage}.md"));
+    for page in ["README.md".to_string(), "docs/document.md".into()].into_iter().chain(stages) {
+        for block in commands(&fs::read_to_string(root.join(&page)).expect("a page")) {
             // Building and testing is what runs this test.
             let block = block.replace("cargo build --release && ", "");
             if block.starts_with("cargo ") {
@@ -52,7 +54,7 @@ fn commands_of_the_pages() {
             run += 1;
         }
     }
-    assert!(run >= 9, "only {run} blocks ran");
+    assert!(run >= 14, "only {run} blocks ran");
 }
 
 #[test]

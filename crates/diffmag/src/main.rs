@@ -17,7 +17,7 @@ const PROGRAM: Program = Program { name: "diffmag", version: env!("CARGO_PKG_VER
     version,
     args_conflicts_with_subcommands = true,
     after_help = "Example:\n  \
-    simulate campaign fixtures/plans/observatory-pair.json | diffmag > result.json\n\n\
+    diffmag fixtures/diffmag/turned-pair/input.json > result.json\n\n\
     Exit codes: 0 done; 1 the recordings do not determine the answer; 2 the request or the document is wrong."
 )]
 struct Cli {
@@ -35,11 +35,16 @@ enum Command {
     /// Long series in files, in one pass and bounded memory
     Stream(StreamArgs),
     /// Join statistics that `stream --partial` wrote
+    #[command(after_help = "Example:\n  \
+        diffmag stream --partial fixtures/diffmag/pieces/morning.csv -o morning.json\n  \
+        diffmag stream --partial fixtures/diffmag/pieces/evening.csv -o evening.json\n  \
+        diffmag merge morning.json evening.json > result.json")]
     Merge(PiecesArgs),
 }
 
 #[derive(Args)]
-#[command(after_help = "Example:\n  diffmag stream pair-2024.parquet pair-2025.csv > result.json")]
+#[command(after_help = "Example:\n  \
+    diffmag stream fixtures/diffmag/pieces/*.csv > result.json")]
 struct StreamArgs {
     #[command(flatten)]
     pieces: PiecesArgs,
