@@ -262,3 +262,21 @@ fn a_short_recording_is_not_divided() {
     let found = found.expect("fitted").calibration.expect("a calibration").differential.expect("a result");
     assert!(found.fit.expect("a fit").stability.is_none());
 }
+
+/// Where the matrix rests on long periods only, the stretches that are quiet or disturbed are long enough to have them.
+#[test]
+fn long_periods_alone_are_compared() {
+    let plan = testkit::read_fixture("plans/observatory-pair.json");
+    let plan: simulate::Plan = common::parse(&plan).expect("a plan");
+    let document = simulate::campaign(&plan).expect("simulated").document;
+    let found = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
+    let fit = found.calibration.and_then(|c| c.differential?.fit).expect("a fit");
+    let highest =
+        fit.axes.iter().filter_map(|(_, axis)| axis.weighted_up_to_hz).fold(f64::INFINITY, f64::min);
+    let found = fit.stability.expect("long enough");
+    println!("{:#?}", found.findings);
+    assert!(!found.findings.iter().any(|finding| finding.contains("cannot be said")));
+    let compared = found.quiet_disturbed.expect("ranked");
+    assert!(compared.one_matrix.is_some() && compared.stretch_s * highest >= 4.0, "{}", compared.stretch_s);
+    assert!(found.windows.is_some() && found.bands.is_some());
+}

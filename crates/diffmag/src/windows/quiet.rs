@@ -15,6 +15,8 @@ use crate::series::Pair;
 const STRETCH_S: f64 = 10_800.0;
 /// A stretch has at least this many samples.
 const LEAST_SAMPLES: usize = 30;
+/// A stretch holds at least so many of the shortest periods that the matrix rests on: twice as many numbers as η and a line have.
+const PERIODS: f64 = 4.0;
 /// There are at least this many stretches, if need be shorter ones.
 const LEAST_STRETCHES: usize = 16;
 /// The lower half is quiet.
@@ -33,7 +35,9 @@ pub fn quiet_disturbed(
     noise: &Noise<'_>,
 ) -> Result<Option<QuietDisturbed>, Error> {
     let rows = pair.whole.len();
-    let samples = ((STRETCH_S / pair.step_s) as usize).min(rows / LEAST_STRETCHES).max(LEAST_SAMPLES);
+    let shortest = (PERIODS / noise.highest_hz() / pair.step_s).ceil() as usize;
+    let samples =
+        ((STRETCH_S / pair.step_s) as usize).min(rows / LEAST_STRETCHES).max(LEAST_SAMPLES).max(shortest);
     let mut ranked: Vec<(f64, Range<usize>)> = (0..rows / samples)
         .map(|i| i * samples..(i + 1) * samples)
         .filter(|rows| pair.whole[rows.clone()].iter().all(|whole| *whole))

@@ -66,6 +66,11 @@ impl<'a> Noise<'a> {
         }
     }
 
+    /// Above this there are no weights in one of the axes, Hz; infinite where there are everywhere.
+    pub fn highest_hz(&self) -> f64 {
+        self.whole.iter().map(|fit| fit.noise.highest_hz()).fold(f64::INFINITY, f64::min)
+    }
+
     /// The same for weights: infinite where the instruments do not answer alike.
     pub fn weighing(&self, axis: usize, frequency_hz: f64) -> f64 {
         if frequency_hz > self.whole[axis].noise.highest_hz() {
@@ -164,11 +169,9 @@ pub fn pooled(estimates: &[Estimate]) -> Result<Estimate, Error> {
 
 fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let small = nalgebra::Matrix3::from_fn(|i, k| matrix[(i, k)]);
-    let inverse = small.try_inverse().ok_or_else(|| estimate::Error::Decomposition {
-        rows: 3,
-        columns: 3,
-        reason: "the field does not vary in three directions".into(),
-    })?;
+    let inverse = small
+        .try_inverse()
+        .ok_or_else(|| Error::Undetermined("the field does not vary in three directions there".into()))?;
     Ok(Mat::from_fn(3, 3, |i, k| inverse[(i, k)]))
 }
 
