@@ -24,6 +24,8 @@ const NEAR: usize = 3;
 const RULED_OUT: f64 = 1e-3;
 /// … beyond this share of the whole, which an error of η explains.
 const OF_ETA: f64 = 1e-6;
+/// An event whose size under the final fit is below so many of its uncertainties is none.
+pub const CONFIRMED: f64 = 4.0;
 
 /// An event of the recording, on the test instrument's clock.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +48,16 @@ pub struct Found {
     pub z: f64,
 }
 
+impl Found {
+    /// Test axes whose difference has it.
+    fn axes(&self) -> std::ops::Range<usize> {
+        match self.instrument {
+            EventInstrument::Reference => 0..3,
+            _ => self.axis..self.axis + 1,
+        }
+    }
+}
+
 /// All events of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct Events {
@@ -53,6 +65,8 @@ pub struct Events {
     pub found: Vec<Found>,
     /// Whether there were more than are looked for.
     pub more: bool,
+    /// How many steps, and how many others, the final fit did not confirm.
+    pub unconfirmed: [usize; 2],
 }
 
 impl Events {
@@ -60,6 +74,44 @@ impl Events {
     pub fn same(&self, other: &Self) -> bool {
         let key = |found: &Found| (found.kind, found.axis, found.from, found.to);
         self.found.iter().map(key).eq(other.found.iter().map(key))
+    }
+
+    /// These without those that are not `kept`.
+    pub fn confirmed(&self, kept: &[bool]) -> Self {
+        let mut confirmed = Self { found: Vec::new(), ..self.clone() };
+        for (event, kept) in self.found.iter().zip(kept) {
+            if *kept {
+                confirmed.found.push(event.clone());
+            } else {
+                confirmed.unconfirmed[usize::from(event.kind != EventKind::Step)] += 1;
+            }
+        }
+        confirmed
+    }
+
+    /// The steps alone.
+    pub fn steps(&self) -> Self {
+        let kept: Vec<bool> = self.found.iter().map(|event| event.kind == EventKind::Step).collect();
+        self.confirmed(&kept)
+    }
+
+    /// Of each step its places among the steps that are fitted to the axes, in the order of [`Pair::steps`].
+    pub fn places(&self) -> Vec<[Option<usize>; 3]> {
+        let mut rows: [Vec<usize>; 3] = Default::default();
+        let place = |event: &Found| {
+            let mut places = [None; 3];
+            if event.kind == EventKind::Step {
+                for axis in event.axes() {
+                    let known = rows[axis].iter().position(|row| *row == event.from);
+                    places[axis] = known.or_else(|| {
+                        rows[axis].push(event.from);
+                        Some(rows[axis].len() - 1)
+                    });
+                }
+            }
+            places
+        };
+        self.found.iter().map(place).collect()
     }
 
     /// The pair without its events: steps taken off, the rows of the others missing. The reference's own rows are earlier by `shift`.
@@ -79,12 +131,12 @@ impl Events {
                 pair.whole[from..=to].fill(false);
                 continue;
             }
-            let (column, axes) = match event.instrument {
-                EventInstrument::Reference => (&mut pair.reference[event.axis], 0..3),
-                _ => (&mut pair.test[event.axis], event.axis..event.axis + 1),
+            let column = match event.instrument {
+                EventInstrument::Reference => &mut pair.reference[event.axis],
+                _ => &mut pair.test[event.axis],
             };
             column[from..].iter_mut().for_each(|value| *value -= event.size);
-            for steps in &mut pair.steps[axes] {
+            for steps in &mut pair.steps[event.axes()] {
                 if !steps.contains(&event.from) {
                     steps.push(event.from);
                 }
@@ -134,7 +186,31 @@ pub fn search(pair: &Pair, calm: &Pair, look: &Look) -> Result<Events, Error> {
     let mut found = joined(disturbed);
     found.extend(steps.iter().map(|step| step.found(EventKind::Step)));
     found.sort_by_key(|event| (event.from, event.axis));
-    Ok(Events { found, more })
+    Ok(Events { found, more, ..Events::default() })
+}
+
+/// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties of a single reading.
+///
+/// `left` are the differences with the readings of these rows in them; `out` are all rows that are out.
+pub fn off(
+    left: &[Vec<f64>; 3],
+    out: &[bool],
+    step_s: f64,
+    noise: &[&Noise; 3],
+    disturbed: &[&Found],
+) -> Result<Vec<bool>, Error> {
+    let mut off = vec![false; disturbed.len()];
+    for (left, noise) in left.iter().zip(noise) {
+        let density = |f: f64| noise.level(f);
+        let likely = fill(left, out, step_s, &density)?;
+        let search = Search::new(&likely, step_s, &density)?;
+        for (off, event) in off.iter_mut().zip(disturbed) {
+            let far =
+                |row: usize| (left[row] - likely[row]).abs() >= CONFIRMED * search.size(Shape::Spike, row).1;
+            *off |= (event.from..=event.to).any(far);
+        }
+    }
+    Ok(off)
 }
 
 impl Single {

@@ -43,8 +43,12 @@ const TOLD_BELOW: f64 = 0.01;
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let raw = series::read(&document)?;
-    let prepared = prepare::prepare(&raw, options.correct_clock)?;
-    let fits = regression::fit(&prepared.pair)?;
+    let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
+    let mut fits = regression::fit(&prepared.pair)?;
+    while let Some(confirmed) = prepared.confirmed(&raw, &fits)? {
+        prepared = confirmed;
+        fits = regression::fit(&prepared.pair)?;
+    }
     let mut found = regression::calibrate(&raw, &prepared, &fits)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {

@@ -1,10 +1,11 @@
 //! Before the fit: what is wrong with the clocks and with single samples is found, and kept out.
 
-use common::{ClockDifference, Quantity};
+use common::{ClockDifference, EventKind, Quantity};
 
 use crate::clock::{self, Look, Moved, Shift, aligned};
-use crate::events::{self, Events};
-use crate::regression::p_of;
+use crate::difference::Noise;
+use crate::events::{self, CONFIRMED, Events, Found};
+use crate::regression::{AxisFit, p_of, step_sizes};
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW};
 
@@ -21,6 +22,8 @@ pub struct Prepared {
     pub events: Events,
     /// The clocks.
     pub clock: Option<ClockDifference>,
+    /// What the events were found with.
+    shift: Shift,
 }
 
 /// Finds the clocks' difference and the events, each with the other taken out, until neither changes.
@@ -56,6 +59,48 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
         }
         shift = due;
     }
+    settled(raw, events, clock, shift, correct_clock)
+}
+
+impl Prepared {
+    /// The same without the events that the fit does not confirm; None where it confirms all.
+    ///
+    /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at short periods, and a sudden
+    /// change of the field then leaves a step.
+    pub fn confirmed(&self, raw: &Pair, fits: &[AxisFit; 3]) -> Result<Option<Self>, Error> {
+        let mut kept: Vec<bool> = step_sizes(&self.events, fits)
+            .iter()
+            .map(|size| size.as_ref().is_none_or(|size| over(size) >= CONFIRMED))
+            .collect();
+        let of_rows = |found: &&Found| found.kind != EventKind::Step;
+        let disturbed: Vec<&Found> = self.events.found.iter().filter(of_rows).collect();
+        if !disturbed.is_empty() {
+            let pair = aligned(&self.events.steps().taken_out(raw, self.shift), self.shift, Moved::Reference);
+            let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
+            disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
+            let left: [Vec<f64>; 3] = std::array::from_fn(|axis| fits[axis].left(&pair, axis));
+            let noise: [&Noise; 3] = std::array::from_fn(|axis| &fits[axis].noise);
+            let off = events::off(&left, &out, pair.step_s, &noise, &disturbed)?;
+            let of_events = kept.iter_mut().zip(&self.events.found).filter(|(_, event)| of_rows(event));
+            of_events.zip(off).for_each(|((kept, _), off)| *kept = off);
+        }
+        if !kept.contains(&false) {
+            return Ok(None);
+        }
+        let correct_clock = self.clock.as_ref().is_some_and(|clock| clock.corrected);
+        let events = self.events.confirmed(&kept);
+        settled(raw, events, self.clock.clone(), self.shift, correct_clock).map(Some)
+    }
+}
+
+/// The readings without these events, the clocks as they were found.
+fn settled(
+    raw: &Pair,
+    events: Events,
+    mut clock: Option<ClockDifference>,
+    shift: Shift,
+    correct_clock: bool,
+) -> Result<Prepared, Error> {
     let mut pair = events.taken_out(raw, shift);
     if let Some(clock) = clock.as_mut().filter(|_| correct_clock && !shift.is_none()) {
         pair = aligned(&pair, shift, Moved::Test);
@@ -69,7 +114,7 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
         let look = clock::look(&pair)?;
         look.complete(&mut pair)?;
     }
-    Ok(Prepared { pair, events, clock })
+    Ok(Prepared { pair, events, clock, shift })
 }
 
 /// Whether the clocks differ.
@@ -77,9 +122,12 @@ fn differ(clock: &ClockDifference) -> bool {
     p_of(&clock.offset_s).min(p_of(&clock.rate_ppm)) < TOLD_BELOW
 }
 
+fn over(quantity: &Quantity) -> f64 {
+    (quantity.value() / quantity.std().unwrap_or(f64::INFINITY)).abs()
+}
+
 /// The larger of offset and rate over their uncertainties.
 fn off(look: &Look) -> f64 {
-    let over = |quantity: &Quantity| (quantity.value() / quantity.std().unwrap_or(f64::INFINITY)).abs();
     look.clock.as_ref().map_or(0.0, |clock| over(&clock.offset_s).max(over(&clock.rate_ppm)))
 }
 

@@ -1,7 +1,7 @@
 //! η and d, with the source's intervals and with ones that hold for errors with memory.
 
 use common::{
-    Axis, DifferentialCalibration, DifferentialFit, Drift, EventInstrument, EventKind, KeptOut, KeptOutEvent,
+    Axis, DifferentialCalibration, DifferentialFit, Drift, EventInstrument, KeptOut, KeptOutEvent,
     MatrixElement, PerAxis, Quantity,
 };
 use estimate::cosine::{self, Errors};
@@ -13,6 +13,7 @@ use faer::Mat;
 use crate::difference::{self, Noise};
 use crate::drift::{self, Columns};
 use crate::prepare::Prepared;
+use crate::events::{Events, Found};
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW, words};
 
@@ -45,6 +46,17 @@ pub struct AxisFit {
 
 /// The source's fit: least squares of the reference's axes alone.
 struct Source {
+impl AxisFit {
+    /// T − R η − drift less its mean of another pair on the same grid, nT.
+    pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
+        let days = drift::days(pair);
+        let design = [&pair.reference[..], std::slice::from_ref(&days), &self.drift_columns].concat();
+        let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
+        let sizes = &self.fit.weighted[design.len()..];
+        rest(&design, &without(&pair.test[axis], &steps, sizes), &self.fit.weighted)
+    }
+}
+
     fit: SpectralFit,
     newey_west: Vec<f64>,
     /// T − R η less its mean, nT.
@@ -160,6 +172,7 @@ pub fn calibrate(
     Ok(DifferentialCalibration {
         matrix: Some(matrix),
         offset_nt: Some(offsets),
+    fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
         covariance: Some(covariance),
         covariance_order: Some(order.collect()),
         fit: Some(Box::new(fit)),
@@ -167,20 +180,23 @@ pub fn calibrate(
     })
 }
 
-/// What was kept out; a step of the test instrument with the size that the fit of its axis gives it.
-fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
-    let mut fitted = [0; 3];
-    let events = prepared.events.found.iter().map(|event| {
-        let mut size_nt = Quantity::new(event.size, event.std);
-        if event.kind == EventKind::Step && event.instrument != EventInstrument::Reference {
-            let steps = &prepared.pair.steps[event.axis];
-            let (number, fit) = (fitted[event.axis], &fits[event.axis].fit);
-            if number < steps.len() {
-                let column = fit.weighted.len() - steps.len() + number;
-                let std = fit.weighted_covariance[(column, column)].sqrt();
-                size_nt = Quantity::new(event.size + fit.weighted[column], std);
-            }
-            fitted[event.axis] += 1;
+/// Of each event, if it is a step, the size (nT) that the fit of its axes gives it: of the reference −η times its own is in each.
+pub fn step_sizes(events: &Events, fits: &[AxisFit; 3]) -> Vec<Option<Quantity>> {
+    let steps: [usize; 3] = std::array::from_fn(|axis| {
+        events.places().iter().filter_map(|places| places[axis]).max().map_or(0, |last| last + 1)
+    });
+    let size = |(event, places): (&Found, [Option<usize>; 3])| {
+        let (mut above, mut below) = (0.0, 0.0);
+        for (axis, place) in places.into_iter().enumerate() {
+            let (Some(place), fit) = (place, &fits[axis].fit) else { continue };
+            let part = match event.instrument {
+                EventInstrument::Reference => -fit.weighted[event.axis],
+                _ => 1.0,
+            };
+            let column = fit.weighted.len() - steps[axis] + place;
+            let variance = fit.weighted_covariance[(column, column)];
+            above += part * fit.weighted[column] / variance;
+            below += part * part / variance;
         }
         KeptOutEvent {
             kind: event.kind,
@@ -188,6 +204,16 @@ fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
             axis: Axis::ALL[event.axis],
             time_s: raw.time_s(event.from),
             rows: [event.from, event.to],
+        (below > 0.0).then(|| Quantity::new(event.size + above / below, below.sqrt().recip()))
+    };
+    events.found.iter().zip(events.places()).map(size).collect()
+}
+
+/// What was kept out, steps with their sizes under the fit.
+fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
+    let sizes = step_sizes(&prepared.events, fits);
+    let events = prepared.events.found.iter().zip(sizes).map(|(event, size)| {
+        let size_nt = size.unwrap_or_else(|| Quantity::new(event.size, event.std));
             size_nt,
             z: event.z,
             extra: common::Extra::new(),

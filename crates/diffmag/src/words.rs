@@ -6,6 +6,7 @@ use common::{
 };
 use std::fmt::Write;
 
+use crate::events::CONFIRMED;
 use crate::reference_noise;
 use crate::regression::p_of;
 
@@ -90,6 +91,23 @@ fn kept_out(kept_out: &KeptOut) -> Vec<String> {
         findings.push("there are more steps and spikes than are looked for: the noise is not of the form that is fitted".into());
     }
     findings
+}
+
+/// Events that were found and are none.
+pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
+    let counted = |count: usize, one: &str| match count {
+        0 => None,
+        1 => Some(format!("one {one}")),
+        _ => Some(format!("{count} {one}s")),
+    };
+    let both = [counted(steps, "step"), counted(others, "spike or disturbed interval")];
+    let what = both.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+    (!what.is_empty()).then(|| {
+        format!(
+            "the search took the readings for {what} that the final fit does not confirm: below {CONFIRMED} uncertainties of its size; \
+             left in"
+        )
+    })
 }
 
 fn moved() -> String {
