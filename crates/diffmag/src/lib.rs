@@ -4,6 +4,7 @@
 //! spectrum is fitted, and with it the intervals of η that hold for errors with memory. Before that the instruments are put on one
 //! grid of times, their clocks compared, and steps and spikes kept out.
 
+mod across;
 mod bands;
 mod clock;
 mod constancy;

@@ -10,10 +10,11 @@ use estimate::spectral::{self, SpectralFit};
 use estimate::{hac, stats};
 use faer::Mat;
 
+use crate::across::{self, Whitened};
 use crate::difference::{self, Noise};
 use crate::drift::{self, Columns};
-use crate::prepare::Prepared;
 use crate::events::{Events, Found};
+use crate::prepare::Prepared;
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW, words};
 
@@ -41,11 +42,10 @@ pub struct AxisFit {
     pub drift: Drift,
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     drift_columns: Vec<Vec<f64>>,
+    whitened: Whitened,
     source: Source,
 }
 
-/// The source's fit: least squares of the reference's axes alone.
-struct Source {
 impl AxisFit {
     /// T − R η − drift less its mean of another pair on the same grid, nT.
     pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
@@ -57,6 +57,8 @@ impl AxisFit {
     }
 }
 
+/// The source's fit: least squares of the reference's axes alone.
+struct Source {
     fit: SpectralFit,
     newey_west: Vec<f64>,
     /// T − R η less its mean, nT.
@@ -148,6 +150,10 @@ pub fn calibrate(
             for k in 0..3 {
                 covariance[3 * j + i][3 * j + k] = found.fit.weighted_covariance[(i, k)];
             }
+            for (m, other) in fits.iter().enumerate().filter(|(m, _)| *m != j) {
+                covariance[3 * j + i][3 * m..3 * m + 3]
+                    .copy_from_slice(&across::covariance(&found.whitened, &other.whitened)[i]);
+            }
             let element = MatrixElement {
                 least_squares: source.fit.least_squares[i],
                 std_independent: (source.fit.independent[(i, i)] * variance).sqrt(),
@@ -166,13 +172,13 @@ pub fn calibrate(
     fit.kept_out = kept_out(raw, prepared, fits);
     fit.clock = prepared.clock.clone();
     fit.findings = words::findings(&fit, TOLD_BELOW);
+    fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
     fit.findings.extend(pair.told.iter().cloned());
     fit.findings.extend(pair.third.iter().map(|_| words::third()));
     let order = Axis::ALL.iter().flat_map(|j| (0..3).map(move |i| format!("matrix[{i}][{}]", j.index())));
     Ok(DifferentialCalibration {
         matrix: Some(matrix),
         offset_nt: Some(offsets),
-    fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
         covariance: Some(covariance),
         covariance_order: Some(order.collect()),
         fit: Some(Box::new(fit)),
@@ -198,12 +204,6 @@ pub fn step_sizes(events: &Events, fits: &[AxisFit; 3]) -> Vec<Option<Quantity>>
             above += part * fit.weighted[column] / variance;
             below += part * part / variance;
         }
-        KeptOutEvent {
-            kind: event.kind,
-            instrument: event.instrument,
-            axis: Axis::ALL[event.axis],
-            time_s: raw.time_s(event.from),
-            rows: [event.from, event.to],
         (below > 0.0).then(|| Quantity::new(event.size + above / below, below.sqrt().recip()))
     };
     events.found.iter().zip(events.places()).map(size).collect()
@@ -214,6 +214,12 @@ fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
     let sizes = step_sizes(&prepared.events, fits);
     let events = prepared.events.found.iter().zip(sizes).map(|(event, size)| {
         let size_nt = size.unwrap_or_else(|| Quantity::new(event.size, event.std));
+        KeptOutEvent {
+            kind: event.kind,
+            instrument: event.instrument,
+            axis: Axis::ALL[event.axis],
+            time_s: raw.time_s(event.from),
+            rows: [event.from, event.to],
             size_nt,
             z: event.z,
             extra: common::Extra::new(),
@@ -255,20 +261,16 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     let difference = rest(&design, test, &regression.coefficients);
     let sizes = &regression.coefficients[design.len() - steps.len()..];
     let level = without(test, &steps, sizes);
-    let found = drift::describe(
-        columns,
-        &level,
-        regression,
-        demanded.map_or(&noise, |joint| &joint.noise),
-        joint.as_ref(),
-    )?;
-    let noise = match joint {
-        Some(joint) if joint.p < drift::LEVEL => joint.noise,
-        _ => noise,
-    };
+    let noise = demanded.map_or(&noise, |joint| &joint.noise).clone();
+    let found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
     let all: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
     let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
-    let fit = cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?;
+    let errors = noise.errors(&columns.cosine)?;
+    let fit = cosine::regress(&all, &y, &errors)?;
+    let whitened = Whitened {
+        weights: std::array::from_fn(|i| regression.weights[i].clone()),
+        left: errors.whiten(&regression.residual),
+    };
     let offset_nt = mean(&level) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
     // Noise is told of all that is left, but weighs only in the band.
@@ -277,7 +279,7 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     } else {
         Noise::seen(&difference, pair)?.up_to(whole.cosine.frequency(kept))
     };
-    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, source })
+    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, whitened, source })
 }
 
 /// What least squares say: noise, and how much of the band agrees with them.
