@@ -13,6 +13,9 @@ use crate::{Error, TOLD_BELOW};
 const ROUNDS: usize = 12;
 /// The clocks are aligned when the next correction is less than this share of its uncertainty.
 const SETTLED: f64 = 0.1;
+/// A step that is not confirmed is none if the final fit is so many of its uncertainties off the size that was found; a fit that rests on long
+/// periods may not be able to tell.
+const REFUTED: f64 = 3.0;
 
 /// The readings as they are to be fitted.
 pub struct Prepared {
@@ -68,10 +71,11 @@ impl Prepared {
     /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at short periods, and a sudden
     /// change of the field then leaves a step.
     pub fn confirmed(&self, raw: &Pair, fits: &[AxisFit; 3]) -> Result<Option<Self>, Error> {
-        let mut kept: Vec<bool> = step_sizes(&self.events, fits)
-            .iter()
-            .map(|size| size.as_ref().is_none_or(|size| over(size) >= CONFIRMED))
-            .collect();
+        let sizes = step_sizes(&self.events, fits);
+        let stands = |(found, size): (&Found, Option<Quantity>)| {
+            size.is_none_or(|size| over(&size) >= CONFIRMED || apart(found.size, &size) < REFUTED)
+        };
+        let mut kept: Vec<bool> = self.events.found.iter().zip(sizes).map(stands).collect();
         let of_rows = |found: &&Found| found.kind != EventKind::Step;
         let disturbed: Vec<&Found> = self.events.found.iter().filter(of_rows).collect();
         if !disturbed.is_empty() {
@@ -123,7 +127,12 @@ fn differ(clock: &ClockDifference) -> bool {
 }
 
 fn over(quantity: &Quantity) -> f64 {
-    (quantity.value() / quantity.std().unwrap_or(f64::INFINITY)).abs()
+    apart(0.0, quantity)
+}
+
+/// How far a quantity is from a value, in its uncertainties.
+fn apart(value: f64, quantity: &Quantity) -> f64 {
+    ((quantity.value() - value) / quantity.std().unwrap_or(f64::INFINITY)).abs()
 }
 
 /// The larger of offset and rate over their uncertainties.
