@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
 use std::collections::HashMap;
 
-use crate::{Calibration, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording};
+use crate::{Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording};
 
 /// The format version that this library reads and writes.
 pub const FORMAT_VERSION: u64 = 1;
@@ -33,7 +33,7 @@ pub struct Document {
     pub model: Option<Model>,
     /// What diagnose wrote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub diagnosis: Option<Vec<Value>>,
+    pub diagnosis: Option<Vec<Diagnosis>>,
     /// The stages that the document went through.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub history: Vec<HistoryEntry>,

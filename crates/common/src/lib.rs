@@ -8,6 +8,7 @@ mod axes;
 mod axis;
 mod calibration;
 mod coil;
+mod diagnosis;
 mod differential;
 mod document;
 mod error;
@@ -36,6 +37,9 @@ pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions};
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
+};
+pub use diagnosis::{
+    BaseShift, Detectable, Diagnosis, ExplainedEffect, Residual, ResidualOf, DoubtfulValue, Remaining, Rival, Share, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,

@@ -89,7 +89,17 @@ impl Chance {
     /// Probability of such a gain of one candidate by chance, its search included.
     pub fn p(&self, candidate: usize, gain: f64) -> f64 {
         let rank = self.ranks[candidate];
-        if rank > 0.0 { at_least_one(stats::chi_squared_p(gain, rank), self.looks[candidate]) } else { 1.0 }
+        if rank > 0.0 { self.searched(candidate, stats::chi_squared_p(gain, rank)) } else { 1.0 }
+    }
+
+    /// The same from the probability of the best of its shapes as if that alone had been tried.
+    pub fn searched(&self, candidate: usize, p: f64) -> f64 {
+        at_least_one(p, self.looks[candidate])
+    }
+
+    /// The probability of one shape at which a candidate's comes to `level` with all that is searched.
+    pub fn threshold(&self, candidate: usize, level: f64) -> f64 {
+        -((-level).ln_1p() / (self.looks[candidate] * self.candidates)).exp_m1()
     }
 
     /// Probability that any of the candidates is so improbable by chance.
@@ -100,6 +110,9 @@ impl Chance {
 
 /// 1 − (1 − p)^m.
 fn at_least_one(p: f64, count: f64) -> f64 {
+    if p >= 1.0 {
+        return 1.0;
+    }
     -(count * (-p).ln_1p()).exp_m1()
 }
 

@@ -1,0 +1,268 @@
+use indexmap::IndexMap;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::{Axis, Extra, Quantity};
+
+/// One answer of diagnose: what the model left out.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Diagnosis {
+    /// What it comes to.
+    pub verdict: Verdict,
+    /// The figures that led there, in words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reasons: Vec<String>,
+    /// Ids of the recordings in which something shows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<String>,
+    /// Where it shows.
+    #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<Share>,
+    /// The effects that explain it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub effects: Vec<ExplainedEffect>,
+    /// Sets of effects that do equally well; empty where there is one answer.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ambiguity: Vec<Vec<String>>,
+    /// How well the recordings are met.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fit: Option<Residual>,
+    /// How far the calibration's parameters moved.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub base_shift: Vec<BaseShift>,
+    /// What these recordings could have shown.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub detectable: Vec<Detectable>,
+    /// What is left.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remaining: Option<Remaining>,
+    /// The recording that would decide, in words.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub next_experiment: Option<String>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What a diagnosis comes to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// The recordings are met to the noise.
+    #[default]
+    Agrees,
+    /// Named effects explain the difference, and nothing else is left.
+    Explained,
+    /// Named effects explain a part of it.
+    PartlyExplained,
+    /// Several effects explain it equally well.
+    Ambiguous,
+    /// There is structure that no effect explains.
+    Unexplained,
+}
+
+impl Verdict {
+    /// The word that documents use.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Agrees => "agrees",
+            Verdict::Explained => "explained",
+            Verdict::PartlyExplained => "partly_explained",
+            Verdict::Ambiguous => "ambiguous",
+            Verdict::Unexplained => "unexplained",
+        }
+    }
+}
+
+/// A part of the difference and where it lies.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Share {
+    /// `sensor`, `electronics`, `logger`, `facility`, `environment`, `spacecraft`, `sites`; absent where it is not known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+    /// The sensors that show it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<Axis>,
+    /// `SEN` where it turns with the sensor block, `GEO` where it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<String>,
+    /// What it follows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covariates: Vec<String>,
+    /// Share of the explainable energy of the difference, 0 to 1: by how much it lowers the weighted sum of squares, over the
+    /// sum's excess above the noise before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub energy_share: Option<f64>,
+    /// The recordings in which it shows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub recordings: Vec<String>,
+    /// The span of `time_s` that it lies in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub time_s: Option<[f64; 2]>,
+    /// The band of frequencies that it lies in.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub band_hz: Option<[f64; 2]>,
+    /// Single readings.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<DoubtfulValue>,
+    /// The same in words.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub description: String,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// One reading that is not as its neighbours.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct DoubtfulValue {
+    /// The recording.
+    pub recording: String,
+    /// Name of the column.
+    pub column: String,
+    /// The row, from 0.
+    pub row: usize,
+    /// How far it is from where the others have it, nT.
+    pub departure_nt: Quantity,
+}
+
+/// An effect that explains a difference.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ExplainedEffect {
+    /// The catalogue's name, or `dependence` on a column that no effect knows.
+    pub effect: String,
+    /// The sensor that it acts on, for an effect of one sensor.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sensor: Option<Axis>,
+    /// The coil that it acts on, for an effect of one coil.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coil: Option<Axis>,
+    /// The column that it follows, for an effect that does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
+    /// The recording in which it acts; absent: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+    /// In the field's words.
+    pub title: String,
+    /// One sentence of physics.
+    pub physics: String,
+    /// The equation of its contribution.
+    pub equation: String,
+    /// Where that is written.
+    pub source: String,
+    /// Its parameters; the unit stands in the key.
+    pub parameters: IndexMap<String, Quantity>,
+    /// Probability of such a gain by chance, with all that was searched.
+    pub p_adjusted: f64,
+    /// By how much it lowers the rms of readings that were left out of the fit, nT.
+    pub held_out_gain_nt: f64,
+    /// The same for each part left out.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub held_out_by_block_nt: Vec<f64>,
+    /// Share of its energy that the calibration had not swallowed.
+    pub visible_fraction: f64,
+    /// What else was considered, and why it lost.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rivals: Vec<Rival>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// An effect that was considered and lost.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Rival {
+    /// Its name.
+    pub effect: String,
+    /// Why it lost, in words.
+    pub why_not: String,
+}
+
+/// Rms of what is observed less what is predicted.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Residual {
+    /// With the document's calibration and model as they came, nT.
+    pub rms_before_nt: f64,
+    /// With the calibration alone fitted again, nT.
+    pub rms_refitted_nt: f64,
+    /// With the effects, nT.
+    pub rms_after_nt: f64,
+    /// Of readings left out of the fit, calibration alone, nT.
+    pub held_out_before_nt: f64,
+    /// Of readings left out of the fit, with the effects, nT.
+    pub held_out_after_nt: f64,
+    /// What the noise alone would leave, nT.
+    pub noise_floor_nt: f64,
+    /// `declared`, or `residuals` where it was estimated.
+    pub noise_source: String,
+    /// Each recording and sensor.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by_recording: Vec<ResidualOf>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Rms of the residuals of one sensor in one recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ResidualOf {
+    /// The recording.
+    pub recording: String,
+    /// The column of readings.
+    pub column: String,
+    /// With the document's calibration and model as they came, nT.
+    pub rms_before_nt: f64,
+    /// With the effects, nT.
+    pub rms_after_nt: f64,
+    /// What the noise alone would leave, nT.
+    pub noise_floor_nt: f64,
+}
+
+/// How far a parameter of the calibration moved when the effects came in.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct BaseShift {
+    /// The parameter; the unit stands in its name.
+    pub parameter: String,
+    /// From the calibration as it came, with the standard uncertainty of the new value.
+    pub shift: Quantity,
+}
+
+/// The smallest effect that would have been seen.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Detectable {
+    /// Its name.
+    pub effect: String,
+    /// The sensor, coil or column.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
+    /// Smallest size of each amplitude by itself that is claimed nine times in ten; absent where these recordings cannot show it.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub smallest: IndexMap<String, f64>,
+    /// Share of its energy that the calibration does not swallow.
+    pub visible_fraction: f64,
+}
+
+/// What is left.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct Remaining {
+    /// Whether nothing is left but the noise.
+    pub white: bool,
+    /// Probability of a larger sum of squares under the declared noise; absent where the noise is not declared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub p_value: Option<f64>,
+    /// Probability of the most striking structure by chance.
+    pub p_adjusted: f64,
+    /// What it looks like, in words.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub structure: String,
+}

@@ -1,0 +1,256 @@
+//! What could have been left out: every effect of the catalogue on everything that it can act on, with its shapes.
+
+use common::Axis;
+use physics::{Acts, EffectInstance, Kind, Parameter, ParameterInfo, Role};
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::generic;
+use crate::model::{Model, State};
+
+/// Shapes that are tried: each so many times the one before, at most.
+const RATIO: f64 = 2.5;
+/// Most shapes of a candidate.
+const SHAPES: usize = 16;
+/// A time constant of more spans than these is a straight line.
+const SPANS: f64 = 3.0;
+
+/// What a candidate is.
+#[derive(Clone, Debug)]
+pub enum What {
+    /// An effect of the catalogue.
+    Physics(EffectInstance),
+    /// An axis follows a column that no effect knows.
+    Dependence {
+        /// The column.
+        column: String,
+        /// The axis.
+        axis: Axis,
+    },
+    /// An axis follows smooth functions of something.
+    Smooth {
+        /// Of what.
+        covariate: String,
+        /// The axis.
+        axis: Axis,
+    },
+}
+
+impl What {
+    /// Its name with its target.
+    pub fn name(&self) -> String {
+        match self {
+            What::Physics(effect) => named(effect),
+            What::Dependence { column, axis } => format!("dependence of {axis} on {column}"),
+            What::Smooth { covariate, axis } => format!("{axis} with {covariate}"),
+        }
+    }
+}
+
+/// An effect with what it acts on.
+pub fn named(effect: &EffectInstance) -> String {
+    let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
+    target.map_or_else(|| effect.kind.name().to_string(), |target| format!("{} {target}", effect.kind.name()))
+}
+
+/// One shape of a candidate.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// Time constant, level or period; lag of a dependence.
+    pub shape: Option<f64>,
+    /// Its columns in the pool.
+    pub columns: Vec<usize>,
+}
+
+/// A candidate with all its shapes.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What it is.
+    pub what: What,
+    /// Whether its columns are what the effect does at a shape, rather than derivatives by its amplitudes.
+    pub finite: bool,
+    /// The shapes.
+    pub trials: Vec<Trial>,
+}
+
+/// Candidates and their columns, nT, stacked.
+#[derive(Clone, Debug, Default)]
+pub struct Pool {
+    /// The candidates.
+    pub candidates: Vec<Candidate>,
+    /// The columns.
+    pub columns: Vec<Vec<f64>>,
+}
+
+impl Pool {
+    /// All that can act in the recordings of a model.
+    pub fn of(model: &Model<'_>, state: &State) -> Result<Self, Error> {
+        let scale = Scale::of(model);
+        let templates = templates(model, state);
+        let made: Vec<Option<Made>> = templates
+            .par_iter()
+            .map(|effect| make(model, state, effect, &scale))
+            .collect::<Result<_, Error>>()?;
+        let mut pool = Pool::default();
+        for (effect, made) in templates.into_iter().zip(made) {
+            if let Some((finite, trials)) = made {
+                pool.push(What::Physics(effect), finite, trials);
+            }
+        }
+        for (what, trials) in generic::all(model, state)? {
+            pool.push(what, false, trials);
+        }
+        Ok(pool)
+    }
+
+    fn push(&mut self, what: What, finite: bool, trials: Vec<(Option<f64>, Vec<Vec<f64>>)>) {
+        let trials: Vec<Trial> = trials
+            .into_iter()
+            .filter(|(_, columns)| {
+                let finite = columns.iter().flatten().all(|value| value.is_finite());
+                finite && columns.iter().flatten().any(|value| *value != 0.0)
+            })
+            .map(|(shape, columns)| {
+                let at = self.columns.len();
+                self.columns.extend(columns);
+                Trial { shape, columns: (at..self.columns.len()).collect() }
+            })
+            .collect();
+        if !trials.is_empty() {
+            self.candidates.push(Candidate { what, finite, trials });
+        }
+    }
+}
+
+/// Whether the columns are what the effect does, and the columns of each shape.
+type Made = (bool, Vec<(Option<f64>, Vec<Vec<f64>>)>);
+
+/// What times and signals span.
+struct Scale {
+    /// Smallest and largest time constant that could show, s.
+    lag_s: [f64; 2],
+    /// Largest reading, nT.
+    reading_nt: f64,
+    /// Range of the readings, nT.
+    range_nt: f64,
+}
+
+impl Scale {
+    fn of(model: &Model<'_>) -> Self {
+        let (mut step, mut span) = (f64::INFINITY, 0.0_f64);
+        for time in model.observed.runs.iter().filter_map(|run| run.time_s) {
+            let mut steps: Vec<f64> = time.windows(2).map(|t| t[1] - t[0]).filter(|s| *s > 0.0).collect();
+            steps.sort_by(f64::total_cmp);
+            if let Some(middle) = steps.get(steps.len() / 2) {
+                step = step.min(*middle);
+                span = span.max(time[time.len() - 1] - time[0]);
+            }
+        }
+        let readings: Vec<f64> = model
+            .observed
+            .channels
+            .iter()
+            .flat_map(|channel| channel.readings.iter().map(|reading| reading * channel.to_nt))
+            .collect();
+        let (low, high) =
+            readings.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
+        Self { lag_s: [0.3 * step, SPANS * span], reading_nt: high.abs().max(low.abs()), range_nt: high - low }
+    }
+
+    /// Values of a shape that could show.
+    fn grid(&self, kind: Kind, info: &ParameterInfo) -> Vec<f64> {
+        let (mut low, mut high) = (info.low, info.high);
+        if info.name.ends_with("_s") {
+            (low, high) = (low.max(self.lag_s[0]), high.min(self.lag_s[1]));
+        } else if matches!(kind, Kind::Clipping | Kind::Saturation) {
+            // A level beyond the readings does nothing; of saturation, what is far beyond them.
+            let beyond = if kind == Kind::Saturation { 2.5 } else { 1.0 };
+            (low, high) = (low.max(0.3 * self.reading_nt), high.min(beyond * self.reading_nt));
+        } else if kind == Kind::DifferentialNonlinearity {
+            return (1..=3 * SHAPES).map(|k| 2.0 * self.range_nt / (k + 1) as f64).filter(|p| (low..high).contains(p)).collect();
+        } else if info.name.ends_with("_nt") {
+            high = high.min(self.range_nt);
+        }
+        if !(low > 0.0 && low < high && high.is_finite()) {
+            return Vec::new();
+        }
+        let count = ((high / low).ln() / RATIO.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
+        (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count)).collect()
+    }
+}
+
+/// Every effect on everything that it can act on, amplitudes zero.
+fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
+    let mut all = Vec::new();
+    for &kind in Kind::ALL {
+        // Lines and events are searched by themselves; coarse codes are seen in the readings.
+        let apart = kind.parameters().iter().any(|info| info.role == Role::Epoch || info.name == "frequency_hz");
+        if apart || kind == Kind::Quantisation {
+            continue;
+        }
+        let one = |axis: Option<Axis>, column: Option<String>| {
+            let parameters = vec![0.0; kind.parameters().len()];
+            EffectInstance { kind, axis, column, recording: None, parameters }
+        };
+        match kind.about().acts {
+            Acts::OneSensor => {
+                all.extend(Axis::ALL.into_iter().filter(|a| model.reads(*a)).map(|a| one(Some(a), None)));
+            }
+            Acts::OneCoil => {
+                all.extend(Axis::ALL.into_iter().filter(|a| model.drives(*a)).map(|a| one(Some(a), None)));
+            }
+            Acts::Everything => all.push(one(None, None)),
+            Acts::WithColumn => {
+                let unit = if kind == Kind::StrayCurrent { "_a" } else { "_hz" };
+                let columns = generic::housekeeping(model).into_iter().filter(|name| name.ends_with(unit));
+                all.extend(columns.map(|name| one(None, Some(name))));
+            }
+        }
+    }
+    let there = |effect: &EffectInstance| {
+        state.effects.iter().any(|other| {
+            other.kind == effect.kind && other.axis == effect.axis && other.column == effect.column && other.recording.is_none()
+        })
+    };
+    all.retain(|effect| !there(effect));
+    all
+}
+
+/// The columns of an effect at each of its shapes; None where it acts nowhere.
+fn make(
+    model: &Model<'_>,
+    state: &State,
+    template: &EffectInstance,
+    scale: &Scale,
+) -> Result<Option<Made>, Error> {
+    let infos = template.kind.parameters();
+    let shape = infos.iter().position(|info| info.role == Role::Shape);
+    let grid: Vec<Option<f64>> = match shape {
+        Some(at) => scale.grid(template.kind, &infos[at]).into_iter().map(Some).collect(),
+        None => vec![None],
+    };
+    let finite = infos.iter().all(|info| info.role != Role::Amplitude);
+    let mut trials = Vec::new();
+    for value in grid {
+        let mut effect = template.clone();
+        if let (Some(at), Some(value)) = (shape, value) {
+            effect.parameters[at] = value;
+        }
+        let with = model.with(state, effect.clone());
+        let number = with.effects.len() - 1;
+        if !with.acts[number].contains(&true) {
+            return Ok(None);
+        }
+        let columns = if finite {
+            vec![model.contribution(state, &effect)?]
+        } else {
+            let amplitudes: Vec<Parameter> = (0..infos.len())
+                .filter(|k| infos[*k].role == Role::Amplitude)
+                .map(|k| Parameter::Effect(number, k))
+                .collect();
+            model.derivatives(&with, &amplitudes)?
+        };
+        trials.push((value, columns));
+    }
+    Ok(Some((finite, trials)))
+}

@@ -1,0 +1,31 @@
+use thiserror::Error;
+
+/// Why there is no answer.
+#[derive(Debug, Error)]
+pub enum Error {
+    /// The document is wrong.
+    #[error(transparent)]
+    Document(#[from] common::Error),
+    /// No recording can be predicted.
+    #[error(
+        "no recording whose readings can be predicted; diagnose needs readings of sensors (`sensor_x_v`, `sensor_x_nt`, …), of a scalar magnetometer in a coil, or of two magnetometers side by side"
+    )]
+    Nothing,
+    /// The readings do not determine the answer.
+    #[error("{0}")]
+    Undetermined(String),
+    /// The estimation failed.
+    #[error("no fit was found: {0}")]
+    Estimate(#[from] estimate::Error),
+}
+
+impl From<Error> for common::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Document(error) => error,
+            Error::Nothing => common::Error::Request(error.to_string()),
+            Error::Undetermined(message) => common::Error::Unanswerable(message),
+            Error::Estimate(_) => common::Error::Unanswerable(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! The minimum over base model, effects and columns together, in whitened space.
+
+use common::Document;
+use estimate::screen::{Products, Screen};
+use faer::Mat;
+
+use crate::Error;
+use crate::model::{Model, State};
+use crate::whitening::NoiseModel;
+
+/// Most steps.
+const STEPS: usize = 40;
+/// A step that lowers the sum of squares by less than this is the last one.
+const TOLERANCE: f64 = 1e-4;
+/// Halvings of a step that makes the fit worse.
+const HALVINGS: usize = 12;
+/// Parts of the rows that are left out in turn.
+pub const FOLDS: usize = 6;
+/// Pieces that a long channel is cut into, dealt out to the parts.
+const PIECES: usize = 24;
+
+/// A fit at its minimum.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// Where it stands.
+    pub state: State,
+    /// Residual, nT.
+    pub residual: Vec<f64>,
+    /// The same whitened, the rows of prior knowledge behind it.
+    pub white: Vec<f64>,
+    /// Whitened derivatives, with the same rows.
+    pub jacobian: Mat<f64>,
+    /// Covariance of the unknowns if the noise is as told; infinite variances for what is not determined.
+    pub covariance: Mat<f64>,
+    /// Rank.
+    pub rank: usize,
+    /// Σ of the squared whitened residuals.
+    pub cost: f64,
+}
+
+/// Recordings, noise and how rows are left out.
+#[derive(Debug)]
+pub struct Fitter<'a, 'b> {
+    /// The model.
+    pub model: &'b Model<'a>,
+    /// The noise.
+    pub noise: &'b NoiseModel,
+}
+
+impl Fitter<'_, '_> {
+    /// Residual in nT, and whitened with the rows of prior knowledge.
+    fn white(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), Error> {
+        let residual = self.model.residual(state)?;
+        let mut white = self.noise.whiten(&self.model.observed, &residual);
+        let known = self.model.priors.iter().zip(&state.base);
+        white.extend(known.filter_map(|(prior, value)| prior.map(|std| -value / std)));
+        Ok((residual, white))
+    }
+
+    /// Whitened derivatives at a state.
+    pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
+        let raw = self.model.jacobian(state)?;
+        let white = self.noise.whiten_all(&self.model.observed, &raw);
+        let known: Vec<(usize, f64)> =
+            self.model.priors.iter().enumerate().filter_map(|(k, prior)| prior.map(|std| (k, std))).collect();
+        let rows = white.nrows();
+        Ok(Mat::from_fn(rows + known.len(), white.ncols(), |i, j| match i.checked_sub(rows) {
+            None => white[(i, j)],
+            Some(prior) if known[prior].0 == j => 1.0 / known[prior].1,
+            Some(_) => 0.0,
+        }))
+    }
+
+    /// The minimum from a state, by Gauss-Newton steps.
+    pub fn refine(&self, start: &State) -> Result<Fit, Error> {
+        let mut state = start.clone();
+        let (mut residual, mut white) = self.white(&state)?;
+        let mut cost = square(&white);
+        for step in 0.. {
+            let jacobian = self.jacobian(&state)?;
+            let all: Vec<usize> = (0..jacobian.ncols()).collect();
+            let screen = Screen::of(&self.products(&jacobian, &white));
+            let gain = screen.gain(&all)?;
+            let mut taken = None;
+            let mut size = 1.0;
+            for _ in 0..HALVINGS {
+                let moved: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
+                let next = self.model.advance(&state, &moved);
+                let trial = self.white(&next)?;
+                let now = square(&trial.1);
+                if now.is_finite() && now <= cost {
+                    taken = Some((next, trial, now));
+                    break;
+                }
+                size *= 0.5;
+            }
+            let fell = taken.as_ref().map_or(0.0, |(_, _, now)| cost - now);
+            if let Some((next, trial, now)) = taken {
+                (state, residual, white, cost) = (next, trial.0, trial.1, now);
+            }
+            if fell < TOLERANCE.max(1e-9 * cost) || step + 1 == STEPS {
+                let (covariance, rank) = (gain.covariance, gain.rank);
+                return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
+            }
+        }
+        Err(Error::Undetermined("no fit settles".into()))
+    }
+
+    /// Products of whitened columns and residual, a block for each part that is left out, the priors behind.
+    pub fn products(&self, columns: &Mat<f64>, white: &[f64]) -> Products {
+        let width = columns.ncols();
+        let folds = self.folds(white.len());
+        let mut products = Products::of(width);
+        for fold in 0..=FOLDS {
+            let rows: Vec<usize> = (0..white.len()).filter(|row| folds[*row] == fold).collect();
+            let block = Mat::from_fn(rows.len(), width + 1, |i, j| {
+                if j < width { columns[(rows[i], j)] } else { white[rows[i]] }
+            });
+            products.push(block.as_ref());
+        }
+        products
+    }
+
+    /// The part of each whitened row; what is known beforehand is never left out.
+    pub fn folds(&self, rows: usize) -> Vec<usize> {
+        let mut folds = vec![FOLDS; rows];
+        let observed = &self.model.observed;
+        for channel in &observed.channels {
+            let length = channel.rows.len();
+            for (number, row) in channel.range().enumerate() {
+                folds[row] = match (length >= PIECES, observed.runs.len() >= FOLDS) {
+                    (true, _) => number * PIECES / length % FOLDS,
+                    (false, true) => channel.run % FOLDS,
+                    (false, false) => number % FOLDS,
+                };
+            }
+        }
+        folds
+    }
+
+    /// Σ of the squared whitened residuals of each part, predicted from the others, at a fit's minimum.
+    pub fn held_out(&self, fit: &Fit) -> Result<Vec<f64>, Error> {
+        let all: Vec<usize> = (0..fit.jacobian.ncols()).collect();
+        let mut parts = self.products(&fit.jacobian, &fit.white).held_out(&all)?;
+        parts.truncate(FOLDS);
+        Ok(parts)
+    }
+}
+
+/// The fit and the noise it rests on: where the noise is not declared, both in turn.
+pub fn settled(
+    document: &Document,
+    model: &Model<'_>,
+    start: &State,
+    noise: Option<&NoiseModel>,
+) -> Result<(Fit, NoiseModel), Error> {
+    let residual = model.residual(start)?;
+    let first = match noise {
+        Some(noise) => noise.clone(),
+        None => NoiseModel::of(document, &model.observed, &residual, 0.0)?,
+    };
+    let fit = Fitter { model, noise: &first }.refine(start)?;
+    if first.known > 0.0 {
+        return Ok((fit, first));
+    }
+    let (mut fit, mut noise) = (fit, first);
+    for _ in 0..2 {
+        noise = NoiseModel::of(document, &model.observed, &fit.residual, fit.rank as f64)?;
+        fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
+    }
+    Ok((fit, noise))
+}
+
+fn square(values: &[f64]) -> f64 {
+    values.iter().map(|value| value * value).sum()
+}

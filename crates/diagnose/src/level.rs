@@ -1,0 +1,57 @@
+//! How improbable a gain is by chance.
+
+use estimate::stats::{chi_squared_p, f_p};
+
+/// What is left of a fit, and how well the size of its noise is known.
+#[derive(Clone, Copy, Debug)]
+pub struct Rest {
+    /// Σ of the squared whitened residuals.
+    pub sum_of_squares: f64,
+    /// Its degrees of freedom.
+    pub freedom: f64,
+    /// Degrees of freedom with which the noise is known beforehand: infinite where it is declared.
+    pub known: f64,
+}
+
+impl Rest {
+    /// Probability of such a gain of a group of this rank by chance: χ² where the noise is known, F with what is left and what was
+    /// known beforehand where it is not.
+    pub fn p(&self, gain: f64, rank: usize) -> f64 {
+        let rank = rank as f64;
+        if rank == 0.0 || !gain.is_finite() || gain <= 0.0 {
+            return 1.0;
+        }
+        if self.known.is_infinite() {
+            return chi_squared_p(gain, rank);
+        }
+        let freedom = self.known + self.freedom - rank;
+        if freedom < 1.0 {
+            return 1.0;
+        }
+        let left = (self.known + self.sum_of_squares - gain).max(1e-12 * self.sum_of_squares);
+        f_p(gain / rank / (left / freedom), rank, freedom)
+    }
+
+    /// Variance of the errors in units of the noise that is allowed for.
+    pub fn scale(&self) -> f64 {
+        if self.known.is_infinite() {
+            1.0
+        } else {
+            (self.known + self.sum_of_squares) / (self.known + self.freedom).max(1.0)
+        }
+    }
+
+    /// Probability of a larger sum of squares under the noise as declared; None where it was estimated.
+    pub fn omnibus(&self) -> Option<f64> {
+        match self.known {
+            known if known.is_infinite() => Some(chi_squared_p(self.sum_of_squares, self.freedom)),
+            known if known > 0.0 => Some(f_p(self.sum_of_squares / self.freedom, self.freedom, known)),
+            _ => None,
+        }
+    }
+}
+
+/// 1 − (1 − p)^m.
+pub fn at_least_one(p: f64, count: f64) -> f64 {
+    if p >= 1.0 { 1.0 } else { -(count * (-p).ln_1p()).exp_m1() }
+}

@@ -1,0 +1,181 @@
+//! What physics did the model leave out? Predicts every recording from `calibration` and `model` and names what explains the
+//! difference.
+//!
+//! Residuals are whitened by the noise as declared. Of every candidate and of the residual the base model's columns are projected out,
+//! for the calibration has swallowed a part of every effect. A claim counts all that was searched, shapes and moments
+//! included; it must predict readings that were left out, with plausible sizes; and it is a name only where no rival fits as
+//! well. What is accepted is fitted together with the calibration and goes to `model.effects`.
+
+mod adopt;
+mod candidates;
+mod error;
+mod events;
+mod fit;
+mod generic;
+mod level;
+mod lines;
+mod model;
+mod next;
+mod observed;
+mod report;
+mod search;
+mod whitening;
+mod words;
+
+pub use error::Error;
+pub use words::summary;
+
+use common::{Document, Verdict};
+
+use crate::candidates::Pool;
+use crate::fit::{Fit, Fitter, settled};
+use crate::model::{Model, State};
+use crate::observed::Observed;
+use crate::search::{Addition, Look, Refined, Searcher, rivals};
+use crate::whitening::NoiseModel;
+
+/// Most effects that are named.
+const MOST: usize = 8;
+
+/// What is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Seed of the draws by which chance is judged.
+    pub seed: u64,
+    /// Probability of a claim where there is nothing.
+    pub level: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { seed: 1, level: 0.01 }
+    }
+}
+
+/// One thing that was found, and what was said against it.
+#[derive(Clone, Debug)]
+struct Found {
+    refined: Refined,
+    /// By how much it lowered the sum of squares when it came in.
+    gain: f64,
+    /// What fits equally well.
+    equal: Vec<String>,
+    /// What lost, and why.
+    lost: Vec<(String, String)>,
+}
+
+/// All that was found.
+struct Outcome {
+    /// Residual of the document as it came, nT.
+    before: Vec<f64>,
+    /// The calibration alone fitted again.
+    base: Fit,
+    /// The noise on which that rests.
+    base_noise: NoiseModel,
+    /// The first look.
+    first: Look,
+    found: Vec<Found>,
+    /// The final fit.
+    fit: Fit,
+    noise: NoiseModel,
+    /// The last look.
+    last: Look,
+}
+
+/// Holds the recordings against the model and writes what is found to `diagnosis`, accepted effects to `model.effects` and the
+/// calibration that goes with them to `calibration`.
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    if !(options.level > 0.0 && options.level < 1.0) {
+        return Err(common::Error::Request(format!(
+            "a level of {}; expected a probability of false claims between 0 and 1, such as 0.01",
+            options.level
+        ))
+        .into());
+    }
+    let original = document.clone();
+    let (model, start) = Model::of(&original, Observed::of(&original)?)?;
+    let before = model.residual(&start)?;
+    let (base, base_noise) = settled(&original, &model, &start, None)?;
+    let pool = Pool::of(&model, &base.state)?;
+    let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
+    let outcome = search(&original, &model, &mut searcher, before, base, base_noise)?;
+    let entry = report::report(&model, &searcher, &outcome, options)?;
+    if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
+        adopt::adopt(&mut document, &model, &outcome);
+    }
+    document.diagnosis = Some(vec![entry]);
+    Ok(document)
+}
+
+fn search(
+    document: &Document,
+    model: &Model<'_>,
+    searcher: &mut Searcher<'_>,
+    before: Vec<f64>,
+    base: Fit,
+    base_noise: NoiseModel,
+) -> Result<Outcome, Error> {
+    let (mut fit, mut noise) = (base.clone(), base_noise.clone());
+    let first = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+    let mut last = first.clone();
+    let mut found: Vec<Found> = Vec::new();
+    while found.len() < MOST {
+        let fitter = Fitter { model, noise: &noise };
+        let refined = searcher.refine(&fitter, &fit, &last)?;
+        let Some(best) = refined.first().filter(|best| best.why_not.is_none()) else { break };
+        let (equal, lost) = rivals(&fitter, &refined)?;
+        let gain = fit.cost - best.fit.cost;
+        let state = best.fit.state.clone();
+        found.push(Found { refined: best.clone(), gain, equal, lost });
+        (fit, noise) = again(document, model, &state, &noise)?;
+        last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+    }
+    if found.len() > 1 {
+        for number in 0..found.len() {
+            let fitter = Fitter { model, noise: &noise };
+            reconsider(&fitter, searcher, &base, &mut found, number, &fit)?;
+        }
+        last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+    }
+    Ok(Outcome { before, base, base_noise, first, found, fit, noise, last })
+}
+
+/// The fit from a state; its noise anew where it is not declared.
+fn again(document: &Document, model: &Model<'_>, state: &State, noise: &NoiseModel) -> Result<(Fit, NoiseModel), Error> {
+    settled(document, model, state, (noise.known > 0.0).then_some(noise))
+}
+
+/// Looks at one of several found with the others in place: what they hid or feigned shows only then.
+fn reconsider(
+    fitter: &Fitter<'_, '_>,
+    searcher: &mut Searcher<'_>,
+    base: &Fit,
+    found: &mut [Found],
+    number: usize,
+    fit: &Fit,
+) -> Result<(), Error> {
+    let mut without = fit.state.clone();
+    let before = |addition: fn(&Addition) -> bool| {
+        found[..number].iter().filter(|f| addition(&f.refined.proposal.addition)).count()
+    };
+    match &found[number].refined.proposal.addition {
+        Addition::Effect(_) => {
+            let at = base.state.effects.len() + before(|a| matches!(a, Addition::Effect(_)));
+            without.effects.remove(at);
+            without.acts.remove(at);
+        }
+        Addition::Column(_) => {
+            without.columns.remove(before(|a| matches!(a, Addition::Column(_))));
+        }
+    }
+    let rest = fitter.refine(&without)?;
+    let look = searcher.look(fitter, &rest)?;
+    let refined = searcher.refine(fitter, &rest, &look)?;
+    let Some(best) = refined.first().filter(|best| best.why_not.is_none()) else { return Ok(()) };
+    if best.proposal.name == found[number].refined.proposal.name {
+        (found[number].equal, found[number].lost) = rivals(fitter, &refined)?;
+        let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);
+        found[number].refined = Refined { p_adjusted, ..best.clone() };
+    }
+    Ok(())
+}

@@ -1,0 +1,106 @@
+//! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together.
+
+use physics::{EffectInstance, Kind};
+use std::f64::consts::TAU;
+
+use crate::fit::{Fit, Fitter};
+use crate::level::{Rest, at_least_one};
+use crate::observed::Reader;
+use crate::search::{Addition, Proposal};
+
+/// Most readings of a series whose lines are searched.
+const LONGEST: usize = 5000;
+/// Fewest.
+const SHORTEST: usize = 24;
+/// Frequencies tried for each Fourier frequency.
+const OVERSAMPLED: usize = 3;
+/// Periods that the recording must hold.
+const PERIODS: usize = 4;
+/// Nominal frequencies of power supplies and their harmonics, Hz.
+const MAINS_HZ: [f64; 12] = [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
+/// Nominal frequency of railway power, Hz.
+const TRACTION_HZ: f64 = 50.0 / 3.0;
+/// How far a power supply strays from its nominal frequency, as a share.
+const STRAY: f64 = 2e-3;
+/// A line by chance has an alias within that, at most so often, if the name is to mean anything.
+const BY_CHANCE: f64 = 0.3;
+
+/// A line and where it is.
+#[derive(Clone, Debug)]
+pub struct Line {
+    /// Recording in which it is strongest.
+    pub recording: String,
+    /// Its frequency or alias, Hz.
+    pub frequency_hz: f64,
+    /// Probability of such a line by chance, over all frequencies.
+    pub p: f64,
+}
+
+/// The strongest line, and the effects that it could be.
+pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Line>, Vec<Proposal>) {
+    let observed = &fitter.model.observed;
+    let mut looks = 0.0;
+    let mut best: Option<(f64, f64, usize, f64, f64)> = None;
+    for (number, run) in observed.runs.iter().enumerate() {
+        let Some(time) = run.time_s else { continue };
+        let channels: Vec<_> = observed
+            .channels_of(number)
+            .filter(|c| c.reader != Reader::Scalar && (SHORTEST..=LONGEST).contains(&c.rows.len()))
+            .collect();
+        let (Some(first), Some(last)) = (time.first(), time.last()) else { continue };
+        let length = last - first;
+        let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else { continue };
+        let step = length / (most - 1) as f64;
+        let rank = 2 * channels.len();
+        for k in PERIODS * OVERSAMPLED..=OVERSAMPLED * most / 2 {
+            let frequency = k as f64 / (OVERSAMPLED as f64 * length);
+            let power: f64 = channels
+                .iter()
+                .map(|channel| {
+                    let turn = |row: usize| TAU * frequency * time[row];
+                    let (mut c, mut s) = (0.0, 0.0);
+                    for (at, row) in channel.range().zip(&channel.rows) {
+                        let (sine, cosine) = turn(*row).sin_cos();
+                        (c, s) = (c + cosine * fit.white[at], s + sine * fit.white[at]);
+                    }
+                    2.0 * (c * c + s * s) / channel.rows.len() as f64
+                })
+                .sum();
+            looks += 1.0;
+            let p = rest.p(power, rank);
+            if best.is_none_or(|(least, ..)| p < least) {
+                best = Some((p, frequency, number, step, power));
+            }
+        }
+    }
+    let Some((p, frequency, number, step, gain)) = best else { return (None, Vec::new()) };
+    let p = at_least_one(p, looks);
+    let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
+    let named = aliases(frequency, 1.0 / step).into_iter().map(|(kind, f)| {
+        let mut parameters = vec![0.0; 7];
+        parameters[6] = f;
+        let effect = EffectInstance { kind, axis: None, column: None, recording: None, parameters };
+        Proposal { name: kind.name().into(), addition: Addition::Effect(effect), p, gain, searched: 2.0, local: false }
+    });
+    let named = named.collect();
+    (Some(line), named)
+}
+
+/// Frequencies of power supplies that appear at this one when sampled at a rate.
+fn aliases(frequency: f64, rate: f64) -> Vec<(Kind, f64)> {
+    let nominal = MAINS_HZ.iter().map(|f| (Kind::Mains, *f)).chain([(Kind::TractionPower, TRACTION_HZ)]);
+    let found: Vec<(Kind, f64, f64)> = nominal
+        .map(|(kind, nominal)| {
+            let nearest = [frequency, -frequency]
+                .into_iter()
+                .map(|f| f + rate * ((nominal - f) / rate).round())
+                .min_by(|a, b| (a - nominal).abs().total_cmp(&(b - nominal).abs()))
+                .unwrap_or(frequency);
+            (kind, nearest, (nearest / nominal - 1.0).abs())
+        })
+        .collect();
+    let chance: f64 = MAINS_HZ.iter().map(|f| 4.0 * f * STRAY / rate).sum();
+    let mut found: Vec<_> = found.into_iter().filter(|(.., off)| *off < STRAY && chance.min(1.0) < BY_CHANCE).collect();
+    found.sort_by(|a, b| a.2.total_cmp(&b.2));
+    found.into_iter().map(|(kind, f, _)| (kind, f)).take(2).collect()
+}

@@ -1,0 +1,210 @@
+//! What was read, as channels: one sensor, or the scalar magnetometer, in one recording.
+
+use common::{Axis, Document, Recording, procedure};
+use nalgebra::Vector3;
+use physics::{Prediction, References, Setting};
+
+use crate::Error;
+
+/// Fewest readings of a channel.
+const FEWEST: usize = 3;
+
+/// Who read a channel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reader {
+    /// A sensor of the magnetometer, or of the one under test.
+    Sensor(Axis),
+    /// A scalar magnetometer in the coils.
+    Scalar,
+}
+
+/// Readings of one sensor, or of the scalar magnetometer, in one recording.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// Number of the recording among the [`Run`]s.
+    pub run: usize,
+    /// Who read it.
+    pub reader: Reader,
+    /// Name of its column.
+    pub column: String,
+    /// Rows of the recording that have a reading.
+    pub rows: Vec<usize>,
+    /// The readings there, in the unit of the column.
+    pub readings: Vec<f64>,
+    /// nT for a unit of the column.
+    pub to_nt: f64,
+    /// Where its rows begin in the stack of all channels.
+    pub at: usize,
+}
+
+impl Channel {
+    /// Its rows in the stack of all channels.
+    pub fn range(&self) -> std::ops::Range<usize> {
+        self.at..self.at + self.rows.len()
+    }
+
+    /// What is predicted of it, nT, at its rows.
+    pub fn predicted(&self, prediction: &Prediction) -> Vec<f64> {
+        let value = |row: &usize| match self.reader {
+            Reader::Sensor(axis) => self.to_nt * prediction.readings[*row][axis.index()],
+            Reader::Scalar => prediction.field_geo[*row].norm(),
+        };
+        self.rows.iter().map(value).collect()
+    }
+
+    /// The derivative of that, from the prediction and its derivative.
+    pub fn derivative(&self, prediction: &Prediction, derivative: &Prediction) -> Vec<f64> {
+        let value = |row: &usize| match self.reader {
+            Reader::Sensor(axis) => self.to_nt * derivative.readings[*row][axis.index()],
+            Reader::Scalar => {
+                let along: Vector3<f64> = prediction.field_geo[*row].normalize();
+                along.dot(&derivative.field_geo[*row])
+            }
+        };
+        self.rows.iter().map(value).collect()
+    }
+}
+
+/// A recording with the chain that predicts it.
+#[derive(Clone, Debug)]
+pub struct Run<'a> {
+    /// The recording.
+    pub recording: &'a Recording,
+    /// Its place in the document.
+    pub path: String,
+    /// Chain and conditions.
+    pub setting: Setting<'a>,
+    /// The times, where all are there and do not run backwards.
+    pub time_s: Option<&'a [f64]>,
+}
+
+impl Run<'_> {
+    /// Whether it was made in a shield whose field is not known.
+    pub fn in_shield(&self) -> bool {
+        [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT]
+            .contains(&self.recording.procedure.as_str())
+    }
+
+    /// Whether two magnetometers were compared.
+    pub fn differential(&self) -> bool {
+        self.setting.context.reference_nt.is_some()
+    }
+}
+
+/// All recordings that can be predicted.
+#[derive(Clone, Debug)]
+pub struct Observed<'a> {
+    /// The recordings.
+    pub runs: Vec<Run<'a>>,
+    /// Their channels, run by run.
+    pub channels: Vec<Channel>,
+    /// Readings of all channels.
+    pub rows: usize,
+    /// What was left aside, in words.
+    pub notes: Vec<String>,
+}
+
+impl<'a> Observed<'a> {
+    /// Reads a document.
+    pub fn of(document: &'a Document) -> Result<Self, Error> {
+        let references = References::of(document);
+        let mut observed = Observed { runs: Vec::new(), channels: Vec::new(), rows: 0, notes: Vec::new() };
+        for (index, recording) in document.recordings.iter().enumerate() {
+            let path = format!("recordings[{index}]");
+            if recording.table.is_some() {
+                let expected = "the readings under `columns`";
+                return Err(common::Error::document(
+                    format!("{path}.table"),
+                    "a file beside the document",
+                    expected,
+                )
+                .into());
+            }
+            if [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL].contains(&recording.procedure.as_str())
+            {
+                let what = format!(
+                    "\"{}\" ({}) is no recording of what the model predicts",
+                    recording.id, recording.procedure
+                );
+                observed.notes.push(what);
+                continue;
+            }
+            let setting = Setting::of(document, recording, references)
+                .map_err(|error| Error::Document(error.at(&path)))?;
+            check_coils(&setting, &path)?;
+            let time_s = setting.context.times("the search").ok();
+            let run = Run { recording, path, setting, time_s };
+            observed.add(run)?;
+        }
+        if observed.channels.is_empty() { Err(Error::Nothing) } else { Ok(observed) }
+    }
+
+    /// Adds the channels of a recording that can be predicted.
+    fn add(&mut self, run: Run<'a>) -> Result<(), Error> {
+        let Setting { basic, context } = &run.setting;
+        let prediction = physics::predict(basic, &[], context)
+            .map_err(|error| Error::Document(error.at(&run.path)))?;
+        let (prefix, suffix) =
+            if run.differential() { ("test", "nt") } else { ("sensor", context.unit.suffix()) };
+        let mut found: Vec<(Reader, String, f64)> = Axis::ALL
+            .into_iter()
+            .map(|axis| {
+                let to_nt = basic.sensors[axis.index()].sensitivity;
+                (Reader::Sensor(axis), format!("{prefix}_{axis}_{suffix}"), to_nt)
+            })
+            .collect();
+        if run.recording.procedure == procedure::COIL_CONSTANT {
+            found.push((Reader::Scalar, "reference_nt".into(), 1.0));
+        }
+        for (reader, column, to_nt) in found {
+            let Some(values) = run.recording.column(&column) else { continue };
+            let whole = Channel {
+                run: self.runs.len(),
+                reader,
+                column,
+                rows: (0..values.len()).collect(),
+                readings: Vec::new(),
+                to_nt,
+                at: self.rows,
+            };
+            let predicted = whole.predicted(&prediction);
+            let rows: Vec<usize> = (0..values.len())
+                .filter(|row| values[*row].is_finite() && predicted[*row].is_finite())
+                .collect();
+            if rows.len() < FEWEST {
+                continue;
+            }
+            self.rows += rows.len();
+            let readings = rows.iter().map(|row| values[*row]).collect();
+            self.channels.push(Channel { rows, readings, ..whole });
+        }
+        self.runs.push(run);
+        Ok(())
+    }
+
+    /// The channels of a run.
+    pub fn channels_of(&self, run: usize) -> impl Iterator<Item = &Channel> {
+        self.channels.iter().filter(move |channel| channel.run == run)
+    }
+
+    /// The times of a channel's rows.
+    pub fn times(&self, channel: &Channel) -> Option<Vec<f64>> {
+        self.runs[channel.run].time_s.map(|time| channel.rows.iter().map(|row| time[*row]).collect())
+    }
+}
+
+fn check_coils(setting: &Setting<'_>, path: &str) -> Result<(), Error> {
+    if setting.context.reference_nt.is_some() {
+        return Ok(());
+    }
+    for coil in Axis::ALL {
+        let driven = setting.context.current_a.iter().any(|current| current[coil.index()].abs() > 0.0);
+        if driven && setting.basic.coils[coil.index()].constant_nt_per_a == 0.0 {
+            let found = format!("a drive of coil {coil}, whose constant is not known");
+            let expected =
+                format!("calibration.coils.{coil}.constant_nt_per_a; run coilcal first, or state it");
+            return Err(common::Error::document(path, found, expected).into());
+        }
+    }
+    Ok(())
+}

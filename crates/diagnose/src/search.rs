@@ -1,0 +1,409 @@
+//! The search: which candidates explain what is left, how sure that is, and which fit equally well.
+
+use estimate::screen::{Chance, Screen, Search};
+use estimate::stats::chi_squared_quantile;
+use faer::Mat;
+use noise::Stream;
+use physics::{EffectInstance, Role};
+
+use crate::Error;
+use crate::candidates::{Candidate, Pool, What, named};
+use crate::events;
+use crate::fit::{Fit, Fitter};
+use crate::level::{Rest, at_least_one};
+use crate::lines::{self, Line};
+use crate::model::{Column, State};
+use std::sync::Arc;
+
+/// Draws of the distribution by chance.
+const DRAWS: usize = 399;
+/// Families of candidates that are searched apart: grids, lines, events.
+const FAMILIES: f64 = 3.0;
+/// Candidates that are refined at each step.
+const REFINED: usize = 8;
+/// A size may be beyond its plausible range by this factor.
+const BEYOND: f64 = 3.0;
+
+/// What comes into the model.
+#[derive(Clone, Debug)]
+pub enum Addition {
+    /// An effect.
+    Effect(EffectInstance),
+    /// A column.
+    Column(Column),
+}
+
+/// Something that may explain what is left, before it is refined.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// Its name with its target.
+    pub name: String,
+    /// What comes in.
+    pub addition: Addition,
+    /// Probability by chance within its family, the search included.
+    pub p: f64,
+    /// By how much it lowers the sum of squares.
+    pub gain: f64,
+    /// Unknowns that were found by search besides those that are fitted.
+    pub searched: f64,
+    /// Whether it touches few rows, so that rows left out say nothing.
+    pub local: bool,
+}
+
+/// A proposal fitted together with all else.
+#[derive(Clone, Debug)]
+pub struct Refined {
+    /// The proposal.
+    pub proposal: Proposal,
+    /// Probability by chance, all families.
+    pub p_adjusted: f64,
+    /// The fit with it.
+    pub fit: Fit,
+    /// Unknowns that it brings.
+    pub unknowns: f64,
+    /// Deviance: −2 ln likelihood up to a constant.
+    pub deviance: f64,
+    /// Σ of squares of rows left out by part: without it less with it.
+    pub held_out: Vec<f64>,
+    /// Why it is not taken; None where it may be.
+    pub why_not: Option<String>,
+}
+
+impl Refined {
+    /// Bayes' information criterion: deviance and ln n for each unknown.
+    pub fn criterion(&self) -> f64 {
+        self.deviance + self.unknowns * (self.fit.white.len() as f64).ln()
+    }
+}
+
+/// Structure that smooth functions find.
+#[derive(Clone, Debug)]
+pub struct Structure {
+    /// What follows what.
+    pub what: What,
+    /// Probability by chance, all families.
+    pub p_adjusted: f64,
+    /// By how much it lowers the sum of squares.
+    pub gain: f64,
+    /// Its unknowns.
+    pub unknowns: f64,
+}
+
+/// What one look at a residual gave.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// What is left before anything comes in.
+    pub rest: Rest,
+    /// Proposals below the level, the least probable first.
+    pub proposals: Vec<Proposal>,
+    /// The most striking smooth structure.
+    pub structure: Option<Structure>,
+    /// The strongest line.
+    pub line: Option<Line>,
+    /// Smallest probability of all, families counted.
+    pub least_p: f64,
+}
+
+/// A search over one pool of candidates.
+pub struct Searcher<'p> {
+    pool: &'p Pool,
+    raw: Mat<f64>,
+    chance: Option<Chance>,
+    seed: u64,
+    level: f64,
+}
+
+impl<'p> Searcher<'p> {
+    /// Over a pool, claims at a level.
+    pub fn new(pool: &'p Pool, rows: usize, seed: u64, level: f64) -> Self {
+        let raw = Mat::from_fn(rows, pool.columns.len(), |i, j| pool.columns[j][i]);
+        Self { pool, raw, chance: None, seed, level }
+    }
+
+    /// The candidates.
+    pub fn candidates(&self) -> &[Candidate] {
+        &self.pool.candidates
+    }
+
+    /// The probability of one shape of a candidate at which it is claimed.
+    pub fn threshold(&self, candidate: usize, level: f64) -> f64 {
+        self.chance.as_ref().map_or(level, |chance| chance.threshold(candidate, level / FAMILIES))
+    }
+
+    /// The pool with all but the base model's columns projected out, and where its columns begin.
+    pub fn screen(&self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
+        let white = fitter.noise.whiten_all(&fitter.model.observed, &self.raw);
+        let base = fit.jacobian.ncols();
+        let all = Mat::from_fn(fit.white.len(), base + white.ncols(), |i, j| match j.checked_sub(base) {
+            None => fit.jacobian[(i, j)],
+            Some(column) if i < white.nrows() => white[(i, column)],
+            Some(_) => 0.0,
+        });
+        let first: Vec<usize> = (0..base).collect();
+        let screen = Screen::of(&fitter.products(&all, &fit.white)).given(&first)?;
+        Ok((screen, base))
+    }
+
+    /// Searches what a fit has left.
+    pub fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
+        let (screen, base) = self.screen(fitter, fit)?;
+        let searches: Vec<Search> = self
+            .pool
+            .candidates
+            .iter()
+            .map(|candidate| {
+                let group = |trial: &crate::candidates::Trial| trial.columns.iter().map(|c| base + c).collect();
+                candidate.trials.iter().map(group).collect()
+            })
+            .collect();
+        if self.chance.is_none() {
+            let mut stream = Stream::new(self.seed, "diagnose/chance");
+            let normals = Mat::from_fn(DRAWS, self.raw.ncols(), |_, _| stream.normal());
+            self.chance = Some(Chance::of(&screen, &searches, &normals)?);
+        }
+        let rest = Rest {
+            sum_of_squares: screen.sum_of_squares(),
+            freedom: screen.freedom(),
+            known: fitter.noise.known,
+        };
+        let families = |p: f64| at_least_one(p, FAMILIES);
+        let mut proposals = Vec::new();
+        let mut structure: Option<Structure> = None;
+        let mut least_p = 1.0_f64;
+        for (number, (candidate, search)) in self.pool.candidates.iter().zip(&searches).enumerate() {
+            if already(&fit.state, candidate) {
+                continue;
+            }
+            let mut best: Option<(f64, f64, usize, Vec<f64>, usize)> = None;
+            let mut sizes = Vec::new();
+            for (at, group) in search.iter().enumerate() {
+                let gain = screen.gain(group)?;
+                let p = rest.p(gain.gain, gain.rank);
+                sizes.push((gain.gain, gain.coefficients.first().copied().unwrap_or(0.0)));
+                if best.as_ref().is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most)) {
+                    best = Some((p, gain.gain, at, gain.coefficients, gain.rank));
+                }
+            }
+            let Some((p, gain, at, coefficients, rank)) = best else { continue };
+            let chance = self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
+            least_p = least_p.min(families(chance));
+            if families(chance) >= self.level {
+                continue;
+            }
+            match &candidate.what {
+                What::Smooth { .. } => {
+                    let unknowns = rank as f64;
+                    let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
+                    let new = Structure { what: candidate.what.clone(), p_adjusted: families(chance), gain, unknowns };
+                    if structure.as_ref().is_none_or(|old| worth(&new) > worth(old)) {
+                        structure = Some(new);
+                    }
+                }
+                _ => {
+                    if let Some(addition) = start(candidate, self.pool, at, &coefficients, &sizes) {
+                        let name = candidate.what.name();
+                        proposals.push(Proposal { name, addition, p: chance, gain, searched: 0.0, local: false });
+                    }
+                }
+            }
+        }
+        let (line, of_lines) = lines::proposals(fitter, fit, &rest);
+        let others = of_lines.into_iter().chain(events::proposals(fitter, fit, &rest)?);
+        for other in others {
+            least_p = least_p.min(families(other.p));
+            if families(other.p) < self.level {
+                proposals.push(other);
+            }
+        }
+        least_p = least_p.min(line.as_ref().map_or(1.0, |line| families(line.p)));
+        let size = |p: &Proposal| -> f64 {
+            let unknowns = match &p.addition {
+                Addition::Effect(effect) => effect.parameters.len() as f64,
+                Addition::Column(_) => 1.0,
+            };
+            p.gain - (unknowns + p.searched) * (fit.white.len() as f64).ln()
+        };
+        proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        Ok(Look { rest, proposals, structure, line, least_p })
+    }
+
+    /// The most promising proposals fitted together with all else, the best first.
+    pub fn refine(&self, fitter: &Fitter<'_, '_>, fit: &Fit, look: &Look) -> Result<Vec<Refined>, Error> {
+        let before = fitter.held_out(fit)?;
+        let mut all = Vec::new();
+        for proposal in look.proposals.iter().take(REFINED) {
+            let state = match &proposal.addition {
+                Addition::Effect(effect) => fitter.model.with(&fit.state, effect.clone()),
+                Addition::Column(column) => {
+                    let mut state = fit.state.clone();
+                    state.columns.push(column.clone());
+                    state
+                }
+            };
+            let Ok(with) = fitter.refine(&state) else { continue };
+            let held_out: Vec<f64> =
+                before.iter().zip(fitter.held_out(&with)?).map(|(before, after)| before - after).collect();
+            let deviance = match fitter.noise.known {
+                known if known.is_infinite() => with.cost,
+                known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
+            };
+            let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
+            let why_not = self.why_not(proposal, fit, &with, &held_out, look);
+            all.push(Refined {
+                p_adjusted: at_least_one(proposal.p, FAMILIES),
+                proposal: proposal.clone(),
+                fit: with,
+                unknowns,
+                deviance,
+                held_out,
+                why_not,
+            });
+        }
+        all.sort_by(|a, b| {
+            a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
+        });
+        Ok(all)
+    }
+
+    /// Why a refined proposal cannot be taken: sizes that are not plausible, shapes that ran away, rows left out that are not met.
+    fn why_not(
+        &self,
+        proposal: &Proposal,
+        before: &Fit,
+        with: &Fit,
+        held_out: &[f64],
+        look: &Look,
+    ) -> Option<String> {
+        let gain = before.cost - with.cost;
+        let rank = with.rank.saturating_sub(before.rank);
+        if rank == 0 || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
+            return Some("it does not fit once everything is fitted together".into());
+        }
+        if let Addition::Effect(effect) = &proposal.addition {
+            let found = with.state.effects.last()?;
+            for (info, value) in effect.kind.parameters().iter().zip(&found.parameters) {
+                let beyond = match info.role {
+                    Role::Amplitude => value.abs() > BEYOND * info.high,
+                    Role::Shape => *value > BEYOND * info.high || *value < info.low / BEYOND,
+                    Role::Epoch => false,
+                };
+                if beyond {
+                    return Some(format!("{} would have to be {value:.3e}, which is not plausible", info.name));
+                }
+            }
+            let candidate = self.pool.candidates.iter().find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
+            let shape = found.kind.parameters().iter().position(|info| info.role == Role::Shape);
+            if let (Some(candidate), Some(at)) = (candidate.filter(|c| !c.finite), shape) {
+                let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
+                let (low, high) = tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
+                let name = found.kind.parameters()[at].name;
+                if found.parameters[at] < 0.9 * low {
+                    return Some(format!("{name} runs to nothing, where a simpler effect says the same"));
+                }
+                if found.parameters[at] > 1.1 * high {
+                    return Some(format!("{name} runs beyond what the recording spans, where a simpler effect says the same"));
+                }
+            }
+        }
+        let total: f64 = held_out.iter().sum();
+        if !proposal.local && total <= 0.0 {
+            return Some("it does not predict readings that were left out".into());
+        }
+        None
+    }
+}
+
+/// Whether a state holds a candidate's effect already.
+fn already(state: &State, candidate: &Candidate) -> bool {
+    match &candidate.what {
+        What::Physics(effect) => state.effects.iter().any(|other| named(other) == named(effect)),
+        What::Dependence { .. } => state.columns.iter().any(|column| column.what == candidate.what.name()),
+        What::Smooth { .. } => false,
+    }
+}
+
+/// Where the refinement of a candidate begins.
+fn start(
+    candidate: &Candidate,
+    pool: &Pool,
+    best: usize,
+    coefficients: &[f64],
+    sizes: &[(f64, f64)],
+) -> Option<Addition> {
+    match &candidate.what {
+        What::Physics(template) => {
+            let mut effect = template.clone();
+            let infos = effect.kind.parameters();
+            let shape = infos.iter().position(|info| info.role == Role::Shape);
+            if candidate.finite {
+                // What an effect without amplitude does at a shape must be what is seen: the coefficient is one.
+                let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
+                let near = |at: &usize| sizes[*at].1.ln().abs();
+                let fitting = (0..sizes.len()).filter(|at| sizes[*at].1 > 0.0 && sizes[*at].0 > 0.5 * most);
+                let at = fitting.min_by(|a, b| near(a).total_cmp(&near(b)))?;
+                effect.parameters[shape?] = candidate.trials[at].shape?;
+                return Some(Addition::Effect(effect));
+            }
+            let mut amplitudes = coefficients.iter();
+            for (k, info) in infos.iter().enumerate() {
+                match info.role {
+                    Role::Amplitude => effect.parameters[k] = *amplitudes.next()?,
+                    _ => effect.parameters[k] = candidate.trials[best].shape?,
+                }
+            }
+            Some(Addition::Effect(effect))
+        }
+        what => {
+            let column = candidate.trials[best].columns.first()?;
+            let values = Arc::new(pool.columns[*column].clone());
+            Some(Addition::Column(Column { what: what.name(), values, coefficient: *coefficients.first()? }))
+        }
+    }
+}
+
+/// Twice the logarithm of the odds at which a rival is out.
+const ODDS: f64 = 9.2;
+/// Probability at which unknowns that a rival has more are needed.
+const NEEDED: f64 = 0.01;
+/// Share of an effect's columns that is left beside a rival which holds it.
+const HELD: f64 = 0.02;
+
+/// What the others of a list say against its first: those that fit equally well, and why the rest lost.
+pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
+    let (mut equal, mut lost) = (Vec::new(), Vec::new());
+    let Some((best, others)) = refined.split_first() else { return Ok((equal, lost)) };
+    for other in others {
+        let name = other.proposal.name.clone();
+        if let Some(why) = &other.why_not {
+            lost.push((name, why.clone()));
+            continue;
+        }
+        let behind = other.criterion() - best.criterion();
+        if behind > ODDS {
+            lost.push((name, format!("it fits worse: odds of {:.1e} against it", (behind / 2.0).exp())));
+            continue;
+        }
+        let more = other.unknowns - best.unknowns;
+        let better = best.deviance - other.deviance;
+        if more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more) && holds(fitter, other, best)? {
+            lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
+            continue;
+        }
+        equal.push(name);
+    }
+    Ok((equal, lost))
+}
+
+/// Whether all that an effect does can be done by a rival.
+fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<bool, Error> {
+    let own = fitter.jacobian(&effect.fit.state)?;
+    let theirs = &rival.fit.jacobian;
+    let width = theirs.ncols();
+    let all = Mat::from_fn(theirs.nrows(), width + own.ncols(), |i, j| {
+        if j < width { theirs[(i, j)] } else { own[(i, j - width)] }
+    });
+    let first: Vec<usize> = (0..width).collect();
+    let screen = Screen::of(&fitter.products(&all, &rival.fit.white)).given(&first)?;
+    let base = fitter.model.unknowns.len();
+    Ok((base..own.ncols()).all(|j| screen.visible(width + j) < HELD))
+}

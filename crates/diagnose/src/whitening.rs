@@ -1,0 +1,210 @@
+//! The noise of each channel, and with it the way to independent errors of variance one.
+
+use common::{Document, Noise, series::even_step_s};
+use estimate::correlated::Whitening;
+use estimate::periodogram::periodogram;
+use estimate::whittle::{self, White};
+use faer::Mat;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::Error;
+use crate::observed::{Channel, Observed, Reader};
+
+/// Readings up to which noise with memory is whitened by its whole covariance.
+const LONGEST: usize = 3000;
+/// Fewest readings of an even series that a spectrum is fitted to.
+const SPECTRUM_FROM: usize = 64;
+/// Fewest readings of a sensor that give its white noise by themselves.
+const ALONE_FROM: usize = 40;
+
+/// The way to independent errors in one channel.
+#[derive(Clone, Debug)]
+enum Way {
+    /// White noise of a standard deviation, nT.
+    White(f64),
+    /// L⁻¹ of the whole covariance.
+    Whole(Arc<Whitening>),
+}
+
+/// The noise of all channels.
+#[derive(Clone, Debug)]
+pub struct NoiseModel {
+    ways: Vec<Way>,
+    /// Standard deviation of a reading of each channel about its mean, nT.
+    pub std_nt: Vec<f64>,
+    /// Degrees of freedom with which the size of the noise is known beforehand: infinite where it is declared, zero where it is
+    /// estimated from the residual.
+    pub known: f64,
+    /// `declared` or `residuals`.
+    pub source: &'static str,
+}
+
+impl NoiseModel {
+    /// The noise as the document declares it; where it does not, as `residual` (nT, stacked, with `used` degrees of freedom
+    /// taken by the fit) shows it.
+    pub fn of(document: &Document, observed: &Observed<'_>, residual: &[f64], used: f64) -> Result<Self, Error> {
+        let declared: Vec<Option<Noise>> =
+            observed.channels.iter().map(|channel| declared(document, observed, channel)).collect();
+        let known = known_freedom(&declared);
+        let estimated = known == 0.0;
+        let noises: Vec<Noise> = if estimated {
+            estimate(document, observed, residual, used)?
+        } else {
+            declared.into_iter().flatten().collect()
+        };
+        let found: Vec<(Way, f64)> = observed
+            .channels
+            .par_iter()
+            .zip(&noises)
+            .map(|(channel, noise)| way(observed, channel, noise))
+            .collect::<Result<_, Error>>()?;
+        let (ways, std_nt) = found.into_iter().unzip();
+        Ok(Self { ways, std_nt, known, source: if estimated { "residuals" } else { "declared" } })
+    }
+
+    /// A stacked series whitened.
+    pub fn whiten(&self, observed: &Observed<'_>, series: &[f64]) -> Vec<f64> {
+        let mut white = Vec::with_capacity(series.len());
+        for (channel, way) in observed.channels.iter().zip(&self.ways) {
+            let part = &series[channel.range()];
+            match way {
+                Way::White(std) => white.extend(part.iter().map(|value| value / std)),
+                Way::Whole(_) if part.iter().all(|value| *value == 0.0) => {
+                    white.extend(std::iter::repeat_n(0.0, part.len()));
+                }
+                Way::Whole(whitening) => white.extend(whitening.apply_to(part)),
+            }
+        }
+        white
+    }
+
+    /// Stacked columns whitened, on all threads.
+    pub fn whiten_all(&self, observed: &Observed<'_>, columns: &Mat<f64>) -> Mat<f64> {
+        let white: Vec<Vec<f64>> = (0..columns.ncols())
+            .into_par_iter()
+            .map(|j| self.whiten(observed, columns.col_as_slice(j)))
+            .collect();
+        Mat::from_fn(columns.nrows(), columns.ncols(), |i, j| white[j][i])
+    }
+
+    /// L⁻¹ of a channel: its column j is what a departure of one nT in reading j is whitened to.
+    pub fn responses(&self, channel: usize, rows: usize) -> Mat<f64> {
+        match &self.ways[channel] {
+            Way::White(std) => Mat::from_fn(rows, rows, |i, j| if i == j { 1.0 / std } else { 0.0 }),
+            Way::Whole(whitening) => whitening.apply(Mat::<f64>::identity(rows, rows).as_ref()),
+        }
+    }
+}
+
+/// The declared noise of a channel, its codes included.
+fn declared(document: &Document, observed: &Observed<'_>, channel: &Channel) -> Option<Noise> {
+    let run = &observed.runs[channel.run];
+    let mut noise = match channel.reader {
+        Reader::Scalar => {
+            let std = document.facility.as_ref()?.reference_std_nt?;
+            Noise { white_rms_nt: Some(std), ..Noise::default() }
+        }
+        // Of two magnetometers the difference has the noise of both.
+        Reader::Sensor(_) if run.differential() => return None,
+        Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
+    };
+    let codes = code_nt(document, channel).powi(2) / 12.0;
+    let white = noise.white_rms_nt.unwrap_or(0.0);
+    noise.white_rms_nt = Some((white * white + codes).sqrt());
+    (noise.white_rms_nt > Some(0.0)).then_some(noise)
+}
+
+/// Width of a code of a channel, nT.
+fn code_nt(document: &Document, channel: &Channel) -> f64 {
+    let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
+    match channel.reader {
+        Reader::Scalar => 0.0,
+        Reader::Sensor(_) if channel.column.ends_with("_v") => {
+            instrument.quantisation_v.unwrap_or(0.0) * channel.to_nt.abs()
+        }
+        Reader::Sensor(_) => instrument.quantisation_nt.unwrap_or(0.0) * channel.to_nt.abs(),
+    }
+}
+
+/// 1/(2 u²) for the largest relative uncertainty u that is stated of a declared noise.
+fn known_freedom(declared: &[Option<Noise>]) -> f64 {
+    if declared.iter().any(Option::is_none) {
+        return 0.0;
+    }
+    let relative = declared.iter().flatten().filter_map(|noise| noise.relative_std).fold(0.0, f64::max);
+    if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
+}
+
+/// Noise as a residual shows it: the spectrum of an even series, else white noise of each kind of channel.
+fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64], used: f64) -> Result<Vec<Noise>, Error> {
+    let share = (1.0 - used / observed.rows as f64).max(0.05);
+    let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
+    let (mut whole, mut readings) = (0.0, 0);
+    for channel in &observed.channels {
+        let sum: f64 = residual[channel.range()].iter().map(|r| r * r).sum();
+        let entry = sums.entry(kind(channel)).or_default();
+        *entry = (entry.0 + sum, entry.1 + channel.rows.len());
+        (whole, readings) = (whole + sum, readings + channel.rows.len());
+    }
+    let alone = sums.values().all(|(_, count)| *count >= ALONE_FROM);
+    observed
+        .channels
+        .iter()
+        .map(|channel| {
+            let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
+            let least = (code_nt(document, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
+            let variance = (sum / (count as f64 * share)).max(least);
+            let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
+            let step_s = observed.times(channel).and_then(|time| even_step_s(&time));
+            let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else { return Ok(white) };
+            let spectrum = periodogram(&residual[channel.range()], step_s);
+            let fit = spectrum.and_then(|spectrum| whittle::fit_with(&[spectrum], White::PerReading));
+            let Ok(fit) = fit else { return Ok(white) };
+            if fit.amplitude.value <= 0.0 {
+                return Ok(white);
+            }
+            Ok(Noise {
+                white_rms_nt: Some(fit.white_variances[0].max(1e-6 * variance).sqrt()),
+                flicker_nt2_per_hz_at_1hz: Some(fit.amplitude.value),
+                flicker_exponent: Some(fit.exponent.value.min(2.0)),
+                ..Noise::default()
+            })
+        })
+        .collect()
+}
+
+/// Channels that share their white noise.
+fn kind(channel: &Channel) -> String {
+    match channel.reader {
+        Reader::Scalar => "scalar".into(),
+        Reader::Sensor(axis) => axis.to_string(),
+    }
+}
+
+fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way, f64), Error> {
+    let rows = channel.rows.len();
+    let memory = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0) > 0.0
+        || noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0) > 0.0;
+    let time = observed.times(channel).filter(|_| memory);
+    let white = noise.white_rms_nt.unwrap_or(0.0);
+    let Some(time) = time else { return Ok((Way::White(white), white)) };
+    if rows > LONGEST {
+        return Err(Error::Undetermined(format!(
+            "recording \"{}\": {rows} readings whose noise has memory, where at most {LONGEST} can be taken; average them, or \
+             give a part",
+            observed.runs[channel.run].recording.id
+        )));
+    }
+    let covariance = noise::covariance(noise, rows, Some(&time)).map_err(|error| {
+        Error::Document(common::Error::document(
+            observed.runs[channel.run].path.clone(),
+            error.to_string(),
+            "exponents from 0 to 2, and times without such gaps",
+        ))
+    })?;
+    let mean: f64 = (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64;
+    let matrix = Mat::from_fn(rows, rows, |i, j| covariance[i * rows + j]);
+    Ok((Way::Whole(Arc::new(Whitening::of(&[matrix])?)), mean.sqrt()))
+}

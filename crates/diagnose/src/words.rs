@@ -1,0 +1,67 @@
+//! The result in a few lines for people.
+
+use common::{Diagnosis, Document, Quantity};
+use std::fmt::Write;
+
+/// What was found, with ± and units.
+pub fn summary(document: &Document) -> String {
+    let mut text = String::new();
+    for entry in document.diagnosis.iter().flatten() {
+        one(&mut text, entry);
+    }
+    text
+}
+
+fn one(text: &mut String, entry: &Diagnosis) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "diagnose: {}", entry.verdict.word().replace('_', " "));
+    if let Some(fit) = &entry.fit {
+        let _ = writeln!(
+            text,
+            "  rms {:.4} nT as it came, {:.4} with the calibration fitted again, {:.4} with what was found; left out {:.4}, noise {:.4} ({})",
+            fit.rms_before_nt,
+            fit.rms_refitted_nt,
+            fit.rms_after_nt,
+            fit.held_out_after_nt,
+            fit.noise_floor_nt,
+            fit.noise_source
+        );
+    }
+    for effect in &entry.effects {
+        let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
+        let target = target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
+        let _ = writeln!(text, "  {}{target}: {} (p = {:.1e})", effect.effect, effect.title, effect.p_adjusted);
+        let parameters: Vec<String> =
+            effect.parameters.iter().map(|(name, value)| format!("{name} = {}", plus_minus(value))).collect();
+        let _ = writeln!(text, "    {}", parameters.join(", "));
+        for rival in &effect.rivals {
+            let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
+        }
+    }
+    for set in &entry.ambiguity {
+        let _ = writeln!(text, "  cannot be told apart here: {}", set.join(", "));
+    }
+    for share in entry.places.iter().flat_map(|share| &share.readings) {
+        let _ = writeln!(
+            text,
+            "  reading {} of {} in \"{}\" is off by {:.4} nT",
+            share.row,
+            share.column,
+            share.recording,
+            share.departure_nt.value()
+        );
+    }
+    if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
+        let _ = writeln!(text, "  left: {}", remaining.structure);
+    }
+    if let Some(next) = &entry.next_experiment {
+        let _ = writeln!(text, "  next: {next}");
+    }
+}
+
+fn plus_minus(quantity: &Quantity) -> String {
+    match quantity.std() {
+        Some(std) => format!("{:.5} ± {:.5}", quantity.value(), std),
+        None => format!("{:.5}", quantity.value()),
+    }
+}

@@ -1,0 +1,44 @@
+//! Recordings in which nothing is left out: the rate of claims.
+
+mod bench;
+
+use bench::{Plan, plan, simulated};
+use common::Verdict;
+use diagnose::Options;
+use serde_json::json;
+
+/// FLUXCAL_CAMPAIGNS of them (20), white and with flicker noise up to f^-1.5 in turn, temperatures moving throughout.
+#[test]
+fn clean_recordings_are_not_claimed() {
+    let campaigns: u64 =
+        std::env::var("FLUXCAL_CAMPAIGNS").map_or(20, |count| count.parse().expect("a number"));
+    let noises = [
+        json!({"white_rms_nt": 0.3}),
+        json!({"white_rms_nt": 0.2, "flicker_nt2_per_hz_at_1hz": 0.01, "flicker_exponent": 1.0}),
+        json!({"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.003, "flicker_exponent": 1.5}),
+    ];
+    let mut claimed = 0;
+    for campaign in 0..campaigns {
+        let noise = &noises[campaign as usize % noises.len()];
+        let document = simulated(&plan(Plan::Runs, &json!([]), 1000 + campaign, noise));
+        let options = Options { seed: campaign, ..Options::default() };
+        let found = diagnose::run(document, &options).expect("diagnosed");
+        let entry = found.diagnosis.expect("a diagnosis").remove(0);
+        if entry.verdict != Verdict::Agrees {
+            claimed += 1;
+            println!("campaign {campaign}: {} {:?}", entry.verdict.word(), entry.reasons);
+        }
+    }
+    let (low, high) = wilson(claimed, campaigns);
+    println!("{claimed} of {campaigns} claimed, 95 % between {low:.4} and {high:.4}");
+    assert!(low <= 0.01, "{claimed} of {campaigns}");
+}
+
+/// Wilson's 95 % interval of a share.
+fn wilson(hits: u64, trials: u64) -> (f64, f64) {
+    let (n, z) = (trials as f64, 1.96);
+    let share = hits as f64 / n;
+    let middle = share + z * z / (2.0 * n);
+    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    ((middle - half) / (1.0 + z * z / n), (middle + half) / (1.0 + z * z / n))
+}
