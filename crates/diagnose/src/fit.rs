@@ -12,8 +12,12 @@ use crate::whitening::NoiseModel;
 const STEPS: usize = 40;
 /// A step that lowers the sum of squares by less than this is the last one.
 const TOLERANCE: f64 = 1e-4;
-/// Halvings of a step that makes the fit worse.
-const HALVINGS: usize = 12;
+/// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
+const LIGHTEST: f64 = 1e-10;
+const HEAVIEST: f64 = 1e3;
+const HEAVIER: f64 = 10.0;
+/// Directions of scaled columns with less than this share of their squared length are rounding.
+const ROUNDING: f64 = 1e-13;
 /// Parts of the rows that are left out in turn.
 pub const FOLDS: usize = 6;
 /// Pieces that a long channel is cut into, dealt out to the parts.
@@ -71,37 +75,41 @@ impl Fitter<'_, '_> {
         }))
     }
 
-    /// The minimum from a state, by Gauss-Newton steps.
+    /// The minimum from a state, by damped Gauss-Newton steps (Levenberg and Marquardt): the calibration's turns and scales leave
+    /// directions that hardly show, along which a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
         let mut state = start.clone();
         let (mut residual, mut white) = self.white(&state)?;
         let mut cost = square(&white);
+        let mut damping = LIGHTEST;
         for step in 0.. {
             let jacobian = self.jacobian(&state)?;
-            let all: Vec<usize> = (0..jacobian.ncols()).collect();
-            let screen = Screen::of(&self.products(&jacobian, &white));
-            let gain = screen.gain(&all)?;
+            let damped = Damped::of(&jacobian, &white)?;
             let mut taken = None;
-            let mut size = 1.0;
-            for _ in 0..HALVINGS {
-                let moved: Vec<f64> = gain.coefficients.iter().map(|c| c * size).collect();
-                let next = self.model.advance(&state, &moved);
+            while damping <= HEAVIEST {
+                let next = self.model.advance(&state, &damped.step(damping));
                 let trial = self.white(&next)?;
                 let now = square(&trial.1);
                 if now.is_finite() && now <= cost {
                     taken = Some((next, trial, now));
                     break;
                 }
-                size *= 0.5;
+                damping *= HEAVIER;
             }
             let fell = taken.as_ref().map_or(0.0, |(_, _, now)| cost - now);
             if let Some((next, trial, now)) = taken {
                 (state, residual, white, cost) = (next, trial.0, trial.1, now);
             }
-            if fell < TOLERANCE.max(1e-9 * cost) || step + 1 == STEPS {
+            let expected = damped.gain(damping);
+            if (fell < TOLERANCE.max(1e-9 * cost) && (damping > HEAVIEST || expected < 2.0 * TOLERANCE.max(1e-9 * cost)))
+                || step + 1 == STEPS
+            {
+                let all: Vec<usize> = (0..jacobian.ncols()).collect();
+                let gain = Screen::of(&self.products(&jacobian, &white)).gain(&all)?;
                 let (covariance, rank) = (gain.covariance, gain.rank);
                 return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
             }
+            damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }
         Err(Error::Undetermined("no fit settles".into()))
     }
@@ -144,6 +152,58 @@ impl Fitter<'_, '_> {
         let mut parts = self.products(&fit.jacobian, &fit.white).held_out(&all)?;
         parts.truncate(FOLDS);
         Ok(parts)
+    }
+}
+
+/// A linear problem with its columns scaled to length one, ready for steps of any damping.
+struct Damped {
+    scale: Vec<f64>,
+    directions: Mat<f64>,
+    values: Vec<f64>,
+    along: Vec<f64>,
+}
+
+impl Damped {
+    fn of(jacobian: &Mat<f64>, white: &[f64]) -> Result<Self, Error> {
+        let count = jacobian.ncols();
+        let scale: Vec<f64> = (0..count)
+            .map(|j| match square(jacobian.col_as_slice(j)).sqrt() {
+                length if length > 0.0 && length.is_finite() => 1.0 / length,
+                _ => 0.0,
+            })
+            .collect();
+        let scaled = Mat::from_fn(jacobian.nrows(), count, |i, j| jacobian[(i, j)] * scale[j]);
+        let right = scaled.transpose() * Mat::from_fn(white.len(), 1, |i, _| white[i]);
+        let products = scaled.transpose() * &scaled;
+        let eigen = products.self_adjoint_eigen(faer::Side::Lower).map_err(|error| {
+            let reason = format!("{error:?}");
+            Error::Estimate(estimate::Error::Decomposition { rows: count, columns: count, reason })
+        })?;
+        let directions = eigen.U().to_owned();
+        let values = (0..count).map(|k| eigen.S().column_vector()[k]).collect();
+        let along = directions.transpose() * right;
+        Ok(Self { scale, directions, values, along: (0..count).map(|k| along[(k, 0)]).collect() })
+    }
+
+    /// Σ over directions that show.
+    fn known(&self) -> impl Iterator<Item = usize> {
+        (0..self.values.len()).filter(|k| self.values[*k] > ROUNDING)
+    }
+
+    fn step(&self, damping: f64) -> Vec<f64> {
+        let part = |j: usize| -> f64 {
+            self.known().map(|k| self.directions[(j, k)] * self.along[k] / (self.values[k] + damping)).sum()
+        };
+        (0..self.scale.len()).map(|j| self.scale[j] * part(j)).collect()
+    }
+
+    /// By how much the linear problem's sum of squares falls along a damped step.
+    fn gain(&self, damping: f64) -> f64 {
+        let of = |k: usize| {
+            let moved = self.along[k] / (self.values[k] + damping);
+            moved * (2.0 * self.along[k] - self.values[k] * moved)
+        };
+        self.known().map(of).sum()
     }
 }
 

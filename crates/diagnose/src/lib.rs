@@ -31,7 +31,7 @@ use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
 use crate::model::{Model, State};
 use crate::observed::Observed;
-use crate::search::{Addition, Look, Refined, Searcher, rivals};
+use crate::search::{Addition, Look, Refined, Searcher, best, rivals};
 use crate::whitening::NoiseModel;
 
 /// Most effects that are named.
@@ -122,9 +122,13 @@ fn search(
     while found.len() < MOST {
         let fitter = Fitter { model, noise: &noise };
         let refined = searcher.refine(&fitter, &fit, &last)?;
-        let Some(best) = refined.first().filter(|best| best.why_not.is_none()) else { break };
+        let Some(best) = best(&refined) else { break };
         let (equal, lost) = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
+        if std::env::var("FLUXCAL_TRACE").is_ok() {
+            eprintln!("TAKE {} proposal gain {:.1} p {:.1e} refined gain {:.1} rank {} {:?}", best.proposal.name, best.proposal.gain, best.proposal.p, gain, best.fit.rank, best.fit.state.effects.last().map(|e| e.parameters.clone()));
+            for r in &refined { eprintln!("    {} gain {:.1} refined {:.1} crit {:.1} held {:.1} {:?}", r.proposal.name, r.proposal.gain, fit.cost - r.fit.cost, r.criterion(), r.held_out.iter().sum::<f64>(), r.why_not); }
+        }
         let state = best.fit.state.clone();
         found.push(Found { refined: best.clone(), gain, equal, lost });
         (fit, noise) = again(document, model, &state, &noise)?;
@@ -171,7 +175,7 @@ fn reconsider(
     let rest = fitter.refine(&without)?;
     let look = searcher.look(fitter, &rest)?;
     let refined = searcher.refine(fitter, &rest, &look)?;
-    let Some(best) = refined.first().filter(|best| best.why_not.is_none()) else { return Ok(()) };
+    let Some(best) = best(&refined) else { return Ok(()) };
     if best.proposal.name == found[number].refined.proposal.name {
         (found[number].equal, found[number].lost) = rivals(fitter, &refined)?;
         let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);

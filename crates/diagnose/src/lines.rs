@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::observed::Reader;
+use crate::observed::{Channel, Reader};
 use crate::search::{Addition, Proposal};
 
 /// Most readings of a series whose lines are searched.
@@ -14,6 +14,8 @@ const LONGEST: usize = 5000;
 const SHORTEST: usize = 24;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
+/// Between neighbours of those, where one is strongest.
+const FINER: usize = 12;
 /// Periods that the recording must hold.
 const PERIODS: usize = 4;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
@@ -52,25 +54,30 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else { continue };
         let step = length / (most - 1) as f64;
         let rank = 2 * channels.len();
-        for k in PERIODS * OVERSAMPLED..=OVERSAMPLED * most / 2 {
-            let frequency = k as f64 / (OVERSAMPLED as f64 * length);
-            let power: f64 = channels
-                .iter()
-                .map(|channel| {
-                    let turn = |row: usize| TAU * frequency * time[row];
-                    let (mut c, mut s) = (0.0, 0.0);
-                    for (at, row) in channel.range().zip(&channel.rows) {
-                        let (sine, cosine) = turn(*row).sin_cos();
-                        (c, s) = (c + cosine * fit.white[at], s + sine * fit.white[at]);
-                    }
-                    2.0 * (c * c + s * s) / channel.rows.len() as f64
-                })
-                .sum();
-            looks += 1.0;
-            let p = rest.p(power, rank);
-            if best.is_none_or(|(least, ..)| p < least) {
-                best = Some((p, frequency, number, step, power));
-            }
+        let power = |frequency: f64| -> f64 {
+            let of = |channel: &&Channel| {
+                let (mut c, mut s) = (0.0, 0.0);
+                for (at, row) in channel.range().zip(&channel.rows) {
+                    let (sine, cosine) = (TAU * frequency * time[*row]).sin_cos();
+                    (c, s) = (c + cosine * fit.white[at], s + sine * fit.white[at]);
+                }
+                2.0 * (c * c + s * s) / channel.rows.len() as f64
+            };
+            channels.iter().map(of).sum()
+        };
+        let grid = 1.0 / (OVERSAMPLED as f64 * length);
+        let strongest = (PERIODS * OVERSAMPLED..=OVERSAMPLED * most / 2)
+            .map(|k| {
+                looks += 1.0;
+                (k as f64 * grid, power(k as f64 * grid))
+            })
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((near, _)) = strongest else { continue };
+        let finer = (-(FINER as i32)..=FINER as i32).map(|k| near + grid * f64::from(k) / FINER as f64);
+        let Some((frequency, power)) = finer.map(|f| (f, power(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let p = rest.p(power, rank);
+        if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {
+            best = Some((p, frequency, number, step, power));
         }
     }
     let Some((p, frequency, number, step, gain)) = best else { return (None, Vec::new()) };

@@ -276,8 +276,13 @@ impl<'a> Model<'a> {
                     .enumerate()
                     .map(|(number, unknown)| match unknown {
                         Unknown::Chain(parameter, instrument) if *instrument == self.instrument(run) => {
-                            let at = parameters.iter().position(|p| p == parameter).unwrap_or(0);
-                            Ok(derivatives[at].as_ref().map_or_else(|| vec![0.0; length], stack))
+                            let mut column = vec![0.0; length];
+                            for (local, weight) in self.local(state, run, *parameter) {
+                                let at = parameters.iter().position(|p| *p == local).unwrap_or(0);
+                                let Some(derivative) = derivatives[at].as_ref() else { continue };
+                                column.iter_mut().zip(stack(derivative)).for_each(|(c, d)| *c += weight * d);
+                            }
+                            Ok(column)
                         }
                         Unknown::Field(_) if self.observed.runs[run].setting.context.in_coils => {
                             moved(number, 1.0)
@@ -296,6 +301,25 @@ impl<'a> Model<'a> {
                 _ => runs.iter().flat_map(|run| run[k].iter().copied()).collect(),
             })
             .collect())
+    }
+
+    /// What moves when a parameter of the chain moves. A turn counts along the tangents of the direction as the document has it; the
+    /// chain's derivatives are along those of the direction as it stands.
+    fn local(&self, state: &State, run: usize, parameter: Parameter) -> Vec<(Parameter, f64)> {
+        let (now, _) = self.setting(state, run);
+        let before = &self.observed.runs[run].setting.basic;
+        let (axis, which, before, now, of): (_, _, _, _, fn(Axis, usize) -> Parameter) = match parameter {
+            Parameter::SensorTurn(axis, which) => (axis, which, &before.mu, &now.mu, Parameter::SensorTurn),
+            Parameter::CoilTurn(axis, which) => (axis, which, &before.eta, &now.eta, Parameter::CoilTurn),
+            other => return vec![(other, 1.0)],
+        };
+        let unit = |matrix: &nalgebra::Matrix3<f64>| matrix.column(axis.index()).into_owned().normalize();
+        let (before, now) = (unit(before), unit(now));
+        let along = frames::tangents(&before)[which];
+        // (u + t)/|u + t| moves by what is across it, and |u + t| = 1/(u·v).
+        let moved = (along - now * now.dot(&along)) * before.dot(&now);
+        let local = frames::tangents(&now);
+        (0..2).map(|k| (of(axis, k), local[k].dot(&moved))).collect()
     }
 
     /// One in a channel, or ±1 by the position of a reversal; stacked.

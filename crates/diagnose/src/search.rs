@@ -66,7 +66,25 @@ pub struct Refined {
     /// Σ of squares of rows left out by part: without it less with it.
     pub held_out: Vec<f64>,
     /// Why it is not taken; None where it may be.
-    pub why_not: Option<String>,
+    pub why_not: Option<Fault>,
+}
+
+/// Why something is not taken.
+#[derive(Clone, Debug)]
+pub enum Fault {
+    /// It adds nothing that a simpler effect does not say, or does not fit.
+    Idle(String),
+    /// It fits, with a size that is not plausible: whatever fits worse is no answer either.
+    Implausible(String),
+}
+
+impl Fault {
+    /// In words.
+    pub fn words(&self) -> &str {
+        match self {
+            Fault::Idle(words) | Fault::Implausible(words) => words,
+        }
+    }
 }
 
 impl Refined {
@@ -273,11 +291,12 @@ impl<'p> Searcher<'p> {
         with: &Fit,
         held_out: &[f64],
         look: &Look,
-    ) -> Option<String> {
+    ) -> Option<Fault> {
+        let idle = |words: String| Some(Fault::Idle(words));
         let gain = before.cost - with.cost;
         let rank = with.rank.saturating_sub(before.rank);
         if rank == 0 || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
-            return Some("it does not fit once everything is fitted together".into());
+            return idle("it does not fit once everything is fitted together".into());
         }
         if let Addition::Effect(effect) = &proposal.addition {
             let found = with.state.effects.last()?;
@@ -288,7 +307,9 @@ impl<'p> Searcher<'p> {
                     Role::Epoch => false,
                 };
                 if beyond {
-                    return Some(format!("{} would have to be {value:.3e}, which is not plausible", info.name));
+                    let words = format!("{} would have to be {value:.3e}, which is not plausible", info.name);
+                    let amplitude = info.role == Role::Amplitude;
+                    return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
                 }
             }
             let candidate = self.pool.candidates.iter().find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
@@ -298,19 +319,28 @@ impl<'p> Searcher<'p> {
                 let (low, high) = tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
                 let name = found.kind.parameters()[at].name;
                 if found.parameters[at] < 0.9 * low {
-                    return Some(format!("{name} runs to nothing, where a simpler effect says the same"));
+                    return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
                 }
                 if found.parameters[at] > 1.1 * high {
-                    return Some(format!("{name} runs beyond what the recording spans, where a simpler effect says the same"));
+                    return idle(format!("{name} runs beyond what the recording spans, where a simpler effect says the same"));
                 }
             }
         }
         let total: f64 = held_out.iter().sum();
         if !proposal.local && total <= 0.0 {
-            return Some("it does not predict readings that were left out".into());
+            return idle("it does not predict readings that were left out".into());
         }
         None
     }
+}
+
+/// The refined proposal that may be taken: the best that is not idle, unless something of an implausible size fits far better.
+pub fn best(refined: &[Refined]) -> Option<&Refined> {
+    let best = refined.iter().find(|r| r.why_not.is_none())?;
+    let far_better = |r: &&Refined| {
+        matches!(r.why_not, Some(Fault::Implausible(_))) && best.criterion() - r.criterion() > ODDS
+    };
+    refined.iter().find(far_better).is_none().then_some(best)
 }
 
 /// Whether a state holds a candidate's effect already.
@@ -375,7 +405,7 @@ pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<(Vec<Strin
     for other in others {
         let name = other.proposal.name.clone();
         if let Some(why) = &other.why_not {
-            lost.push((name, why.clone()));
+            lost.push((name, why.words().into()));
             continue;
         }
         let behind = other.criterion() - best.criterion();

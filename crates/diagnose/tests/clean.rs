@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Plan, plan, simulated};
+use bench::{Scene, simulated};
 use common::Verdict;
 use diagnose::Options;
 use serde_json::json;
@@ -20,7 +20,7 @@ fn clean_recordings_are_not_claimed() {
     let mut claimed = 0;
     for campaign in 0..campaigns {
         let noise = &noises[campaign as usize % noises.len()];
-        let document = simulated(&plan(Plan::Runs, &json!([]), 1000 + campaign, noise));
+        let document = simulated(Scene::Runs, &[], noise, 1000 + campaign);
         let options = Options { seed: campaign, ..Options::default() };
         let found = diagnose::run(document, &options).expect("diagnosed");
         let entry = found.diagnosis.expect("a diagnosis").remove(0);
