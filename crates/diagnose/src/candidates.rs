@@ -166,8 +166,6 @@ impl Scale {
             // A level beyond the readings does nothing; of saturation, what is far beyond them.
             let beyond = if kind == Kind::Saturation { 2.5 } else { 1.0 };
             (low, high) = (low.max(0.3 * self.reading_nt), high.min(beyond * self.reading_nt));
-        } else if kind == Kind::DifferentialNonlinearity {
-            return (1..=3 * SHAPES).map(|k| 2.0 * self.range_nt / (k + 1) as f64).filter(|p| (low..high).contains(p)).collect();
         } else if info.name.ends_with("_nt") {
             high = high.min(self.range_nt);
         }
@@ -183,9 +181,9 @@ impl Scale {
 fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     let mut all = Vec::new();
     for &kind in Kind::ALL {
-        // Lines and events are searched by themselves; coarse codes are seen in the readings.
+        // Lines, events and codes are searched by themselves.
         let apart = kind.parameters().iter().any(|info| info.role == Role::Epoch || info.name == "frequency_hz");
-        if apart || kind == Kind::Quantisation {
+        if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
             continue;
         }
         let one = |axis: Option<Axis>, column: Option<String>| {

@@ -1,108 +1,215 @@
-//! Single readings and steps: one departure at every row of every channel, against the whitened residual.
+//! What happens at one moment: single readings, steps, readings that freeze, passes of vehicles.
+//!
+//! Matched filters go over all rows by Fourier transform, with the noise's response as it is in the middle of a recording; what they
+//! find is then held against the residual exactly.
 
-use faer::Mat;
-use physics::{EffectInstance, Kind};
+mod freeze;
+mod pass;
+
+use physics::{EffectInstance, Kind, Parameter, Role};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::fit::{Fit, Fitter};
+use crate::candidates::named;
+use crate::fit::{Fit, Fitter, orthonormal, square};
 use crate::level::{Rest, at_least_one};
+use crate::matched::correlate;
 use crate::model::Column;
-use crate::observed::Reader;
+use crate::observed::{Channel, Reader};
 use crate::search::{Addition, Proposal};
 
-/// Most readings of a channel whose responses are gone through.
-const LONGEST: usize = 3000;
-/// Directions of scaled columns with less than this share are rounding.
-const ROUNDING: f64 = 1e-10;
+/// A departure of which the base model leaves less than this share is not looked for.
+const LEFT: f64 = 1e-3;
 
-/// The most striking spike and step of all channels, with the probability of such a one by chance over all rows.
+/// A departure of one nT in each row of a channel, against its whitened residual.
+struct Departures {
+    /// The noise's response to one departure.
+    response: Vec<f64>,
+    /// Σ of the whitened residual times the response from each row on.
+    along: Vec<f64>,
+    /// The same with each column of a basis of the base model.
+    within: Vec<Vec<f64>>,
+}
+
+impl Departures {
+    fn of(fitter: &Fitter<'_, '_>, fit: &Fit, basis: &faer::Mat<f64>, number: usize) -> Self {
+        let channel = &fitter.model.observed.channels[number];
+        let response = fitter.noise.response(number, channel.rows.len());
+        let along = correlate(&fit.white[channel.range()], &response);
+        let within = (0..basis.ncols())
+            .map(|j| correlate(&basis.col_as_slice(j)[channel.range()], &response))
+            .collect();
+        Self { response, along, within }
+    }
+
+    /// Squared length of a departure in each row, and of one that stays from each row on.
+    fn lengths(&self) -> [Vec<f64>; 2] {
+        let rows = self.along.len();
+        let (mut level, mut single, mut stays) = (0.0, 0.0, 0.0);
+        let (mut one, mut step) = (vec![0.0; rows], vec![0.0; rows]);
+        for i in 0..rows {
+            let response = self.response.get(i).copied().unwrap_or(0.0);
+            level += response;
+            single += response * response;
+            stays += level * level;
+            (one[rows - 1 - i], step[rows - 1 - i]) = (single, stays);
+        }
+        [one, step]
+    }
+}
+
+/// The best row so far: gain and row.
+#[derive(Clone, Copy, Default)]
+struct Best {
+    gain: f64,
+    channel: usize,
+    row: usize,
+}
+
+/// The most striking events of each kind, with the probability of such a one by chance over all rows.
 pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
     let basis = orthonormal(&fit.jacobian)?;
     let observed = &fitter.model.observed;
-    let mut best: [Option<(f64, usize, usize, f64)>; 2] = [None, None];
+    let all: Vec<Departures> = (0..observed.channels.len())
+        .into_par_iter()
+        .map(|number| Departures::of(fitter, fit, &basis, number))
+        .collect();
+    // What a step of a channel's whole recording is: what a step in an earlier recording goes on as.
+    let whole: Vec<(f64, f64, Vec<f64>)> = all
+        .iter()
+        .map(|departures| {
+            let within = departures.within.iter().map(|values| values.iter().sum()).collect();
+            (departures.along.iter().sum(), departures.lengths()[1].first().copied().unwrap_or(0.0), within)
+        })
+        .collect();
+    let (mut spike, mut step, mut stays) = (Best::default(), Best::default(), Best::default());
     let mut looks = 0.0;
-    for (number, channel) in observed.channels.iter().enumerate() {
+    for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
+        let [one, lasting] = departures.lengths();
         let rows = channel.rows.len();
-        if rows > LONGEST {
-            continue;
+        let timed = observed.runs[channel.run].time_s.is_some();
+        let later: Vec<usize> = later(fitter, number).collect();
+        let mut sum = (0.0, vec![0.0; basis.ncols()]);
+        let mut after = (0.0, 0.0, vec![0.0; basis.ncols()]);
+        for other in &later {
+            after.0 += whole[*other].0;
+            after.1 += whole[*other].1;
+            after.2.iter_mut().zip(&whole[*other].2).for_each(|(a, w)| *a += w);
         }
-        let responses = fitter.noise.responses(number, rows);
-        let own = basis.as_ref().subrows(channel.at, rows);
-        let white = Mat::from_fn(rows, 1, |i, _| fit.white[channel.at + i]);
-        // Along the residual, and what is left of each response without the base model.
-        let along = responses.transpose() * &white;
-        let within = own.transpose() * &responses;
-        let mut sum = (0.0, vec![0.0; rows], vec![0.0; own.ncols()]);
         for row in (0..rows).rev() {
-            let left = squares(responses.col_as_slice(row)) - squares(within.col_as_slice(row));
-            consider(&mut best[0], along[(row, 0)], left, number, row);
+            let within = |j: usize| departures.within[j][row];
+            let consider = |best: &mut Best, along: f64, length: f64, inside: f64| {
+                let left = length - inside;
+                let gain = along * along / left;
+                if left > LEFT * length && gain > best.gain {
+                    *best = Best { gain, channel: number, row };
+                }
+            };
+            let inside: f64 = (0..basis.ncols()).map(|j| within(j).powi(2)).sum();
+            consider(&mut spike, departures.along[row], one[row], inside);
             looks += 1.0;
-            sum.0 += along[(row, 0)];
-            add(&mut sum.1, responses.col_as_slice(row));
-            add(&mut sum.2, within.col_as_slice(row));
-            if row >= 2 && row + 2 <= rows && observed.runs[channel.run].time_s.is_some() {
-                let left = squares(&sum.1) - squares(&sum.2);
-                consider(&mut best[1], sum.0, left, number, row);
+            sum.0 += departures.along[row];
+            (0..basis.ncols()).for_each(|j| sum.1[j] += within(j));
+            if timed && row >= 2 && row + 2 <= rows {
+                consider(&mut step, sum.0, lasting[row], square(&sum.1));
                 looks += 1.0;
+                if !later.is_empty() {
+                    let inside = sum.1.iter().zip(&after.2).map(|(a, b)| (a + b).powi(2)).sum();
+                    consider(&mut stays, sum.0 + after.0, lasting[row] + after.1, inside);
+                    looks += 1.0;
+                }
             }
         }
     }
-    let mut all = Vec::new();
-    for (spike, found) in [true, false].into_iter().zip(best) {
-        let Some((gain, number, row, height)) = found else { continue };
-        let channel = &observed.channels[number];
-        let run = &observed.runs[channel.run];
-        let kind = if spike { Kind::Spike } else { Kind::ReadingStep };
-        let addition = match (channel.reader, run.time_s) {
-            (Reader::Sensor(axis), Some(time)) => Addition::Effect(EffectInstance {
+    let mut found = Vec::new();
+    for (best, kind, alone) in
+        [(spike, Kind::Spike, true), (step, Kind::ReadingStep, true), (stays, Kind::ReadingStep, false)]
+    {
+        if best.gain > 0.0 {
+            found.extend(moment(fitter, fit, rest, best, kind, alone, looks)?);
+        }
+    }
+    found.extend(freeze::proposal(fitter, fit, rest, &all)?);
+    found.extend(pass::proposal(fitter, fit, rest, &all)?);
+    Ok(found)
+}
+
+/// Channels of the same sensor in later recordings.
+fn later<'f>(fitter: &'f Fitter<'_, '_>, number: usize) -> impl Iterator<Item = usize> + 'f {
+    let observed = &fitter.model.observed;
+    let begins = |run: usize| {
+        let run = &observed.runs[run];
+        run.time_s.and_then(|time| time.first()).map(|first| first + run.setting.context.clock_s)
+    };
+    let own = &observed.channels[number];
+    observed.channels.iter().enumerate().filter(move |(_, other)| {
+        other.reader == own.reader && begins(other.run) > begins(own.run) && begins(own.run).is_some()
+    }).map(|(k, _)| k)
+}
+
+/// A spike or a step at a row, held against the residual exactly.
+fn moment(
+    fitter: &Fitter<'_, '_>,
+    fit: &Fit,
+    rest: &Rest,
+    best: Best,
+    kind: Kind,
+    alone: bool,
+    looks: f64,
+) -> Result<Option<Proposal>, Error> {
+    let observed = &fitter.model.observed;
+    let channel: &Channel = &observed.channels[best.channel];
+    let run = &observed.runs[channel.run];
+    let (mut addition, column) = match (channel.reader, run.time_s) {
+        (Reader::Sensor(axis), Some(time)) => {
+            let clock_s = if alone { 0.0 } else { run.setting.context.clock_s };
+            let effect = EffectInstance {
                 kind,
                 axis: Some(axis),
                 column: None,
-                recording: Some(run.recording.id.clone()),
-                parameters: vec![height, time[channel.rows[row]]],
-            }),
-            _ => {
-                let mut values = vec![0.0; observed.rows];
-                values[channel.at + row] = 1.0;
-                let what = format!("reading {} of {} in \"{}\"", channel.rows[row], channel.column, run.recording.id);
-                Addition::Column(Column { what, values: Arc::new(values), coefficient: height })
-            }
-        };
-        let p = at_least_one(rest.p(gain, 1), looks);
-        all.push(Proposal { name: format!("{} {}", kind.name(), run.recording.id), addition, p, gain, searched: 2.0, local: true });
-    }
-    Ok(all)
-}
-
-fn consider(best: &mut Option<(f64, usize, usize, f64)>, along: f64, left: f64, channel: usize, row: usize) {
-    let gain = along * along / left;
-    if left > 0.0 && left.is_normal() && best.is_none_or(|(most, ..)| gain > most) {
-        *best = Some((gain, channel, row, along / left));
-    }
-}
-
-fn squares(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum()
-}
-
-fn add(sum: &mut [f64], values: &[f64]) {
-    sum.iter_mut().zip(values).for_each(|(s, v)| *s += v);
-}
-
-/// An orthonormal basis of columns.
-pub fn orthonormal(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    let lengths: Vec<f64> = (0..columns.ncols()).map(|j| squares(columns.col_as_slice(j)).sqrt()).collect();
-    let kept: Vec<usize> = (0..columns.ncols()).filter(|j| lengths[*j] > 0.0).collect();
-    let scaled = Mat::from_fn(columns.nrows(), kept.len(), |i, j| columns[(i, kept[j])] / lengths[kept[j]]);
-    let gram = scaled.transpose() * &scaled;
-    let failed = |reason: String| {
-        Error::Estimate(estimate::Error::Decomposition { rows: kept.len(), columns: kept.len(), reason })
+                recording: alone.then(|| run.recording.id.clone()),
+                parameters: vec![0.0, time[channel.rows[best.row]] + clock_s],
+            };
+            let with = fitter.model.with(&fit.state, effect.clone());
+            let amplitude = [Parameter::Effect(with.effects.len() - 1, 0)];
+            (Addition::Effect(effect), fitter.model.derivatives(&with, &amplitude)?.remove(0))
+        }
+        _ => {
+            let mut values = vec![0.0; observed.rows];
+            values[channel.at + best.row] = 1.0;
+            let what =
+                format!("reading {} of {} in \"{}\"", channel.rows[best.row], channel.column, run.recording.id);
+            (Addition::Column(Column { what, values: Arc::new(values.clone()), coefficient: 0.0 }), values)
+        }
     };
-    let eigen =
-        gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-    let values: Vec<f64> = (0..kept.len()).map(|k| eigen.S().column_vector()[k]).collect();
-    let along: Vec<usize> = (0..kept.len()).filter(|k| values[*k] > ROUNDING).collect();
-    let directions = Mat::from_fn(kept.len(), along.len(), |i, k| eigen.U()[(i, along[k])] / values[along[k]].sqrt());
-    Ok(scaled * directions)
+    let exact = fitter.gain_of(fit, &[column])?;
+    let height = exact.coefficients[0];
+    let name = match &mut addition {
+        Addition::Effect(effect) => {
+            effect.parameters[0] = height;
+            format!("{} in \"{}\"", named(effect), run.recording.id)
+        }
+        Addition::Column(column) => {
+            column.coefficient = height;
+            column.what.clone()
+        }
+    };
+    let p = at_least_one(rest.p(exact.gain, exact.rank), looks);
+    Ok(Some(Proposal { name, addition, p, gain: exact.gain, searched: 1.0, local: true }))
+}
+
+/// An effect with its amplitudes fitted to a residual, and what that gains.
+pub fn fitted(fitter: &Fitter<'_, '_>, fit: &Fit, effect: &EffectInstance) -> Result<(EffectInstance, f64, usize), Error> {
+    let with = fitter.model.with(&fit.state, effect.clone());
+    let number = with.effects.len() - 1;
+    let amplitudes: Vec<usize> = effect.kind.parameters().iter().enumerate()
+        .filter(|(_, info)| info.role == Role::Amplitude).map(|(k, _)| k).collect();
+    let parameters: Vec<Parameter> = amplitudes.iter().map(|k| Parameter::Effect(number, *k)).collect();
+    let gain = fitter.gain_of(fit, &fitter.model.derivatives(&with, &parameters)?)?;
+    let mut effect = effect.clone();
+    for (at, value) in amplitudes.iter().zip(&gain.coefficients) {
+        effect.parameters[*at] = *value;
+    }
+    Ok((effect, gain.gain, gain.rank))
 }

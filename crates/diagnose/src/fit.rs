@@ -1,8 +1,9 @@
 //! The minimum over base model, effects and columns together, in whitened space.
 
 use common::Document;
-use estimate::screen::{Products, Screen};
+use estimate::screen::{Gain, Products, Screen};
 use faer::Mat;
+use physics::Kind;
 
 use crate::Error;
 use crate::model::{Model, State};
@@ -17,11 +18,14 @@ const LIGHTEST: f64 = 1e-10;
 const HEAVIEST: f64 = 1e3;
 const HEAVIER: f64 = 10.0;
 /// Directions of scaled columns with less than this share of their squared length are rounding.
-const ROUNDING: f64 = 1e-13;
+const ROUNDING: f64 = 1e-12;
 /// Parts of the rows that are left out in turn.
 pub const FOLDS: usize = 6;
 /// Pieces that a long channel is cut into, dealt out to the parts.
 const PIECES: usize = 24;
+
+/// So many durations to either side of its moment belong to a vehicle's pass.
+const PASS: f64 = 4.0;
 
 /// A fit at its minimum.
 #[derive(Clone, Debug)]
@@ -114,23 +118,33 @@ impl Fitter<'_, '_> {
         Err(Error::Undetermined("no fit settles".into()))
     }
 
-    /// Products of whitened columns and residual, a block for each part that is left out, the priors behind.
+    /// Columns (nT, stacked) fitted to what a fit has left, the fit's own derivatives projected out.
+    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
+        let white: Vec<Vec<f64>> =
+            columns.iter().map(|column| self.noise.whiten(&self.model.observed, column)).collect();
+        let base = fit.jacobian.ncols();
+        let all = Mat::from_fn(fit.white.len(), base + columns.len(), |i, j| match j.checked_sub(base) {
+            None => fit.jacobian[(i, j)],
+            Some(column) => white[column].get(i).copied().unwrap_or(0.0),
+        });
+        let first: Vec<usize> = (0..base).collect();
+        let group: Vec<usize> = (base..base + columns.len()).collect();
+        Ok(Screen::of(&self.products(&all, &fit.white)).given(&first)?.gain(&group)?)
+    }
+
+    /// Products of whitened columns and residual.
     pub fn products(&self, columns: &Mat<f64>, white: &[f64]) -> Products {
         let width = columns.ncols();
-        let folds = self.folds(white.len());
         let mut products = Products::of(width);
-        for fold in 0..=FOLDS {
-            let rows: Vec<usize> = (0..white.len()).filter(|row| folds[*row] == fold).collect();
-            let block = Mat::from_fn(rows.len(), width + 1, |i, j| {
-                if j < width { columns[(rows[i], j)] } else { white[rows[i]] }
-            });
-            products.push(block.as_ref());
-        }
+        let block =
+            Mat::from_fn(white.len(), width + 1, |i, j| if j < width { columns[(i, j)] } else { white[i] });
+        products.push(block.as_ref());
         products
     }
 
-    /// The part of each whitened row; what is known beforehand is never left out.
-    pub fn folds(&self, rows: usize) -> Vec<usize> {
+    /// The part in which each whitened row is left out. What is known beforehand is never left out, nor are rows of a single
+    /// moment that the state explains by themselves: without them nothing is known of it.
+    fn folds(&self, state: &State, rows: usize) -> Vec<usize> {
         let mut folds = vec![FOLDS; rows];
         let observed = &self.model.observed;
         for channel in &observed.channels {
@@ -142,17 +156,60 @@ impl Fitter<'_, '_> {
                     (false, false) => number % FOLDS,
                 };
             }
+            let run = &observed.runs[channel.run];
+            for effect in &state.effects {
+                let [from, to] = match (effect.kind, &effect.parameters[..]) {
+                    (Kind::Spike, [.., time_s]) => [*time_s; 2],
+                    (Kind::Dropout, [time_s, duration_s]) => [*time_s, time_s + duration_s],
+                    (Kind::VehiclePass, [.., time_s, duration_s]) => {
+                        [time_s - PASS * duration_s, time_s + PASS * duration_s]
+                    }
+                    _ => continue,
+                };
+                let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != run.recording.id);
+                let Some(time) = run.time_s.filter(|_| !elsewhere) else { continue };
+                for (row, at) in channel.range().zip(&channel.rows) {
+                    if (from..=to).contains(&time[*at]) {
+                        folds[row] = FOLDS;
+                    }
+                }
+            }
+        }
+        for column in &state.columns {
+            let mut hit = (0..column.values.len()).filter(|row| column.values[*row] != 0.0);
+            if let (Some(only), None) = (hit.next(), hit.next()) {
+                folds[only] = FOLDS;
+            }
         }
         folds
     }
 
-    /// Σ of the squared whitened residuals of each part, predicted from the others, at a fit's minimum.
-    pub fn held_out(&self, fit: &Fit) -> Result<Vec<f64>, Error> {
-        let all: Vec<usize> = (0..fit.jacobian.ncols()).collect();
-        let mut parts = self.products(&fit.jacobian, &fit.white).held_out(&all)?;
+    /// The squared whitened residuals of each part, predicted from the others, at a fit's minimum.
+    pub fn held_out(&self, fit: &Fit) -> Result<HeldOut, Error> {
+        let folds = self.folds(&fit.state, fit.white.len());
+        let width = fit.jacobian.ncols();
+        let mut products = Products::of(width);
+        for fold in 0..=FOLDS {
+            let rows: Vec<usize> = (0..fit.white.len()).filter(|row| folds[*row] == fold).collect();
+            let block = Mat::from_fn(rows.len(), width + 1, |i, j| {
+                if j < width { fit.jacobian[(rows[i], j)] } else { fit.white[rows[i]] }
+            });
+            products.push(block.as_ref());
+        }
+        let all: Vec<usize> = (0..width).collect();
+        let mut parts = products.held_out(&all)?;
         parts.truncate(FOLDS);
-        Ok(parts)
+        Ok(HeldOut { parts, rows: folds.iter().filter(|fold| **fold < FOLDS).count() as f64 })
     }
+}
+
+/// What readings left out of a fit show.
+#[derive(Clone, Debug)]
+pub struct HeldOut {
+    /// Σ of the squared whitened residuals of each part.
+    pub parts: Vec<f64>,
+    /// Readings in all of them.
+    pub rows: f64,
 }
 
 /// A linear problem with its columns scaled to length one, ready for steps of any damping.
@@ -231,6 +288,24 @@ pub fn settled(
     Ok((fit, noise))
 }
 
-fn square(values: &[f64]) -> f64 {
+/// Σ of squares.
+pub fn square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
+}
+
+/// An orthonormal basis of columns.
+pub fn orthonormal(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let lengths: Vec<f64> = (0..columns.ncols()).map(|j| square(columns.col_as_slice(j)).sqrt()).collect();
+    let kept: Vec<usize> = (0..columns.ncols()).filter(|j| lengths[*j] > 0.0).collect();
+    let scaled = Mat::from_fn(columns.nrows(), kept.len(), |i, j| columns[(i, kept[j])] / lengths[kept[j]]);
+    let gram = scaled.transpose() * &scaled;
+    let failed = |reason: String| {
+        Error::Estimate(estimate::Error::Decomposition { rows: kept.len(), columns: kept.len(), reason })
+    };
+    let eigen =
+        gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let values: Vec<f64> = (0..kept.len()).map(|k| eigen.S().column_vector()[k]).collect();
+    let along: Vec<usize> = (0..kept.len()).filter(|k| values[*k] > ROUNDING).collect();
+    let directions = Mat::from_fn(kept.len(), along.len(), |i, k| eigen.U()[(i, along[k])] / values[along[k]].sqrt());
+    Ok(scaled * directions)
 }

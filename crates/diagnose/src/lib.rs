@@ -8,12 +8,14 @@
 
 mod adopt;
 mod candidates;
+mod codes;
 mod error;
 mod events;
 mod fit;
 mod generic;
 mod level;
 mod lines;
+mod matched;
 mod model;
 mod next;
 mod observed;
@@ -122,6 +124,9 @@ fn search(
     while found.len() < MOST {
         let fitter = Fitter { model, noise: &noise };
         let refined = searcher.refine(&fitter, &fit, &last)?;
+        if std::env::var("FLUXCAL_TRACE").is_ok() {
+            for r in &refined { eprintln!("  > {} gain {:.1} refined {:.1} crit {:.1} held {:.1} {:?} {:?}", r.proposal.name, r.proposal.gain, fit.cost - r.fit.cost, r.criterion(), r.held_out.iter().sum::<f64>(), r.why_not, r.fit.state.effects.last().map(|e| e.parameters.clone())); }
+        }
         let Some(best) = best(&refined) else { break };
         let (equal, lost) = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;

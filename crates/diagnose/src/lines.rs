@@ -1,16 +1,14 @@
-//! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together.
+//! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together; uneven times go to the nearest half step.
 
 use physics::{EffectInstance, Kind};
-use std::f64::consts::TAU;
 
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::observed::{Channel, Reader};
+use crate::matched::{power_along, power_at};
+use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
 
-/// Most readings of a series whose lines are searched.
-const LONGEST: usize = 5000;
-/// Fewest.
+/// Fewest readings of a series whose lines are searched.
 const SHORTEST: usize = 24;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
@@ -47,34 +45,35 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let Some(time) = run.time_s else { continue };
         let channels: Vec<_> = observed
             .channels_of(number)
-            .filter(|c| c.reader != Reader::Scalar && (SHORTEST..=LONGEST).contains(&c.rows.len()))
+            .filter(|c| c.reader != Reader::Scalar && c.rows.len() >= SHORTEST)
             .collect();
         let (Some(first), Some(last)) = (time.first(), time.last()) else { continue };
         let length = last - first;
         let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else { continue };
         let step = length / (most - 1) as f64;
         let rank = 2 * channels.len();
-        let power = |frequency: f64| -> f64 {
-            let of = |channel: &&Channel| {
-                let (mut c, mut s) = (0.0, 0.0);
-                for (at, row) in channel.range().zip(&channel.rows) {
-                    let (sine, cosine) = (TAU * frequency * time[*row]).sin_cos();
-                    (c, s) = (c + cosine * fit.white[at], s + sine * fit.white[at]);
-                }
-                2.0 * (c * c + s * s) / channel.rows.len() as f64
-            };
-            channels.iter().map(of).sum()
+        let points = (2 * OVERSAMPLED * most).next_power_of_two();
+        let grid = 1.0 / (points as f64 * 0.5 * step);
+        let series: Vec<(Vec<f64>, &[f64])> = channels
+            .iter()
+            .map(|channel| (channel.rows.iter().map(|row| time[*row]).collect(), &fit.white[channel.range()]))
+            .collect();
+        let mut whole = vec![0.0_f64; points / 2 + 1];
+        for (times, white) in &series {
+            let scale = 2.0 / white.len() as f64;
+            let power = power_along(times, white, 0.5 * step, points);
+            whole.iter_mut().zip(power).for_each(|(sum, power)| *sum += scale * power);
+        }
+        let from = (PERIODS as f64 / length / grid).ceil() as usize;
+        let to = ((0.5 / step / grid).floor() as usize).min(points / 2);
+        looks += (to.saturating_sub(from) + 1) as f64;
+        let Some(strongest) = (from..=to).max_by(|a, b| whole[*a].total_cmp(&whole[*b])) else { continue };
+        let near = strongest as f64 * grid;
+        let of = |frequency: f64| -> f64 {
+            series.iter().map(|(x, y)| 2.0 * power_at(x, y, frequency) / y.len() as f64).sum()
         };
-        let grid = 1.0 / (OVERSAMPLED as f64 * length);
-        let strongest = (PERIODS * OVERSAMPLED..=OVERSAMPLED * most / 2)
-            .map(|k| {
-                looks += 1.0;
-                (k as f64 * grid, power(k as f64 * grid))
-            })
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((near, _)) = strongest else { continue };
         let finer = (-(FINER as i32)..=FINER as i32).map(|k| near + grid * f64::from(k) / FINER as f64);
-        let Some((frequency, power)) = finer.map(|f| (f, power(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some((frequency, power)) = finer.map(|f| (f, of(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         let p = rest.p(power, rank);
         if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {
             best = Some((p, frequency, number, step, power));

@@ -146,8 +146,10 @@ impl<'a> Model<'a> {
     pub fn free(&self, state: &State) -> Vec<(usize, usize)> {
         let of = |(number, effect): (usize, &EffectInstance)| {
             let parameters = effect.kind.parameters().iter().enumerate();
-            let smooth = parameters.filter(move |(_, info)| {
-                info.role != Role::Epoch && effect.kind != Kind::Quantisation
+            let smooth = parameters.filter(move |(_, info)| match effect.kind {
+                Kind::Quantisation => false,
+                Kind::VehiclePass => true,
+                _ => info.role != Role::Epoch,
             });
             smooth.map(move |(parameter, _)| (number, parameter)).collect::<Vec<_>>()
         };
@@ -242,6 +244,18 @@ impl<'a> Model<'a> {
             })
             .collect::<Result<_, Error>>()?;
         Ok((0..parameters.len()).map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect()).collect())
+    }
+
+    /// What is predicted, nT, stacked.
+    pub fn predicted(&self, state: &State) -> Result<Vec<f64>, Error> {
+        let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
+            .into_par_iter()
+            .map(|run| {
+                let (prediction, _) = self.predict(state, run, &[])?;
+                Ok(self.observed.channels_of(run).flat_map(|channel| channel.predicted(&prediction)).collect())
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(parts.concat())
     }
 
     /// What is predicted with one effect more, less what is predicted without, stacked.

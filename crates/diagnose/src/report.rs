@@ -11,7 +11,7 @@ use physics::{EffectInstance, Parameter, Place, Role};
 
 use crate::adopt::on_coil;
 use crate::candidates::{What, named};
-use crate::fit::Fitter;
+use crate::fit::{Fitter, HeldOut};
 use crate::model::{Instrument, Model, Unknown};
 use crate::search::{Addition, Searcher};
 use crate::{Error, Found, Options, Outcome, next};
@@ -325,10 +325,9 @@ fn structure(outcome: &Outcome, options: &Options) -> String {
 
 fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
     let rms = |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
-    let count = outcome.fit.residual.len() as f64;
     let floor = floor(outcome);
     let scale = outcome.last.rest.scale().sqrt();
-    let held = |parts: Vec<f64>, unit: f64| (parts.iter().sum::<f64>() / count).sqrt() * unit;
+    let held = |out: HeldOut, unit: f64| (out.parts.iter().sum::<f64>() / out.rows.max(1.0)).sqrt() * unit;
     let base = Fitter { model, noise: &outcome.base_noise };
     let base_mean: f64 = outcome.base_noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.base_noise.std_nt.len() as f64;
     let mean: f64 = outcome.noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.noise.std_nt.len() as f64;

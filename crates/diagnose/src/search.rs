@@ -4,10 +4,11 @@ use estimate::screen::{Chance, Screen, Search};
 use estimate::stats::chi_squared_quantile;
 use faer::Mat;
 use noise::Stream;
-use physics::{EffectInstance, Role};
+use physics::{EffectInstance, Kind, Role};
 
 use crate::Error;
 use crate::candidates::{Candidate, Pool, What, named};
+use crate::codes;
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
@@ -17,8 +18,8 @@ use std::sync::Arc;
 
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
-/// Families of candidates that are searched apart: grids, lines, events.
-const FAMILIES: f64 = 3.0;
+/// Families of candidates that are searched apart: grids, lines, events, codes.
+const FAMILIES: f64 = 4.0;
 /// Candidates that are refined at each step.
 const REFINED: usize = 8;
 /// A size may be beyond its plausible range by this factor.
@@ -226,7 +227,10 @@ impl<'p> Searcher<'p> {
             }
         }
         let (line, of_lines) = lines::proposals(fitter, fit, &rest);
-        let others = of_lines.into_iter().chain(events::proposals(fitter, fit, &rest)?);
+        let others = of_lines
+            .into_iter()
+            .chain(events::proposals(fitter, fit, &rest)?)
+            .chain(codes::proposals(fitter, fit, &rest)?);
         for other in others {
             least_p = least_p.min(families(other.p));
             if families(other.p) < self.level {
@@ -242,6 +246,9 @@ impl<'p> Searcher<'p> {
             p.gain - (unknowns + p.searched) * (fit.white.len() as f64).ln()
         };
         proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        if std::env::var("FLUXCAL_TRACE").is_ok() {
+            for p in &proposals { eprintln!("  ? {} gain {} p {} size {}", p.name, p.gain, p.p, size(p)); }
+        }
         Ok(Look { rest, proposals, structure, line, least_p })
     }
 
@@ -258,9 +265,9 @@ impl<'p> Searcher<'p> {
                     state
                 }
             };
-            let Ok(with) = fitter.refine(&state) else { continue };
+            let with = match fitter.refine(&state) { Ok(w) => w, Err(e) => { if std::env::var("FLUXCAL_TRACE").is_ok() { eprintln!("ERR {} {e}", proposal.name); } continue } };
             let held_out: Vec<f64> =
-                before.iter().zip(fitter.held_out(&with)?).map(|(before, after)| before - after).collect();
+                before.parts.iter().zip(fitter.held_out(&with)?.parts).map(|(before, after)| before - after).collect();
             let deviance = match fitter.noise.known {
                 known if known.is_infinite() => with.cost,
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
@@ -295,7 +302,8 @@ impl<'p> Searcher<'p> {
         let idle = |words: String| Some(Fault::Idle(words));
         let gain = before.cost - with.cost;
         let rank = with.rank.saturating_sub(before.rank);
-        if rank == 0 || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
+        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if [Kind::Quantisation, Kind::Dropout].contains(&e.kind));
+        if (rank == 0 && !unfitted) || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
             return idle("it does not fit once everything is fitted together".into());
         }
         if let Addition::Effect(effect) = &proposal.addition {

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::Error;
+use crate::matched::correlate;
 use crate::observed::{Channel, Observed, Reader};
 
 /// Readings up to which noise with memory is whitened by its whole covariance.
@@ -89,12 +90,21 @@ impl NoiseModel {
         Mat::from_fn(columns.nrows(), columns.ncols(), |i, j| white[j][i])
     }
 
-    /// L⁻¹ of a channel: its column j is what a departure of one nT in reading j is whitened to.
-    pub fn responses(&self, channel: usize, rows: usize) -> Mat<f64> {
+    /// What a departure of one nT in the middle of a channel is whitened to, from its row on.
+    pub fn response(&self, channel: usize, rows: usize) -> Vec<f64> {
         match &self.ways[channel] {
-            Way::White(std) => Mat::from_fn(rows, rows, |i, j| if i == j { 1.0 / std } else { 0.0 }),
-            Way::Whole(whitening) => whitening.apply(Mat::<f64>::identity(rows, rows).as_ref()),
+            Way::White(std) => vec![1.0 / std],
+            Way::Whole(whitening) => {
+                let mut departure = vec![0.0; rows];
+                departure[rows / 2] = 1.0;
+                whitening.apply_to(&departure).split_off(rows / 2)
+            }
         }
+    }
+
+    /// A whitened series through that response, backwards: what a departure in each row has to do with it.
+    pub fn filtered(&self, channel: usize, white: &[f64]) -> Vec<f64> {
+        correlate(white, &self.response(channel, white.len()))
     }
 }
 

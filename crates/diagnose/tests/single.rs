@@ -38,8 +38,8 @@ fn cases() -> Vec<(Scene, Value)> {
         (Scene::Runs, one("offset_electronics_temperature_lag", "x", json!({"coefficient_nt_per_k": 0.2, "lag_s": 150.0}))),
         (Scene::Runs, one("sensitivity_electronics_temperature", "y", json!({"coefficient_ppm_per_k": 20.0, "curvature_ppm_per_k2": 0.5}))),
         (Scene::Runs, one("sensitivity_electronics_temperature_lag", "z", json!({"coefficient_ppm_per_k": 20.0, "lag_s": 150.0}))),
-        (Scene::Quick, one("loop_bandwidth", "x", json!({"lag_s": 0.05}))),
-        (Scene::Quick, one("delay", "y", json!({"delay_s": 0.05}))),
+        (Scene::Runs, one("loop_bandwidth", "x", json!({"lag_s": 0.05}))),
+        (Scene::Runs, one("delay", "y", json!({"delay_s": 0.05}))),
         (Scene::Runs, one("quantisation", "z", json!({"width_nt": 1.0}))),
         (Scene::Runs, one("differential_nonlinearity", "x", json!({"sine_nt": 1.0, "cosine_nt": 0.6, "period_nt": 9000.0}))),
         (Scene::Runs, one("saturation", "y", json!({"level_nt": 70000.0}))),
@@ -54,7 +54,7 @@ fn cases() -> Vec<(Scene, Value)> {
         (Scene::Runs, coil("eddy_currents", "y", json!({"share_ppm": 100.0, "time_constant_s": 60.0}))),
         (Scene::Site, all("nulling_leakage", json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0}))),
         (Scene::Runs, coil("coil_gradient", "x", json!({"gradient_ppm_per_m": 100.0}))),
-        (Scene::Runs, all("off_centre", json!({"x_m": 0.001, "y_m": 0.002, "z_m": -0.001}))),
+        (Scene::Cube, all("off_centre", json!({"x_m": 0.001, "y_m": 0.002, "z_m": -0.001}))),
         (Scene::Fast, all("mains", line(50.02))),
         (Scene::Fast, all("traction_power", line(16.68))),
         (Scene::Site, all("vehicle_pass", json!({"north_first_nt": 20.0, "east_first_nt": 10.0, "down_first_nt": -15.0, "north_second_nt": 10.0,
@@ -87,7 +87,7 @@ fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) 
     let document = simulated(which, std::slice::from_ref(&effect), &noise(which), seed);
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
     if std::env::var("FLUXCAL_EFFECT").is_ok() {
-        println!("{}", diagnose::summary(&found));
+        println!("{effect}\n{}", diagnose::summary(&found));
     }
     let entry = found.diagnosis.expect("a diagnosis").remove(0);
     let fit = entry.fit.expect("a fit");

@@ -55,6 +55,9 @@ impl Products {
     }
 }
 
+/// A column is not known by itself when so much of it lies along directions that are gone.
+const LOST: f64 = 1e-8;
+
 /// A group of columns fitted to what is left.
 #[derive(Clone, Debug)]
 pub struct Gain {
@@ -183,7 +186,12 @@ impl Part {
         let directions = Mat::from_fn(group.len(), kept.len(), |i, k| {
             if lengths[i] > 0.0 { vectors[(i, kept[k])] / (values[kept[k]].sqrt() * lengths[i]) } else { 0.0 }
         });
-        Ok(Self { directions, gone: lengths.iter().map(|length| *length == 0.0).collect() })
+        // What the rest hold only together with what is gone is not known by itself.
+        let lost = |i: usize| -> f64 {
+            (0..values.len()).filter(|&k| values[k] <= ROUNDING).map(|k| vectors[(i, k)].powi(2)).sum()
+        };
+        let gone = lengths.iter().enumerate().map(|(i, length)| *length == 0.0 || lost(i) > LOST).collect();
+        Ok(Self { directions, gone })
     }
 
     fn rank(&self) -> usize {

@@ -13,10 +13,10 @@ pub const NOISE_NT: f64 = 0.3;
 pub enum Scene {
     /// Three runs in different orientations, half an hour each: sines on all coils, temperatures up and down.
     Runs,
-    /// The same with half an hour between rows.
+    /// The same in six shorter runs, an axis up or down in each.
+    Cube,
+    /// The same as the three with half an hour between rows.
     Days,
-    /// The same with a fiftieth of a second between rows and faster drives.
-    Quick,
     /// Readings 500 times a second, the coils held.
     Fast,
     /// A day from Friday noon, the field outside and the tilts beside.
@@ -37,8 +37,8 @@ impl Scene {
     fn shape(self) -> Shape {
         let (runs, rows, step_s) = match self {
             Scene::Runs => (3, 160, 10.0),
+            Scene::Cube => (6, 80, 10.0),
             Scene::Days => (3, 160, 1800.0),
-            Scene::Quick => (3, 160, 0.02),
             Scene::Fast => (1, 800, 0.002),
             Scene::Site => (1, 900, 100.0),
             Scene::Craft => (1, 900, 0.05),
@@ -98,9 +98,9 @@ fn recording(scene: Scene, run: usize) -> Value {
     put("sensor_temperature_c", warm(23.0, 8.0, 3100.0, 2.0, 900.0));
     put("electronics_temperature_c", warm(26.0, 5.0, 1900.0, 2.0, 700.0));
     if scene == Scene::Pair {
-        put("reference_x_nt", warm(21_000.0, 60.0, 4300.0, 25.0, 130.0));
-        put("reference_y_nt", warm(900.0, 45.0, 2900.0, 30.0, 210.0));
-        put("reference_z_nt", warm(43_000.0, 35.0, 3700.0, 20.0, 170.0));
+        put("reference_x_nt", warm(21_000.0, 60.0, 4300.0, 150.0, 130.0));
+        put("reference_y_nt", warm(900.0, 45.0, 2900.0, 120.0, 210.0));
+        put("reference_z_nt", warm(43_000.0, 35.0, 3700.0, 90.0, 170.0));
         for axis in ["x", "y", "z"] {
             put(&format!("test_{axis}_nt"), vec![0.0; rows]);
         }
@@ -125,9 +125,9 @@ fn recording(scene: Scene, run: usize) -> Value {
     if scene == Scene::Craft {
         put("wheel_hz", warm(4.0, 1.0, 5300.0, 0.4, 1500.0));
         let azimuth = wave(2600.0, 0.2, 2.5);
-        let lit = time.iter().map(|t| (t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63);
-        let azimuth: Vec<Value> =
-            azimuth.iter().zip(lit).map(|(a, lit)| if lit { json!(a) } else { Value::Null }).collect();
+        let lit: Vec<f64> =
+            time.iter().map(|t| f64::from(u8::from((t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63))).collect();
+        columns.insert("sunlit".into(), json!(lit));
         columns.insert("sun_azimuth_rad".into(), json!(azimuth));
         columns.insert("sun_elevation_rad".into(), json!(wave(3900.0, 1.9, 0.9)));
     }
@@ -135,6 +135,9 @@ fn recording(scene: Scene, run: usize) -> Value {
         json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
         json!([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]),
         json!([[0, 0, -1], [0, 1, 0], [1, 0, 0]]),
+        json!([[1, 0, 0], [0, 0, -1], [0, 1, 0]]),
+        json!([[-1, 0, 0], [0, -1, 0], [0, 0, 1]]),
+        json!([[0, -1, 0], [0, 0, -1], [1, 0, 0]]),
     ];
     let id = if runs > 1 { format!("run-{}", run + 1) } else { "run".into() };
     json!({"id": id, "procedure": "free_run", "start": "2026-05-29T12:00:00+00:00",
@@ -164,6 +167,10 @@ fn readings(document: &Document) -> [Vec<f64>; 3] {
 pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
     let none = json!({});
     let without = readings(&simulated(scene, &[], &none, 1));
+    let kind = physics::Kind::named(effect["effect"].as_str().expect("a name")).expect("an effect");
+    if kind.parameters().iter().all(|info| info.role == physics::Role::Epoch) {
+        return effect.clone();
+    }
     let size = |factor: f64| {
         let with = readings(&simulated(scene, &[times_parameters(effect, factor)], &none, 1));
         let rms = |axis: usize| {
@@ -173,11 +180,23 @@ pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
         };
         (0..3).map(rms).fold(0.0, f64::max)
     };
-    let mut factor = 1.0;
-    for _ in 0..12 {
+    // Secant steps between the logarithms of factor and size: a level acts the less the higher it is.
+    let (mut before, mut factor) = (1.0_f64, 1.0001_f64);
+    let mut was = size(before);
+    for _ in 0..60 {
         let now = size(factor);
-        assert!(now > 0.0, "{effect} does nothing");
-        factor *= (times * NOISE_NT / now).clamp(0.2, 5.0);
+        if now == 0.0 {
+            factor = (factor * before).sqrt();
+            continue;
+        }
+        assert!(was > 0.0, "{effect} does nothing");
+        let slope = if now == was { 1.0 } else { (now / was).ln() / (factor / before).ln() };
+        let wanted = (times * NOISE_NT / now).ln() / slope;
+        (before, was) = (factor, now);
+        if wanted.abs() < 1e-3 {
+            break;
+        }
+        factor *= wanted.clamp(-1.0, 1.0).exp();
     }
     times_parameters(effect, factor)
 }

@@ -1,0 +1,100 @@
+//! What repeats along a sensor's own reading: codes that differ in width, and codes that are coarse.
+
+use common::Axis;
+use physics::{EffectInstance, Kind};
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::candidates::named;
+use crate::fit::{Fit, Fitter, square};
+use crate::level::{Rest, at_least_one};
+use crate::matched::{power_along, sharpened};
+use crate::observed::Reader;
+use crate::search::{Addition, Proposal};
+
+/// Most cells along a reading.
+const CELLS: usize = 1 << 21;
+/// Cells in the shortest period.
+const FINE: f64 = 4.0;
+/// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
+const WIDTHS: i32 = 32;
+
+/// Both explanations of the strongest period of each sensor.
+pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
+    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| fitter.model.reads(*axis)).collect();
+    let found: Vec<Vec<Proposal>> =
+        axes.par_iter().map(|axis| of_sensor(fitter, fit, rest, *axis)).collect::<Result<_, _>>()?;
+    Ok(found.concat())
+}
+
+fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Result<Vec<Proposal>, Error> {
+    let model = fitter.model;
+    let observed = &model.observed;
+    let predicted = model.predicted(&fit.state)?;
+    let (mut x, mut y) = (Vec::new(), Vec::new());
+    let (mut length, mut std) = (0.0, f64::INFINITY);
+    for (number, channel) in observed.channels.iter().enumerate() {
+        if channel.reader != Reader::Sensor(axis) {
+            continue;
+        }
+        // The sensitivity as it stands: what the converter gets is the reading times that.
+        let (basic, _) = model.setting(&fit.state, channel.run);
+        let scale = basic.sensors[axis.index()].sensitivity / channel.to_nt;
+        x.extend(predicted[channel.range()].iter().map(|reading| reading * scale));
+        y.extend(fitter.noise.filtered(number, &fit.white[channel.range()]));
+        length += channel.rows.len() as f64 * square(&fitter.noise.response(number, channel.rows.len()));
+        std = std.min(fitter.noise.std_nt[number]);
+    }
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    let range = high - low;
+    let infos = Kind::DifferentialNonlinearity.parameters();
+    let longest = infos[2].high.min(range);
+    let shortest = (0.5 * std).max(0.02).max(2.0 * FINE * range / CELLS as f64);
+    if !(range > 0.0 && longest > 2.0 * shortest && x.len() > 8) {
+        return Ok(Vec::new());
+    }
+    let cell = shortest / FINE;
+    let points = ((2.0 * range / cell).ceil() as usize).next_power_of_two();
+    let grid = 1.0 / (points as f64 * cell);
+    let power = power_along(&x, &y, cell, points);
+    let (from, to) = ((1.0 / longest / grid).ceil() as usize, (1.0 / shortest / grid).floor() as usize);
+    let Some(strongest) = (from..=to.min(power.len() - 1)).max_by(|a, b| power[*a].total_cmp(&power[*b])) else {
+        return Ok(Vec::new());
+    };
+    let (frequency, most) = sharpened(&x, &y, strongest as f64 * grid, grid);
+    let looks = (to - from + 1) as f64;
+    if std::env::var("FLUXCAL_TRACE").is_ok() { eprintln!("codes {axis} period {} gain {} looks {looks} range {range} shortest {shortest}", 1.0 / frequency, 2.0 * most / length); }
+    if at_least_one(rest.p(2.0 * most / length, 2), looks) > 0.5 {
+        return Ok(Vec::new());
+    }
+    let period = 1.0 / frequency;
+    let mut found = Vec::new();
+    let sine = instance(Kind::DifferentialNonlinearity, axis, vec![0.0, 0.0, period]);
+    let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
+    found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain));
+    let slip = period / range * period;
+    let mut best: Option<(f64, f64)> = None;
+    for k in -WIDTHS..=WIDTHS {
+        let width = period + slip * f64::from(k) / f64::from(WIDTHS);
+        let change = model.contribution(&fit.state, &instance(Kind::Quantisation, axis, vec![width]))?;
+        let white = fitter.noise.whiten(observed, &change);
+        let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
+        let gain = 2.0 * along - square(&white);
+        if best.is_none_or(|(most, _)| gain > most) {
+            best = Some((gain, width));
+        }
+    }
+    if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
+        let p = at_least_one(rest.p(gain, 1), looks);
+        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain));
+    }
+    Ok(found)
+}
+
+fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {
+    EffectInstance { kind, axis: Some(axis), column: None, recording: None, parameters }
+}
+
+fn proposal(effect: EffectInstance, p: f64, gain: f64) -> Proposal {
+    Proposal { name: named(&effect), addition: Addition::Effect(effect), p, gain, searched: 1.0, local: false }
+}

@@ -1,0 +1,100 @@
+//! Readings that freeze: rows side by side that all depart, as far as the field has moved since the first of them.
+
+use common::Axis;
+use estimate::stats::median;
+use physics::{EffectInstance, Kind};
+
+use super::Departures;
+use crate::Error;
+use crate::candidates::named;
+use crate::fit::{Fit, Fitter, square};
+use crate::level::{Rest, at_least_one};
+use crate::observed::Reader;
+use crate::search::{Addition, Proposal};
+
+/// A row departs when its departure is more than so many standard deviations, and so many times the middle one: a large departure
+/// pulls the calibration, and with it all other rows.
+const DEPARTS: f64 = 4.0;
+
+/// Rows to either side of a stretch that may belong to it.
+const MARGIN: usize = 3;
+
+/// The stretch that explains most.
+pub fn proposal(
+    fitter: &Fitter<'_, '_>,
+    fit: &Fit,
+    rest: &Rest,
+    all: &[Departures],
+) -> Result<Option<Proposal>, Error> {
+    let observed = &fitter.model.observed;
+    let mut strongest: Option<(f64, usize, usize, usize)> = None;
+    let mut looks = 0.0;
+    for (number, (channel, departures)) in observed.channels.iter().zip(all).enumerate() {
+        looks += (channel.rows.len() as f64).powi(2);
+        if observed.runs[channel.run].time_s.is_none() || !matches!(channel.reader, Reader::Sensor(_)) {
+            continue;
+        }
+        let one = &departures.lengths()[0];
+        let squared = |row: usize| departures.along[row].powi(2) / one[row];
+        let middle = median(&(0..channel.rows.len()).map(squared).collect::<Vec<_>>());
+        let least = DEPARTS * DEPARTS * middle.max(1.0);
+        let mut first = None;
+        let mut sum = 0.0;
+        for row in 0..=channel.rows.len() {
+            let departs = row < channel.rows.len() && squared(row) > least;
+            if departs {
+                first.get_or_insert(row);
+                sum += squared(row);
+            } else if let Some(from) = first.take() {
+                if row - from >= 2 && strongest.is_none_or(|(most, ..)| sum > most) {
+                    strongest = Some((sum, number, from, row));
+                }
+                sum = 0.0;
+            }
+        }
+    }
+    let Some((_, number, from, to)) = strongest else { return Ok(None) };
+    let channel = &observed.channels[number];
+    let run = &observed.runs[channel.run];
+    let (Some(time), Reader::Sensor(axis)) = (run.time_s, channel.reader) else { return Ok(None) };
+    let last = channel.rows.len() - 1;
+    let predicted = &fitter.model.predicted(&fit.state)?[channel.range()];
+    let residual = &fit.residual[channel.range()];
+    // What is left of the residual where a stretch repeats what was predicted of its first row.
+    let mut best = (0.0, from, to);
+    for begin in from.saturating_sub(MARGIN)..to {
+        let mut gain = 0.0;
+        for end in begin + 1..=(to + MARGIN).min(last) {
+            let frozen = predicted[begin] - predicted[end - 1];
+            gain += residual[end - 1].powi(2) - (residual[end - 1] - frozen).powi(2);
+            if gain > best.0 {
+                best = (gain, begin, end);
+            }
+        }
+    }
+    let (_, begin, end) = best;
+    let moment = |row: usize| time[channel.rows[row]];
+    let effect = dropout(axis, &run.recording.id, moment(begin), moment(end) - moment(begin));
+    let change = fitter.model.contribution(&fit.state, &effect)?;
+    let white = fitter.noise.whiten(observed, &change);
+    let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
+    let gain = 2.0 * along - square(&white);
+    Ok((gain > 0.0).then(|| Proposal {
+        name: format!("{} in \"{}\"", named(&effect), run.recording.id),
+        p: at_least_one(rest.p(gain, 1), looks),
+        addition: Addition::Effect(effect),
+        gain,
+        searched: 2.0,
+        local: true,
+    }))
+}
+
+fn dropout(axis: Axis, recording: &str, time_s: f64, duration_s: f64) -> EffectInstance {
+    EffectInstance {
+        kind: Kind::Dropout,
+        axis: Some(axis),
+        column: None,
+        recording: Some(recording.into()),
+        parameters: vec![time_s, duration_s],
+    }
+}

@@ -1,0 +1,121 @@
+//! Passes of vehicles: three shapes on three axes at any moment, of any duration.
+
+use faer::Mat;
+use physics::{EffectInstance, Kind};
+
+use super::{Departures, fitted};
+use crate::Error;
+use crate::fit::{Fit, Fitter, square};
+use crate::level::{Rest, at_least_one};
+use crate::matched::correlate;
+use crate::observed::{Channel, Reader};
+use crate::search::{Addition, Proposal};
+
+/// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of the recording.
+const SHORTEST: f64 = 1.5;
+const LONGER: f64 = 1.5;
+const LONGEST: f64 = 0.1;
+/// So many durations to either side of the moment belong to a pass.
+const REACH: f64 = 6.0;
+/// Fewest rows of a recording.
+const ROWS: usize = 24;
+
+/// The pass that explains most.
+pub fn proposal(
+    fitter: &Fitter<'_, '_>,
+    fit: &Fit,
+    rest: &Rest,
+    all: &[Departures],
+) -> Result<Option<Proposal>, Error> {
+    let observed = &fitter.model.observed;
+    let mut strongest: Option<(f64, usize, f64, f64)> = None;
+    let mut looks = 0.0;
+    for (number, run) in observed.runs.iter().enumerate() {
+        let Some(time) = run.time_s else { continue };
+        let channels: Vec<(usize, &Channel)> = observed
+            .channels
+            .iter()
+            .enumerate()
+            .filter(|(_, c)| c.run == number && matches!(c.reader, Reader::Sensor(_)) && c.rows.len() >= ROWS)
+            .collect();
+        let probe = EffectInstance { kind: Kind::VehiclePass, axis: None, column: None, recording: None, parameters: vec![0.0; 11] };
+        if channels.len() < 3 || !fitter.model.can_act(number, &EffectInstance { parameters: [vec![0.0; 10], vec![1.0]].concat(), ..probe }) {
+            continue;
+        }
+        let rows = channels.iter().map(|(_, c)| c.rows.len()).min().unwrap_or(0);
+        let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let mut duration = SHORTEST;
+        while duration < LONGEST * rows as f64 {
+            let reach = (REACH * duration).ceil() as i64;
+            let shapes: Vec<Vec<f64>> = (0..3)
+                .map(|power| {
+                    (-reach..=reach)
+                        .map(|row| {
+                            let x = row as f64 / duration;
+                            x.powi(power) / (1.0 + x * x).powf(2.5)
+                        })
+                        .collect()
+                })
+                .collect();
+            let mut gain = vec![0.0; rows];
+            for (at, _) in &channels {
+                let departures = &all[*at];
+                // What begins at a row has its middle `reach` rows later.
+                let along: Vec<Vec<f64>> = shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
+                let products = products(&shapes, &departures.response);
+                let Some(inverse) = inverse(&products) else { continue };
+                for begin in 0..rows.saturating_sub(2 * reach as usize) {
+                    let a: Vec<f64> = along.iter().map(|values| values[begin]).collect();
+                    gain[begin + reach as usize] +=
+                        (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum::<f64>();
+                }
+            }
+            looks += 3.0 * rows as f64 / duration;
+            for (row, gain) in gain.iter().enumerate() {
+                if strongest.is_none_or(|(most, ..)| *gain > most) {
+                    strongest = Some((*gain, number, time[channels[0].1.rows[row]], duration * step));
+                }
+            }
+            duration *= LONGER;
+        }
+    }
+    let Some((_, number, time_s, duration_s)) = strongest else { return Ok(None) };
+    let effect = EffectInstance {
+        kind: Kind::VehiclePass,
+        axis: None,
+        column: None,
+        recording: Some(observed.runs[number].recording.id.clone()),
+        parameters: [vec![0.0; 9], vec![time_s, duration_s]].concat(),
+    };
+    let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
+    Ok(Some(Proposal {
+        name: format!("{} in \"{}\"", effect.kind.name(), observed.runs[number].recording.id),
+        p: at_least_one(rest.p(gain, rank), looks),
+        addition: Addition::Effect(effect),
+        gain,
+        searched: 0.0,
+        local: true,
+    }))
+}
+
+/// Products of the whitened shapes.
+fn products(shapes: &[Vec<f64>], response: &[f64]) -> Mat<f64> {
+    let reversed: Vec<f64> = response.iter().rev().copied().collect();
+    let white: Vec<Vec<f64>> = shapes
+        .iter()
+        .map(|shape| {
+            let padded: Vec<f64> =
+                std::iter::repeat_n(0.0, response.len() - 1).chain(shape.iter().copied()).chain(std::iter::repeat_n(0.0, shape.len())).collect();
+            correlate(&padded, &reversed)
+        })
+        .collect();
+    Mat::from_fn(shapes.len(), shapes.len(), |i, j| white[i].iter().zip(&white[j]).map(|(a, b)| a * b).sum())
+}
+
+/// The inverse of a small matrix of products; None where its shapes run together.
+fn inverse(products: &Mat<f64>) -> Option<Mat<f64>> {
+    let m = nalgebra::Matrix3::from_fn(|i, j| products[(i, j)]);
+    let inverse = m.try_inverse()?;
+    let size = square(inverse.as_slice());
+    size.is_finite().then(|| Mat::from_fn(3, 3, |i, j| inverse[(i, j)]))
+}
