@@ -63,7 +63,6 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     };
     let (frequency, most) = sharpened(&x, &y, strongest as f64 * grid, grid);
     let looks = (to - from + 1) as f64;
-    if std::env::var("FLUXCAL_TRACE").is_ok() { eprintln!("codes {axis} period {} gain {} looks {looks} range {range} shortest {shortest}", 1.0 / frequency, 2.0 * most / length); }
     if at_least_one(rest.p(2.0 * most / length, 2), looks) > 0.5 {
         return Ok(Vec::new());
     }

@@ -1,5 +1,6 @@
 //! The search: which candidates explain what is left, how sure that is, and which fit equally well.
 
+use common::series::even_step_s;
 use estimate::screen::{Chance, Screen, Search};
 use estimate::stats::chi_squared_quantile;
 use faer::Mat;
@@ -24,6 +25,9 @@ const FAMILIES: f64 = 4.0;
 const REFINED: usize = 8;
 /// A size may be beyond its plausible range by this factor.
 const BEYOND: f64 = 3.0;
+
+/// Most rows by which an event is moved.
+const SHIFTS: usize = 8;
 
 /// What comes into the model.
 #[derive(Clone, Debug)]
@@ -246,9 +250,6 @@ impl<'p> Searcher<'p> {
             p.gain - (unknowns + p.searched) * (fit.white.len() as f64).ln()
         };
         proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        if std::env::var("FLUXCAL_TRACE").is_ok() {
-            for p in &proposals { eprintln!("  ? {} gain {} p {} size {}", p.name, p.gain, p.p, size(p)); }
-        }
         Ok(Look { rest, proposals, structure, line, least_p })
     }
 
@@ -265,7 +266,8 @@ impl<'p> Searcher<'p> {
                     state
                 }
             };
-            let with = match fitter.refine(&state) { Ok(w) => w, Err(e) => { if std::env::var("FLUXCAL_TRACE").is_ok() { eprintln!("ERR {} {e}", proposal.name); } continue } };
+            let Ok(with) = fitter.refine(&state) else { continue };
+            let with = if proposal.local { settled_in_time(fitter, with)? } else { with };
             let held_out: Vec<f64> =
                 before.parts.iter().zip(fitter.held_out(&with)?.parts).map(|(before, after)| before - after).collect();
             let deviance = match fitter.noise.known {
@@ -340,6 +342,45 @@ impl<'p> Searcher<'p> {
         }
         None
     }
+}
+
+/// A fit whose last effect begins or ends some rows earlier or later, where that fits better: what a large departure does to the
+/// calibration hides where it begins.
+fn settled_in_time(fitter: &Fitter<'_, '_>, mut fit: Fit) -> Result<Fit, Error> {
+    let Some(last) = fit.state.effects.len().checked_sub(1) else { return Ok(fit) };
+    let effect = fit.state.effects[last].clone();
+    let movable: Vec<usize> = match effect.kind {
+        Kind::Spike | Kind::ReadingStep => vec![1],
+        Kind::Dropout => vec![0, 1],
+        _ => return Ok(fit),
+    };
+    let step = effect.recording.as_ref().and_then(|id| {
+        let run = fitter.model.observed.runs.iter().find(|run| run.recording.id == *id)?;
+        even_step_s(run.time_s?)
+    });
+    let Some(step) = step else { return Ok(fit) };
+    for _ in 0..SHIFTS {
+        let mut better: Option<Fit> = None;
+        for &at in &movable {
+            for sign in [-1.0, 1.0] {
+                let mut state = fit.state.clone();
+                state.effects[last].parameters[at] += sign * step;
+                if effect.kind == Kind::Dropout && at == 0 {
+                    // The end stays.
+                    state.effects[last].parameters[1] -= sign * step;
+                }
+                let Ok(moved) = fitter.refine(&state) else { continue };
+                if moved.cost < better.as_ref().map_or(fit.cost, |b| b.cost) - 1e-6 * fit.cost {
+                    better = Some(moved);
+                }
+            }
+        }
+        match better {
+            Some(moved) => fit = moved,
+            None => break,
+        }
+    }
+    Ok(fit)
 }
 
 /// The refined proposal that may be taken: the best that is not idle, unless something of an implausible size fits far better.
