@@ -101,7 +101,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let pool = Pool::of(&model, &base.state)?;
     let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
     let outcome = search(&original, &model, &mut searcher, before, base, base_noise)?;
-    let entry = report::report(&model, &searcher, &outcome, options)?;
+    let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
     }
@@ -124,16 +124,9 @@ fn search(
     while found.len() < MOST {
         let fitter = Fitter { model, noise: &noise };
         let refined = searcher.refine(&fitter, &fit, &last)?;
-        if std::env::var("FLUXCAL_TRACE").is_ok() {
-            for r in &refined { eprintln!("  > {} gain {:.1} refined {:.1} crit {:.1} held {:.1} {:?} {:?}", r.proposal.name, r.proposal.gain, fit.cost - r.fit.cost, r.criterion(), r.held_out.iter().sum::<f64>(), r.why_not, r.fit.state.effects.last().map(|e| e.parameters.clone())); }
-        }
         let Some(best) = best(&refined) else { break };
         let (equal, lost) = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
-        if std::env::var("FLUXCAL_TRACE").is_ok() {
-            eprintln!("TAKE {} proposal gain {:.1} p {:.1e} refined gain {:.1} rank {} {:?}", best.proposal.name, best.proposal.gain, best.proposal.p, gain, best.fit.rank, best.fit.state.effects.last().map(|e| e.parameters.clone()));
-            for r in &refined { eprintln!("    {} gain {:.1} refined {:.1} crit {:.1} held {:.1} {:?}", r.proposal.name, r.proposal.gain, fit.cost - r.fit.cost, r.criterion(), r.held_out.iter().sum::<f64>(), r.why_not); }
-        }
         let state = best.fit.state.clone();
         found.push(Found { refined: best.clone(), gain, equal, lost });
         (fit, noise) = again(document, model, &state, &noise)?;

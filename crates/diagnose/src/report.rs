@@ -24,7 +24,7 @@ const NINE_OF_TEN: f64 = 1.2816;
 /// The entry of a document.
 pub fn report(
     model: &Model<'_>,
-    searcher: &Searcher<'_>,
+    searcher: &mut Searcher<'_>,
     outcome: &Outcome,
     options: &Options,
 ) -> Result<Diagnosis, Error> {
@@ -82,11 +82,8 @@ pub fn report(
     reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
     let ambiguity = equal
         .iter()
-        .map(|found| {
-            let mut set = vec![found.refined.proposal.name.clone()];
-            set.extend(found.equal.iter().cloned());
-            set
-        })
+        .flat_map(|found| std::iter::once(&found.refined.proposal.name).chain(&found.equal))
+        .map(|name| vec![name.clone()])
         .collect();
     Ok(Diagnosis {
         verdict,
@@ -390,7 +387,7 @@ fn base_shift(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
 
 /// For each candidate of the catalogue that was not found, the smallest size that would have been claimed nine times in ten.
 fn detectable(
-    searcher: &Searcher<'_>,
+    searcher: &mut Searcher<'_>,
     outcome: &Outcome,
     fitter: &Fitter<'_, '_>,
     options: &Options,

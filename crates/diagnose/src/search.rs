@@ -131,6 +131,8 @@ pub struct Look {
 pub struct Searcher<'p> {
     pool: &'p Pool,
     raw: Mat<f64>,
+    /// The pool whitened by a noise that is declared and does not change.
+    white: Option<Mat<f64>>,
     chance: Option<Chance>,
     seed: u64,
     level: f64,
@@ -140,7 +142,7 @@ impl<'p> Searcher<'p> {
     /// Over a pool, claims at a level.
     pub fn new(pool: &'p Pool, rows: usize, seed: u64, level: f64) -> Self {
         let raw = Mat::from_fn(rows, pool.columns.len(), |i, j| pool.columns[j][i]);
-        Self { pool, raw, chance: None, seed, level }
+        Self { pool, raw, white: None, chance: None, seed, level }
     }
 
     /// The candidates.
@@ -154,8 +156,9 @@ impl<'p> Searcher<'p> {
     }
 
     /// The pool with all but the base model's columns projected out, and where its columns begin.
-    pub fn screen(&self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
-        let white = fitter.noise.whiten_all(&fitter.model.observed, &self.raw);
+    pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
+        let kept = self.white.take().filter(|_| fitter.noise.known > 0.0);
+        let white = kept.unwrap_or_else(|| fitter.noise.whiten_all(&fitter.model.observed, &self.raw));
         let base = fit.jacobian.ncols();
         let all = Mat::from_fn(fit.white.len(), base + white.ncols(), |i, j| match j.checked_sub(base) {
             None => fit.jacobian[(i, j)],
@@ -164,6 +167,7 @@ impl<'p> Searcher<'p> {
         });
         let first: Vec<usize> = (0..base).collect();
         let screen = Screen::of(&fitter.products(&all, &fit.white)).given(&first)?;
+        self.white = Some(white);
         Ok((screen, base))
     }
 
@@ -286,6 +290,7 @@ impl<'p> Searcher<'p> {
                 why_not,
             });
         }
+        without_needless_lags(fitter, &mut all);
         all.sort_by(|a, b| {
             a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
         });
@@ -341,6 +346,49 @@ impl<'p> Searcher<'p> {
             return idle("it does not predict readings that were left out".into());
         }
         None
+    }
+}
+
+/// Sets aside effects with a lag that is smaller than its own uncertainty, where the same without a lag fits as well.
+fn without_needless_lags(fitter: &Fitter<'_, '_>, all: &mut [Refined]) {
+    let plain: Vec<(EffectInstance, f64)> = all
+        .iter()
+        .filter(|refined| refined.why_not.is_none())
+        .filter_map(|refined| match &refined.proposal.addition {
+            Addition::Effect(effect) => Some((effect.clone(), refined.criterion())),
+            Addition::Column(_) => None,
+        })
+        .collect();
+    for refined in all.iter_mut().filter(|refined| refined.why_not.is_none()) {
+        let Addition::Effect(effect) = &refined.proposal.addition else { continue };
+        let Some(kind) = without_lag(effect.kind) else { continue };
+        let as_good = plain.iter().any(|(other, criterion)| {
+            other.kind == kind && other.axis == effect.axis && criterion - refined.criterion() < ODDS
+        });
+        let free = fitter.model.free(&refined.fit.state);
+        let last = refined.fit.state.effects.len() - 1;
+        let lag = effect.kind.parameters().iter().position(|info| info.role == Role::Shape);
+        let Some(at) = free.iter().position(|(e, p)| *e == last && Some(*p) == lag) else { continue };
+        let at = fitter.model.unknowns.len() + at;
+        // Shapes count by their logarithm: its variance is the relative one.
+        if as_good && refined.fit.covariance[(at, at)] > 1.0 {
+            refined.why_not = Some(Fault::Idle(format!(
+                "its lag is smaller than its uncertainty, where {} says the same without",
+                kind.name()
+            )));
+        }
+    }
+}
+
+/// The same effect without a lag.
+fn without_lag(kind: Kind) -> Option<Kind> {
+    match kind {
+        Kind::OffsetTemperatureLag => Some(Kind::OffsetTemperature),
+        Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
+        Kind::AxisCreep => Some(Kind::AxisTemperature),
+        Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
+        Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
+        _ => None,
     }
 }
 

@@ -2,7 +2,9 @@
 
 use common::{Document, Noise, series::even_step_s};
 use estimate::correlated::Whitening;
+use estimate::innovations::Innovations;
 use estimate::periodogram::periodogram;
+use estimate::stats::median;
 use estimate::whittle::{self, White};
 use faer::Mat;
 use rayon::prelude::*;
@@ -13,8 +15,12 @@ use crate::Error;
 use crate::matched::correlate;
 use crate::observed::{Channel, Observed, Reader};
 
-/// Readings up to which noise with memory is whitened by its whole covariance.
-const LONGEST: usize = 3000;
+/// Readings up to which noise with memory is whitened by its whole covariance; beyond, by innovations on an even grid.
+const LONGEST: usize = 1000;
+/// A row is on a grid when it is no farther off than this share of a step.
+const OFF_GRID: f64 = 0.01;
+/// Most points of a grid for each row that is there.
+const SPARSEST: usize = 4;
 /// Fewest readings of an even series that a spectrum is fitted to.
 const SPECTRUM_FROM: usize = 64;
 /// Fewest readings of a sensor that give its white noise by themselves.
@@ -27,6 +33,62 @@ enum Way {
     White(f64),
     /// L⁻¹ of the whole covariance.
     Whole(Arc<Whitening>),
+    /// Innovations on an even grid, of which the channel's rows are some.
+    Grid(Arc<Grid>),
+}
+
+/// An even grid of times and the noise on it.
+struct Grid {
+    innovations: Innovations,
+    /// Where on the grid each row is.
+    places: Vec<usize>,
+    points: usize,
+}
+
+impl std::fmt::Debug for Grid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Grid").field("points", &self.points).finish_non_exhaustive()
+    }
+}
+
+impl Grid {
+    fn of(noise: &Noise, time: &[f64]) -> Result<Option<Self>, Error> {
+        let Some(step_s) = typical_step_s(time) else { return Ok(None) };
+        let places: Vec<usize> = time.iter().map(|t| ((t - time[0]) / step_s).round() as usize).collect();
+        let on_grid = |(t, place): (&f64, &usize)| (t - time[0] - *place as f64 * step_s).abs() < OFF_GRID * step_s;
+        let points = places.last().map_or(0, |last| last + 1);
+        let rising = places.windows(2).all(|pair| pair[0] < pair[1]);
+        if !rising || !time.iter().zip(&places).all(on_grid) || points > SPARSEST * time.len() {
+            return Ok(None);
+        }
+        let slowest = 1.0 / (points as f64 * step_s);
+        let white = noise.white_rms_nt.unwrap_or(0.0).powi(2) * 2.0 * step_s;
+        let (amplitude, exponent) =
+            (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0));
+        let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
+        let density = |f: f64| {
+            let f = f.max(slowest);
+            white + amplitude * f.powf(-exponent) + walk / (f * f)
+        };
+        let innovations = if points == places.len() {
+            Innovations::of(&density, points, step_s)?
+        } else {
+            let mut known = vec![false; points];
+            places.iter().for_each(|place| known[*place] = true);
+            Innovations::of_known(&density, &known, step_s)?
+        };
+        Ok(Some(Self { innovations, places, points }))
+    }
+
+    fn whiten(&self, series: &[f64]) -> Vec<f64> {
+        if self.points == self.places.len() {
+            return self.innovations.whiten(series);
+        }
+        let mut whole = vec![0.0; self.points];
+        self.places.iter().zip(series).for_each(|(place, value)| whole[*place] = *value);
+        let white = self.innovations.whiten(&whole);
+        self.places.iter().map(|place| white[*place]).collect()
+    }
 }
 
 /// The noise of all channels.
@@ -72,10 +134,11 @@ impl NoiseModel {
             let part = &series[channel.range()];
             match way {
                 Way::White(std) => white.extend(part.iter().map(|value| value / std)),
-                Way::Whole(_) if part.iter().all(|value| *value == 0.0) => {
+                Way::Whole(_) | Way::Grid(_) if part.iter().all(|value| *value == 0.0) => {
                     white.extend(std::iter::repeat_n(0.0, part.len()));
                 }
                 Way::Whole(whitening) => white.extend(whitening.apply_to(part)),
+                Way::Grid(grid) => white.extend(grid.whiten(part)),
             }
         }
         white
@@ -92,20 +155,40 @@ impl NoiseModel {
 
     /// What a departure of one nT in the middle of a channel is whitened to, from its row on.
     pub fn response(&self, channel: usize, rows: usize) -> Vec<f64> {
-        match &self.ways[channel] {
-            Way::White(std) => vec![1.0 / std],
-            Way::Whole(whitening) => {
-                let mut departure = vec![0.0; rows];
-                departure[rows / 2] = 1.0;
-                whitening.apply_to(&departure).split_off(rows / 2)
-            }
-        }
+        let mut departure = vec![0.0; rows];
+        departure[rows / 2] = 1.0;
+        let white = match &self.ways[channel] {
+            Way::White(std) => return vec![1.0 / std],
+            Way::Whole(whitening) => whitening.apply_to(&departure),
+            Way::Grid(grid) => grid.whiten(&departure),
+        };
+        white[rows / 2..].to_vec()
     }
 
     /// A whitened series through that response, backwards: what a departure in each row has to do with it.
     pub fn filtered(&self, channel: usize, white: &[f64]) -> Vec<f64> {
         correlate(white, &self.response(channel, white.len()))
     }
+}
+
+/// The middle of the steps of rising times.
+fn typical_step_s(time: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step = median(&steps);
+    (step > 0.0 && step.is_finite()).then_some(step)
+}
+
+/// Variance of flicker noise and random walk of readings about their mean: the density over the recording's frequencies.
+fn flicker_variance(noise: &Noise, time: &[f64]) -> f64 {
+    let span = time[time.len() - 1] - time[0];
+    let step = 1.0 / span;
+    let (amplitude, exponent) =
+        (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0));
+    let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
+    (1..=time.len() / 2)
+        .map(|k| k as f64 * step)
+        .map(|f| (amplitude * f.powf(-exponent) + walk / (f * f)) * step)
+        .sum()
 }
 
 /// The declared noise of a channel, its codes included.
@@ -201,11 +284,15 @@ fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way
     let white = noise.white_rms_nt.unwrap_or(0.0);
     let Some(time) = time else { return Ok((Way::White(white), white)) };
     if rows > LONGEST {
-        return Err(Error::Undetermined(format!(
-            "recording \"{}\": {rows} readings whose noise has memory, where at most {LONGEST} can be taken; average them, or \
-             give a part",
-            observed.runs[channel.run].recording.id
-        )));
+        let Some(grid) = Grid::of(noise, &time)? else {
+            return Err(Error::Undetermined(format!(
+                "recording \"{}\": {rows} readings at uneven times whose noise has memory, where at most {LONGEST} can be taken; \
+                 bring them to an even step, or give a part",
+                observed.runs[channel.run].recording.id
+            )));
+        };
+        let std = (white * white + flicker_variance(noise, &time)).sqrt();
+        return Ok((Way::Grid(Arc::new(grid)), std));
     }
     let covariance = noise::covariance(noise, rows, Some(&time)).map_err(|error| {
         Error::Document(common::Error::document(

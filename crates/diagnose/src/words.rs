@@ -38,8 +38,9 @@ fn one(text: &mut String, entry: &Diagnosis) {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }
     }
-    for set in &entry.ambiguity {
-        let _ = writeln!(text, "  cannot be told apart here: {}", set.join(", "));
+    if !entry.ambiguity.is_empty() {
+        let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
+        let _ = writeln!(text, "  cannot be told apart here: {}", sets.join("; "));
     }
     for share in entry.places.iter().flat_map(|share| &share.readings) {
         let _ = writeln!(

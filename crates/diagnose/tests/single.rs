@@ -83,6 +83,8 @@ struct Outcome {
 }
 
 fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) {
+    // Long enough to show it: energy grows with the rows.
+    bench::longer(if times < 1.0 { 5 } else { 1 });
     let effect = scaled(which, effect, times);
     let document = simulated(which, std::slice::from_ref(&effect), &noise(which), seed);
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
@@ -120,12 +122,12 @@ fn effects_are_named() {
         Err(_) => vec![3.0],
     };
     let mut wrong = Vec::new();
-    for (which, effect) in cases() {
+    for (number, (which, effect)) in cases().into_iter().enumerate() {
         if only.as_ref().is_some_and(|only| effect["effect"] != **only) {
             continue;
         }
         for times in &times {
-            let (outcome, effect) = run(which, &effect, *times, 11);
+            let (outcome, effect) = run(which, &effect, *times, 11 + number as u64);
             let name = target(&effect);
             let right = outcome.verdict == Verdict::Explained && outcome.named == [name.clone()];
             let held = outcome.ambiguity.iter().flatten().any(|member| *member == name);

@@ -61,18 +61,18 @@ pub fn proposal(
     let predicted = &fitter.model.predicted(&fit.state)?[channel.range()];
     let residual = &fit.residual[channel.range()];
     // What is left of the residual where a stretch repeats what was predicted of its first row.
-    let mut best = (0.0, from, to);
+    let mut best: Option<(f64, usize, usize)> = None;
     for begin in from.saturating_sub(MARGIN)..to {
         let mut gain = 0.0;
         for end in begin + 1..=(to + MARGIN).min(last) {
             let frozen = predicted[begin] - predicted[end - 1];
             gain += residual[end - 1].powi(2) - (residual[end - 1] - frozen).powi(2);
-            if gain > best.0 {
-                best = (gain, begin, end);
+            if gain > best.map_or(0.0, |(most, ..)| most) {
+                best = Some((gain, begin, end));
             }
         }
     }
-    let (_, begin, end) = best;
+    let Some((_, begin, end)) = best else { return Ok(None) };
     let moment = |row: usize| time[channel.rows[row]];
     let effect = dropout(axis, &run.recording.id, moment(begin), moment(end) - moment(begin));
     let change = fitter.model.contribution(&fit.state, &effect)?;

@@ -17,6 +17,8 @@ pub enum Scene {
     Cube,
     /// The same as the three with half an hour between rows.
     Days,
+    /// Drives of some Hz, read 100 times a second.
+    Quick,
     /// Readings 500 times a second, the coils held.
     Fast,
     /// A day from Friday noon, the field outside and the tilts beside.
@@ -39,13 +41,23 @@ impl Scene {
             Scene::Runs => (3, 160, 10.0),
             Scene::Cube => (6, 80, 10.0),
             Scene::Days => (3, 160, 1800.0),
+            Scene::Quick => (1, 300, 0.01),
             Scene::Fast => (1, 800, 0.002),
             Scene::Site => (1, 900, 100.0),
             Scene::Craft => (1, 900, 0.05),
             Scene::Pair => (1, 900, 180.0),
         };
-        Shape { runs, rows, step_s }
+        Shape { runs, rows: rows * LONGER.load(std::sync::atomic::Ordering::Relaxed), step_s }
     }
+}
+
+/// A document of a scene with so many times the rows, whose waves go on.
+static LONGER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(1);
+
+/// Makes all scenes longer.
+#[allow(dead_code, reason = "each test uses some")]
+pub fn longer(times: usize) {
+    LONGER.store(times, std::sync::atomic::Ordering::Relaxed);
 }
 
 /// A document of a scene in which `effects` act, with noise of a seed; without a word of them.
