@@ -10,9 +10,9 @@ use crate::model::{Model, State};
 use crate::whitening::NoiseModel;
 
 /// Most steps.
-const STEPS: usize = 40;
+const STEPS: usize = 25;
 /// A step that lowers the sum of squares by less than this is the last one.
-const TOLERANCE: f64 = 1e-4;
+const TOLERANCE: f64 = 1e-3;
 /// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
 const LIGHTEST: f64 = 1e-10;
 const HEAVIEST: f64 = 1e3;

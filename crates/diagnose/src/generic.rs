@@ -10,9 +10,9 @@ use crate::model::{Model, State};
 use crate::observed::{Channel, Reader, Run};
 
 /// Half waves over the span of time.
-const WAVES: usize = 6;
+const WAVES: usize = 16;
 /// Highest power of a covariate.
-const POWERS: usize = 4;
+const POWERS: usize = 8;
 /// Lags of a dependence, as shares of the recording's length.
 const LAGS: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.1];
 
@@ -75,6 +75,8 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
                     break;
                 }
             }
+            let column = |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
+            all.extend(powers(model, axis, name.clone(), column));
             all.push((What::Dependence { column: name, axis }, trials));
         }
     }

@@ -21,6 +21,7 @@ mod next;
 mod observed;
 mod report;
 mod search;
+mod trust;
 mod whitening;
 mod words;
 
@@ -77,6 +78,8 @@ struct Outcome {
     /// The first look.
     first: Look,
     found: Vec<Found>,
+    /// What else looked like an answer, and why it is none.
+    refused: Vec<(String, String)>,
     /// The final fit.
     fit: Fit,
     noise: NoiseModel,
@@ -121,17 +124,33 @@ fn search(
     let first = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     let mut last = first.clone();
     let mut found: Vec<Found> = Vec::new();
+    let mut looks = vec![first.clone()];
+    let mut fits = vec![(fit.clone(), noise.clone())];
+    let mut refused = Vec::new();
     while found.len() < MOST {
         let fitter = Fitter { model, noise: &noise };
         let refined = searcher.refine(&fitter, &fit, &last)?;
-        let Some(best) = best(&refined) else { break };
+        let Some(best) = best(&refined) else {
+            refused = refined.iter().filter_map(|r| Some((r.proposal.name.clone(), r.why_not.as_ref()?.words().into()))).collect();
+            break;
+        };
         let (equal, lost) = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
         let state = best.fit.state.clone();
         found.push(Found { refined: best.clone(), gain, equal, lost });
         (fit, noise) = again(document, model, &state, &noise)?;
         last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        looks.push(last.clone());
+        fits.push((fit.clone(), noise.clone()));
     }
+    let kept = trust::kept(&found, &looks, searcher.level);
+    if kept < found.len() {
+        let why = "it does not explain far more than what is left, or what is left follows the same".to_string();
+        refused.splice(0..0, found[kept..].iter().map(|f| (f.refined.proposal.name.clone(), why.clone())));
+    }
+    found.truncate(kept);
+    last = looks.swap_remove(kept);
+    (fit, noise) = fits.swap_remove(kept);
     if found.len() > 1 {
         for number in 0..found.len() {
             let fitter = Fitter { model, noise: &noise };
@@ -139,7 +158,7 @@ fn search(
         }
         last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     }
-    Ok(Outcome { before, base, base_noise, first, found, fit, noise, last })
+    Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
 }
 
 /// The fit from a state; its noise anew where it is not declared.

@@ -13,6 +13,9 @@ use crate::observed::{Observed, Reader};
 /// Step of the differences by which turns of the block enter, rad.
 const TURN_RAD: f64 = 1e-5;
 
+/// A time constant or a level goes no farther beyond its plausible range than by this factor.
+const FARTHEST: f64 = 10.0;
+
 /// Whose constants a parameter of the chain belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Instrument {
@@ -213,7 +216,8 @@ impl<'a> Model<'a> {
             let value = &mut next.effects[*effect].parameters[*parameter];
             if info.role == Role::Shape {
                 let largest = if info.name == "frequency_hz" { 1e-2 } else { 1.0 };
-                *value *= s.clamp(-largest, largest).exp();
+                let moved = *value * s.clamp(-largest, largest).exp();
+                *value = moved.clamp(info.low / FARTHEST, info.high * FARTHEST);
             } else {
                 *value += s;
             }

@@ -16,8 +16,6 @@ use crate::model::{Instrument, Model, Unknown};
 use crate::search::{Addition, Searcher};
 use crate::{Error, Found, Options, Outcome, next};
 
-/// Structure without a name that is larger than this share of what was named makes the names doubtful.
-const DOUBTFUL: f64 = 0.5;
 /// Standard deviations that make nine claims of ten out of five.
 const NINE_OF_TEN: f64 = 1.2816;
 
@@ -30,14 +28,11 @@ pub fn report(
 ) -> Result<Diagnosis, Error> {
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
-    let left = outcome.last.least_p < options.level || omnibus.is_some_and(|p| p < options.level);
+    let left = !outcome.last.clean(options.level);
     let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
-    let named: f64 = outcome.found.iter().map(|found| found.gain).sum();
-    let nameless = outcome.last.structure.as_ref().map_or(0.0, |structure| structure.gain);
     let verdict = match (outcome.found.is_empty(), left, equal.is_empty()) {
         (true, false, _) => Verdict::Agrees,
         (true, true, _) => Verdict::Unexplained,
-        (false, true, _) if nameless > DOUBTFUL * named => Verdict::Unexplained,
         (false, _, false) => Verdict::Ambiguous,
         (false, true, true) => Verdict::PartlyExplained,
         (false, false, true) => Verdict::Explained,
@@ -57,7 +52,7 @@ pub fn report(
             let words = equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.equal[0]));
             Some(words.collect::<Vec<_>>().join("; "))
         }
-        Verdict::Unexplained | Verdict::PartlyExplained => outcome.last.structure.as_ref().map(|s| match &s.what {
+        Verdict::Unexplained | Verdict::PartlyExplained => outcome.last.structures.first().map(|s| match &s.what {
             What::Smooth { covariate, .. } => next::unexplained(covariate),
             What::Dependence { column, .. } => next::unexplained(column),
             What::Physics(_) => String::new(),
@@ -79,6 +74,9 @@ pub fn report(
             outcome.first.least_p, outcome.last.least_p, options.level
         ),
     ];
+    if left {
+        reasons.extend(outcome.refused.iter().map(|(name, why)| format!("not {name}: {why}")));
+    }
     reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
     let ambiguity = equal
         .iter()
@@ -285,7 +283,7 @@ fn single(model: &Model<'_>, column: &crate::model::Column) -> Vec<DoubtfulValue
 /// Where structure without a name lies.
 fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Share> {
     let line = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0);
-    let Some(structure) = &outcome.last.structure else {
+    let Some(structure) = outcome.last.structures.first() else {
         return line.map(|line| Share {
             recordings: vec![line.recording.clone()],
             band_hz: Some([line.frequency_hz; 2]),
@@ -310,7 +308,7 @@ fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Share> {
 
 fn structure(outcome: &Outcome, options: &Options) -> String {
     let mut words = Vec::new();
-    if let Some(structure) = &outcome.last.structure {
+    if let Some(structure) = outcome.last.structures.first() {
         words.push(format!("{} (p = {:.1e})", structure.what.name(), structure.p_adjusted));
     }
     if let Some(line) = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0) {

@@ -19,8 +19,8 @@ use std::sync::Arc;
 
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
-/// Families of candidates that are searched apart: grids, lines, events, codes.
-const FAMILIES: f64 = 4.0;
+/// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
+const FAMILIES: f64 = 5.0;
 /// Candidates that are refined at each step.
 const REFINED: usize = 8;
 /// A size may be beyond its plausible range by this factor.
@@ -119,12 +119,26 @@ pub struct Look {
     pub rest: Rest,
     /// Proposals below the level, the least probable first.
     pub proposals: Vec<Proposal>,
-    /// The most striking smooth structure.
-    pub structure: Option<Structure>,
+    /// What follows smooth functions of something, the most striking first.
+    pub structures: Vec<Structure>,
     /// The strongest line.
     pub line: Option<Line>,
     /// Smallest probability of all, families counted.
     pub least_p: f64,
+}
+
+impl Look {
+    /// Whether nothing is left but the noise.
+    pub fn clean(&self, level: f64) -> bool {
+        self.least_p >= level && self.rest.omnibus().is_none_or(|p| at_least_one(p, FAMILIES) >= level)
+    }
+
+    /// By how much what is left would lower the sum of squares if it had a name.
+    pub fn left(&self) -> f64 {
+        let excess = self.rest.sum_of_squares - self.rest.freedom * self.rest.scale();
+        let structured = self.structures.iter().map(|s| s.gain);
+        structured.chain(self.proposals.iter().map(|p| p.gain)).fold(excess.max(0.0), f64::max)
+    }
 }
 
 /// A search over one pool of candidates.
@@ -135,7 +149,8 @@ pub struct Searcher<'p> {
     white: Option<Mat<f64>>,
     chance: Option<Chance>,
     seed: u64,
-    level: f64,
+    /// Probability of a claim where there is nothing.
+    pub level: f64,
 }
 
 impl<'p> Searcher<'p> {
@@ -195,7 +210,7 @@ impl<'p> Searcher<'p> {
         };
         let families = |p: f64| at_least_one(p, FAMILIES);
         let mut proposals = Vec::new();
-        let mut structure: Option<Structure> = None;
+        let mut structures: Vec<Structure> = Vec::new();
         let mut least_p = 1.0_f64;
         for (number, (candidate, search)) in self.pool.candidates.iter().zip(&searches).enumerate() {
             if already(&fit.state, candidate) {
@@ -219,12 +234,8 @@ impl<'p> Searcher<'p> {
             }
             match &candidate.what {
                 What::Smooth { .. } => {
-                    let unknowns = rank as f64;
-                    let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
-                    let new = Structure { what: candidate.what.clone(), p_adjusted: families(chance), gain, unknowns };
-                    if structure.as_ref().is_none_or(|old| worth(&new) > worth(old)) {
-                        structure = Some(new);
-                    }
+                    let (what, p_adjusted) = (candidate.what.clone(), families(chance));
+                    structures.push(Structure { what, p_adjusted, gain, unknowns: rank as f64 });
                 }
                 _ => {
                     if let Some(addition) = start(candidate, self.pool, at, &coefficients, &sizes) {
@@ -254,7 +265,9 @@ impl<'p> Searcher<'p> {
             p.gain - (unknowns + p.searched) * (fit.white.len() as f64).ln()
         };
         proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        Ok(Look { rest, proposals, structure, line, least_p })
+        let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
+        structures.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        Ok(Look { rest, proposals, structures, line, least_p })
     }
 
     /// The most promising proposals fitted together with all else, the best first.

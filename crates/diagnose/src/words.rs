@@ -55,6 +55,9 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
         let _ = writeln!(text, "  left: {}", remaining.structure);
     }
+    for reason in entry.reasons.iter().filter(|reason| reason.starts_with("not ")) {
+        let _ = writeln!(text, "  {reason}");
+    }
     if let Some(next) = &entry.next_experiment {
         let _ = writeln!(text, "  next: {next}");
     }

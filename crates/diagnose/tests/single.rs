@@ -89,7 +89,7 @@ fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) 
     let document = simulated(which, std::slice::from_ref(&effect), &noise(which), seed);
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
     if std::env::var("FLUXCAL_EFFECT").is_ok() {
-        println!("{effect}\n{}", diagnose::summary(&found));
+        println!("{effect}\n{}{:?}", diagnose::summary(&found), found.diagnosis.as_ref().map(|d| d[0].reasons.clone()));
     }
     let entry = found.diagnosis.expect("a diagnosis").remove(0);
     let fit = entry.fit.expect("a fit");
