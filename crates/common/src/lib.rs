@@ -39,7 +39,8 @@ pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
 pub use diagnosis::{
-    BaseShift, Detectable, Diagnosis, ExplainedEffect, Residual, ResidualOf, DoubtfulValue, Remaining, Rival, Share, Verdict,
+    BaseShift, Detectable, Diagnosis, DoubtfulValue, ExplainedEffect, Remaining, Residual, ResidualOf, Rival,
+    Share, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,

@@ -64,7 +64,8 @@ fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
             Unknown::Chain(parameter, Instrument::Read(unit)) => match parameter {
                 Parameter::Sensitivity(axis) => {
                     let known = basic(model, *unit).map(|basic| basic.sensors[axis.index()].sensitivity);
-                    let sensor = calibration.sensors.get_or_insert_default().entry(*axis).get_or_insert_default();
+                    let sensor =
+                        calibration.sensors.get_or_insert_default().entry(*axis).get_or_insert_default();
                     let place = match unit {
                         Unit::Volt => &mut sensor.sensitivity_nt_per_v,
                         Unit::Nanotesla => &mut sensor.sensitivity_nt_per_nt,
@@ -72,7 +73,8 @@ fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
                     *place = known.map(|known| moved(place.as_ref(), known + shift, std));
                 }
                 Parameter::SensorOffset(axis) => {
-                    let sensor = calibration.sensors.get_or_insert_default().entry(*axis).get_or_insert_default();
+                    let sensor =
+                        calibration.sensors.get_or_insert_default().entry(*axis).get_or_insert_default();
                     let known = sensor.offset_nt.as_ref().map_or(0.0, Quantity::value);
                     sensor.offset_nt = Some(moved(sensor.offset_nt.as_ref(), known + shift, std));
                 }

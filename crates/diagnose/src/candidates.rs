@@ -154,7 +154,11 @@ impl Scale {
             .collect();
         let (low, high) =
             readings.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
-        Self { lag_s: [0.3 * step, SPANS * span], reading_nt: high.abs().max(low.abs()), range_nt: high - low }
+        Self {
+            lag_s: [0.3 * step, SPANS * span],
+            reading_nt: high.abs().max(low.abs()),
+            range_nt: high - low,
+        }
     }
 
     /// Values of a shape that could show.
@@ -182,7 +186,8 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     let mut all = Vec::new();
     for &kind in Kind::ALL {
         // Lines, events and codes are searched by themselves.
-        let apart = kind.parameters().iter().any(|info| info.role == Role::Epoch || info.name == "frequency_hz");
+        let apart =
+            kind.parameters().iter().any(|info| info.role == Role::Epoch || info.name == "frequency_hz");
         if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
             continue;
         }
@@ -207,7 +212,10 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     }
     let there = |effect: &EffectInstance| {
         state.effects.iter().any(|other| {
-            other.kind == effect.kind && other.axis == effect.axis && other.column == effect.column && other.recording.is_none()
+            other.kind == effect.kind
+                && other.axis == effect.axis
+                && other.column == effect.column
+                && other.recording.is_none()
         })
     };
     all.retain(|effect| !there(effect));

@@ -58,7 +58,8 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let grid = 1.0 / (points as f64 * cell);
     let power = power_along(&x, &y, cell, points);
     let (from, to) = ((1.0 / longest / grid).ceil() as usize, (1.0 / shortest / grid).floor() as usize);
-    let Some(strongest) = (from..=to.min(power.len() - 1)).max_by(|a, b| power[*a].total_cmp(&power[*b])) else {
+    let Some(strongest) = (from..=to.min(power.len() - 1)).max_by(|a, b| power[*a].total_cmp(&power[*b]))
+    else {
         return Ok(Vec::new());
     };
     let (frequency, most) = sharpened(&x, &y, strongest as f64 * grid, grid);
@@ -95,5 +96,12 @@ fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {
 }
 
 fn proposal(effect: EffectInstance, p: f64, gain: f64) -> Proposal {
-    Proposal { name: named(&effect), addition: Addition::Effect(effect), p, gain, searched: 1.0, local: false }
+    Proposal {
+        name: named(&effect),
+        addition: Addition::Effect(effect),
+        p,
+        gain,
+        searched: 1.0,
+        local: false,
+    }
 }

@@ -146,9 +146,14 @@ fn later<'f>(fitter: &'f Fitter<'_, '_>, number: usize) -> impl Iterator<Item = 
         run.time_s.and_then(|time| time.first()).map(|first| first + run.setting.context.clock_s)
     };
     let own = &observed.channels[number];
-    observed.channels.iter().enumerate().filter(move |(_, other)| {
-        other.reader == own.reader && begins(other.run) > begins(own.run) && begins(own.run).is_some()
-    }).map(|(k, _)| k)
+    observed
+        .channels
+        .iter()
+        .enumerate()
+        .filter(move |(_, other)| {
+            other.reader == own.reader && begins(other.run) > begins(own.run) && begins(own.run).is_some()
+        })
+        .map(|(k, _)| k)
 }
 
 /// A spike or a step at a row, held against the residual exactly.
@@ -181,8 +186,10 @@ fn moment(
         _ => {
             let mut values = vec![0.0; observed.rows];
             values[channel.at + best.row] = 1.0;
-            let what =
-                format!("reading {} of {} in \"{}\"", channel.rows[best.row], channel.column, run.recording.id);
+            let what = format!(
+                "reading {} of {} in \"{}\"",
+                channel.rows[best.row], channel.column, run.recording.id
+            );
             (Addition::Column(Column { what, values: Arc::new(values.clone()), coefficient: 0.0 }), values)
         }
     };
@@ -212,11 +219,21 @@ fn moment(
 }
 
 /// An effect with its amplitudes fitted to a residual, and what that gains.
-pub fn fitted(fitter: &Fitter<'_, '_>, fit: &Fit, effect: &EffectInstance) -> Result<(EffectInstance, f64, usize), Error> {
+pub fn fitted(
+    fitter: &Fitter<'_, '_>,
+    fit: &Fit,
+    effect: &EffectInstance,
+) -> Result<(EffectInstance, f64, usize), Error> {
     let with = fitter.model.with(&fit.state, effect.clone());
     let number = with.effects.len() - 1;
-    let amplitudes: Vec<usize> = effect.kind.parameters().iter().enumerate()
-        .filter(|(_, info)| info.role == Role::Amplitude).map(|(k, _)| k).collect();
+    let amplitudes: Vec<usize> = effect
+        .kind
+        .parameters()
+        .iter()
+        .enumerate()
+        .filter(|(_, info)| info.role == Role::Amplitude)
+        .map(|(k, _)| k)
+        .collect();
     let parameters: Vec<Parameter> = amplitudes.iter().map(|k| Parameter::Effect(number, *k)).collect();
     let gain = fitter.gain_of(fit, &fitter.model.derivatives(&with, &parameters)?)?;
     let mut effect = effect.clone();

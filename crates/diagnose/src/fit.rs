@@ -105,7 +105,8 @@ impl Fitter<'_, '_> {
                 (state, residual, white, cost) = (next, trial.0, trial.1, now);
             }
             let expected = damped.gain(damping);
-            if (fell < TOLERANCE.max(1e-9 * cost) && (damping > HEAVIEST || expected < 2.0 * TOLERANCE.max(1e-9 * cost)))
+            if (fell < TOLERANCE.max(1e-9 * cost)
+                && (damping > HEAVIEST || expected < 2.0 * TOLERANCE.max(1e-9 * cost)))
                 || step + 1 == STEPS
             {
                 let all: Vec<usize> = (0..jacobian.ncols()).collect();
@@ -302,10 +303,10 @@ pub fn orthonormal(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let failed = |reason: String| {
         Error::Estimate(estimate::Error::Decomposition { rows: kept.len(), columns: kept.len(), reason })
     };
-    let eigen =
-        gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let eigen = gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
     let values: Vec<f64> = (0..kept.len()).map(|k| eigen.S().column_vector()[k]).collect();
     let along: Vec<usize> = (0..kept.len()).filter(|k| values[*k] > ROUNDING).collect();
-    let directions = Mat::from_fn(kept.len(), along.len(), |i, k| eigen.U()[(i, along[k])] / values[along[k]].sqrt());
+    let directions =
+        Mat::from_fn(kept.len(), along.len(), |i, k| eigen.U()[(i, along[k])] / values[along[k]].sqrt());
     Ok(scaled * directions)
 }

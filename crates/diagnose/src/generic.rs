@@ -61,7 +61,8 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
         let thermometers = ["sensor_temperature_c", "electronics_temperature_c", "coil_temperature_c"];
         let known = thermometers.iter().map(|name| (*name).to_string());
         for name in known {
-            let column = |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
+            let column =
+                |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
             all.extend(powers(model, axis, name.clone(), column));
         }
         for name in housekeeping(model) {
@@ -75,7 +76,8 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
                     break;
                 }
             }
-            let column = |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
+            let column =
+                |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
             all.extend(powers(model, axis, name.clone(), column));
             all.push((What::Dependence { column: name, axis }, trials));
         }
@@ -122,11 +124,7 @@ fn powers(
 }
 
 /// A column that is something in the channels of one sensor and zero in all others.
-fn stack(
-    model: &Model<'_>,
-    axis: Axis,
-    values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>,
-) -> Vec<f64> {
+fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Vec<f64> {
     let observed = &model.observed;
     let mut column = Vec::with_capacity(observed.rows);
     for channel in &observed.channels {

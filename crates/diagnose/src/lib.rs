@@ -7,6 +7,7 @@
 //! well. What is accepted is fitted together with the calibration and goes to `model.effects`.
 
 mod adopt;
+mod against;
 mod candidates;
 mod codes;
 mod error;
@@ -47,11 +48,13 @@ pub struct Options {
     pub seed: u64,
     /// Probability of a claim where there is nothing.
     pub level: f64,
+    /// A simulation to hold the recordings against, in the place of what calibration and model predict.
+    pub against: Option<Document>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, level: 0.01 }
+        Self { seed: 1, level: 0.01, against: None }
     }
 }
 
@@ -97,7 +100,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         ))
         .into());
     }
-    let original = document.clone();
+    let original = match &options.against {
+        Some(simulated) => against::against(&document, simulated)?,
+        None => document.clone(),
+    };
     let (model, start) = Model::of(&original, Observed::of(&original)?)?;
     let before = model.residual(&start)?;
     let (base, base_noise) = settled(&original, &model, &start, None)?;
@@ -131,7 +137,10 @@ fn search(
         let fitter = Fitter { model, noise: &noise };
         let refined = searcher.refine(&fitter, &fit, &last)?;
         let Some(best) = best(&refined) else {
-            refused = refined.iter().filter_map(|r| Some((r.proposal.name.clone(), r.why_not.as_ref()?.words().into()))).collect();
+            refused = refined
+                .iter()
+                .filter_map(|r| Some((r.proposal.name.clone(), r.why_not.as_ref()?.words().into())))
+                .collect();
             break;
         };
         let (equal, lost) = rivals(&fitter, &refined)?;
@@ -145,7 +154,8 @@ fn search(
     }
     let kept = trust::kept(&found, &looks, searcher.level);
     if kept < found.len() {
-        let why = "it does not explain far more than what is left, or what is left follows the same".to_string();
+        let why =
+            "it does not explain far more than what is left, or what is left follows the same".to_string();
         refused.splice(0..0, found[kept..].iter().map(|f| (f.refined.proposal.name.clone(), why.clone())));
     }
     found.truncate(kept);
@@ -162,7 +172,12 @@ fn search(
 }
 
 /// The fit from a state; its noise anew where it is not declared.
-fn again(document: &Document, model: &Model<'_>, state: &State, noise: &NoiseModel) -> Result<(Fit, NoiseModel), Error> {
+fn again(
+    document: &Document,
+    model: &Model<'_>,
+    state: &State,
+    noise: &NoiseModel,
+) -> Result<(Fit, NoiseModel), Error> {
     settled(document, model, state, (noise.known > 0.0).then_some(noise))
 }
 

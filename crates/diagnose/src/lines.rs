@@ -17,7 +17,8 @@ const FINER: usize = 12;
 /// Periods that the recording must hold.
 const PERIODS: usize = 4;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
-const MAINS_HZ: [f64; 12] = [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
+const MAINS_HZ: [f64; 12] =
+    [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
 /// Nominal frequency of railway power, Hz.
 const TRACTION_HZ: f64 = 50.0 / 3.0;
 /// How far a power supply strays from its nominal frequency, as a share.
@@ -49,7 +50,9 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
             .collect();
         let (Some(first), Some(last)) = (time.first(), time.last()) else { continue };
         let length = last - first;
-        let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else { continue };
+        let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else {
+            continue;
+        };
         let step = length / (most - 1) as f64;
         let rank = 2 * channels.len();
         let points = (2 * OVERSAMPLED * most).next_power_of_two();
@@ -73,7 +76,9 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
             series.iter().map(|(x, y)| 2.0 * power_at(x, y, frequency) / y.len() as f64).sum()
         };
         let finer = (-(FINER as i32)..=FINER as i32).map(|k| near + grid * f64::from(k) / FINER as f64);
-        let Some((frequency, power)) = finer.map(|f| (f, of(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some((frequency, power)) = finer.map(|f| (f, of(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            continue;
+        };
         let p = rest.p(power, rank);
         if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {
             best = Some((p, frequency, number, step, power));
@@ -86,7 +91,14 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let mut parameters = vec![0.0; 7];
         parameters[6] = f;
         let effect = EffectInstance { kind, axis: None, column: None, recording: None, parameters };
-        Proposal { name: kind.name().into(), addition: Addition::Effect(effect), p, gain, searched: 2.0, local: false }
+        Proposal {
+            name: kind.name().into(),
+            addition: Addition::Effect(effect),
+            p,
+            gain,
+            searched: 2.0,
+            local: false,
+        }
     });
     let named = named.collect();
     (Some(line), named)
@@ -106,7 +118,8 @@ fn aliases(frequency: f64, rate: f64) -> Vec<(Kind, f64)> {
         })
         .collect();
     let chance: f64 = MAINS_HZ.iter().map(|f| 4.0 * f * STRAY / rate).sum();
-    let mut found: Vec<_> = found.into_iter().filter(|(.., off)| *off < STRAY && chance.min(1.0) < BY_CHANCE).collect();
+    let mut found: Vec<_> =
+        found.into_iter().filter(|(.., off)| *off < STRAY && chance.min(1.0) < BY_CHANCE).collect();
     found.sort_by(|a, b| a.2.total_cmp(&b.2));
     found.into_iter().map(|(kind, f, _)| (kind, f)).take(2).collect()
 }

@@ -1,8 +1,10 @@
 //! `diagnose`: what physics the model left out.
 
 use clap::Parser;
-use common::pipe::{self, Io, Program};
+use common::Document;
+use common::pipe::{self, Input, Io, Program};
 use diagnose::Options;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "diagnose", version: env!("CARGO_PKG_VERSION") };
@@ -12,12 +14,15 @@ const PROGRAM: Program = Program { name: "diagnose", version: env!("CARGO_PKG_VE
 #[command(
     version,
     after_help = "Example:\n  \
-    simulate campaign fixtures/plans/cubesat.json | coilcal | sensorcal | axescal | diagnose > result.json\n\n\
+    diagnose fixtures/diagnose/warm/input.json > result.json\n\n\
     Exit codes: 0 done; 1 the recordings do not determine the answer; 2 the request or the document is wrong."
 )]
 struct Cli {
     #[command(flatten)]
     io: Io,
+    /// A simulation to hold the recordings against, in the place of what calibration and model predict
+    #[arg(long, value_name = "FILE")]
+    against: Option<PathBuf>,
     /// Seed of the draws by which chance is judged
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -31,8 +36,19 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let options = Options { seed: cli.seed, level: cli.level };
-    let arguments = vec![format!("--seed={}", cli.seed), format!("--level={}", cli.level)];
-    pipe::stage(PROGRAM, &cli.io, arguments, |document| diagnose::run(document, &options), diagnose::summary)?;
+    let mut arguments = vec![format!("--seed={}", cli.seed), format!("--level={}", cli.level)];
+    let mut options = Options { seed: cli.seed, level: cli.level, against: None };
+    if let Some(path) = &cli.against {
+        let input = Input::read(Some(path))?;
+        options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);
+        arguments.push(format!("--against={}", path.display()));
+    }
+    pipe::stage(
+        PROGRAM,
+        &cli.io,
+        arguments,
+        |document| diagnose::run(document, &options),
+        diagnose::summary,
+    )?;
     Ok(())
 }

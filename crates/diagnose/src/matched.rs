@@ -71,7 +71,8 @@ mod tests {
         let series: Vec<f64> = (0..23).map(|k| f64::sin(k as f64 * k as f64)).collect();
         let template = [0.5, -1.0, 0.25, 2.0];
         for (j, found) in correlate(&series, &template).iter().enumerate() {
-            let sum: f64 = template.iter().enumerate().filter_map(|(i, t)| Some(series.get(j + i)? * t)).sum();
+            let sum: f64 =
+                template.iter().enumerate().filter_map(|(i, t)| Some(series.get(j + i)? * t)).sum();
             assert!((found - sum).abs() < 1e-12);
         }
     }

@@ -85,8 +85,7 @@ impl<'a> Model<'a> {
     pub fn of(document: &'a Document, observed: Observed<'a>) -> Result<(Self, State), Error> {
         let settings = settings(&observed);
         let mut all: Vec<(Unknown, Option<f64>)> = Vec::new();
-        for instrument in
-            [Instrument::Read(Unit::Volt), Instrument::Read(Unit::Nanotesla), Instrument::Pair]
+        for instrument in [Instrument::Read(Unit::Volt), Instrument::Read(Unit::Nanotesla), Instrument::Pair]
         {
             all.extend(chain().map(|parameter| (Unknown::Chain(parameter, instrument), None)));
         }
@@ -96,7 +95,9 @@ impl<'a> Model<'a> {
         }
         let channels = observed.channels.iter().enumerate();
         all.extend(
-            channels.filter(|(_, c)| observed.runs[c.run].in_shield()).map(|(k, _)| (Unknown::Level(k), None)),
+            channels
+                .filter(|(_, c)| observed.runs[c.run].in_shield())
+                .map(|(k, _)| (Unknown::Level(k), None)),
         );
         for setting in 0..settings.iter().max().map_or(0, |last| last + 1) {
             let run = settings.iter().position(|s| *s == setting).unwrap_or(0);
@@ -247,7 +248,9 @@ impl<'a> Model<'a> {
                 Ok(derivatives.iter().map(stack).collect())
             })
             .collect::<Result<_, Error>>()?;
-        Ok((0..parameters.len()).map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect()).collect())
+        Ok((0..parameters.len())
+            .map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect())
+            .collect())
     }
 
     /// What is predicted, nT, stacked.
@@ -256,7 +259,11 @@ impl<'a> Model<'a> {
             .into_par_iter()
             .map(|run| {
                 let (prediction, _) = self.predict(state, run, &[])?;
-                Ok(self.observed.channels_of(run).flat_map(|channel| channel.predicted(&prediction)).collect())
+                Ok(self
+                    .observed
+                    .channels_of(run)
+                    .flat_map(|channel| channel.predicted(&prediction))
+                    .collect())
             })
             .collect::<Result<_, Error>>()?;
         Ok(parts.concat())
@@ -481,8 +488,7 @@ fn settings(observed: &Observed<'_>) -> Vec<usize> {
         .runs
         .iter()
         .map(|run| {
-            let key =
-                (run.recording.conditions.setting.as_deref(), run.setting.context.orientation.rotation);
+            let key = (run.recording.conditions.setting.as_deref(), run.setting.context.orientation.rotation);
             seen.iter().position(|known| *known == key).unwrap_or_else(|| {
                 seen.push(key);
                 seen.len() - 1

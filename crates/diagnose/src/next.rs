@@ -13,7 +13,10 @@ pub fn between(first: &str, second: &str) -> String {
     let electronics = |kind: Kind| kind.about().needs.contains(&"electronics_temperature_c");
     let thermal = |kind: Kind| kind.about().needs.iter().any(|need| need.contains("temperature"));
     let time = |kind: Kind| {
-        matches!(kind, Kind::WarmUp | Kind::Ageing | Kind::SensitivityAgeing | Kind::PillarSettling | Kind::ReadingStep)
+        matches!(
+            kind,
+            Kind::WarmUp | Kind::Ageing | Kind::SensitivityAgeing | Kind::PillarSettling | Kind::ReadingStep
+        )
     };
     let lagged = |kind: Kind| {
         matches!(
@@ -28,7 +31,12 @@ pub fn between(first: &str, second: &str) -> String {
     let rate = |kind: Kind| {
         matches!(
             kind,
-            Kind::LoopBandwidth | Kind::Delay | Kind::ClockOffset | Kind::ClockRate | Kind::EddyCurrents | Kind::InductionDifference
+            Kind::LoopBandwidth
+                | Kind::Delay
+                | Kind::ClockOffset
+                | Kind::ClockRate
+                | Kind::EddyCurrents
+                | Kind::InductionDifference
         )
     };
     let sensitivity = |kind: Kind| kind.name().starts_with("sensitivity");
@@ -41,7 +49,8 @@ pub fn between(first: &str, second: &str) -> String {
             .into();
     }
     if both(time) {
-        return "record for several times as long, and switch the instrument off and on once in between".into();
+        return "record for several times as long, and switch the instrument off and on once in between"
+            .into();
     }
     if both(rate) {
         return "repeat the same drive at half and at twice the rate, one coil at a time, and once with the drive held between steps: a \
@@ -64,7 +73,8 @@ pub fn between(first: &str, second: &str) -> String {
         return "drive each coil by itself in both directions, and record once without drive".into();
     }
     if both(|kind| kind.place() == Place::Sensor) {
-        return "reverse the sensor in the field, and drive the coils across it one at a time, up and down".into();
+        return "reverse the sensor in the field, and drive the coils across it one at a time, up and down"
+            .into();
     }
     "repeat with the sensor reversed and at half the rate".into()
 }

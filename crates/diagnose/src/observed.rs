@@ -142,8 +142,8 @@ impl<'a> Observed<'a> {
     /// Adds the channels of a recording that can be predicted.
     fn add(&mut self, run: Run<'a>) -> Result<(), Error> {
         let Setting { basic, context } = &run.setting;
-        let prediction = physics::predict(basic, &[], context)
-            .map_err(|error| Error::Document(error.at(&run.path)))?;
+        let prediction =
+            physics::predict(basic, &[], context).map_err(|error| Error::Document(error.at(&run.path)))?;
         let (prefix, suffix) =
             if run.differential() { ("test", "nt") } else { ("sensor", context.unit.suffix()) };
         let mut found: Vec<(Reader, String, f64)> = Axis::ALL

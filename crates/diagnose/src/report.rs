@@ -1,8 +1,8 @@
 //! What was found, as the document's `diagnosis`.
 
 use common::{
-    Axis, BaseShift, Detectable, Diagnosis, DoubtfulValue, ExplainedEffect, Quantity, Remaining,
-    Residual, ResidualOf, Rival, Share, Verdict,
+    Axis, BaseShift, Detectable, Diagnosis, DoubtfulValue, ExplainedEffect, Quantity, Remaining, Residual,
+    ResidualOf, Rival, Share, Verdict,
 };
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
@@ -14,6 +14,7 @@ use crate::candidates::{What, named};
 use crate::fit::{Fitter, HeldOut};
 use crate::model::{Instrument, Model, Unknown};
 use crate::search::{Addition, Searcher};
+use crate::words::chance;
 use crate::{Error, Found, Options, Outcome, next};
 
 /// Standard deviations that make nine claims of ten out of five.
@@ -40,23 +41,28 @@ pub fn report(
     let fitter = Fitter { model, noise: &outcome.noise };
     let effects = explained(model, outcome, &fitter)?;
     let structure = structure(outcome, options);
-    let mut places: Vec<Share> = outcome.found.iter().enumerate().map(|(k, _)| share(model, outcome, k)).collect();
+    let mut places: Vec<Share> =
+        outcome.found.iter().enumerate().map(|(k, _)| share(model, outcome, k)).collect();
     if left {
         places.extend(nameless_share(outcome, options));
     }
-    let mut recordings: Vec<String> = places.iter().flat_map(|share| share.recordings.iter().cloned()).collect();
+    let mut recordings: Vec<String> =
+        places.iter().flat_map(|share| share.recordings.iter().cloned()).collect();
     recordings.sort();
     recordings.dedup();
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
-            let words = equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.equal[0]));
+            let words =
+                equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.equal[0]));
             Some(words.collect::<Vec<_>>().join("; "))
         }
-        Verdict::Unexplained | Verdict::PartlyExplained => outcome.last.structures.first().map(|s| match &s.what {
-            What::Smooth { covariate, .. } => next::unexplained(covariate),
-            What::Dependence { column, .. } => next::unexplained(column),
-            What::Physics(_) => String::new(),
-        }),
+        Verdict::Unexplained | Verdict::PartlyExplained => {
+            outcome.last.structures.first().map(|s| match &s.what {
+                What::Smooth { covariate, .. } => next::unexplained(covariate),
+                What::Dependence { column, .. } => next::unexplained(column),
+                What::Physics(_) => String::new(),
+            })
+        }
         _ => None,
     };
     let first = outcome.first.rest.omnibus();
@@ -158,7 +164,11 @@ fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f
     Ok(if whole > 0.0 { left / whole } else { 0.0 })
 }
 
-fn explained(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Vec<ExplainedEffect>, Error> {
+fn explained(
+    model: &Model<'_>,
+    outcome: &Outcome,
+    fitter: &Fitter<'_, '_>,
+) -> Result<Vec<ExplainedEffect>, Error> {
     let base = model.unknowns.len();
     let free = model.free(&outcome.fit.state);
     let floor = floor(outcome);
@@ -167,9 +177,13 @@ fn explained(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> R
         .iter()
         .enumerate()
         .map(|(number, found)| {
-            let rivals = found.lost.iter().map(|(effect, why_not)| Rival { effect: effect.clone(), why_not: why_not.clone() });
+            let rivals = found
+                .lost
+                .iter()
+                .map(|(effect, why_not)| Rival { effect: effect.clone(), why_not: why_not.clone() });
             let count = outcome.fit.residual.len() as f64;
-            let gains: Vec<f64> = found.refined.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect();
+            let gains: Vec<f64> =
+                found.refined.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect();
             let mut effect = ExplainedEffect {
                 p_adjusted: found.refined.p_adjusted,
                 held_out_gain_nt: in_nt(found.refined.held_out.iter().sum(), count, floor),
@@ -204,7 +218,9 @@ fn explained(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> R
                     effect.effect = if single { "spike" } else { "dependence" }.into();
                     effect.title = column.what.clone();
                     effect.column = (!single).then(|| column.what.clone());
-                    effect.equation = if single { "dB = h in one reading" } else { "dB = c times the column, lagged" }.into();
+                    effect.equation =
+                        if single { "dB = h in one reading" } else { "dB = c times the column, lagged" }
+                            .into();
                     let name = if single { "height_nt" } else { "coefficient_nt_per_unit" };
                     effect.parameters.insert(name.into(), Quantity::new(column.coefficient, std));
                     effect.visible_fraction = visible(fitter, outcome, &[at])?;
@@ -229,7 +245,8 @@ fn floor(outcome: &Outcome) -> f64 {
 
 fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {
     let found = &outcome.found[number];
-    let excess = (outcome.first.rest.sum_of_squares - outcome.last.rest.freedom * outcome.last.rest.scale()).max(found.gain);
+    let excess = (outcome.first.rest.sum_of_squares - outcome.last.rest.freedom * outcome.last.rest.scale())
+        .max(found.gain);
     let energy_share = Some((found.gain / excess).clamp(0.0, 1.0));
     let Some((at, effect)) = effect_of(outcome, number) else {
         let column = &outcome.fit.state.columns[place_of(outcome, number)];
@@ -246,7 +263,8 @@ fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {
         Place::Sensor | Place::Electronics | Place::Logger | Place::Spacecraft => "SEN",
         Place::Facility | Place::Environment | Place::Sites => "GEO",
     };
-    let mut covariates: Vec<String> = about.needs.iter().filter(|need| !need.contains(' ')).map(|need| (*need).into()).collect();
+    let mut covariates: Vec<String> =
+        about.needs.iter().filter(|need| !need.contains(' ')).map(|need| (*need).into()).collect();
     covariates.extend(effect.column.clone());
     let sensors = if on_coil(effect) { Vec::new() } else { effect.axis.into_iter().collect() };
     let frequency = about.parameters.iter().position(|info| info.name == "frequency_hz");
@@ -309,23 +327,33 @@ fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Share> {
 fn structure(outcome: &Outcome, options: &Options) -> String {
     let mut words = Vec::new();
     if let Some(structure) = outcome.last.structures.first() {
-        words.push(format!("{} (p = {:.1e})", structure.what.name(), structure.p_adjusted));
+        words.push(format!("{} ({})", structure.what.name(), chance(structure.p_adjusted)));
     }
     if let Some(line) = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0) {
-        words.push(format!("a line at {:.6} Hz in \"{}\" (p = {:.1e})", line.frequency_hz, line.recording, line.p));
+        words.push(format!(
+            "a line at {:.6} Hz in \"{}\" ({})",
+            line.frequency_hz,
+            line.recording,
+            chance(line.p)
+        ));
     }
-    words.extend(outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} (p = {:.1e})", p.name, p.p)));
+    words.extend(
+        outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} ({})", p.name, chance(p.p))),
+    );
     words.join("; ")
 }
 
 fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
-    let rms = |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
+    let rms =
+        |values: &[f64]| (values.iter().map(|v| v * v).sum::<f64>() / values.len().max(1) as f64).sqrt();
     let floor = floor(outcome);
     let scale = outcome.last.rest.scale().sqrt();
     let held = |out: HeldOut, unit: f64| (out.parts.iter().sum::<f64>() / out.rows.max(1.0)).sqrt() * unit;
     let base = Fitter { model, noise: &outcome.base_noise };
-    let base_mean: f64 = outcome.base_noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.base_noise.std_nt.len() as f64;
-    let mean: f64 = outcome.noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.noise.std_nt.len() as f64;
+    let base_mean: f64 =
+        outcome.base_noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.base_noise.std_nt.len() as f64;
+    let mean: f64 =
+        outcome.noise.std_nt.iter().map(|s| s * s).sum::<f64>() / outcome.noise.std_nt.len() as f64;
     Ok(Residual {
         rms_before_nt: rms(&outcome.before),
         rms_refitted_nt: rms(&outcome.base.residual),
@@ -369,7 +397,10 @@ fn base_shift(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
         Unknown::Field(axis) => format!("axes.residual_field_nt.{axis}"),
         Unknown::Level(channel) => {
             let channel = &model.observed.channels[*channel];
-            format!("field of the shield in \"{}\", {}, nt", model.observed.runs[channel.run].recording.id, channel.column)
+            format!(
+                "field of the shield in \"{}\", {}, nt",
+                model.observed.runs[channel.run].recording.id, channel.column
+            )
         }
         Unknown::Turn { setting, about } => format!("setting {setting} of the block about axis {about}, rad"),
     };
@@ -405,7 +436,8 @@ fn detectable(
             .filter(|info| (info.role == Role::Amplitude) != candidate.finite)
             .map(|info| info.name)
             .collect();
-        let threshold = chi_squared_quantile(1.0 - searcher.threshold(number, options.level), amplitudes.len() as f64);
+        let threshold =
+            chi_squared_quantile(1.0 - searcher.threshold(number, options.level), amplitudes.len() as f64);
         let z = threshold.sqrt() + NINE_OF_TEN;
         let mut smallest: IndexMap<String, f64> = IndexMap::new();
         let mut visible = 0.0_f64;
@@ -429,7 +461,12 @@ fn detectable(
             }
         }
         let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
-        all.push(Detectable { effect: effect.kind.name().into(), target, smallest, visible_fraction: visible });
+        all.push(Detectable {
+            effect: effect.kind.name().into(),
+            target,
+            smallest,
+            visible_fraction: visible,
+        });
     }
     Ok(all)
 }

@@ -194,7 +194,8 @@ impl<'p> Searcher<'p> {
             .candidates
             .iter()
             .map(|candidate| {
-                let group = |trial: &crate::candidates::Trial| trial.columns.iter().map(|c| base + c).collect();
+                let group =
+                    |trial: &crate::candidates::Trial| trial.columns.iter().map(|c| base + c).collect();
                 candidate.trials.iter().map(group).collect()
             })
             .collect();
@@ -222,12 +223,16 @@ impl<'p> Searcher<'p> {
                 let gain = screen.gain(group)?;
                 let p = rest.p(gain.gain, gain.rank);
                 sizes.push((gain.gain, gain.coefficients.first().copied().unwrap_or(0.0)));
-                if best.as_ref().is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most)) {
+                if best
+                    .as_ref()
+                    .is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most))
+                {
                     best = Some((p, gain.gain, at, gain.coefficients, gain.rank));
                 }
             }
             let Some((p, gain, at, coefficients, rank)) = best else { continue };
-            let chance = self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
+            let chance =
+                self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
             least_p = least_p.min(families(chance));
             if families(chance) >= self.level {
                 continue;
@@ -240,7 +245,14 @@ impl<'p> Searcher<'p> {
                 _ => {
                     if let Some(addition) = start(candidate, self.pool, at, &coefficients, &sizes) {
                         let name = candidate.what.name();
-                        proposals.push(Proposal { name, addition, p: chance, gain, searched: 0.0, local: false });
+                        proposals.push(Proposal {
+                            name,
+                            addition,
+                            p: chance,
+                            gain,
+                            searched: 0.0,
+                            local: false,
+                        });
                     }
                 }
             }
@@ -285,8 +297,12 @@ impl<'p> Searcher<'p> {
             };
             let Ok(with) = fitter.refine(&state) else { continue };
             let with = if proposal.local { settled_in_time(fitter, with)? } else { with };
-            let held_out: Vec<f64> =
-                before.parts.iter().zip(fitter.held_out(&with)?.parts).map(|(before, after)| before - after).collect();
+            let held_out: Vec<f64> = before
+                .parts
+                .iter()
+                .zip(fitter.held_out(&with)?.parts)
+                .map(|(before, after)| before - after)
+                .collect();
             let deviance = match fitter.noise.known {
                 known if known.is_infinite() => with.cost,
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
@@ -340,17 +356,24 @@ impl<'p> Searcher<'p> {
                     return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
                 }
             }
-            let candidate = self.pool.candidates.iter().find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
+            let candidate = self
+                .pool
+                .candidates
+                .iter()
+                .find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
             let shape = found.kind.parameters().iter().position(|info| info.role == Role::Shape);
             if let (Some(candidate), Some(at)) = (candidate.filter(|c| !c.finite), shape) {
                 let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
-                let (low, high) = tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
+                let (low, high) =
+                    tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
                 let name = found.kind.parameters()[at].name;
                 if found.parameters[at] < 0.9 * low {
                     return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
                 }
                 if found.parameters[at] > 1.1 * high {
-                    return idle(format!("{name} runs beyond what the recording spans, where a simpler effect says the same"));
+                    return idle(format!(
+                        "{name} runs beyond what the recording spans, where a simpler effect says the same"
+                    ));
                 }
             }
         }
@@ -509,7 +532,10 @@ const NEEDED: f64 = 0.01;
 const HELD: f64 = 0.02;
 
 /// What the others of a list say against its first: those that fit equally well, and why the rest lost.
-pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
+pub fn rivals(
+    fitter: &Fitter<'_, '_>,
+    refined: &[Refined],
+) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
     let (mut equal, mut lost) = (Vec::new(), Vec::new());
     let Some((best, others)) = refined.split_first() else { return Ok((equal, lost)) };
     for other in others {
@@ -520,7 +546,10 @@ pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<(Vec<Strin
         }
         let behind = other.criterion() - best.criterion();
         if behind > ODDS {
-            lost.push((name, format!("it fits worse: odds of {:.1e} against it", (behind / 2.0).exp())));
+            let odds = (behind / 2.0).exp();
+            let odds =
+                if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };
+            lost.push((name, format!("it fits worse: {odds} against it")));
             continue;
         }
         let more = other.unknowns - best.unknowns;

@@ -20,14 +20,12 @@ pub fn kept(found: &[Found], looks: &[Look], level: f64) -> usize {
     if looks[whole].least_p >= level {
         return whole;
     }
-    (0..=whole)
-        .rev()
-        .find(|count| found[..*count].iter().all(|one| stands(one, &looks[*count])))
-        .unwrap_or(0)
+    (0..=whole).rev().find(|count| found[..*count].iter().all(|one| stands(one, &looks[*count]))).unwrap_or(0)
 }
 
 fn stands(found: &Found, look: &Look) -> bool {
-    found.gain > FAR_MORE * look.left() && !look.structures.iter().any(|left| same(&found.refined.proposal.addition, &left.what))
+    found.gain > FAR_MORE * look.left()
+        && !look.structures.iter().any(|left| same(&found.refined.proposal.addition, &left.what))
 }
 
 /// Whether structure follows what an effect follows, in the same sensor.
@@ -47,7 +45,9 @@ fn same(addition: &Addition, left: &What) -> bool {
 }
 
 fn follows(effect: &EffectInstance, covariate: &str) -> bool {
-    if effect.column.as_deref() == Some(covariate) || effect.kind.about().needs.contains(&covariate) && covariate != "time_s" {
+    if effect.column.as_deref() == Some(covariate)
+        || effect.kind.about().needs.contains(&covariate) && covariate != "time_s"
+    {
         return true;
     }
     match effect.kind {

@@ -55,7 +55,8 @@ impl Grid {
     fn of(noise: &Noise, time: &[f64]) -> Result<Option<Self>, Error> {
         let Some(step_s) = typical_step_s(time) else { return Ok(None) };
         let places: Vec<usize> = time.iter().map(|t| ((t - time[0]) / step_s).round() as usize).collect();
-        let on_grid = |(t, place): (&f64, &usize)| (t - time[0] - *place as f64 * step_s).abs() < OFF_GRID * step_s;
+        let on_grid =
+            |(t, place): (&f64, &usize)| (t - time[0] - *place as f64 * step_s).abs() < OFF_GRID * step_s;
         let points = places.last().map_or(0, |last| last + 1);
         let rising = places.windows(2).all(|pair| pair[0] < pair[1]);
         if !rising || !time.iter().zip(&places).all(on_grid) || points > SPARSEST * time.len() {
@@ -65,7 +66,8 @@ impl Grid {
         let white = noise.white_rms_nt.unwrap_or(0.0).powi(2) * 2.0 * step_s;
         let (amplitude, exponent) =
             (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0));
-        let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
+        let walk =
+            noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
         let density = |f: f64| {
             let f = f.max(slowest);
             white + amplitude * f.powf(-exponent) + walk / (f * f)
@@ -107,7 +109,12 @@ pub struct NoiseModel {
 impl NoiseModel {
     /// The noise as the document declares it; where it does not, as `residual` (nT, stacked, with `used` degrees of freedom
     /// taken by the fit) shows it.
-    pub fn of(document: &Document, observed: &Observed<'_>, residual: &[f64], used: f64) -> Result<Self, Error> {
+    pub fn of(
+        document: &Document,
+        observed: &Observed<'_>,
+        residual: &[f64],
+        used: f64,
+    ) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
             observed.channels.iter().map(|channel| declared(document, observed, channel)).collect();
         let known = known_freedom(&declared);
@@ -231,7 +238,12 @@ fn known_freedom(declared: &[Option<Noise>]) -> f64 {
 }
 
 /// Noise as a residual shows it: the spectrum of an even series, else white noise of each kind of channel.
-fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64], used: f64) -> Result<Vec<Noise>, Error> {
+fn estimate(
+    document: &Document,
+    observed: &Observed<'_>,
+    residual: &[f64],
+    used: f64,
+) -> Result<Vec<Noise>, Error> {
     let share = (1.0 - used / observed.rows as f64).max(0.05);
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
     let (mut whole, mut readings) = (0.0, 0);
@@ -251,7 +263,9 @@ fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64], used
             let variance = (sum / (count as f64 * share)).max(least);
             let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
             let step_s = observed.times(channel).and_then(|time| even_step_s(&time));
-            let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else { return Ok(white) };
+            let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
+                return Ok(white);
+            };
             let spectrum = periodogram(&residual[channel.range()], step_s);
             let fit = spectrum.and_then(|spectrum| whittle::fit_with(&[spectrum], White::PerReading));
             let Ok(fit) = fit else { return Ok(white) };

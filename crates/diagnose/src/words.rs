@@ -29,8 +29,10 @@ fn one(text: &mut String, entry: &Diagnosis) {
     }
     for effect in &entry.effects {
         let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
-        let target = target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
-        let _ = writeln!(text, "  {}{target}: {} (p = {:.1e})", effect.effect, effect.title, effect.p_adjusted);
+        let target =
+            target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
+        let _ =
+            writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, chance(effect.p_adjusted));
         let parameters: Vec<String> =
             effect.parameters.iter().map(|(name, value)| format!("{name} = {}", plus_minus(value))).collect();
         let _ = writeln!(text, "    {}", parameters.join(", "));
@@ -61,6 +63,11 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(next) = &entry.next_experiment {
         let _ = writeln!(text, "  next: {next}");
     }
+}
+
+/// A probability by chance; what is too small for a number is said to be.
+pub fn chance(p: f64) -> String {
+    if p < 1e-300 { "p < 1e-300".into() } else { format!("p = {p:.1e}") }
 }
 
 fn plus_minus(quantity: &Quantity) -> String {

@@ -5,7 +5,8 @@ use diagnose::Options;
 
 #[test]
 fn the_wrong_values_of_table_4_are_located() {
-    let document = Document::parse(&testkit::read_fixture("nasa-1977/table-4.json")).expect("a good document");
+    let document =
+        Document::parse(&testkit::read_fixture("nasa-1977/table-4.json")).expect("a good document");
     let document = axescal::run(document, &axescal::Options::default()).expect("directions");
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
     println!("{}", diagnose::summary(&found));

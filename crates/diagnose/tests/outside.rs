@@ -24,7 +24,9 @@ const ODD: [Odd; 12] = [
     ("the fifth power of the field", 0, |row| (row.field[0] / 3e4).powi(5) - (row.field[0] / 3e4).powi(3)),
     ("a chirp", 1, |row| (row.number as f64 * row.number as f64 / 300.0).sin()),
     ("a telegraph between two levels", 2, |row| {
-        f64::from(u8::from(((row.number as f64 * 0.13).sin() + (row.number as f64 * 0.071 + 1.0).sin()) > 0.3))
+        f64::from(u8::from(
+            ((row.number as f64 * 0.13).sin() + (row.number as f64 * 0.071 + 1.0).sin()) > 0.3,
+        ))
     }),
     ("a saw-tooth in time", 0, |row| (row.time_s / 470.0).fract()),
     ("temperature times current", 1, |row| (row.temperature_c - 23.0) * (row.current_a - 1.5)),
@@ -83,7 +85,12 @@ fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
         let found = diagnose::run(document, &Options::default()).expect("diagnosed");
         let entry = found.diagnosis.expect("a diagnosis").remove(0);
         let named: Vec<&str> = entry.effects.iter().map(|effect| effect.effect.as_str()).collect();
-        println!("{:32} {:17} {named:?} {}", odd.0, entry.verdict.word(), entry.places.iter().map(|p| p.description.clone()).collect::<Vec<_>>().join("; "));
+        println!(
+            "{:32} {:17} {named:?} {}",
+            odd.0,
+            entry.verdict.word(),
+            entry.places.iter().map(|p| p.description.clone()).collect::<Vec<_>>().join("; ")
+        );
         let claims = matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained);
         if claims && named.iter().any(|name| *name != "dependence") {
             wrong.push(format!("{}: {named:?}", odd.0));

@@ -9,11 +9,13 @@ use serde_json::{Value, json};
 
 fn sets() -> Vec<Vec<Value>> {
     let warm = json!({"effect": "offset_temperature_lag", "sensor": "x", "parameters": {"coefficient_nt_per_k": 0.3, "lag_s": 300.0}});
-    let bent = json!({"effect": "quadratic_nonlinearity", "sensor": "y", "parameters": {"departure_nt": 3.0}});
+    let bent =
+        json!({"effect": "quadratic_nonlinearity", "sensor": "y", "parameters": {"departure_nt": 3.0}});
     let eddy = json!({"effect": "eddy_currents", "coil": "y", "parameters": {"share_ppm": 200.0, "time_constant_s": 60.0}});
     let across = json!({"effect": "cross_field", "sensor": "z", "parameters": {"first_nt": 4.0, "second_nt": -2.0, "mixed_nt": 1.0}});
     let clock = json!({"effect": "clock_offset", "parameters": {"offset_s": 0.02}});
-    let step = json!({"effect": "reading_step", "sensor": "z", "parameters": {"height_nt": 8.0, "time_s": 2700.0}});
+    let step =
+        json!({"effect": "reading_step", "sensor": "z", "parameters": {"height_nt": 8.0, "time_s": 2700.0}});
     vec![
         vec![warm.clone(), bent.clone()],
         vec![eddy.clone(), across.clone()],

@@ -38,8 +38,18 @@ pub fn proposal(
             .enumerate()
             .filter(|(_, c)| c.run == number && matches!(c.reader, Reader::Sensor(_)) && c.rows.len() >= ROWS)
             .collect();
-        let probe = EffectInstance { kind: Kind::VehiclePass, axis: None, column: None, recording: None, parameters: vec![0.0; 11] };
-        if channels.len() < 3 || !fitter.model.can_act(number, &EffectInstance { parameters: [vec![0.0; 10], vec![1.0]].concat(), ..probe }) {
+        let probe = EffectInstance {
+            kind: Kind::VehiclePass,
+            axis: None,
+            column: None,
+            recording: None,
+            parameters: vec![0.0; 11],
+        };
+        if channels.len() < 3
+            || !fitter
+                .model
+                .can_act(number, &EffectInstance { parameters: [vec![0.0; 10], vec![1.0]].concat(), ..probe })
+        {
             continue;
         }
         let rows = channels.iter().map(|(_, c)| c.rows.len()).min().unwrap_or(0);
@@ -61,13 +71,15 @@ pub fn proposal(
             for (at, _) in &channels {
                 let departures = &all[*at];
                 // What begins at a row has its middle `reach` rows later.
-                let along: Vec<Vec<f64>> = shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
+                let along: Vec<Vec<f64>> =
+                    shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
                 let products = products(&shapes, &departures.response);
                 let Some(inverse) = inverse(&products) else { continue };
                 for begin in 0..rows.saturating_sub(2 * reach as usize) {
                     let a: Vec<f64> = along.iter().map(|values| values[begin]).collect();
-                    gain[begin + reach as usize] +=
-                        (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum::<f64>();
+                    gain[begin + reach as usize] += (0..3)
+                        .map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>())
+                        .sum::<f64>();
                 }
             }
             looks += 3.0 * rows as f64 / duration;
@@ -104,8 +116,10 @@ fn products(shapes: &[Vec<f64>], response: &[f64]) -> Mat<f64> {
     let white: Vec<Vec<f64>> = shapes
         .iter()
         .map(|shape| {
-            let padded: Vec<f64> =
-                std::iter::repeat_n(0.0, response.len() - 1).chain(shape.iter().copied()).chain(std::iter::repeat_n(0.0, shape.len())).collect();
+            let padded: Vec<f64> = std::iter::repeat_n(0.0, response.len() - 1)
+                .chain(shape.iter().copied())
+                .chain(std::iter::repeat_n(0.0, shape.len()))
+                .collect();
             correlate(&padded, &reversed)
         })
         .collect();

@@ -120,7 +120,10 @@ fn recording(scene: Scene, run: usize) -> Value {
     }
     for (axis, period, phase) in [("x", 610.0, 0.4), ("y", 430.0, 1.3), ("z", 790.0, 2.2)] {
         let held = scene == Scene::Fast;
-        put(&format!("coil_{axis}_a"), if held { vec![f64::sin(phase); rows] } else { wave(period, phase, 1.0) });
+        put(
+            &format!("coil_{axis}_a"),
+            if held { vec![f64::sin(phase); rows] } else { wave(period, phase, 1.0) },
+        );
         put(&format!("sensor_{axis}_nt"), vec![0.0; rows]);
     }
     put("coil_temperature_c", warm(21.0, 4.0, 2300.0, 1.0, 1100.0));
@@ -128,7 +131,8 @@ fn recording(scene: Scene, run: usize) -> Value {
         put("panel_current_a", warm(1.5, 1.0, 333.0, 0.6, 1250.0));
     }
     if scene == Scene::Site {
-        for (axis, level, period) in [("x", 20_000.0, 1700.0), ("y", 300.0, 2600.0), ("z", 43_000.0, 2100.0)] {
+        for (axis, level, period) in [("x", 20_000.0, 1700.0), ("y", 300.0, 2600.0), ("z", 43_000.0, 2100.0)]
+        {
             put(&format!("outside_{axis}_nt"), warm(level, 40.0, period, 15.0, period / 7.0));
         }
         put("tilt_x_rad", warm(0.0, 2e-5, 4100.0, 1e-5, 520.0));
@@ -137,8 +141,10 @@ fn recording(scene: Scene, run: usize) -> Value {
     if scene == Scene::Craft {
         put("wheel_hz", warm(4.0, 1.0, 5300.0, 0.4, 1500.0));
         let azimuth = wave(2600.0, 0.2, 2.5);
-        let lit: Vec<f64> =
-            time.iter().map(|t| f64::from(u8::from((t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63))).collect();
+        let lit: Vec<f64> = time
+            .iter()
+            .map(|t| f64::from(u8::from((t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63)))
+            .collect();
         columns.insert("sunlit".into(), json!(lit));
         columns.insert("sun_azimuth_rad".into(), json!(azimuth));
         columns.insert("sun_elevation_rad".into(), json!(wave(3900.0, 1.9, 0.9)));
@@ -186,7 +192,8 @@ pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
     let size = |factor: f64| {
         let with = readings(&simulated(scene, &[times_parameters(effect, factor)], &none, 1));
         let rms = |axis: usize| {
-            let part: Vec<f64> = with[axis].iter().zip(&without[axis]).map(|(a, b)| a - b).filter(|d| d.is_finite()).collect();
+            let part: Vec<f64> =
+                with[axis].iter().zip(&without[axis]).map(|(a, b)| a - b).filter(|d| d.is_finite()).collect();
             let mean = part.iter().sum::<f64>() / part.len() as f64;
             (part.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / part.len() as f64).sqrt()
         };
