@@ -5,6 +5,9 @@
 
 mod freeze;
 mod pass;
+mod settle;
+
+pub use settle::settled_in_time;
 
 use physics::{EffectInstance, Kind, Parameter, Role};
 use rayon::prelude::*;

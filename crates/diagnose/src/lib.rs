@@ -21,6 +21,7 @@ mod model;
 mod next;
 mod observed;
 mod report;
+mod rivals;
 mod search;
 mod trust;
 mod whitening;
@@ -35,7 +36,8 @@ use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
 use crate::model::{Model, State};
 use crate::observed::Observed;
-use crate::search::{Addition, Look, Refined, Searcher, best, rivals};
+use crate::rivals::{Rivals, best, rivals};
+use crate::search::{Addition, Look, Refined, Searcher};
 use crate::whitening::NoiseModel;
 
 /// Most effects that are named.
@@ -64,10 +66,8 @@ struct Found {
     refined: Refined,
     /// By how much it lowered the sum of squares when it came in.
     gain: f64,
-    /// What fits equally well.
-    equal: Vec<String>,
-    /// What lost, and why.
-    lost: Vec<(String, String)>,
+    /// What was held against it.
+    rivals: Rivals,
 }
 
 /// All that was found.
@@ -143,10 +143,10 @@ fn search(
                 .collect();
             break;
         };
-        let (equal, lost) = rivals(&fitter, &refined)?;
+        let rivals = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
         let state = best.fit.state.clone();
-        found.push(Found { refined: best.clone(), gain, equal, lost });
+        found.push(Found { refined: best.clone(), gain, rivals });
         (fit, noise) = again(document, model, &state, &noise)?;
         last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
         looks.push(last.clone());
@@ -209,7 +209,7 @@ fn reconsider(
     let refined = searcher.refine(fitter, &rest, &look)?;
     let Some(best) = best(&refined) else { return Ok(()) };
     if best.proposal.name == found[number].refined.proposal.name {
-        (found[number].equal, found[number].lost) = rivals(fitter, &refined)?;
+        found[number].rivals = rivals(fitter, &refined)?;
         let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);
         found[number].refined = Refined { p_adjusted, ..best.clone() };
     }

@@ -30,7 +30,7 @@ pub fn report(
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
     let left = !outcome.last.clean(options.level);
-    let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
+    let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.rivals.equal.is_empty()).collect();
     let verdict = match (outcome.found.is_empty(), left, equal.is_empty()) {
         (true, false, _) => Verdict::Agrees,
         (true, true, _) => Verdict::Unexplained,
@@ -53,7 +53,7 @@ pub fn report(
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
             let words =
-                equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.equal[0]));
+                equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.rivals.equal[0]));
             Some(words.collect::<Vec<_>>().join("; "))
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
@@ -86,7 +86,7 @@ pub fn report(
     reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
     let ambiguity = equal
         .iter()
-        .flat_map(|found| std::iter::once(&found.refined.proposal.name).chain(&found.equal))
+        .flat_map(|found| std::iter::once(&found.refined.proposal.name).chain(&found.rivals.equal))
         .map(|name| vec![name.clone()])
         .collect();
     Ok(Diagnosis {
@@ -178,6 +178,7 @@ fn explained(
         .enumerate()
         .map(|(number, found)| {
             let rivals = found
+                .rivals
                 .lost
                 .iter()
                 .map(|(effect, why_not)| Rival { effect: effect.clone(), why_not: why_not.clone() });

@@ -1,8 +1,6 @@
 //! The search: which candidates explain what is left, how sure that is, and which fit equally well.
 
-use common::series::even_step_s;
 use estimate::screen::{Chance, Screen, Search};
-use estimate::stats::chi_squared_quantile;
 use faer::Mat;
 use noise::Stream;
 use physics::{EffectInstance, Kind, Role};
@@ -15,6 +13,7 @@ use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
 use crate::model::{Column, State};
+use crate::rivals;
 use std::sync::Arc;
 
 /// Draws of the distribution by chance.
@@ -25,9 +24,6 @@ const FAMILIES: f64 = 5.0;
 const REFINED: usize = 8;
 /// A size may be beyond its plausible range by this factor.
 const BEYOND: f64 = 3.0;
-
-/// Most rows by which an event is moved.
-const SHIFTS: usize = 8;
 
 /// What comes into the model.
 #[derive(Clone, Debug)]
@@ -296,7 +292,7 @@ impl<'p> Searcher<'p> {
                 }
             };
             let Ok(with) = fitter.refine(&state) else { continue };
-            let with = if proposal.local { settled_in_time(fitter, with)? } else { with };
+            let with = if proposal.local { events::settled_in_time(fitter, with)? } else { with };
             let held_out: Vec<f64> = before
                 .parts
                 .iter()
@@ -319,7 +315,7 @@ impl<'p> Searcher<'p> {
                 why_not,
             });
         }
-        without_needless_lags(fitter, &mut all);
+        rivals::without_needless_lags(fitter, &mut all);
         all.sort_by(|a, b| {
             a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
         });
@@ -385,97 +381,6 @@ impl<'p> Searcher<'p> {
     }
 }
 
-/// Sets aside effects with a lag that is smaller than its own uncertainty, where the same without a lag fits as well.
-fn without_needless_lags(fitter: &Fitter<'_, '_>, all: &mut [Refined]) {
-    let plain: Vec<(EffectInstance, f64)> = all
-        .iter()
-        .filter(|refined| refined.why_not.is_none())
-        .filter_map(|refined| match &refined.proposal.addition {
-            Addition::Effect(effect) => Some((effect.clone(), refined.criterion())),
-            Addition::Column(_) => None,
-        })
-        .collect();
-    for refined in all.iter_mut().filter(|refined| refined.why_not.is_none()) {
-        let Addition::Effect(effect) = &refined.proposal.addition else { continue };
-        let Some(kind) = without_lag(effect.kind) else { continue };
-        let as_good = plain.iter().any(|(other, criterion)| {
-            other.kind == kind && other.axis == effect.axis && criterion - refined.criterion() < ODDS
-        });
-        let free = fitter.model.free(&refined.fit.state);
-        let last = refined.fit.state.effects.len() - 1;
-        let lag = effect.kind.parameters().iter().position(|info| info.role == Role::Shape);
-        let Some(at) = free.iter().position(|(e, p)| *e == last && Some(*p) == lag) else { continue };
-        let at = fitter.model.unknowns.len() + at;
-        // Shapes count by their logarithm: its variance is the relative one.
-        if as_good && refined.fit.covariance[(at, at)] > 1.0 {
-            refined.why_not = Some(Fault::Idle(format!(
-                "its lag is smaller than its uncertainty, where {} says the same without",
-                kind.name()
-            )));
-        }
-    }
-}
-
-/// The same effect without a lag.
-fn without_lag(kind: Kind) -> Option<Kind> {
-    match kind {
-        Kind::OffsetTemperatureLag => Some(Kind::OffsetTemperature),
-        Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
-        Kind::AxisCreep => Some(Kind::AxisTemperature),
-        Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
-        Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
-        _ => None,
-    }
-}
-
-/// A fit whose last effect begins or ends some rows earlier or later, where that fits better: what a large departure does to the
-/// calibration hides where it begins.
-fn settled_in_time(fitter: &Fitter<'_, '_>, mut fit: Fit) -> Result<Fit, Error> {
-    let Some(last) = fit.state.effects.len().checked_sub(1) else { return Ok(fit) };
-    let effect = fit.state.effects[last].clone();
-    let movable: Vec<usize> = match effect.kind {
-        Kind::Spike | Kind::ReadingStep => vec![1],
-        Kind::Dropout => vec![0, 1],
-        _ => return Ok(fit),
-    };
-    let step = effect.recording.as_ref().and_then(|id| {
-        let run = fitter.model.observed.runs.iter().find(|run| run.recording.id == *id)?;
-        even_step_s(run.time_s?)
-    });
-    let Some(step) = step else { return Ok(fit) };
-    for _ in 0..SHIFTS {
-        let mut better: Option<Fit> = None;
-        for &at in &movable {
-            for sign in [-1.0, 1.0] {
-                let mut state = fit.state.clone();
-                state.effects[last].parameters[at] += sign * step;
-                if effect.kind == Kind::Dropout && at == 0 {
-                    // The end stays.
-                    state.effects[last].parameters[1] -= sign * step;
-                }
-                let Ok(moved) = fitter.refine(&state) else { continue };
-                if moved.cost < better.as_ref().map_or(fit.cost, |b| b.cost) - 1e-6 * fit.cost {
-                    better = Some(moved);
-                }
-            }
-        }
-        match better {
-            Some(moved) => fit = moved,
-            None => break,
-        }
-    }
-    Ok(fit)
-}
-
-/// The refined proposal that may be taken: the best that is not idle, unless something of an implausible size fits far better.
-pub fn best(refined: &[Refined]) -> Option<&Refined> {
-    let best = refined.iter().find(|r| r.why_not.is_none())?;
-    let far_better = |r: &&Refined| {
-        matches!(r.why_not, Some(Fault::Implausible(_))) && best.criterion() - r.criterion() > ODDS
-    };
-    refined.iter().find(far_better).is_none().then_some(best)
-}
-
 /// Whether a state holds a candidate's effect already.
 fn already(state: &State, candidate: &Candidate) -> bool {
     match &candidate.what {
@@ -522,57 +427,4 @@ fn start(
             Some(Addition::Column(Column { what: what.name(), values, coefficient: *coefficients.first()? }))
         }
     }
-}
-
-/// Twice the logarithm of the odds at which a rival is out.
-const ODDS: f64 = 9.2;
-/// Probability at which unknowns that a rival has more are needed.
-const NEEDED: f64 = 0.01;
-/// Share of an effect's columns that is left beside a rival which holds it.
-const HELD: f64 = 0.02;
-
-/// What the others of a list say against its first: those that fit equally well, and why the rest lost.
-pub fn rivals(
-    fitter: &Fitter<'_, '_>,
-    refined: &[Refined],
-) -> Result<(Vec<String>, Vec<(String, String)>), Error> {
-    let (mut equal, mut lost) = (Vec::new(), Vec::new());
-    let Some((best, others)) = refined.split_first() else { return Ok((equal, lost)) };
-    for other in others {
-        let name = other.proposal.name.clone();
-        if let Some(why) = &other.why_not {
-            lost.push((name, why.words().into()));
-            continue;
-        }
-        let behind = other.criterion() - best.criterion();
-        if behind > ODDS {
-            let odds = (behind / 2.0).exp();
-            let odds =
-                if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };
-            lost.push((name, format!("it fits worse: {odds} against it")));
-            continue;
-        }
-        let more = other.unknowns - best.unknowns;
-        let better = best.deviance - other.deviance;
-        if more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more) && holds(fitter, other, best)? {
-            lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
-            continue;
-        }
-        equal.push(name);
-    }
-    Ok((equal, lost))
-}
-
-/// Whether all that an effect does can be done by a rival.
-fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<bool, Error> {
-    let own = fitter.jacobian(&effect.fit.state)?;
-    let theirs = &rival.fit.jacobian;
-    let width = theirs.ncols();
-    let all = Mat::from_fn(theirs.nrows(), width + own.ncols(), |i, j| {
-        if j < width { theirs[(i, j)] } else { own[(i, j - width)] }
-    });
-    let first: Vec<usize> = (0..width).collect();
-    let screen = Screen::of(&fitter.products(&all, &rival.fit.white)).given(&first)?;
-    let base = fitter.model.unknowns.len();
-    Ok((base..own.ncols()).all(|j| screen.visible(width + j) < HELD))
 }

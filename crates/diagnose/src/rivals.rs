@@ -1,0 +1,121 @@
+//! Which of several answers: the best, those that fit as well, and those that lost.
+
+use estimate::screen::Screen;
+use estimate::stats::chi_squared_quantile;
+use faer::Mat;
+use physics::{EffectInstance, Kind, Role};
+
+use crate::Error;
+use crate::fit::Fitter;
+use crate::search::{Addition, Fault, Refined};
+
+/// Twice the logarithm of the odds at which a rival is out.
+const ODDS: f64 = 9.2;
+/// Probability at which unknowns that a rival has more are needed.
+const NEEDED: f64 = 0.01;
+/// Share of an effect's columns that is left beside a rival which holds it.
+const HELD: f64 = 0.02;
+
+/// The refined proposal that may be taken: the best that is not idle, unless something of an implausible size fits far better.
+pub fn best(refined: &[Refined]) -> Option<&Refined> {
+    let best = refined.iter().find(|r| r.why_not.is_none())?;
+    let far_better = |r: &&Refined| {
+        matches!(r.why_not, Some(Fault::Implausible(_))) && best.criterion() - r.criterion() > ODDS
+    };
+    refined.iter().find(far_better).is_none().then_some(best)
+}
+
+/// Sets aside effects with a lag that is smaller than its own uncertainty, where the same without a lag fits as well.
+pub fn without_needless_lags(fitter: &Fitter<'_, '_>, all: &mut [Refined]) {
+    let plain: Vec<(EffectInstance, f64)> = all
+        .iter()
+        .filter(|refined| refined.why_not.is_none())
+        .filter_map(|refined| match &refined.proposal.addition {
+            Addition::Effect(effect) => Some((effect.clone(), refined.criterion())),
+            Addition::Column(_) => None,
+        })
+        .collect();
+    for refined in all.iter_mut().filter(|refined| refined.why_not.is_none()) {
+        let Addition::Effect(effect) = &refined.proposal.addition else { continue };
+        let Some(kind) = without_lag(effect.kind) else { continue };
+        let as_good = plain.iter().any(|(other, criterion)| {
+            other.kind == kind && other.axis == effect.axis && criterion - refined.criterion() < ODDS
+        });
+        let free = fitter.model.free(&refined.fit.state);
+        let last = refined.fit.state.effects.len() - 1;
+        let lag = effect.kind.parameters().iter().position(|info| info.role == Role::Shape);
+        let Some(at) = free.iter().position(|(e, p)| *e == last && Some(*p) == lag) else { continue };
+        let at = fitter.model.unknowns.len() + at;
+        // Shapes count by their logarithm: its variance is the relative one.
+        if as_good && refined.fit.covariance[(at, at)] > 1.0 {
+            refined.why_not = Some(Fault::Idle(format!(
+                "its lag is smaller than its uncertainty, where {} says the same without",
+                kind.name()
+            )));
+        }
+    }
+}
+
+/// The same effect without a lag.
+fn without_lag(kind: Kind) -> Option<Kind> {
+    match kind {
+        Kind::OffsetTemperatureLag => Some(Kind::OffsetTemperature),
+        Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
+        Kind::AxisCreep => Some(Kind::AxisTemperature),
+        Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
+        Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
+        _ => None,
+    }
+}
+
+/// What the others of a list say against its first.
+#[derive(Clone, Debug, Default)]
+pub struct Rivals {
+    /// Those that fit equally well.
+    pub equal: Vec<String>,
+    /// The others, and why they lost.
+    pub lost: Vec<(String, String)>,
+}
+
+/// Holds the others of a list against its first.
+pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Error> {
+    let Rivals { mut equal, mut lost } = Rivals::default();
+    let Some((best, others)) = refined.split_first() else { return Ok(Rivals { equal, lost }) };
+    for other in others {
+        let name = other.proposal.name.clone();
+        if let Some(why) = &other.why_not {
+            lost.push((name, why.words().into()));
+            continue;
+        }
+        let behind = other.criterion() - best.criterion();
+        if behind > ODDS {
+            let odds = (behind / 2.0).exp();
+            let odds =
+                if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };
+            lost.push((name, format!("it fits worse: {odds} against it")));
+            continue;
+        }
+        let more = other.unknowns - best.unknowns;
+        let better = best.deviance - other.deviance;
+        if more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more) && holds(fitter, other, best)? {
+            lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
+            continue;
+        }
+        equal.push(name);
+    }
+    Ok(Rivals { equal, lost })
+}
+
+/// Whether all that an effect does can be done by a rival.
+fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<bool, Error> {
+    let own = fitter.jacobian(&effect.fit.state)?;
+    let theirs = &rival.fit.jacobian;
+    let width = theirs.ncols();
+    let all = Mat::from_fn(theirs.nrows(), width + own.ncols(), |i, j| {
+        if j < width { theirs[(i, j)] } else { own[(i, j - width)] }
+    });
+    let first: Vec<usize> = (0..width).collect();
+    let screen = Screen::of(&fitter.products(&all, &rival.fit.white)).given(&first)?;
+    let base = fitter.model.unknowns.len();
+    Ok((base..own.ncols()).all(|j| screen.visible(width + j) < HELD))
+}
