@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::candidates::named;
 use crate::fit::{Fit, Fitter, square};
-use crate::level::{Rest, at_least_one};
+use crate::level::{Rest, at_least_one, looks_along};
 use crate::matched::{power_along, sharpened};
 use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
@@ -63,7 +63,8 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
         return Ok(Vec::new());
     };
     let (frequency, most) = sharpened(&x, &y, strongest as f64 * grid, grid);
-    let looks = (to - from + 1) as f64;
+    // Three sensors are gone through.
+    let looks = 3.0 * looks_along(&x, (to - from + 1) as f64 * grid, 2.0 * most / length);
     if at_least_one(rest.p(2.0 * most / length, 2), looks) > 0.5 {
         return Ok(Vec::new());
     }

@@ -55,3 +55,14 @@ impl Rest {
 pub fn at_least_one(p: f64, count: f64) -> f64 {
     if p >= 1.0 { 1.0 } else { -(count * (-p).ln_1p()).exp_m1() }
 }
+
+/// As how many independent looks a search over all frequencies of a band counts, where the strongest gains so much: the expected
+/// upcrossings of χ² along the frequency, per probability of one look. `x` is what the waves run along.
+///
+/// √(4π var x) Δν √(gain/2). Source: Davies 1987, Hypothesis testing when a nuisance parameter is present only under the alternative,
+/// Biometrika 74, 33; Baluev 2008, Assessing the statistical significance of periodogram peaks, MNRAS 385, 1279, eq. 8.
+pub fn looks_along(x: &[f64], band: f64, gain: f64) -> f64 {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let variance = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / x.len() as f64;
+    ((4.0 * std::f64::consts::PI * variance).sqrt() * band * (0.5 * gain).sqrt()).max(1.0)
+}

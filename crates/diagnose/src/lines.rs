@@ -3,7 +3,7 @@
 use physics::{EffectInstance, Kind};
 
 use crate::fit::{Fit, Fitter};
-use crate::level::{Rest, at_least_one};
+use crate::level::{Rest, at_least_one, looks_along};
 use crate::matched::{power_along, power_at};
 use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
@@ -69,7 +69,6 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         }
         let from = (PERIODS as f64 / length / grid).ceil() as usize;
         let to = ((0.5 / step / grid).floor() as usize).min(points / 2);
-        looks += (to.saturating_sub(from) + 1) as f64;
         let Some(strongest) = (from..=to).max_by(|a, b| whole[*a].total_cmp(&whole[*b])) else { continue };
         let near = strongest as f64 * grid;
         let of = |frequency: f64| -> f64 {
@@ -79,6 +78,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let Some((frequency, power)) = finer.map(|f| (f, of(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
             continue;
         };
+        looks += looks_along(time, (to.saturating_sub(from) + 1) as f64 * grid, power);
         let p = rest.p(power, rank);
         if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {
             best = Some((p, frequency, number, step, power));
