@@ -19,6 +19,14 @@ fn the_same_bytes_on_any_number_of_threads() {
     let four = diagnose(&["fixtures/diagnose/warm/input.json"], "4");
     assert!(one.2 == Some(0) && one == four);
     assert!(one.1.contains("offset_temperature_lag of sensor x"), "{}", one.1);
+    // README and page show what is said.
+    for page in ["../README.md", "../docs/diagnose.md"] {
+        let page = std::fs::read_to_string(testkit::fixture(page)).expect("a page");
+        let (_, shown) = page.split_once("diagnose: explained\n").expect("what it says");
+        for line in shown.lines().take(3) {
+            assert!(one.1.contains(line.trim()), "{line}\n{}", one.1);
+        }
+    }
 }
 
 #[test]
