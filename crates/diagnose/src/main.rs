@@ -41,7 +41,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Some(path) = &cli.against {
         let input = Input::read(Some(path))?;
         options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);
-        arguments.push(format!("--against={}", path.display()));
+        arguments.push("--against".into());
     }
     pipe::stage(
         PROGRAM,
