@@ -9,6 +9,9 @@ use crate::Error;
 /// What is slower than so many samples does not count: over it the ends of the series weigh too much.
 const MEMORY: usize = 256;
 
+/// A column of which the others leave less than this share follows from them.
+const DEPENDENT: f64 = 1e-12;
+
 /// How much of y, in χ² under noise of the one-sided density `density`, a regression on all of the columns explains when these are later by
 /// l samples: element l + reach, l from −reach to reach.
 ///
@@ -47,10 +50,14 @@ pub fn explained(
     let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
     let y = transform(y);
     let from = (n / MEMORY).max(1);
+    // The jump from the last sample to the first is left out: all transforms lack its noise, at every frequency alike.
+    let jump: f64 = 2.0
+        * (1..y.len()).map(|k| density(k as f64 / (n as f64 * step_s)) / (n as f64 * step_s)).sum::<f64>();
     let weight: Vec<f64> = (0..y.len())
         .map(|k| {
             let rise = (std::f64::consts::PI * k as f64 / n as f64).sin();
-            let variance = n as f64 * density(k as f64 / (n as f64 * step_s)) * 2.0 * rise * rise / step_s;
+            let variance =
+                n as f64 * density(k as f64 / (n as f64 * step_s)) * 2.0 * rise * rise / step_s + jump;
             if k < from { 0.0 } else { 1.0 / variance }
         })
         .collect();
@@ -73,6 +80,10 @@ pub fn explained(
     }
     let failed = |reason: String| Error::Decomposition { rows: unknowns, columns: unknowns, reason };
     let factor = information.as_ref().llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let dependent = (0..unknowns).any(|i| factor.L()[(i, i)].powi(2) <= DEPENDENT * information[(i, i)]);
+    if dependent {
+        return Err(failed("a column that follows from the others".into()));
+    }
     let at = |lag: usize| (n + lag - reach) % n;
     let right = Mat::from_fn(unknowns, 2 * reach + 1, |i, lag| products[i][at(lag)]);
     let solved = faer::linalg::solvers::Solve::solve(&factor, &right);
@@ -109,8 +120,16 @@ mod tests {
         let gains = explained(&columns, &y, 1.0, &density, 100).expect("gains");
         let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).expect("a maximum");
         assert_eq!(best as i64 - 100, 13, "y has now what the columns had 13 samples ago");
-        let wrong: f64 = (0..60).map(|lag| gains[lag]).sum::<f64>() / 60.0;
-        assert!(gains[best] > 20.0 * wrong, "{} {wrong}", gains[best]);
+        // Of noise alone two columns explain a χ² of two.
+        let by_chance: Vec<f64> = (0..30)
+            .flat_map(|_| {
+                let noise: Vec<f64> = (0..n).map(|_| 0.3 * random()).collect();
+                explained(&columns, &noise, 1.0, &density, 100).expect("gains")
+            })
+            .collect();
+        let mean = by_chance.iter().sum::<f64>() / by_chance.len() as f64;
+        assert!((mean - 2.0).abs() < 0.3, "{mean}");
+        assert!(by_chance.iter().all(|gain| gains[best] > 1000.0 * gain));
         assert!(explained(&columns, &y[..100], 1.0, &density, 100).is_err());
         assert!(explained(&[columns[0].clone(), columns[0].clone()], &y, 1.0, &density, 9).is_err());
     }
