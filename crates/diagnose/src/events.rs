@@ -193,7 +193,15 @@ fn moment(
                 "reading {} of {} in \"{}\"",
                 channel.rows[best.row], channel.column, run.recording.id
             );
-            (Addition::Column(Column { what, values: Arc::new(values.clone()), coefficient: 0.0 }), values)
+            (
+                Addition::Column(Column {
+                    what,
+                    follows: None,
+                    values: Arc::new(values.clone()),
+                    coefficient: 0.0,
+                }),
+                values,
+            )
         }
     };
     let exact = fitter.gain_of(fit, &[column])?;

@@ -48,6 +48,8 @@ pub enum Unknown {
 pub struct Column {
     /// What it is, in words.
     pub what: String,
+    /// The recorded column and the sensor that follows it; None for a single reading.
+    pub follows: Option<(String, Axis)>,
     /// nT for each reading of the stack.
     pub values: Arc<Vec<f64>>,
     /// Its coefficient.

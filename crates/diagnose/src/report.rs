@@ -218,7 +218,9 @@ fn explained(
                     let single = found.refined.proposal.local;
                     effect.effect = if single { "spike" } else { "dependence" }.into();
                     effect.title = column.what.clone();
-                    effect.column = (!single).then(|| column.what.clone());
+                    if let Some((name, axis)) = &column.follows {
+                        (effect.column, effect.sensor) = (Some(name.clone()), Some(*axis));
+                    }
                     effect.equation =
                         if single { "dB = h in one reading" } else { "dB = c times the column, lagged" }
                             .into();

@@ -424,7 +424,12 @@ fn start(
         what => {
             let column = candidate.trials[best].columns.first()?;
             let values = Arc::new(pool.columns[*column].clone());
-            Some(Addition::Column(Column { what: what.name(), values, coefficient: *coefficients.first()? }))
+            let follows = match what {
+                What::Dependence { column, axis } => Some((column.clone(), *axis)),
+                _ => None,
+            };
+            let coefficient = *coefficients.first()?;
+            Some(Addition::Column(Column { what: what.name(), follows, values, coefficient }))
         }
     }
 }
