@@ -8,7 +8,7 @@ use crate::Error;
 use crate::candidates::named;
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one, looks_along};
-use crate::matched::{power_along, sharpened};
+use crate::matched::{power_along, power_at, sharpened};
 use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
 
@@ -16,6 +16,8 @@ use crate::search::{Addition, Proposal};
 const CELLS: usize = 1 << 21;
 /// Cells in the shortest period.
 const FINE: f64 = 4.0;
+/// Frequencies between neighbours of the grid, to either side of the strongest.
+const FINER: i32 = 16;
 /// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
 const WIDTHS: i32 = 32;
 
@@ -62,7 +64,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     else {
         return Ok(Vec::new());
     };
-    let (frequency, most) = sharpened(&x, &y, strongest as f64 * grid, grid);
+    let (frequency, most) = sharpened(strongest as f64 * grid, grid, FINER, |f| power_at(&x, &y, f));
     // Three sensors are gone through.
     let looks = 3.0 * looks_along(&x, (to - from + 1) as f64 * grid, 2.0 * most / length);
     if at_least_one(rest.p(2.0 * most / length, 2), looks) > 0.5 {
@@ -77,10 +79,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let mut best: Option<(f64, f64)> = None;
     for k in -WIDTHS..=WIDTHS {
         let width = period + slip * f64::from(k) / f64::from(WIDTHS);
-        let change = model.contribution(&fit.state, &instance(Kind::Quantisation, axis, vec![width]))?;
-        let white = fitter.noise.whiten(observed, &change);
-        let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
-        let gain = 2.0 * along - square(&white);
+        let gain = fitter.gain_as_it_is(fit, &instance(Kind::Quantisation, axis, vec![width]))?;
         if best.is_none_or(|(most, _)| gain > most) {
             best = Some((gain, width));
         }

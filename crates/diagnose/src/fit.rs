@@ -3,7 +3,7 @@
 use common::Document;
 use estimate::screen::{Gain, Products, Screen};
 use faer::Mat;
-use physics::Kind;
+use physics::{EffectInstance, Kind};
 
 use crate::Error;
 use crate::model::{Model, State};
@@ -24,7 +24,7 @@ pub const FOLDS: usize = 6;
 /// Pieces that a long channel is cut into, dealt out to the parts.
 const PIECES: usize = 24;
 
-/// So many durations to either side of its moment belong to a vehicle's pass.
+/// Rows so many durations to either side of a vehicle's pass are not left out.
 const PASS: f64 = 4.0;
 
 /// A fit at its minimum.
@@ -117,6 +117,14 @@ impl Fitter<'_, '_> {
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }
         Err(Error::Undetermined("no fit settles".into()))
+    }
+
+    /// By how much the sum of squares of a fit falls with an effect as it stands, nothing fitted again.
+    pub fn gain_as_it_is(&self, fit: &Fit, effect: &EffectInstance) -> Result<f64, Error> {
+        let change = self.model.contribution(&fit.state, effect)?;
+        let white = self.noise.whiten(&self.model.observed, &change);
+        let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
+        Ok(2.0 * along - square(&white))
     }
 
     /// Columns (nT, stacked) fitted to what a fit has left, the fit's own derivatives projected out.

@@ -70,6 +70,14 @@ struct Found {
     rivals: Rivals,
 }
 
+/// Where the search stands with so many names: before the first, and after each.
+struct Stage {
+    fit: Fit,
+    noise: NoiseModel,
+    /// What is left.
+    look: Look,
+}
+
 /// All that was found.
 struct Outcome {
     /// Residual of the document as it came, nT.
@@ -126,16 +134,14 @@ fn search(
     base: Fit,
     base_noise: NoiseModel,
 ) -> Result<Outcome, Error> {
-    let (mut fit, mut noise) = (base.clone(), base_noise.clone());
-    let first = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-    let mut last = first.clone();
+    let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
+    let mut stages = vec![Stage { fit: base.clone(), noise: base_noise.clone(), look: first.clone() }];
     let mut found: Vec<Found> = Vec::new();
-    let mut looks = vec![first.clone()];
-    let mut fits = vec![(fit.clone(), noise.clone())];
     let mut refused = Vec::new();
     while found.len() < MOST {
-        let fitter = Fitter { model, noise: &noise };
-        let refined = searcher.refine(&fitter, &fit, &last)?;
+        let Stage { fit, noise, look } = &stages[found.len()];
+        let fitter = Fitter { model, noise };
+        let refined = searcher.refine(&fitter, fit, look)?;
         let Some(best) = best(&refined) else {
             refused = refined
                 .iter()
@@ -145,22 +151,19 @@ fn search(
         };
         let rivals = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
-        let state = best.fit.state.clone();
         found.push(Found { refined: best.clone(), gain, rivals });
-        (fit, noise) = again(document, model, &state, &noise)?;
-        last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-        looks.push(last.clone());
-        fits.push((fit.clone(), noise.clone()));
+        let (fit, noise) = again(document, model, &best.fit.state, noise)?;
+        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        stages.push(Stage { fit, noise, look });
     }
-    let kept = trust::kept(&found, &looks, searcher.level);
+    let kept = trust::kept(&found, &stages, searcher.level);
     if kept < found.len() {
         let why =
             "it does not explain far more than what is left, or what is left follows the same".to_string();
         refused.splice(0..0, found[kept..].iter().map(|f| (f.refined.proposal.name.clone(), why.clone())));
     }
     found.truncate(kept);
-    last = looks.swap_remove(kept);
-    (fit, noise) = fits.swap_remove(kept);
+    let Stage { fit, noise, look: mut last } = stages.swap_remove(kept);
     if found.len() > 1 {
         for number in 0..found.len() {
             let fitter = Fitter { model, noise: &noise };

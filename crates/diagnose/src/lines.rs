@@ -1,10 +1,13 @@
-//! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together; uneven times go to the nearest half step.
+//! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together.
+//!
+//! `estimate::periodogram` takes lines out of one series whose noise it does not know; here the noise is known, and the sensors count
+//! together. Uneven times go to the nearest half step.
 
 use physics::{EffectInstance, Kind};
 
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
-use crate::matched::{power_along, power_at};
+use crate::matched::{power_along, power_at, sharpened};
 use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
 
@@ -13,7 +16,7 @@ const SHORTEST: usize = 24;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
 /// Between neighbours of those, where one is strongest.
-const FINER: usize = 12;
+const FINER: i32 = 12;
 /// Periods that the recording must hold.
 const PERIODS: usize = 4;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
@@ -74,10 +77,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let of = |frequency: f64| -> f64 {
             series.iter().map(|(x, y)| 2.0 * power_at(x, y, frequency) / y.len() as f64).sum()
         };
-        let finer = (-(FINER as i32)..=FINER as i32).map(|k| near + grid * f64::from(k) / FINER as f64);
-        let Some((frequency, power)) = finer.map(|f| (f, of(f))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            continue;
-        };
+        let (frequency, power) = sharpened(near, grid, FINER, of);
         looks += looks_along(time, (to.saturating_sub(from) + 1) as f64 * grid, power);
         let p = rest.p(power, rank);
         if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {

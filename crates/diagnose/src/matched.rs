@@ -55,11 +55,10 @@ pub fn power_at(x: &[f64], y: &[f64], frequency: f64) -> f64 {
     c * c + s * s
 }
 
-/// The strongest between the neighbours of a grid point.
-pub fn sharpened(x: &[f64], y: &[f64], near: f64, grid: f64) -> (f64, f64) {
-    const FINER: i32 = 16;
-    let finer = (-FINER..=FINER).map(|k| near + grid * f64::from(k) / f64::from(FINER));
-    finer.map(|f| (f, power_at(x, y, f))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((near, 0.0))
+/// The strongest between the neighbours of a grid point, `finer` steps to either side, and its power.
+pub fn sharpened(near: f64, grid: f64, finer: i32, power: impl Fn(f64) -> f64) -> (f64, f64) {
+    let tried = (-finer..=finer).map(|k| near + grid * f64::from(k) / f64::from(finer));
+    tried.map(|f| (f, power(f))).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((near, 0.0))
 }
 
 #[cfg(test)]
@@ -85,7 +84,7 @@ mod tests {
         let power = power_along(&x, &y, cell, points);
         let strongest = (1..power.len()).max_by(|a, b| power[*a].total_cmp(&power[*b])).expect("points");
         let grid = 1.0 / (points as f64 * cell);
-        let (frequency, _) = sharpened(&x, &y, strongest as f64 * grid, grid);
+        let (frequency, _) = sharpened(strongest as f64 * grid, grid, 16, |f| power_at(&x, &y, f));
         assert!((frequency * 7.3 * std::f64::consts::TAU - 1.0).abs() < 1e-3, "{frequency}");
     }
 }

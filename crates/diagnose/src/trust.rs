@@ -6,21 +6,24 @@
 
 use physics::{Acts, EffectInstance, Kind, Place};
 
-use crate::Found;
 use crate::candidates::What;
 use crate::search::{Addition, Look};
+use crate::{Found, Stage};
 
 /// What a name explains over what is left.
 const FAR_MORE: f64 = 10.0;
 
-/// How many of the names, in the order in which they were found, are kept: `looks` has what was left before each and after the last.
-pub fn kept(found: &[Found], looks: &[Look], level: f64) -> usize {
+/// How many of the names, in the order in which they were found, are kept.
+pub fn kept(found: &[Found], stages: &[Stage], level: f64) -> usize {
     let whole = found.len();
     // More noise than is declared, without a shape, speaks against no name.
-    if looks[whole].least_p >= level {
+    if stages[whole].look.least_p >= level {
         return whole;
     }
-    (0..=whole).rev().find(|count| found[..*count].iter().all(|one| stands(one, &looks[*count]))).unwrap_or(0)
+    (0..=whole)
+        .rev()
+        .find(|count| found[..*count].iter().all(|one| stands(one, &stages[*count].look)))
+        .unwrap_or(0)
 }
 
 fn stands(found: &Found, look: &Look) -> bool {

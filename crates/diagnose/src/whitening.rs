@@ -63,15 +63,7 @@ impl Grid {
             return Ok(None);
         }
         let slowest = 1.0 / (points as f64 * step_s);
-        let white = noise.white_rms_nt.unwrap_or(0.0).powi(2) * 2.0 * step_s;
-        let (amplitude, exponent) =
-            (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0));
-        let walk =
-            noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
-        let density = |f: f64| {
-            let f = f.max(slowest);
-            white + amplitude * f.powf(-exponent) + walk / (f * f)
-        };
+        let density = |f: f64| noise.density(f.max(slowest), step_s);
         let innovations = if points == places.len() {
             Innovations::of(&density, points, step_s)?
         } else {
@@ -187,15 +179,9 @@ fn typical_step_s(time: &[f64]) -> Option<f64> {
 
 /// Variance of flicker noise and random walk of readings about their mean: the density over the recording's frequencies.
 fn flicker_variance(noise: &Noise, time: &[f64]) -> f64 {
-    let span = time[time.len() - 1] - time[0];
-    let step = 1.0 / span;
-    let (amplitude, exponent) =
-        (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0));
-    let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2) / (2.0 * std::f64::consts::PI.powi(2));
-    (1..=time.len() / 2)
-        .map(|k| k as f64 * step)
-        .map(|f| (amplitude * f.powf(-exponent) + walk / (f * f)) * step)
-        .sum()
+    let step = 1.0 / (time[time.len() - 1] - time[0]);
+    let memory = Noise { white_rms_nt: None, ..noise.clone() };
+    (1..=time.len() / 2).map(|k| memory.density(k as f64 * step, 0.0) * step).sum()
 }
 
 /// The declared noise of a channel, its codes included.

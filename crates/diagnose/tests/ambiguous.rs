@@ -17,7 +17,7 @@ fn diagnosed(document: Document) -> (common::Diagnosis, String) {
 #[test]
 fn a_delay_and_a_lag_differ_only_at_fast_drives() {
     let effect = [json!({"effect": "delay", "sensor": "y", "parameters": {"delay_s": 0.004}})];
-    let slow = simulated(Scene::Runs, &effect, &noise(Scene::Runs), 5);
+    let slow = simulated(Scene::Runs, &effect, &noise(), 5);
     let (entry, words) = diagnosed(slow.clone());
     println!("{words}");
     assert_eq!(entry.verdict, Verdict::Ambiguous, "{words}");
@@ -26,7 +26,7 @@ fn a_delay_and_a_lag_differ_only_at_fast_drives() {
     assert!(entry.next_experiment.expect("a next experiment").contains("rate"));
 
     let mut both = slow;
-    let mut fast = simulated(Scene::Quick, &effect, &noise(Scene::Quick), 6).recordings.remove(0);
+    let mut fast = simulated(Scene::Quick, &effect, &noise(), 6).recordings.remove(0);
     fast.id = "fast".into();
     both.recordings.push(fast);
     let (entry, words) = diagnosed(both);

@@ -83,7 +83,7 @@ fn with_odd(document: &mut Document, odd: &Odd, times: f64) {
 fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
     let mut wrong = Vec::new();
     for odd in &ODD {
-        let mut document = simulated(Scene::Runs, &[], &noise(Scene::Runs), 77);
+        let mut document = simulated(Scene::Runs, &[], &noise(), 77);
         with_odd(&mut document, odd, 2.0);
         let found = diagnose::run(document, &Options::default()).expect("diagnosed");
         let entry = found.diagnosis.expect("a diagnosis").remove(0);

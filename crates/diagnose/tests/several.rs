@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Scene, named, noise, simulated};
+use bench::{Scene, noise, simulated, target};
 use common::Verdict;
 use diagnose::Options;
 use serde_json::{Value, json};
@@ -30,18 +30,12 @@ fn sets() -> Vec<Vec<Value>> {
 fn several_effects_are_all_named() {
     let mut wrong = Vec::new();
     for (number, effects) in sets().iter().enumerate() {
-        let document = simulated(Scene::Runs, effects, &noise(Scene::Runs), 300 + number as u64);
+        let document = simulated(Scene::Runs, effects, &noise(), 300 + number as u64);
         let found = diagnose::run(document, &Options::default()).expect("diagnosed");
         let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
-        let mut names: Vec<String> = found.model.iter().flat_map(|m| &m.effects).map(named).collect();
-        let mut truth: Vec<String> = effects
-            .iter()
-            .map(|e| {
-                let target = ["sensor", "coil"].iter().find_map(|key| e[key].as_str());
-                let name = e["effect"].as_str().expect("a name");
-                target.map_or_else(|| name.to_string(), |t| format!("{name} {t}"))
-            })
-            .collect();
+        let mut names: Vec<String> =
+            found.model.iter().flat_map(|m| &m.effects).map(|effect| target(&json!(effect))).collect();
+        let mut truth: Vec<String> = effects.iter().map(target).collect();
         names.sort();
         truth.sort();
         println!("{truth:?} -> {} {names:?} {:?}", entry.verdict.word(), entry.ambiguity);
@@ -57,7 +51,7 @@ fn several_effects_are_all_named() {
 #[test]
 fn the_loop_closes() {
     let effects = &sets()[0];
-    let first = simulated(Scene::Runs, effects, &noise(Scene::Runs), 41);
+    let first = simulated(Scene::Runs, effects, &noise(), 41);
     let found = diagnose::run(first, &Options::default()).expect("diagnosed");
     assert_eq!(found.diagnosis.as_ref().expect("a diagnosis")[0].verdict, Verdict::Explained);
     let again = diagnose::run(found.clone(), &Options::default()).expect("diagnosed again");
@@ -66,7 +60,7 @@ fn the_loop_closes() {
     let fit = entry.fit.as_ref().expect("a fit");
     assert!((fit.rms_before_nt / fit.noise_floor_nt - 1.0).abs() < 0.05, "{}", fit.rms_before_nt);
 
-    let mut fresh = simulated(Scene::Runs, effects, &noise(Scene::Runs), 42);
+    let mut fresh = simulated(Scene::Runs, effects, &noise(), 42);
     (fresh.calibration, fresh.model) = (found.calibration, found.model);
     let predicted = diagnose::run(fresh, &Options::default()).expect("diagnosed");
     let entry = &predicted.diagnosis.as_ref().expect("a diagnosis")[0];

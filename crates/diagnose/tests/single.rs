@@ -2,7 +2,7 @@
 
 mod bench;
 
-use bench::{Scene, noise, scaled, simulated, worst_sigma};
+use bench::{Scene, noise, scaled, simulated, target, worst_sigma};
 use common::Verdict;
 use diagnose::Options;
 use serde_json::{Value, json};
@@ -190,31 +190,21 @@ fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) 
     // Long enough to show it: energy grows with the rows.
     bench::longer(if times < 1.0 { 5 } else { 1 });
     let effect = scaled(which, effect, times);
-    let document = simulated(which, std::slice::from_ref(&effect), &noise(which), seed);
+    let document = simulated(which, std::slice::from_ref(&effect), &noise(), seed);
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
     if std::env::var("FLUXCAL_EFFECT").is_ok() {
         println!("{effect}\n{}", diagnose::summary(&found));
     }
     let entry = found.diagnosis.expect("a diagnosis").remove(0);
     let fit = entry.fit.expect("a fit");
-    let named = entry.effects.iter().map(|e| {
-        let target = e.sensor.or(e.coil).map(|axis| axis.to_string()).or_else(|| e.column.clone());
-        target.map_or_else(|| e.effect.clone(), |target| format!("{} {target}", e.effect))
-    });
     let outcome = Outcome {
         verdict: entry.verdict,
-        named: named.collect(),
+        named: entry.effects.iter().map(|effect| target(&json!(effect))).collect(),
         ambiguity: entry.ambiguity,
         sigma: entry.effects.first().map_or(f64::NAN, |found| worst_sigma(&found.parameters, &effect)),
         held_out_over_floor: fit.held_out_after_nt / fit.noise_floor_nt,
     };
     (outcome, effect)
-}
-
-fn target(effect: &Value) -> String {
-    let target = ["sensor", "coil", "column"].iter().find_map(|key| effect[key].as_str());
-    let name = effect["effect"].as_str().expect("a name");
-    target.map_or_else(|| name.to_string(), |target| format!("{name} {target}"))
 }
 
 /// One cell of the table in the docs.

@@ -7,7 +7,7 @@ use physics::{EffectInstance, Kind};
 use super::Departures;
 use crate::Error;
 use crate::candidates::named;
-use crate::fit::{Fit, Fitter, square};
+use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::observed::Reader;
 use crate::search::{Addition, Proposal};
@@ -75,10 +75,7 @@ pub fn proposal(
     let Some((_, begin, end)) = best else { return Ok(None) };
     let moment = |row: usize| time[channel.rows[row]];
     let effect = dropout(axis, &run.recording.id, moment(begin), moment(end) - moment(begin));
-    let change = fitter.model.contribution(&fit.state, &effect)?;
-    let white = fitter.noise.whiten(observed, &change);
-    let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
-    let gain = 2.0 * along - square(&white);
+    let gain = fitter.gain_as_it_is(fit, &effect)?;
     Ok((gain > 0.0).then(|| Proposal {
         name: format!("{} in \"{}\"", named(&effect), run.recording.id),
         p: at_least_one(rest.p(gain, 1), looks),

@@ -15,7 +15,7 @@ use crate::search::{Addition, Proposal};
 const SHORTEST: f64 = 1.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 0.1;
-/// So many durations to either side of the moment belong to a pass.
+/// The shapes end so many durations from their middle.
 const REACH: f64 = 6.0;
 /// Fewest rows of a recording.
 const ROWS: usize = 24;
@@ -38,18 +38,7 @@ pub fn proposal(
             .enumerate()
             .filter(|(_, c)| c.run == number && matches!(c.reader, Reader::Sensor(_)) && c.rows.len() >= ROWS)
             .collect();
-        let probe = EffectInstance {
-            kind: Kind::VehiclePass,
-            axis: None,
-            column: None,
-            recording: None,
-            parameters: vec![0.0; 11],
-        };
-        if channels.len() < 3
-            || !fitter
-                .model
-                .can_act(number, &EffectInstance { parameters: [vec![0.0; 10], vec![1.0]].concat(), ..probe })
-        {
+        if channels.len() < 3 || !fitter.model.can_act(number, &still(None, 0.0, 1.0)) {
             continue;
         }
         let rows = channels.iter().map(|(_, c)| c.rows.len()).min().unwrap_or(0);
@@ -92,13 +81,7 @@ pub fn proposal(
         }
     }
     let Some((_, number, time_s, duration_s)) = strongest else { return Ok(None) };
-    let effect = EffectInstance {
-        kind: Kind::VehiclePass,
-        axis: None,
-        column: None,
-        recording: Some(observed.runs[number].recording.id.clone()),
-        parameters: [vec![0.0; 9], vec![time_s, duration_s]].concat(),
-    };
+    let effect = still(Some(observed.runs[number].recording.id.clone()), time_s, duration_s);
     let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
     Ok(Some(Proposal {
         name: format!("{} in \"{}\"", effect.kind.name(), observed.runs[number].recording.id),
@@ -108,6 +91,17 @@ pub fn proposal(
         searched: 0.0,
         local: true,
     }))
+}
+
+/// A pass without a field.
+fn still(recording: Option<String>, time_s: f64, duration_s: f64) -> EffectInstance {
+    EffectInstance {
+        kind: Kind::VehiclePass,
+        axis: None,
+        column: None,
+        recording,
+        parameters: [vec![0.0; 9], vec![time_s, duration_s]].concat(),
+    }
 }
 
 /// Products of the whitened shapes.

@@ -1,6 +1,7 @@
 //! Documents with known physics left out.
+#![allow(dead_code, reason = "each test file takes what it needs of this")]
 
-use common::{AdoptedEffect, Document, Quantity};
+use common::{Document, Quantity};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 
@@ -9,7 +10,6 @@ pub const NOISE_NT: f64 = 0.3;
 
 /// What is recorded.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(dead_code, reason = "each test uses some")]
 pub enum Scene {
     /// Three runs in different orientations, half an hour each: sines on all coils, temperatures up and down.
     Runs,
@@ -51,11 +51,10 @@ impl Scene {
     }
 }
 
-/// A document of a scene with so many times the rows, whose waves go on.
+/// So many times the rows of a scene, whose waves go on.
 static LONGER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(1);
 
 /// Makes all scenes longer.
-#[allow(dead_code, reason = "each test uses some")]
 pub fn longer(times: usize) {
     LONGER.store(times, std::sync::atomic::Ordering::Relaxed);
 }
@@ -162,11 +161,9 @@ fn recording(scene: Scene, run: usize) -> Value {
         "conditions": {"orientation": orientations[run]}, "columns": columns})
 }
 
-/// Declared noise: white and a little flicker, together [`NOISE_NT`] of a reading.
-#[allow(dead_code, reason = "each test uses some")]
-pub fn noise(scene: Scene) -> Value {
-    // Σ A/f over the Fourier frequencies of n readings is A ln(n/2) whatever the step: 0.006 for a fifth of the variance.
-    let _ = scene;
+/// Declared noise: white and a little flicker, together about [`NOISE_NT`] of a reading. Flicker noise of n readings has the variance
+/// A ln(n/2), whatever the step.
+pub fn noise() -> Value {
     json!({"white_rms_nt": 0.27, "flicker_nt2_per_hz_at_1hz": 0.003, "flicker_exponent": 1.0})
 }
 
@@ -181,7 +178,6 @@ fn readings(document: &Document) -> [Vec<f64>; 3] {
 }
 
 /// An effect scaled so that it makes `times` the noise in the channel that it touches most.
-#[allow(dead_code, reason = "each test uses some")]
 pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
     let none = json!({});
     let without = readings(&simulated(scene, &[], &none, 1));
@@ -234,16 +230,14 @@ fn times_parameters(effect: &Value, factor: f64) -> Value {
     scaled
 }
 
-/// The name of an effect with its target.
-#[allow(dead_code, reason = "each test uses some")]
-pub fn named(effect: &AdoptedEffect) -> String {
-    let axis = effect.sensor.or(effect.coil).map(|axis| axis.to_string());
-    axis.or_else(|| effect.column.clone())
-        .map_or_else(|| effect.effect.clone(), |target| format!("{} {target}", effect.effect))
+/// The name of an effect with what it acts on, as plans have it.
+pub fn target(effect: &Value) -> String {
+    let target = ["sensor", "coil", "column"].iter().find_map(|key| effect[key].as_str());
+    let name = effect["effect"].as_str().expect("a name");
+    target.map_or_else(|| name.to_string(), |target| format!("{name} {target}"))
 }
 
 /// By how many standard deviations parameters differ from what is true, at most.
-#[allow(dead_code, reason = "each test uses some")]
 pub fn worst_sigma(found: &indexmap::IndexMap<String, Quantity>, truth: &Value) -> f64 {
     found
         .iter()

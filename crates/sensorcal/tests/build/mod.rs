@@ -1,6 +1,5 @@
 //! Recordings made by hand, for tests.
-// Each test file takes what it needs of this; what it does not need is not dead.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test file takes what it needs of this")]
 
 use common::{Axis, Document, SensorCalibration};
 use noise::Stream;
