@@ -274,24 +274,16 @@ impl Damped {
 }
 
 /// The fit and the noise it rests on: where the noise is not declared, both in turn.
-pub fn settled(
-    document: &Document,
-    model: &Model<'_>,
-    start: &State,
-    noise: Option<&NoiseModel>,
-) -> Result<(Fit, NoiseModel), Error> {
+pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = match noise {
-        Some(noise) => noise.clone(),
-        None => NoiseModel::of(document, &model.observed, &residual, 0.0)?,
-    };
+    let first = NoiseModel::of(document, &model.observed, &start.effects, &residual, 0.0)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }
     let (mut fit, mut noise) = (fit, first);
     for _ in 0..2 {
-        noise = NoiseModel::of(document, &model.observed, &fit.residual, fit.rank as f64)?;
+        noise = NoiseModel::of(document, &model.observed, &start.effects, &fit.residual, fit.rank as f64)?;
         fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
     }
     Ok((fit, noise))

@@ -34,7 +34,7 @@ use common::{Document, Verdict};
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
-use crate::model::{Model, State};
+use crate::model::Model;
 use crate::observed::Observed;
 use crate::rivals::{Rivals, best, rivals};
 use crate::search::{Addition, Look, Refined, Searcher};
@@ -114,7 +114,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     };
     let (model, start) = Model::of(&original, Observed::of(&original)?)?;
     let before = model.residual(&start)?;
-    let (base, base_noise) = settled(&original, &model, &start, None)?;
+    let (base, base_noise) = settled(&original, &model, &start)?;
     let pool = Pool::of(&model, &base.state)?;
     let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
     let outcome = search(&original, &model, &mut searcher, before, base, base_noise)?;
@@ -152,7 +152,7 @@ fn search(
         let rivals = rivals(&fitter, &refined)?;
         let gain = fit.cost - best.fit.cost;
         found.push(Found { refined: best.clone(), gain, rivals });
-        let (fit, noise) = again(document, model, &best.fit.state, noise)?;
+        let (fit, noise) = settled(document, model, &best.fit.state)?;
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
         stages.push(Stage { fit, noise, look });
     }
@@ -172,16 +172,6 @@ fn search(
         last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     }
     Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
-}
-
-/// The fit from a state; its noise anew where it is not declared.
-fn again(
-    document: &Document,
-    model: &Model<'_>,
-    state: &State,
-    noise: &NoiseModel,
-) -> Result<(Fit, NoiseModel), Error> {
-    settled(document, model, state, (noise.known > 0.0).then_some(noise))
 }
 
 /// Looks at one of several found with the others in place: what they hid or feigned shows only then.

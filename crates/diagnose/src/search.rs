@@ -14,6 +14,7 @@ use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
 use crate::model::{Column, State};
 use crate::rivals;
+use crate::whitening::NoiseModel;
 use std::sync::Arc;
 
 /// Draws of the distribution by chance.
@@ -141,8 +142,8 @@ impl Look {
 pub struct Searcher<'p> {
     pool: &'p Pool,
     raw: Mat<f64>,
-    /// The pool whitened by a noise that is declared and does not change.
-    white: Option<Mat<f64>>,
+    /// The pool whitened, and the noise that whitened it.
+    white: Option<(NoiseModel, Mat<f64>)>,
     chance: Option<Chance>,
     seed: u64,
     /// Probability of a claim where there is nothing.
@@ -168,8 +169,9 @@ impl<'p> Searcher<'p> {
 
     /// The pool with all but the base model's columns projected out, and where its columns begin.
     pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
-        let kept = self.white.take().filter(|_| fitter.noise.known > 0.0);
-        let white = kept.unwrap_or_else(|| fitter.noise.whiten_all(&fitter.model.observed, &self.raw));
+        let kept = self.white.take().filter(|(noise, _)| noise.same(fitter.noise));
+        let white = kept
+            .map_or_else(|| fitter.noise.whiten_all(&fitter.model.observed, &self.raw), |(_, white)| white);
         let base = fit.jacobian.ncols();
         let all = Mat::from_fn(fit.white.len(), base + white.ncols(), |i, j| match j.checked_sub(base) {
             None => fit.jacobian[(i, j)],
@@ -178,7 +180,7 @@ impl<'p> Searcher<'p> {
         });
         let first: Vec<usize> = (0..base).collect();
         let screen = Screen::of(&fitter.products(&all, &fit.white)).given(&first)?;
-        self.white = Some(white);
+        self.white = Some((fitter.noise.clone(), white));
         Ok((screen, base))
     }
 

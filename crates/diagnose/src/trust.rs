@@ -16,8 +16,7 @@ const FAR_MORE: f64 = 10.0;
 /// How many of the names, in the order in which they were found, are kept.
 pub fn kept(found: &[Found], stages: &[Stage], level: f64) -> usize {
     let whole = found.len();
-    // More noise than is declared, without a shape, speaks against no name.
-    if stages[whole].look.least_p >= level {
+    if stages[whole].look.clean(level) {
         return whole;
     }
     (0..=whole)

@@ -7,6 +7,7 @@ use estimate::periodogram::periodogram;
 use estimate::stats::median;
 use estimate::whittle::{self, White};
 use faer::Mat;
+use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -99,16 +100,17 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it; where it does not, as `residual` (nT, stacked, with `used` degrees of freedom
-    /// taken by the fit) shows it.
+    /// The noise as the document declares it, through the converters of `effects`; where it does not, as `residual` (nT, stacked,
+    /// with `used` degrees of freedom taken by the fit) shows it.
     pub fn of(
         document: &Document,
         observed: &Observed<'_>,
+        effects: &[EffectInstance],
         residual: &[f64],
         used: f64,
     ) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
-            observed.channels.iter().map(|channel| declared(document, observed, channel)).collect();
+            observed.channels.iter().map(|channel| declared(document, observed, effects, channel)).collect();
         let known = known_freedom(&declared);
         let estimated = known == 0.0;
         let noises: Vec<Noise> = if estimated {
@@ -124,6 +126,11 @@ impl NoiseModel {
             .collect::<Result<_, Error>>()?;
         let (ways, std_nt) = found.into_iter().unzip();
         Ok(Self { ways, std_nt, known, source: if estimated { "residuals" } else { "declared" } })
+    }
+
+    /// Whether it whitens as another does: the same declaration, through the same converters.
+    pub fn same(&self, other: &Self) -> bool {
+        self.known > 0.0 && self.known == other.known && self.std_nt == other.std_nt
     }
 
     /// A stacked series whitened.
@@ -185,7 +192,12 @@ fn flicker_variance(noise: &Noise, time: &[f64]) -> f64 {
 }
 
 /// The declared noise of a channel, its codes included.
-fn declared(document: &Document, observed: &Observed<'_>, channel: &Channel) -> Option<Noise> {
+fn declared(
+    document: &Document,
+    observed: &Observed<'_>,
+    effects: &[EffectInstance],
+    channel: &Channel,
+) -> Option<Noise> {
     let run = &observed.runs[channel.run];
     let mut noise = match channel.reader {
         Reader::Scalar => {
@@ -198,7 +210,11 @@ fn declared(document: &Document, observed: &Observed<'_>, channel: &Channel) -> 
     };
     let codes = code_nt(document, channel).powi(2) / 12.0;
     let white = noise.white_rms_nt.unwrap_or(0.0);
-    noise.white_rms_nt = Some((white * white + codes).sqrt());
+    let variance = match width_nt(effects, channel) {
+        Some(width) => about_a_code(white, width),
+        None => white * white,
+    };
+    noise.white_rms_nt = Some((variance + codes).sqrt());
     (noise.white_rms_nt > Some(0.0)).then_some(noise)
 }
 
@@ -212,6 +228,34 @@ fn code_nt(document: &Document, channel: &Channel) -> f64 {
         }
         Reader::Sensor(_) => instrument.quantisation_nt.unwrap_or(0.0) * channel.to_nt.abs(),
     }
+}
+
+/// Width of the codes that an effect gives a channel, nT.
+fn width_nt(effects: &[EffectInstance], channel: &Channel) -> Option<f64> {
+    let Reader::Sensor(axis) = channel.reader else { return None };
+    effects
+        .iter()
+        .find(|effect| effect.kind == Kind::Quantisation && effect.axis == Some(axis))
+        .map(|effect| effect.parameters[0])
+}
+
+/// Variance of a reading about the code of its field, nT²: noise before the converter takes fields close to an edge to the next code.
+///
+/// E[(q round(u + n/q) − q round(u))²] over u even in a code: q² E[m² + (2m + 1)(t − m)], t = |n|/q, m = ⌊t⌋. For fine codes it is
+/// σ² + q²/6, for coarse ones q σ √(2/π).
+fn about_a_code(std: f64, width: f64) -> f64 {
+    const STEPS: usize = 2000;
+    const FARTHEST: f64 = 8.0;
+    let step = FARTHEST / STEPS as f64;
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for z in (0..STEPS).map(|k| (k as f64 + 0.5) * step) {
+        let weight = (-0.5 * z * z).exp();
+        let t = z * std / width;
+        let m = t.floor();
+        sum += weight * (m * m + (2.0 * m + 1.0) * (t - m));
+        weights += weight;
+    }
+    width * width * sum / weights
 }
 
 /// 1/(2 u²) for the largest relative uncertainty u that is stated of a declared noise.
@@ -304,4 +348,17 @@ fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way
     let mean: f64 = (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64;
     let matrix = Mat::from_fn(rows, rows, |i, j| covariance[i * rows + j]);
     Ok((Way::Whole(Arc::new(Whitening::of(&[matrix])?)), mean.sqrt()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_through_a_converter_has_both_limits() {
+        let fine = about_a_code(1.0, 0.01);
+        assert!((fine - (1.0 + 0.01 * 0.01 / 6.0)).abs() < 1e-4, "{fine}");
+        let coarse = about_a_code(1.0, 100.0) / (100.0 * (2.0 / std::f64::consts::PI).sqrt());
+        assert!((coarse - 1.0).abs() < 1e-4, "{coarse}");
+    }
 }
