@@ -1,8 +1,9 @@
 //! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
-//! intervals that hold.
+//! intervals that hold, other methods to hold answers against.
 
 use std::path::{Path, PathBuf};
 
+pub mod baselines;
 mod binary;
 mod coverage;
 mod faults;
