@@ -27,6 +27,12 @@ pub struct Diagnosis {
     /// How well the recordings are met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Residual>,
+    /// In which recordings, sensors, times, bands and regions of the covariates the difference lies.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub energy: Vec<EnergyShare>,
+    /// Residuals before and after against time and covariates, for the sensors and recordings that show something.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub series: Vec<ResidualSeries>,
     /// How far the calibration's parameters moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub base_shift: Vec<BaseShift>,
@@ -221,8 +227,50 @@ pub struct ResidualOf {
     pub rms_before_nt: f64,
     /// With the effects, nT.
     pub rms_after_nt: f64,
+    /// Of readings left out of the fit, calibration alone, nT.
+    pub held_out_before_nt: f64,
+    /// Of readings left out of the fit, with the effects, nT.
+    pub held_out_after_nt: f64,
     /// What the noise alone would leave, nT.
     pub noise_floor_nt: f64,
+}
+
+/// How much of the difference lies in a part of the readings.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct EnergyShare {
+    /// What the readings are parted by: `recording`, `sensor`, `time_s`, `band_hz`, or a covariate.
+    pub by: String,
+    /// The recording or the column of readings, where parted by those.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub part: Option<String>,
+    /// The part's region, in the unit of what it is parted by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<[f64; 2]>,
+    /// Share of the excess of the weighted squared residual over what the noise leaves, with the calibration fitted again and before any effect.
+    /// Shares of all parts sum to 1; one below zero has less than its noise.
+    pub share: f64,
+}
+
+/// Residuals along something, for plots: each point a reading, or the mean of neighbouring ones.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ResidualSeries {
+    /// The recording; absent: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+    /// The column of readings.
+    pub column: String,
+    /// What `x` is: `time_s` or a covariate.
+    pub along: String,
+    /// Where the points are.
+    pub x: Vec<f64>,
+    /// With the document's calibration and model as they came, nT.
+    pub before_nt: Vec<f64>,
+    /// With the effects, nT.
+    pub after_nt: Vec<f64>,
+    /// Readings in each point; the last may have fewer.
+    pub readings: usize,
 }
 
 /// How far a parameter of the calibration moved when the effects came in.

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::candidates::What;
+use crate::covariates::{ALONG, across, fields};
 use crate::model::{Model, State};
 use crate::observed::{Channel, Reader, Run};
 
@@ -53,9 +54,8 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
             all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
         }
         for (number, other) in Axis::ALL.into_iter().enumerate() {
-            let covariate = if other == axis { "the field along it" } else { "the field across it" };
             let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
-            let name = if other == axis { covariate.to_string() } else { format!("{covariate} ({other})") };
+            let name = if other == axis { ALONG.to_string() } else { across(other) };
             all.extend(powers(model, axis, name, |run| Some(values(run))));
         }
         let thermometers = ["sensor_temperature_c", "electronics_temperature_c", "coil_temperature_c"];
@@ -145,16 +145,4 @@ fn span(model: &Model<'_>) -> Option<(f64, f64)> {
     });
     let (from, to) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (f, t)| (a.min(f), b.max(t)));
     (to > from).then_some((from, to - from))
-}
-
-/// The field in SEN that is predicted for each run.
-fn fields(model: &Model<'_>, state: &State) -> Result<Vec<Vec<nalgebra::Vector3<f64>>>, Error> {
-    (0..model.observed.runs.len())
-        .map(|run| {
-            let (basic, context) = model.setting(state, run);
-            let predicted = physics::predict(&basic, &[], &context);
-            let predicted = predicted.map_err(|e| Error::Document(e.at(&model.observed.runs[run].path)))?;
-            Ok(predicted.field_sen)
-        })
-        .collect()
 }

@@ -43,6 +43,14 @@ impl Channel {
         self.at..self.at + self.rows.len()
     }
 
+    /// The sensor that read it.
+    pub fn axis(&self) -> Option<Axis> {
+        match self.reader {
+            Reader::Sensor(axis) => Some(axis),
+            Reader::Scalar => None,
+        }
+    }
+
     /// What is predicted of it, nT, at its rows.
     pub fn predicted(&self, prediction: &Prediction) -> Vec<f64> {
         let value = |row: &usize| match self.reader {

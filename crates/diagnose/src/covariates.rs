@@ -1,0 +1,74 @@
+//! What the difference may be plotted against: columns, and the fields in SEN that a sensor feels.
+
+use common::Axis;
+use nalgebra::Vector3;
+use physics::{EffectInstance, Kind, Place};
+
+use crate::Error;
+use crate::adopt::on_coil;
+use crate::model::{Model, State};
+
+/// The field along a sensor.
+pub const ALONG: &str = "the field along it";
+
+/// The field across a sensor, along another.
+pub fn across(other: Axis) -> String {
+    format!("the field across it ({other})")
+}
+
+/// What an effect's contribution follows.
+pub fn of(effect: &EffectInstance) -> Vec<String> {
+    let needs = effect.kind.about().needs;
+    let mut names: Vec<String> = needs
+        .iter()
+        .filter(|need| **need != "time_s" && !need.contains([' ', '.']))
+        .map(|need| (*need).to_string())
+        .chain(effect.column.clone())
+        .collect();
+    match (effect.kind, effect.axis) {
+        (
+            Kind::CrossField | Kind::CrossFieldSensitivity | Kind::AxisTemperature | Kind::AxisCreep,
+            Some(own),
+        ) => {
+            names.extend(Axis::ALL.into_iter().filter(|axis| *axis != own).map(across));
+        }
+        (_, Some(axis)) if on_coil(effect) => names.push(format!("coil_{axis}_a")),
+        (kind, Some(_)) if names.is_empty() && needs.is_empty() && kind.place() != Place::Environment => {
+            names.push(ALONG.into());
+        }
+        (Kind::Hysteresis | Kind::Perming | Kind::SensitivityAgeing, _) => names.push(ALONG.into()),
+        (kind, _) if kind.name().starts_with("sensitivity_") => names.push(ALONG.into()),
+        _ => {}
+    }
+    names
+}
+
+/// Fields in SEN that the basic model of a state predicts, run by run.
+pub fn fields(model: &Model<'_>, state: &State) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+    (0..model.observed.runs.len())
+        .map(|run| {
+            let (basic, context) = model.setting(state, run);
+            let predicted = physics::predict(&basic, &[], &context);
+            let predicted = predicted.map_err(|e| Error::Document(e.at(&model.observed.runs[run].path)))?;
+            Ok(predicted.field_sen)
+        })
+        .collect()
+}
+
+/// A covariate in a run for a sensor, row by row; None where it is not there.
+pub fn values(
+    model: &Model<'_>,
+    fields: &[Vec<Vector3<f64>>],
+    run: usize,
+    axis: Option<Axis>,
+    name: &str,
+) -> Option<Vec<f64>> {
+    let component = |axis: Axis| fields[run].iter().map(|field| field[axis.index()]).collect();
+    if name == ALONG {
+        return axis.map(component);
+    }
+    if let Some(other) = Axis::ALL.into_iter().find(|other| name == across(*other)) {
+        return Some(component(other));
+    }
+    model.observed.runs[run].setting.context.optional(name).map(|values| values.to_vec())
+}

@@ -1,0 +1,71 @@
+//! What the recordings could have shown.
+
+use common::Detectable;
+use estimate::stats::chi_squared_quantile;
+use indexmap::IndexMap;
+use physics::Role;
+
+use crate::candidates::{What, named};
+use crate::fit::Fitter;
+use crate::search::Searcher;
+use crate::{Error, Options, Outcome};
+
+/// Standard deviations that make nine claims of ten out of five.
+const NINE_OF_TEN: f64 = 1.2816;
+
+/// For each candidate of the catalogue that was not found, the smallest size that would have been claimed nine times in ten.
+pub(super) fn detectable(
+    searcher: &mut Searcher<'_>,
+    outcome: &Outcome,
+    fitter: &Fitter<'_, '_>,
+    options: &Options,
+) -> Result<Vec<Detectable>, Error> {
+    let (screen, base) = searcher.screen(fitter, &outcome.fit)?;
+    let scale = outcome.last.rest.scale();
+    let mut all = Vec::new();
+    for (number, candidate) in searcher.candidates().iter().enumerate() {
+        let What::Physics(effect) = &candidate.what else { continue };
+        if outcome.fit.state.effects.iter().any(|other| named(other) == named(effect)) {
+            continue;
+        }
+        let amplitudes: Vec<&str> = effect
+            .kind
+            .parameters()
+            .iter()
+            .filter(|info| (info.role == Role::Amplitude) != candidate.finite)
+            .map(|info| info.name)
+            .collect();
+        let threshold =
+            chi_squared_quantile(1.0 - searcher.threshold(number, options.level), amplitudes.len() as f64);
+        let z = threshold.sqrt() + NINE_OF_TEN;
+        let mut smallest: IndexMap<String, f64> = IndexMap::new();
+        let mut visible = 0.0_f64;
+        for trial in &candidate.trials {
+            for (name, column) in amplitudes.iter().zip(&trial.columns) {
+                visible = visible.max(screen.visible(base + column));
+                let one = screen.gain(&[base + column])?;
+                if one.rank == 0 {
+                    continue;
+                }
+                let mut size = z * (one.covariance[(0, 0)] * scale).sqrt();
+                if candidate.finite {
+                    // The column is what the effect does at this shape, so that a share of it is about that share of the shape.
+                    match trial.shape.filter(|_| size <= 1.0) {
+                        Some(shape) => size *= shape,
+                        None => continue,
+                    }
+                }
+                let entry = smallest.entry((*name).to_string()).or_insert(f64::INFINITY);
+                *entry = entry.min(size);
+            }
+        }
+        let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
+        all.push(Detectable {
+            effect: effect.kind.name().into(),
+            target,
+            smallest,
+            visible_fraction: visible,
+        });
+    }
+    Ok(all)
+}

@@ -1,0 +1,131 @@
+//! In which parts of the readings the difference lies.
+
+use common::{EnergyShare, series::even_step_s};
+use nalgebra::Vector3;
+
+use super::guilty::Guilty;
+use crate::Outcome;
+use crate::covariates;
+use crate::matched::power_along;
+use crate::model::Model;
+use crate::observed::Channel;
+
+/// Regions of equal numbers of readings along time and covariates.
+const REGIONS: usize = 5;
+/// From the upper to the lower edge of a band.
+const BAND: f64 = 4.0;
+/// Fewest readings of a channel that have a spectrum.
+const SPECTRUM: usize = 24;
+
+/// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and covariate.
+pub(super) fn energy(
+    model: &Model<'_>,
+    outcome: &Outcome,
+    guilty: &Guilty,
+    fields: &[Vec<Vector3<f64>>],
+) -> Vec<EnergyShare> {
+    let observed = &model.observed;
+    let rest = &outcome.first.rest;
+    let noise = rest.scale() * rest.freedom / outcome.base.white.len() as f64;
+    let excess = |row: usize| outcome.base.white[row].powi(2) - noise;
+    let of_channel = |channel: &Channel| channel.range().map(excess).sum::<f64>();
+    let mut all = Vec::new();
+    let sums = |key: &dyn Fn(&Channel) -> String| -> Vec<(Part, f64)> {
+        let mut sums: Vec<(Part, f64)> = Vec::new();
+        for channel in &observed.channels {
+            let part = Part::Named(key(channel));
+            match sums.iter_mut().find(|(known, _)| *known == part) {
+                Some((_, sum)) => *sum += of_channel(channel),
+                None => sums.push((part, of_channel(channel))),
+            }
+        }
+        sums
+    };
+    all.extend(shares("recording", sums(&|channel| observed.runs[channel.run].recording.id.clone())));
+    all.extend(shares("sensor", sums(&|channel| channel.column.clone())));
+    let channels = || guilty.channels.iter().map(|number| &observed.channels[*number]);
+    let along = |values: &dyn Fn(&Channel) -> Option<Vec<f64>>| -> Vec<(f64, f64)> {
+        let of = |channel: &Channel| {
+            let values = values(channel)?;
+            let points = channel.range().zip(&channel.rows).map(|(row, at)| (values[*at], excess(row)));
+            Some(points.filter(|(x, _)| x.is_finite()).collect::<Vec<_>>())
+        };
+        channels().filter_map(of).flatten().collect()
+    };
+    let on_clock = |channel: &Channel| -> Option<Vec<f64>> {
+        let run = &observed.runs[channel.run];
+        Some(run.time_s?.iter().map(|time| time + run.setting.context.clock_s).collect())
+    };
+    all.extend(shares("time_s", regions(along(&on_clock))));
+    all.extend(shares("band_hz", bands(model, channels(), &outcome.base.white, noise)));
+    for name in &guilty.covariates {
+        let values = |channel: &Channel| covariates::values(model, fields, channel.run, channel.axis(), name);
+        all.extend(shares(name, regions(along(&values))));
+    }
+    all
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Part {
+    Named(String),
+    Region([f64; 2]),
+}
+
+/// Shares of the sum; none where there is one part, or nothing above the noise.
+fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
+    let whole: f64 = parts.iter().map(|(_, sum)| sum).sum();
+    if parts.len() < 2 || whole <= 0.0 {
+        return Vec::new();
+    }
+    let share = |(part, sum): (Part, f64)| {
+        let (part, range) = match part {
+            Part::Named(name) => (Some(name), None),
+            Part::Region(range) => (None, Some(range)),
+        };
+        EnergyShare { by: by.into(), part, range, share: sum / whole }
+    };
+    parts.into_iter().map(share).collect()
+}
+
+/// Readings in the order of a covariate, in regions of equal numbers.
+fn regions(mut points: Vec<(f64, f64)>) -> Vec<(Part, f64)> {
+    points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let constant = points.first().zip(points.last()).is_none_or(|(first, last)| first.0 == last.0);
+    if constant || points.len() < 2 * REGIONS {
+        return Vec::new();
+    }
+    let region = |some: &[(f64, f64)]| {
+        (Part::Region([some[0].0, some[some.len() - 1].0]), some.iter().map(|(_, excess)| excess).sum())
+    };
+    points.chunks(points.len().div_ceil(REGIONS)).map(region).collect()
+}
+
+/// Power of the whitened residual over that of the noise in bands, from the highest down.
+fn bands<'c>(
+    model: &Model<'_>,
+    channels: impl Iterator<Item = &'c Channel>,
+    white: &[f64],
+    noise: f64,
+) -> Vec<(Part, f64)> {
+    let mut spectrum: Vec<(f64, f64)> = Vec::new();
+    for channel in channels.filter(|channel| channel.rows.len() >= SPECTRUM) {
+        let Some(time) = model.observed.times(channel) else { continue };
+        let Some(step) = even_step_s(&time) else { continue };
+        let points = channel.rows.len();
+        let power = power_along(&time, &white[channel.range()], step, points);
+        let grid = 1.0 / (points as f64 * step);
+        let excess = |k: usize| 2.0 * (power[k] / points as f64 - noise);
+        spectrum.extend((1..points.div_ceil(2)).map(|k| (k as f64 * grid, excess(k))));
+    }
+    let highest = spectrum.iter().map(|(f, _)| *f).fold(0.0, f64::max);
+    let lowest = spectrum.iter().map(|(f, _)| *f).fold(f64::INFINITY, f64::min);
+    let mut found = Vec::new();
+    let mut above = highest * (1.0 + 1e-9);
+    while above > lowest && above.is_finite() {
+        let below = if above / BAND > lowest { above / BAND } else { 0.0 };
+        let inside = spectrum.iter().filter(|(f, _)| (below..above).contains(f));
+        found.push((Part::Region([below, above]), inside.map(|(_, excess)| excess).sum()));
+        above = below;
+    }
+    found
+}

@@ -1,0 +1,112 @@
+//! Where the difference lies.
+
+use common::{Axis, DoubtfulValue, Quantity, Share};
+use physics::{Place, Role};
+
+use super::effects::{effect_of, place_of};
+use crate::adopt::on_coil;
+use crate::candidates::{What, named};
+use crate::covariates;
+use crate::model::{Column, Model};
+use crate::observed::Channel;
+use crate::words::chance;
+use crate::{Options, Outcome};
+
+pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {
+    let found = &outcome.found[number];
+    let excess = (outcome.first.rest.sum_of_squares - outcome.last.rest.freedom * outcome.last.rest.scale())
+        .max(found.gain);
+    let energy_share = Some((found.gain / excess).clamp(0.0, 1.0));
+    let Some((at, effect)) = effect_of(outcome, number) else {
+        let column = &outcome.fit.state.columns[place_of(outcome, number)];
+        let (covariates, sensors) = column.follows.iter().cloned().unzip();
+        let mut share =
+            Share { energy_share, covariates, sensors, description: column.what.clone(), ..Share::default() };
+        if found.refined.proposal.local {
+            share.readings = single(model, column);
+            share.recordings = share.readings.iter().map(|reading| reading.recording.clone()).collect();
+        }
+        return share;
+    };
+    let about = effect.kind.about();
+    let runs = model.observed.runs.iter().zip(&outcome.fit.state.acts[at]);
+    let frame = match effect.kind.place() {
+        Place::Sensor | Place::Electronics | Place::Logger | Place::Spacecraft => "SEN",
+        Place::Facility | Place::Environment | Place::Sites => "GEO",
+    };
+    let sensors = if on_coil(effect) { Vec::new() } else { effect.axis.into_iter().collect() };
+    let frequency = about.parameters.iter().position(|info| info.name == "frequency_hz");
+    let moment = about.parameters.iter().position(|info| info.role == Role::Epoch);
+    Share {
+        place: Some(effect.kind.place().word().into()),
+        sensors,
+        frame: Some(frame.into()),
+        covariates: covariates::of(effect),
+        energy_share,
+        recordings: runs.filter(|(_, acts)| **acts).map(|(run, _)| run.recording.id.clone()).collect(),
+        time_s: moment.map(|at| [effect.parameters[at]; 2]),
+        band_hz: frequency.map(|at| [effect.parameters[at]; 2]),
+        description: about.title.into(),
+        ..Share::default()
+    }
+}
+
+/// The one reading that a column is.
+fn single(model: &Model<'_>, column: &Column) -> Vec<DoubtfulValue> {
+    let hit = |channel: &&Channel| channel.range().any(|row| column.values[row] != 0.0);
+    let found = model.observed.channels.iter().filter(hit).map(|channel| {
+        let row = channel.range().position(|row| column.values[row] != 0.0).unwrap_or(0);
+        DoubtfulValue {
+            recording: model.observed.runs[channel.run].recording.id.clone(),
+            column: channel.column.clone(),
+            row: channel.rows[row],
+            departure_nt: Quantity::Bare(column.coefficient),
+        }
+    });
+    found.collect()
+}
+
+/// Where structure without a name lies.
+pub(super) fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Share> {
+    let line = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0);
+    let Some(structure) = outcome.last.structures.first() else {
+        return line.map(|line| Share {
+            recordings: vec![line.recording.clone()],
+            band_hz: Some([line.frequency_hz; 2]),
+            description: format!("a line at {:.6} Hz", line.frequency_hz),
+            ..Share::default()
+        });
+    };
+    let (covariate, axis): (String, Option<Axis>) = match &structure.what {
+        What::Smooth { covariate, axis } => (covariate.clone(), Some(*axis)),
+        What::Dependence { column, axis } => (column.clone(), Some(*axis)),
+        What::Physics(effect) => (named(effect), effect.axis),
+    };
+    let rest = &outcome.last.rest;
+    Some(Share {
+        sensors: axis.into_iter().collect(),
+        covariates: vec![covariate],
+        energy_share: Some((structure.gain / rest.sum_of_squares).clamp(0.0, 1.0)),
+        description: structure.what.name(),
+        ..Share::default()
+    })
+}
+
+pub(super) fn structure(outcome: &Outcome, options: &Options) -> String {
+    let mut words = Vec::new();
+    if let Some(structure) = outcome.last.structures.first() {
+        words.push(format!("{} ({})", structure.what.name(), chance(structure.p_adjusted)));
+    }
+    if let Some(line) = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0) {
+        words.push(format!(
+            "a line at {:.6} Hz in \"{}\" ({})",
+            line.frequency_hz,
+            line.recording,
+            chance(line.p)
+        ));
+    }
+    words.extend(
+        outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} ({})", p.name, chance(p.p))),
+    );
+    words.join("; ")
+}

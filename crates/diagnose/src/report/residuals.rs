@@ -1,0 +1,95 @@
+//! How well the recordings are met, and how far the calibration moved for it.
+
+use common::{BaseShift, Quantity, Residual, ResidualOf};
+use physics::Parameter;
+
+use crate::fit::Fitter;
+use crate::held_out::HeldOut;
+use crate::model::{Instrument, Model, Unknown};
+use crate::observed::Channel;
+use crate::whitening::NoiseModel;
+use crate::{Error, Outcome};
+
+/// Rms of the noise over all readings, nT.
+pub(super) fn floor(outcome: &Outcome) -> f64 {
+    let std = &outcome.noise.std_nt;
+    let mean: f64 = std.iter().map(|std| std * std).sum::<f64>() / std.len().max(1) as f64;
+    (mean * outcome.last.rest.scale()).sqrt()
+}
+
+pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
+    let base = Fitter { model, noise: &outcome.base_noise };
+    let held_before = in_nt(model, &base.held_out(&outcome.base)?, &outcome.base_noise);
+    let held_after = in_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.noise);
+    let scale = outcome.last.rest.scale().sqrt();
+    let of_channel = |(channel, std): (&Channel, &f64)| ResidualOf {
+        recording: model.observed.runs[channel.run].recording.id.clone(),
+        column: channel.column.clone(),
+        rms_before_nt: rms(outcome.before[channel.range()].iter().copied()),
+        rms_after_nt: rms(outcome.fit.residual[channel.range()].iter().copied()),
+        held_out_before_nt: rms(held_before[channel.range()].iter().flatten().copied()),
+        held_out_after_nt: rms(held_after[channel.range()].iter().flatten().copied()),
+        noise_floor_nt: std * scale,
+    };
+    Ok(Residual {
+        rms_before_nt: rms(outcome.before.iter().copied()),
+        rms_refitted_nt: rms(outcome.base.residual.iter().copied()),
+        rms_after_nt: rms(outcome.fit.residual.iter().copied()),
+        held_out_before_nt: rms(held_before.iter().flatten().copied()),
+        held_out_after_nt: rms(held_after.iter().flatten().copied()),
+        noise_floor_nt: floor(outcome),
+        noise_source: outcome.noise.source.into(),
+        by_recording: model.observed.channels.iter().zip(&outcome.noise.std_nt).map(of_channel).collect(),
+        extra: common::Extra::new(),
+    })
+}
+
+fn rms(values: impl Iterator<Item = f64>) -> f64 {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
+/// Of each reading, how far it is from what the others predict of it, in units of what is new in its noise, times the noise's
+/// standard deviation, nT.
+fn in_nt(model: &Model<'_>, held: &HeldOut, noise: &NoiseModel) -> Vec<Option<f64>> {
+    let channels = model.observed.channels.iter().zip(&noise.std_nt);
+    let of_channel = |(channel, std): (&Channel, &f64)| -> Vec<Option<f64>> {
+        held.squares[channel.range()].iter().map(|square| square.map(|square| square.sqrt() * std)).collect()
+    };
+    channels.flat_map(of_channel).collect()
+}
+
+pub(super) fn base_shift(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
+    let scale = outcome.last.rest.scale();
+    let name = |unknown: &Unknown| match unknown {
+        Unknown::Chain(parameter, instrument) => {
+            let test = if *instrument == Instrument::Pair { "test." } else { "" };
+            match parameter {
+                Parameter::Sensitivity(axis) => format!("{test}sensors.{axis}.sensitivity"),
+                Parameter::SensorOffset(axis) => format!("{test}sensors.{axis}.offset_nt"),
+                Parameter::SensorTurn(axis, which) => format!("{test}axes.sensors.{axis}.turn_{which}_rad"),
+                Parameter::CoilConstant(axis) => format!("coils.{axis}.constant_nt_per_a"),
+                Parameter::CoilOffset(axis) => format!("coils.{axis}.offset_nt"),
+                Parameter::CoilTurn(axis, which) => format!("axes.coils.{axis}.turn_{which}_rad"),
+                Parameter::Effect(effect, parameter) => format!("effects[{effect}][{parameter}]"),
+            }
+        }
+        Unknown::Field(axis) => format!("axes.residual_field_nt.{axis}"),
+        Unknown::Level(channel) => {
+            let channel = &model.observed.channels[*channel];
+            format!(
+                "field of the shield in \"{}\", {}, nt",
+                model.observed.runs[channel.run].recording.id, channel.column
+            )
+        }
+        Unknown::Turn { setting, about } => format!("setting {setting} of the block about axis {about}, rad"),
+    };
+    let shifts = model.unknowns.iter().zip(&outcome.fit.state.base).enumerate();
+    shifts
+        .filter(|(k, (_, shift))| **shift != 0.0 && outcome.fit.covariance[(*k, *k)].is_finite())
+        .map(|(k, (unknown, shift))| BaseShift {
+            parameter: name(unknown),
+            shift: Quantity::new(*shift, (outcome.fit.covariance[(k, k)] * scale).sqrt()),
+        })
+        .collect()
+}
