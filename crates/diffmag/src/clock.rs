@@ -213,7 +213,7 @@ impl Look {
             let noise = Noise::seen(&left[0], pair)?;
             let [here, there] = left.map(|left| {
                 // It explains all of itself.
-                lag::explained(&[left.clone()], &left, pair.step_s, &|f| noise.density(f), 0)
+                lag::explained(std::slice::from_ref(&left), &left, pair.step_s, &|f| noise.density(f), 0)
             });
             gain += here?[0] - there?[0];
         }
