@@ -24,8 +24,8 @@ const BESIDE: f64 = 0.1;
 const REACH: f64 = 0.1;
 /// Changes from row to row that are so many times their median count as much: a spike of one instrument has no lag.
 const LARGEST_CHANGE: f64 = 8.0;
-/// A lag must explain more than none does by this χ².
-const GAIN: f64 = 50.0;
+/// A lag must explain more than none does by this χ², and leave so much less.
+pub const GAIN: f64 = 50.0;
 
 /// How late the test instrument's times are: offset + rate × time from the middle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -145,7 +145,7 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
         let mut coefficients = Vec::new();
         for round in 0..ROUNDS {
             turned_by = eta;
-            let mut columns = clock_columns(pair, &turned_by);
+            let mut columns = seen(clock_columns(pair, &turned_by), &pair.whole);
             columns.extend(base.iter().cloned());
             let mut fit = spectral::regress(&columns, test, pair.step_s, &|f| noise.density(f))?;
             if plain_only {
@@ -168,7 +168,8 @@ impl Look {
     /// What is left of an axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
     /// in the slope of the field, that of `calm`: what only the reference read is no field.
     pub fn left(&self, pair: &Pair, calm: &Pair, axis: usize) -> Vec<f64> {
-        let columns = self.columns(pair, calm, axis);
+        let mut columns = clock_columns(calm, &self.axes[axis].turned_by);
+        columns.extend(self.others(pair));
         rest(&columns, &pair.test[axis], &self.axes[axis].coefficients)
     }
 
@@ -180,7 +181,9 @@ impl Look {
             return Ok(());
         }
         for (axis, of) in self.axes.iter().enumerate() {
-            let left = self.left(pair, pair, axis);
+            let mut columns = seen(clock_columns(pair, &of.turned_by), &pair.whole);
+            columns.extend(self.others(pair));
+            let left = rest(&columns, &pair.test[axis], &of.coefficients);
             let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
             for (row, value) in pair.test[axis].iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
                 *value += filled[row] - left[row];
@@ -189,22 +192,48 @@ impl Look {
         Ok(())
     }
 
-    /// The columns of an axis, steps left out.
-    fn columns(&self, pair: &Pair, calm: &Pair, axis: usize) -> Vec<Vec<f64>> {
-        let mut columns = clock_columns(calm, &self.axes[axis].turned_by);
-        columns.extend(pair.reference.iter().cloned());
-        columns.extend(drifts(pair));
-        columns
+    /// Columns after the clock's, steps left out.
+    fn others(&self, pair: &Pair) -> Vec<Vec<f64>> {
+        pair.reference.iter().cloned().chain(drifts(pair)).collect()
+    }
+
+    /// What is left of an axis, limited.
+    fn limited_left(&self, pair: &Pair, axis: usize, whole: &[bool]) -> Vec<f64> {
+        let left = self.left(pair, pair, axis);
+        limited(&left, whole, usual(&left, whole))
+    }
+
+    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here only what is left is limited: a
+    /// sudden change of the field that was limited in both instruments may seem to lag where it does not.
+    pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
+        let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
+        let mut gain = 0.0;
+        for axis in 0..self.axes.len() {
+            let left = [self.limited_left(pair, axis, &whole), moved.limited_left(moved_pair, axis, &whole)];
+            let noise = Noise::seen(&left[0], pair)?;
+            let [here, there] = left.map(|left| {
+                // It explains all of itself.
+                lag::explained(std::slice::from_ref(&left), &left, pair.step_s, &|f| noise.density(f), 0)
+            });
+            gain += here?[0] - there?[0];
+        }
+        Ok(gain)
     }
 
     /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag of the largest likelihood, s.
     pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
         let reach = (REACH * pair.whole.len() as f64) as usize;
         let mut gains = vec![0.0; 2 * reach + 1];
-        let reference = pair.reference.each_ref().map(|column| limited(column));
-        for (test, axis) in pair.test.iter().zip(&self.axes) {
-            let density = |f: f64| axis.noise.density(f);
-            let of_axis = lag::explained(&reference, &limited(test), pair.step_s, &density, reach)?;
+        // One limit for all: a change of the field that is cut at another height in the other instrument would seem to come at another time.
+        let columns = pair.reference.iter().chain(&pair.test);
+        let most = columns.map(|column| usual(column, &pair.whole)).fold(0.0, f64::max);
+        let reference = pair.reference.each_ref().map(|column| limited(column, &pair.whole, most));
+        for (axis, test) in pair.test.iter().enumerate() {
+            // A sudden change at the wrong time would be most of the noise.
+            let noise = Noise::seen(&self.limited_left(pair, axis, &pair.whole), pair)?;
+            let density = |f: f64| noise.density(f);
+            let of_axis =
+                lag::explained(&reference, &limited(test, &pair.whole, most), pair.step_s, &density, reach)?;
             gains.iter_mut().zip(of_axis).for_each(|(sum, gain)| *sum += gain);
         }
         let best =
@@ -233,16 +262,33 @@ fn clock_columns(pair: &Pair, eta: &[f64; 3]) -> Vec<Vec<f64>> {
     vec![late, fast]
 }
 
-/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for.
-fn limited(values: &[f64]) -> Vec<f64> {
-    let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let most = LARGEST_CHANGE * stats::median(&changes.iter().map(|change| change.abs()).collect::<Vec<_>>());
+/// Columns of the clock with nothing in rows that are not whole: readings that were filled in say nothing of it, and a reading filled in with a
+/// wrong clock would confirm that one.
+fn seen(mut columns: Vec<Vec<f64>>, whole: &[bool]) -> Vec<Vec<f64>> {
+    for column in &mut columns {
+        column.iter_mut().zip(whole).filter(|(_, whole)| !**whole).for_each(|(value, _)| *value = 0.0);
+    }
+    columns
+}
+
+/// How much a series may change from row to row and be taken as it is.
+fn usual(values: &[f64], whole: &[bool]) -> f64 {
+    let known = (1..values.len()).filter(|row| whole[row - 1] && whole[*row]);
+    LARGEST_CHANGE
+        * stats::median(&known.map(|row| (values[row] - values[row - 1]).abs()).collect::<Vec<_>>())
+}
+
+/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for. Beside rows that are not whole it does not
+/// change.
+fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
     if most == 0.0 {
         return values.to_vec();
     }
     let mut level = 0.0;
-    let sums = changes.iter().map(|change| {
-        level += change.clamp(-most, most);
+    let sums = (1..values.len()).map(|row| {
+        if whole[row - 1] && whole[row] {
+            level += (values[row] - values[row - 1]).clamp(-most, most);
+        }
         level
     });
     std::iter::once(0.0).chain(sums).collect()

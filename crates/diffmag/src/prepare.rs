@@ -43,9 +43,13 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
         }
         let look = clock::look(&together)?;
         if let Some(offset_s) = look.coarse_offset_s(&together)? {
-            shift.offset_s += offset_s;
-            last = None;
-            continue;
+            let moved = Shift { offset_s: shift.offset_s + offset_s, ..shift };
+            let there = aligned(&events.taken_out(raw, moved), moved, Moved::Reference);
+            if look.gain(&together, &clock::look(&there)?, &there)? > clock::GAIN {
+                shift = moved;
+                last = None;
+                continue;
+            }
         }
         let found = events::search(&aligned(raw, shift, Moved::Reference), &together, &look)?;
         let same = found.same(&events);

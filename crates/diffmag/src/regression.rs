@@ -171,7 +171,7 @@ pub fn calibrate(
     }
     fit.kept_out = kept_out(raw, prepared, fits);
     fit.clock = prepared.clock.clone();
-    fit.findings = words::findings(&fit, TOLD_BELOW);
+    fit.findings = words::findings(&fit, TOLD_BELOW, &fits.each_ref().map(|found| found.whitened.wider()));
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
     fit.findings.extend(pair.told.iter().cloned());
     fit.findings.extend(pair.third.iter().map(|_| words::third()));

@@ -24,8 +24,8 @@ pub fn quoted() -> String {
         .into()
 }
 
-/// What looks wrong, or is worth knowing.
-pub fn findings(fit: &DifferentialFit, told_below: f64) -> Vec<String> {
+/// What looks wrong, or is worth knowing. `wider`: of each axis, how many times as wide its intervals are by what is left itself.
+pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec<String> {
     let mut findings = Vec::new();
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
@@ -36,8 +36,10 @@ pub fn findings(fit: &DifferentialFit, told_below: f64) -> Vec<String> {
     for (axis, of) in fit.axes.iter() {
         if of.goodness_p < UNLIKE_BELOW {
             findings.push(format!(
-                "axis {axis}: the difference is not A/f^α and white noise (p = {:.1e}); something else is in it",
-                of.goodness_p
+                "axis {axis}: the difference is not A/f^α and white noise (p = {:.1e}); something else is in it. `weighted_std` takes \
+                 that form as true; by what is left itself it would be up to {:.1} times as wide",
+                of.goodness_p,
+                wider[axis.index()]
             ));
         }
         if let Some(highest) = of.weighted_up_to_hz {

@@ -244,6 +244,50 @@ fn a_sudden_commencement_is_no_step() {
     assert!(all.iter().all(|(_, listed)| *listed == 0), "{all:?}");
 }
 
+/// A storm's beginning in a weak field, with a reference noisier than the test instrument, says where the clocks stand; it is limited
+/// otherwise in one than in the other when a lag is looked for, and must not look like one. What lags is found all the same.
+#[test]
+fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
+    let mut plan: serde_json::Value =
+        serde_json::from_str(&testkit::read_fixture("plans/observatory-pair.json")).expect("a plan");
+    plan["procedures"][0]["length_s"] = 259_200.into();
+    plan["truth"]["model"]["effects"] = serde_json::json!([]);
+    let outside = &mut plan["truth"]["outside"];
+    outside["background"]["flicker_nt2_per_hz_at_1hz"] = 2e-7.into();
+    outside["storm"]["time_s"] = 142_560.into();
+    outside["storm"]["sudden_nt"] = serde_json::json!([100, -20, 30]);
+    outside["storm"]["unrest"]["flicker_nt2_per_hz_at_1hz"] = 0.into();
+    plan["truth"]["differential"]["reference_noise"]["white_rms_nt"] = 0.2.into();
+    for late in [0, 3] {
+        let all: Vec<(f64, f64, usize)> = (0..campaigns(8))
+            .into_par_iter()
+            .map(|seed| {
+                let mut plan = plan.clone();
+                plan["seed"] = seed.into();
+                let plan: simulate::Plan = common::parse(&plan.to_string()).expect("a plan");
+                let mut document = simulate::campaign(&plan).expect("simulated").document;
+                // The test instrument reads now what was there `late` rows ago; before the first row it had read that one.
+                for axis in Axis::ALL {
+                    let column = &mut document.recordings[0]
+                        .columns
+                        .get_mut(&format!("test_{axis}_nt"))
+                        .expect("a column")
+                        .0;
+                    let first = column[0];
+                    column.rotate_right(late);
+                    column[..late].fill(first);
+                }
+                let fit = found(&document, false).fit.expect("a fit");
+                let offset = fit.clock.expect("a clock").offset_s;
+                (offset.value() - 60.0 * late as f64, offset.std().expect("a std"), fit.kept_out.events.len())
+            })
+            .collect();
+        println!("{late} rows late: {all:?}");
+        assert!(all.iter().all(|(off, std, _)| off.abs() < 4.0 * std && *std < 1.0), "{all:?}");
+        assert!(all.iter().all(|(_, _, events)| *events == 0), "{all:?}");
+    }
+}
+
 /// Offsets of a share of a sample to many samples, with a rate: estimated within their intervals, corrected, and no sudden change of the
 /// field is taken for an event.
 #[test]
