@@ -120,8 +120,8 @@ impl Fitter<'_, '_> {
         Ok(2.0 * along - square(&white))
     }
 
-    /// Columns (nT, stacked) fitted to what a fit has left, the fit's own derivatives projected out.
-    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
+    /// Columns (nT, stacked) beside what a fit has left, the fit's own derivatives projected out, and where they begin.
+    pub fn screen_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<(Screen, usize), Error> {
         let white: Vec<Vec<f64>> =
             columns.iter().map(|column| self.noise.whiten(&self.model.observed, column)).collect();
         let base = fit.jacobian.ncols();
@@ -130,8 +130,14 @@ impl Fitter<'_, '_> {
             Some(column) => white[column].get(i).copied().unwrap_or(0.0),
         });
         let first: Vec<usize> = (0..base).collect();
+        Ok((Screen::of(&self.products(&all, &fit.white)).given(&first)?, base))
+    }
+
+    /// What all of some columns gain together.
+    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
+        let (screen, base) = self.screen_of(fit, columns)?;
         let group: Vec<usize> = (base..base + columns.len()).collect();
-        Ok(Screen::of(&self.products(&all, &fit.white)).given(&first)?.gain(&group)?)
+        Ok(screen.gain(&group)?)
     }
 
     /// Products of whitened columns and residual.

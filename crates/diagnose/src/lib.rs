@@ -11,6 +11,7 @@ mod against;
 mod candidates;
 mod codes;
 mod covariates;
+mod dependence;
 mod error;
 mod events;
 mod fit;

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
+use crate::dependence::Follows;
 use crate::observed::{Observed, Reader};
 
 /// Step of the differences by which turns of the block enter, rad.
@@ -43,13 +44,23 @@ pub enum Unknown {
     },
 }
 
+impl Unknown {
+    /// Whether it is an offset of a sensor, of a coil or of the field.
+    pub fn is_offset(&self) -> bool {
+        matches!(
+            self,
+            Unknown::Chain(Parameter::SensorOffset(_) | Parameter::CoilOffset(_), _) | Unknown::Field(_)
+        )
+    }
+}
+
 /// A column that is fitted beside the chain.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// What it is, in words.
     pub what: String,
-    /// The recorded column and the sensor that follows it; None for a single reading.
-    pub follows: Option<(String, Axis)>,
+    /// What it follows; None for a single reading.
+    pub follows: Option<Follows>,
     /// nT for each reading of the stack.
     pub values: Arc<Vec<f64>>,
     /// Its coefficient.

@@ -6,6 +6,7 @@ use faer::Mat;
 use physics::{EffectInstance, Kind, Role};
 
 use crate::Error;
+use crate::covariates;
 use crate::fit::Fitter;
 use crate::search::{Addition, Fault, Refined};
 
@@ -97,13 +98,24 @@ pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Er
         }
         let more = other.unknowns - best.unknowns;
         let better = best.deviance - other.deviance;
-        if more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more) && holds(fitter, other, best)? {
+        let needless = more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more);
+        if needless && follows_the_same(other, best) && holds(fitter, other, best)? {
             lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
             continue;
         }
         equal.push(name);
     }
     Ok(Rivals { equal, lost })
+}
+
+/// Whether a rival follows all that an effect follows: if not, it is another explanation, however many unknowns it has.
+fn follows_the_same(rival: &Refined, effect: &Refined) -> bool {
+    let covariates = |refined: &Refined| match &refined.proposal.addition {
+        Addition::Effect(effect) => covariates::of(effect),
+        Addition::Column(column) => column.follows.iter().map(|follows| follows.column.clone()).collect(),
+    };
+    let (theirs, own) = (covariates(rival), covariates(effect));
+    if own.is_empty() { theirs.is_empty() } else { own.iter().all(|name| theirs.contains(name)) }
 }
 
 /// Whether all that an effect does can be done by a rival.

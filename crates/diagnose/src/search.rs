@@ -8,15 +8,18 @@ use physics::{EffectInstance, Kind, Role};
 use crate::Error;
 use crate::candidates::{Candidate, Pool, What, named};
 use crate::codes;
+use crate::dependence::{self, Follows};
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
-use crate::model::{Column, State};
+use crate::model::{Column, Model, State};
 use crate::rivals;
 use crate::whitening::NoiseModel;
 use std::sync::Arc;
 
+/// Farthest that an effect may move an offset of the calibration, nT.
+const FARTHEST_OFFSET_NT: f64 = 1000.0;
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
@@ -289,7 +292,7 @@ impl<'p> Searcher<'p> {
                 Addition::Effect(effect) => fitter.model.with(&fit.state, effect.clone()),
                 Addition::Column(column) => {
                     let mut state = fit.state.clone();
-                    state.columns.push(column.clone());
+                    state.columns.push(dependence::with_lag(fitter, fit, column)?);
                     state
                 }
             };
@@ -306,7 +309,9 @@ impl<'p> Searcher<'p> {
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
             };
             let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
-            let why_not = self.why_not(proposal, fit, &with, &held_out, look);
+            let why_not = self
+                .why_not(proposal, fit, &with, &held_out, look)
+                .or_else(|| far_offset(fitter.model, fit, &with));
             all.push(Refined {
                 p_adjusted: at_least_one(proposal.p, FAMILIES),
                 proposal: proposal.clone(),
@@ -383,6 +388,17 @@ impl<'p> Searcher<'p> {
     }
 }
 
+/// Why the calibration cannot have moved as far as it did: in one orientation the offsets of a sensor and of the field are one, and any
+/// part of the sum would do.
+fn far_offset(model: &Model<'_>, before: &Fit, with: &Fit) -> Option<Fault> {
+    let moved = model.unknowns.iter().zip(&before.state.base).zip(&with.state.base);
+    moved
+        .filter(|((unknown, _), _)| unknown.is_offset())
+        .map(|((_, before), with)| (with - before).abs())
+        .find(|far| *far > FARTHEST_OFFSET_NT)
+        .map(|far| Fault::Idle(format!("an offset of the calibration would have to move by {far:.1e} nT")))
+}
+
 /// Whether a state holds a candidate's effect already.
 fn already(state: &State, candidate: &Candidate) -> bool {
     match &candidate.what {
@@ -427,7 +443,12 @@ fn start(
             let column = candidate.trials[best].columns.first()?;
             let values = Arc::new(pool.columns[*column].clone());
             let follows = match what {
-                What::Dependence { column, axis } => Some((column.clone(), *axis)),
+                What::Dependence { column, axis } => Some(Follows {
+                    column: column.clone(),
+                    axis: *axis,
+                    lag_s: candidate.trials[best].shape.unwrap_or(0.0),
+                    lag_std_s: None,
+                }),
                 _ => None,
             };
             let coefficient = *coefficients.first()?;
