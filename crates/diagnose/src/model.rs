@@ -1,6 +1,7 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 
 use common::{Axis, Document};
+use estimate::screen::{Products, Screen};
 use faer::Mat;
 use nalgebra::Vector3;
 use physics::{Basic, Context, EffectInstance, Kind, Parameter, Prediction, Role, Unit, frames};
@@ -10,6 +11,12 @@ use std::sync::Arc;
 use crate::Error;
 use crate::dependence::Follows;
 use crate::observed::{Observed, Reader};
+
+/// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the field, and only the sum
+/// is determined: without this, part of it could be anything, and with temperature it would make any effect.
+const OFFSET_NT: f64 = 1000.0;
+/// Share of a column's squared length that is rounding.
+const SAME: f64 = 1e-9;
 
 /// Step of the differences by which turns of the block enter, rad.
 const TURN_RAD: f64 = 1e-5;
@@ -44,14 +51,24 @@ pub enum Unknown {
     },
 }
 
-impl Unknown {
-    /// Whether it is an offset of a sensor, of a coil or of the field.
-    pub fn is_offset(&self) -> bool {
-        matches!(
-            self,
-            Unknown::Chain(Parameter::SensorOffset(_) | Parameter::CoilOffset(_), _) | Unknown::Field(_)
-        )
+/// Columns that the others say as well.
+fn undetermined(columns: &[&Vec<f64>]) -> Result<Vec<usize>, Error> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut products = Products::of(columns.len());
+    let block = Mat::from_fn(rows, columns.len() + 1, |i, j| columns.get(j).map_or(0.0, |column| column[i]));
+    products.push(block.as_ref());
+    let screen = Screen::of(&products);
+    let alone = |k: usize| -> Result<bool, Error> {
+        let others: Vec<usize> = (0..columns.len()).filter(|other| *other != k).collect();
+        Ok(screen.given(&others)?.visible(k) < SAME)
+    };
+    let mut found = Vec::new();
+    for k in 0..columns.len() {
+        if alone(k)? {
+            found.push(k);
+        }
     }
+    Ok(found)
 }
 
 /// A column that is fitted beside the chain.
@@ -137,6 +154,12 @@ impl<'a> Model<'a> {
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
+        let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
+        for k in undetermined(&columns)? {
+            if matches!(model.unknowns[k], Unknown::Chain(Parameter::SensorOffset(_), _)) {
+                model.priors[k].get_or_insert(OFFSET_NT);
+            }
+        }
         Ok((model, state))
     }
 

@@ -13,13 +13,11 @@ use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
-use crate::model::{Column, Model, State};
+use crate::model::{Column, State};
 use crate::rivals;
 use crate::whitening::NoiseModel;
 use std::sync::Arc;
 
-/// Farthest that an effect may move an offset of the calibration, nT.
-const FARTHEST_OFFSET_NT: f64 = 1000.0;
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
@@ -309,9 +307,7 @@ impl<'p> Searcher<'p> {
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
             };
             let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
-            let why_not = self
-                .why_not(proposal, fit, &with, &held_out, look)
-                .or_else(|| far_offset(fitter.model, fit, &with));
+            let why_not = self.why_not(proposal, fit, &with, &held_out, look);
             all.push(Refined {
                 p_adjusted: at_least_one(proposal.p, FAMILIES),
                 proposal: proposal.clone(),
@@ -386,17 +382,6 @@ impl<'p> Searcher<'p> {
         }
         None
     }
-}
-
-/// Why the calibration cannot have moved as far as it did: in one orientation the offsets of a sensor and of the field are one, and any
-/// part of the sum would do.
-fn far_offset(model: &Model<'_>, before: &Fit, with: &Fit) -> Option<Fault> {
-    let moved = model.unknowns.iter().zip(&before.state.base).zip(&with.state.base);
-    moved
-        .filter(|((unknown, _), _)| unknown.is_offset())
-        .map(|((_, before), with)| (with - before).abs())
-        .find(|far| *far > FARTHEST_OFFSET_NT)
-        .map(|far| Fault::Idle(format!("an offset of the calibration would have to move by {far:.1e} nT")))
 }
 
 /// Whether a state holds a candidate's effect already.
