@@ -77,12 +77,15 @@ fn offset(text: &[u8]) -> Option<i64> {
 }
 
 /// A whole number without sign.
-#[inline]
+#[inline(always)]
 fn digits(text: &[u8]) -> Option<i64> {
-    text.iter().try_fold(0_i64, |sum, byte| {
+    let (mut sum, mut good) = (0_i64, true);
+    for byte in text {
         let digit = byte.wrapping_sub(b'0');
-        (digit < 10).then(|| 10 * sum + i64::from(digit))
-    })
+        good &= digit < 10;
+        sum = 10 * sum + i64::from(digit);
+    }
+    good.then_some(sum)
 }
 
 /// Days since 1970-01-01 of a date of the Gregorian calendar; None for one that is not.

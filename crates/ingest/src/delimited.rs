@@ -1,14 +1,19 @@
 //! Lines of values between separators, as a mapping describes them.
 
-use memchr::memchr;
-use tables::{COLUMN_LIMIT, LINE_LIMIT, Place};
+mod fields;
+mod parser;
+
+use tables::{COLUMN_LIMIT, Place};
 
 use crate::Error;
-use crate::error::quoted;
 use crate::mapping::{From, Mapping};
+use crate::parts::{Room, in_parts};
 use crate::piece::Piece;
-use crate::text::{RowFault, Rows, Source, decoded, in_parts, lines, split_line};
+use crate::text::{Source, decoded, lines, split_line};
 use crate::times::Times;
+
+pub use fields::fields;
+use parser::Parser;
 
 /// Reads a file.
 ///
@@ -39,7 +44,8 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
         missing: mapping.missing.iter().filter_map(|text| text.replace(',', ".").parse().ok()).collect(),
         names,
     };
-    let rows = in_parts(data, first_line, |part, line| parser.parse(part, line, &is_row));
+    let parse = |part: &[u8], line: u32, room: &mut Room| parser.parse(part, line, room, &is_row);
+    let rows = in_parts(data, first_line, mapping.columns.len(), width, parse);
     let mut piece = Piece::mapped(source, "CSV", mapping, &times, rows.map_err(|fault| fault.of(source))?)?;
     if std::str::from_utf8(&source.bytes[..source.bytes.len() - data.len()]).is_err() {
         piece.notes.push("the header is not in UTF-8 and was read as Latin-1".into());
@@ -59,8 +65,10 @@ pub fn too_many(source: &Source, line: u32, width: usize) -> Error {
     source.fault(Place::Line(line.into()), format!("{width} columns"), expected)
 }
 
-/// Names of the columns where a line has them, the number of the line after it, and the rest.
-fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<(Option<Vec<String>>, u32, &'a [u8]), Error> {
+/// Names of the columns where a line has them, the number of the line of the first row, and the text from there.
+type Header<'a> = (Option<Vec<String>>, u32, &'a [u8]);
+
+fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error> {
     let (mut names, mut rest, mut number) = (None, source.bytes.as_slice(), 1);
     let first_row = mapping.first_row_line.unwrap_or(mapping.header_line.map_or(1, |line| line + 1));
     while number < first_row {
@@ -153,252 +161,4 @@ fn listed(names: &[String]) -> String {
         text.push_str(&format!(", and {} more", names.len() - SHOWN));
     }
     text
-}
-
-/// The fields of a line: between separators, quotes taken off; of blanks any number is one separator.
-pub fn fields(line: &[u8], separator: char) -> Vec<&[u8]> {
-    let mut all = Vec::new();
-    let mut rest = Some(line);
-    while let Some(line) = rest {
-        match next_field(line, separator as u8) {
-            Some((field, after)) => {
-                all.push(field);
-                rest = after;
-            }
-            None => break,
-        }
-    }
-    all
-}
-
-/// The first field of a line, and the rest after its separator; None where blanks are all that is left.
-#[inline]
-fn next_field(line: &[u8], separator: u8) -> Option<(&[u8], Option<&[u8]>)> {
-    if separator == b' ' {
-        let line = line.trim_ascii_start();
-        let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
-        return (!line.is_empty()).then(|| (&line[..end], Some(&line[end..])));
-    }
-    if line.first() == Some(&b'"') {
-        let mut at = 1;
-        // A quote within quotes is written twice.
-        while let Some(end) = memchr(b'"', &line[at..]) {
-            at += end + 1;
-            if line.get(at) != Some(&b'"') {
-                let end = memchr(separator, &line[at..]).map_or(line.len(), |end| at + end);
-                return Some((&line[1..at - 1], line.get(end + 1..).filter(|_| end < line.len())));
-            }
-            at += 1;
-        }
-    }
-    Some(match memchr(separator, line) {
-        Some(end) => (&line[..end], Some(&line[end + 1..])),
-        None => (line, None),
-    })
-}
-
-struct Parser<'a> {
-    mapping: &'a Mapping,
-    times: &'a Times,
-    slots: Vec<Slot>,
-    missing: Vec<f64>,
-    names: Option<Vec<String>>,
-}
-
-impl Parser<'_> {
-    fn parse(&self, part: &[u8], first_line: u32, is_row: &impl Fn(&[u8]) -> bool) -> Result<Rows, RowFault> {
-        let mut rows = Rows { columns: vec![Vec::new(); self.mapping.columns.len()], ..Rows::default() };
-        let parts = self.mapping.time.as_ref().map_or(0, |time| time.columns.len());
-        let mut time: Vec<&[u8]> = vec![b""; parts];
-        let mut joined = Vec::new();
-        let (mut rest, mut number) = (part, first_line);
-        while !rest.is_empty() {
-            let (line, after) = split_line(rest);
-            rest = after;
-            if is_row(line) {
-                if line.len() > LINE_LIMIT {
-                    let found = format!("a line of {} bytes", line.len());
-                    return Err(RowFault {
-                        line: number,
-                        column: None,
-                        found,
-                        expected: "a row of values".into(),
-                    });
-                }
-                if self.row(line, number, &mut rows, &mut time)? {
-                    rows.lines.push(number);
-                    if !self.times.are_counted() {
-                        let text = if let [only] = time[..] {
-                            only.trim_ascii()
-                        } else {
-                            joined.clear();
-                            time.iter().for_each(|part| {
-                                joined.extend_from_slice(part.trim_ascii());
-                                joined.push(b' ');
-                            });
-                            joined.trim_ascii()
-                        };
-                        let read = self.times.read(text);
-                        rows.times_ns.push(read.map_err(|expected| self.no_time(number, text, expected))?);
-                    }
-                }
-            }
-            number += 1;
-        }
-        Ok(rows)
-    }
-
-    /// Takes a row's values; false for a row in which nothing stands at all, such as `;;;`.
-    #[inline]
-    fn row<'a>(
-        &self,
-        line: &'a [u8],
-        number: u32,
-        rows: &mut Rows,
-        time: &mut [&'a [u8]],
-    ) -> Result<bool, RowFault> {
-        let separator = self.mapping.separator as u8;
-        let (mut rest, mut column) = (Some(line), 0);
-        while let Some((field, after)) = rest.and_then(|line| next_field(line, separator)) {
-            match self.slots.get(column) {
-                None => return Err(self.unequal(line, number)),
-                Some(Slot::Skipped) => {}
-                Some(Slot::Time(part)) => time[*part] = field,
-                Some(Slot::Value(value)) => match self.value(field) {
-                    Some(read) => rows.columns[*value].push(read),
-                    None => return Err(self.no_number(number, column, field)),
-                },
-            }
-            column += 1;
-            rest = after;
-        }
-        if column == self.slots.len() {
-            return if line.iter().all(|byte| *byte == separator || byte.is_ascii_whitespace()) && column > 1 {
-                rows.columns.iter_mut().for_each(|values| values.truncate(values.len() - 1));
-                Ok(false)
-            } else {
-                Ok(true)
-            };
-        }
-        Err(self.unequal(line, number))
-    }
-
-    /// A number, or NaN for a missing one; None for what is neither.
-    #[inline]
-    fn value(&self, field: &[u8]) -> Option<f64> {
-        let field = field.trim_ascii();
-        if field.is_empty() {
-            return Some(f64::NAN);
-        }
-        let value = if self.mapping.decimal == ',' {
-            comma_number(field)
-        } else {
-            fast_float2::parse::<f64, _>(field).ok()
-        };
-        match value {
-            Some(value) if value.is_finite() && !self.missing.contains(&value) => Some(value),
-            Some(value) if value.is_finite() => Some(f64::NAN),
-            _ => self.missing_word(field).then_some(f64::NAN),
-        }
-    }
-
-    #[cold]
-    fn missing_word(&self, field: &[u8]) -> bool {
-        field.eq_ignore_ascii_case(b"nan")
-            || field.eq_ignore_ascii_case(b"null")
-            || field == b"NA"
-            || self.mapping.missing.iter().any(|text| text.as_bytes() == field)
-    }
-
-    fn no_number(&self, line: u32, column: usize, field: &[u8]) -> RowFault {
-        let found = quoted(field.trim_ascii());
-        let own = self.mapping.decimal;
-        let other = if own == ',' { '.' } else { ',' };
-        let marked =
-            field.contains(&(other as u8)) && decoded(field).trim().replace(',', ".").parse::<f64>().is_ok();
-        let expected = if field.starts_with(b"\"") {
-            "a closing quote on the same line".to_string()
-        } else if marked {
-            format!(
-                "a number with the decimal mark {own:?}; where the file writes {other:?}, say \"decimal\": \"{other}\" in the mapping"
-            )
-        } else {
-            format!(
-                "a number, or nothing where one is missing; if {found} stands for a missing one, add it to \"missing\" in the mapping"
-            )
-        };
-        let name = match &self.names {
-            Some(names) => names[column].clone(),
-            None => self.target(column),
-        };
-        RowFault { line, column: Some((column + 1, name)), found, expected }
-    }
-
-    /// What a column without a name becomes.
-    fn target(&self, column: usize) -> String {
-        match self.slots[column] {
-            Slot::Value(value) => self.mapping.columns[value].to.clone(),
-            _ => "time".into(),
-        }
-    }
-
-    fn no_time(&self, line: u32, text: &[u8], expected: String) -> RowFault {
-        let column = self.slots.iter().position(|slot| *slot == Slot::Time(0)).unwrap_or_default();
-        let name = self.names.as_ref().map_or_else(|| "time".to_string(), |names| names[column].clone());
-        RowFault { line, column: Some((column + 1, name)), found: quoted(text), expected }
-    }
-
-    fn unequal(&self, line: &[u8], number: u32) -> RowFault {
-        let found = format!("{} values", fields(line, self.mapping.separator).len());
-        let expected = match &self.names {
-            Some(names) => format!(
-                "{}, one for each name in the header; was the file cut, or is the separator another?",
-                names.len()
-            ),
-            None => format!(
-                "{}, as on the first row; was the file cut, or is the separator another?",
-                self.slots.len()
-            ),
-        };
-        RowFault { line: number, column: None, found, expected }
-    }
-}
-
-/// A number with a decimal comma.
-#[inline]
-fn comma_number(field: &[u8]) -> Option<f64> {
-    let mut text = [0_u8; 64];
-    let text = text.get_mut(..field.len())?;
-    for (to, byte) in text.iter_mut().zip(field) {
-        *to = match byte {
-            b',' => b'.',
-            b'.' => return None,
-            byte => *byte,
-        };
-    }
-    fast_float2::parse::<f64, _>(&*text).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn fields_between_separators() {
-        let of = |line: &str, separator: char| -> Vec<String> {
-            fields(line.as_bytes(), separator).into_iter().map(|field| decoded(field).into_owned()).collect()
-        };
-        assert_eq!(of("a,b,,c", ','), ["a", "b", "", "c"]);
-        assert_eq!(of("a;b;", ';'), ["a", "b", ""]);
-        assert_eq!(of("\"a,b\",\"c\"\"d\",e", ','), ["a,b", "c\"\"d", "e"]);
-        assert_eq!(of("  a \t b  ", ' '), ["a", "b"]);
-        assert_eq!(of("\"x\"", ','), ["x"]);
-    }
-
-    #[test]
-    fn numbers_with_a_comma() {
-        assert_eq!(comma_number(b"48520,3"), Some(48520.3));
-        assert_eq!(comma_number(b"48.520,3"), None);
-        assert_eq!(comma_number(b"-1,5e3"), Some(-1500.0));
-    }
 }

@@ -10,7 +10,9 @@ mod guess;
 mod iaga;
 mod mapping;
 mod ndjson;
+mod number;
 mod parquet;
+mod parts;
 mod piece;
 mod recording;
 mod series;
@@ -27,6 +29,7 @@ pub use recording::{Ingested, Table};
 use common::Document;
 use std::path::PathBuf;
 
+use piece::Piece;
 use text::{Kind, Source};
 
 /// Rows up to which a recording keeps its readings in the document.
@@ -100,37 +103,33 @@ pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<I
     let mut pieces = Vec::with_capacity(files.len());
     for file in files {
         let source = Source::read(file)?;
-        pieces.push(match source.kind {
-            Kind::Iaga if options.mapping.is_some() => {
-                let expected =
-                    "no --map, which is for CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
-                return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
-            }
-            Kind::Iaga => iaga::read(&source, options)?,
-            kind => {
-                let (guessed, notes);
-                let mapping = match &options.mapping {
-                    Some(mapping) => {
-                        notes = Vec::new();
-                        mapping
-                    }
-                    None => {
-                        (guessed, notes) = guess::certain(&source, &options.quantity)?;
-                        &guessed
-                    }
-                };
-                let mut piece = match kind {
-                    Kind::NdJson => ndjson::read(&source, mapping)?,
-                    Kind::Parquet => parquet::read(&source, mapping)?,
-                    _ => delimited::read(&source, mapping)?,
-                };
-                let kept = serde_json::to_value(mapping).unwrap_or_default();
-                piece.header.insert("mapping".into(), kept);
-                piece.notes.extend(notes);
-                piece
-            }
-        });
+        let (piece, sha256) = rayon::join(|| read(&source, options), || source.sha256());
+        pieces.push(Piece { sha256, ..piece? });
     }
     let (series, pieces) = series::join(pieces, options.keep, options.sort)?;
     recording::add(document, series, pieces, options)
+}
+
+/// What one file says.
+fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
+    if source.kind == Kind::Iaga {
+        if options.mapping.is_some() {
+            let expected =
+                "no --map, which is for CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
+            return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
+        }
+        return iaga::read(source, options);
+    }
+    let (mapping, notes) = match &options.mapping {
+        Some(mapping) => (mapping.clone(), Vec::new()),
+        None => guess::certain(source, &options.quantity)?,
+    };
+    let mut piece = match source.kind {
+        Kind::NdJson => ndjson::read(source, &mapping)?,
+        Kind::Parquet => parquet::read(source, &mapping)?,
+        Kind::Delimited | Kind::Iaga => delimited::read(source, &mapping)?,
+    };
+    piece.header.insert("mapping".into(), serde_json::to_value(&mapping).unwrap_or_default());
+    piece.notes.extend(notes);
+    Ok(piece)
 }

@@ -10,6 +10,9 @@ use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERSION") };
 
+/// Vector readings that the document knows.
+const QUANTITIES: [&str; 6] = ["sensor", "reference", "test", "third", "outside", "ambient"];
+
 /// Files of observatories and loggers into a document: IAGA-2002, CSV, NDJSON, Parquet
 #[derive(Parser)]
 #[command(
@@ -38,8 +41,8 @@ enum Command {
 struct GuessArgs {
     /// CSV, NDJSON or Parquet
     file: PathBuf,
-    /// What vector readings are: sensor, reference, test, third, outside, ambient
-    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor")]
+    /// What vector readings are
+    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES)]
     quantity: String,
     /// Write to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
@@ -59,8 +62,8 @@ struct IngestArgs {
     /// Add the recording to this document; - is standard input
     #[arg(long, value_name = "DOCUMENT")]
     add: Option<PathBuf>,
-    /// What vector readings are: sensor, reference, test, third, outside, ambient (with --map, the mapping says it)
-    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", conflicts_with = "map")]
+    /// What vector readings are (with --map, the mapping says it)
+    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES, conflicts_with = "map")]
     quantity: String,
     /// The recording's id [default: of the station and day, or of the first file's name]
     #[arg(long)]

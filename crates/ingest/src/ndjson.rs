@@ -6,8 +6,9 @@ use tables::{LINE_LIMIT, Place};
 use crate::Error;
 use crate::error::quoted;
 use crate::mapping::{From, Mapping};
+use crate::parts::{Room, RowFault, in_parts};
 use crate::piece::Piece;
-use crate::text::{RowFault, Rows, Source, in_parts, split_line};
+use crate::text::{Source, split_line};
 use crate::times::Times;
 
 /// Reads a file.
@@ -19,7 +20,9 @@ use crate::times::Times;
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
     let parser = Parser { mapping, times: &times, missing: numbers(mapping) };
-    let rows = in_parts(&source.bytes, 1, |part, line| parser.parse(part, line));
+    let rows = in_parts(&source.bytes, 1, mapping.columns.len(), 2, |part, line, room| {
+        parser.parse(part, line, room)
+    });
     let rows = rows.map_err(|fault| fault.of(source))?;
     for (column, values) in mapping.columns.iter().zip(&rows.columns) {
         let key = key(&column.from);
@@ -53,21 +56,20 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn parse(&self, part: &[u8], first_line: u32) -> Result<Rows, RowFault> {
-        let mut rows = Rows { columns: vec![Vec::new(); self.mapping.columns.len()], ..Rows::default() };
+    fn parse(&self, part: &[u8], first_line: u32, room: &mut Room) -> Result<(), RowFault> {
         let (mut rest, mut number) = (part, first_line);
         while !rest.is_empty() {
             let (line, after) = split_line(rest);
             rest = after;
             if !line.trim_ascii().is_empty() {
-                self.row(line, number, &mut rows)?;
+                self.row(line, number, room)?;
             }
             number += 1;
         }
-        Ok(rows)
+        Ok(())
     }
 
-    fn row(&self, line: &[u8], number: u32, rows: &mut Rows) -> Result<(), RowFault> {
+    fn row(&self, line: &[u8], number: u32, room: &mut Room) -> Result<(), RowFault> {
         let fault = |column: Option<(usize, String)>, found: String, expected: String| {
             Err(RowFault { line: number, column, found, expected })
         };
@@ -85,10 +87,10 @@ impl Parser<'_> {
                 return fault(None, found, "one JSON object on each line".into());
             }
         };
-        for (index, (column, values)) in self.mapping.columns.iter().zip(&mut rows.columns).enumerate() {
+        for (index, column) in self.mapping.columns.iter().enumerate() {
             let key = key(&column.from);
             let place = || Some((index + 1, key.to_string()));
-            values.push(match object.get(key) {
+            let value = match object.get(key) {
                 None | Some(Value::Null) => f64::NAN,
                 Some(Value::Number(value)) => {
                     let value = value.as_f64().unwrap_or(f64::NAN);
@@ -98,10 +100,11 @@ impl Parser<'_> {
                 Some(other) => {
                     return fault(place(), quoted(other.to_string().as_bytes()), "a number, or null".into());
                 }
-            });
+            };
+            room.set(index, value);
         }
-        rows.lines.push(number);
         if self.times.are_counted() {
+            room.end_row(0, number);
             return Ok(());
         }
         let keys = self.mapping.time.iter().flat_map(|time| &time.columns).map(key);
@@ -120,7 +123,7 @@ impl Parser<'_> {
         }
         let text = text.trim();
         match self.times.read(text.as_bytes()) {
-            Ok(time) => rows.times_ns.push(time),
+            Ok(time) => room.end_row(time, number),
             Err(expected) => {
                 let key = self.mapping.time.iter().flat_map(|time| &time.columns).map(key).next();
                 return fault(key.map(|key| (1, key.to_string())), quoted(text.as_bytes()), expected);

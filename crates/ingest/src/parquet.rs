@@ -4,8 +4,9 @@ use tables::{Format, Place, Reader};
 
 use crate::Error;
 use crate::mapping::{From, Mapping};
+use crate::parts::Rows;
 use crate::piece::Piece;
-use crate::text::{Rows, Source};
+use crate::text::Source;
 use crate::times::Times;
 
 /// Reads a file.

@@ -6,7 +6,8 @@ use tables::Place;
 
 use crate::Error;
 use crate::mapping::Mapping;
-use crate::text::{Rows, Source};
+use crate::parts::Rows;
+use crate::text::Source;
 use crate::times::Times;
 
 /// What a piece's times count from.
@@ -53,7 +54,7 @@ impl Piece {
         Piece {
             name: source.name.clone(),
             shown: source.shown.clone(),
-            sha256: source.sha256.clone(),
+            sha256: String::new(),
             format,
             clock: Clock::Utc,
             times_ns: Vec::new(),

@@ -7,7 +7,7 @@ use tables::Writer;
 
 use crate::clock::{self, SECOND_NS};
 use crate::piece::{Clock, Piece};
-use crate::series::{Series, gaps, step_s};
+use crate::series::{Gaps, Series, gaps, step_s};
 use crate::{Error, INLINE_ROWS, Options, Readings, words};
 
 /// What came of files.
@@ -55,9 +55,8 @@ pub fn add(
 ) -> Result<Ingested, Error> {
     let first_ns = series.times_ns.first().copied().unwrap_or(0);
     let begin_ns = if series.clock == Clock::Utc { first_ns } else { 0 };
-    let gaps =
-        if series.clock == Clock::None { Default::default() } else { gaps(&series.times_ns, begin_ns) };
     let step_s = if series.clock == Clock::None { None } else { step_s(&series.times_ns) };
+    let gaps = step_s.map_or_else(Gaps::default, |step_s| gaps(&series.times_ns, begin_ns, step_s));
     let start = (series.clock == Clock::Utc).then(|| clock::text(first_ns));
     let id = options.id.clone().unwrap_or_else(|| id(&pieces, start.as_deref()));
     if let Some(index) = document.recordings.iter().position(|known| known.id == id) {
@@ -119,7 +118,10 @@ fn id(pieces: &[Piece], start: Option<&str>) -> String {
 fn file_name(id: &str) -> String {
     let good = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
     let name: String = id.chars().map(|letter| if good(letter) { letter } else { '-' }).collect();
-    if name.starts_with('.') { format!("-{}", &name[1..]) } else { name }
+    match name.strip_prefix('.') {
+        Some(rest) => format!("-{rest}"),
+        None => name,
+    }
 }
 
 /// Where the readings come from, as the document keeps it.

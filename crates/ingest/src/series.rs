@@ -52,6 +52,10 @@ pub struct Gap {
 
 /// The usual step of rising times, s: the median; None for fewer than two rows.
 pub fn step_s(times_ns: &[i64]) -> Option<f64> {
+    let first = times_ns.get(1)? - times_ns.first()?;
+    if first > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == first) {
+        return Some(first as f64 / SECOND_NS as f64);
+    }
     let mut steps: Vec<i64> =
         times_ns.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0).collect();
     let middle = steps.len().checked_sub(1)? / 2;
@@ -60,13 +64,13 @@ pub fn step_s(times_ns: &[i64]) -> Option<f64> {
 }
 
 /// Steps of more than one and a half times the usual one.
-pub fn gaps(times_ns: &[i64], first_ns: i64) -> Gaps {
-    let Some(step_s) = step_s(times_ns) else { return Gaps::default() };
+pub fn gaps(times_ns: &[i64], first_ns: i64, step_s: f64) -> Gaps {
     let mut gaps = Gaps::default();
     let mut all: Vec<Gap> = Vec::new();
+    let usual_ns = (1.5 * step_s * SECOND_NS as f64) as i64;
     for pair in times_ns.windows(2) {
-        let seconds = (pair[1] - pair[0]) as f64 / SECOND_NS as f64;
-        if seconds > 1.5 * step_s {
+        if pair[1] - pair[0] > usual_ns {
+            let seconds = (pair[1] - pair[0]) as f64 / SECOND_NS as f64;
             gaps.count += 1;
             gaps.missing_rows += (seconds / step_s).round() as u64 - 1;
             all.push(Gap { after_s: (pair[0] - first_ns) as f64 / SECOND_NS as f64, seconds });
@@ -108,7 +112,11 @@ pub fn join(mut pieces: Vec<Piece>, keep: Option<Keep>, sort: bool) -> Result<(S
     if apart && pieces.iter().all(|piece| rising(&piece.times_ns)) {
         for piece in &mut pieces {
             let rows = piece.times_ns.len();
-            series.times_ns.append(&mut piece.times_ns);
+            if series.times_ns.is_empty() {
+                series.times_ns = std::mem::take(&mut piece.times_ns);
+            } else {
+                series.times_ns.append(&mut piece.times_ns);
+            }
             for (name, values) in &mut series.columns {
                 match piece.columns.shift_remove(name) {
                     Some(mut part) if values.is_empty() => std::mem::swap(values, &mut part),
@@ -302,7 +310,7 @@ mod tests {
         let (series, _) = join(vec![back], None, true).expect("sorted");
         assert_eq!((series.columns["sensor_x_nt"].clone(), series.sorted), (vec![1.0, 3.0, 2.0], 1));
         let times: Vec<i64> = [0, 1, 2, 5, 6, 7, 9].map(|time| time * SECOND_NS).into();
-        let gaps = gaps(&times, 0);
+        let gaps = gaps(&times, 0, 1.0);
         assert_eq!((gaps.count, gaps.missing_rows), (2, 3));
         assert_eq!(gaps.longest[0], Gap { after_s: 2.0, seconds: 3.0 });
     }

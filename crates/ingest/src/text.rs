@@ -1,7 +1,6 @@
 //! Files as they lie there: bytes, their kind, and the lines of those that are text.
 
 use memchr::{memchr, memchr_iter};
-use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::fs;
@@ -21,8 +20,8 @@ pub struct Source {
     pub name: String,
     /// What is in it; for text without byte-order mark, each line's end `\n` or `\r\n`.
     pub bytes: Vec<u8>,
-    /// SHA-256 of the file as it is, in hexadecimal.
-    pub sha256: String,
+    /// SHA-256 of the file as it is, where `bytes` are not.
+    original_sha256: Option<String>,
     /// What it is.
     pub kind: Kind,
 }
@@ -41,6 +40,12 @@ pub enum Kind {
 }
 
 impl Source {
+    /// Text that needs no cleaning.
+    #[cfg(test)]
+    pub fn new(path: PathBuf, shown: String, name: String, bytes: Vec<u8>, kind: Kind) -> Self {
+        Source { path, shown, name, bytes, original_sha256: None, kind }
+    }
+
     /// Reads a file, `-` for standard input.
     ///
     /// # Errors
@@ -55,17 +60,28 @@ impl Source {
         } else {
             (fs::read(path).map_err(failed)?, path.display().to_string())
         };
-        let name = path.file_name().map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
-        let sha256 = Sha256::digest(&bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        let named = path.file_name().filter(|name| *name != "-");
+        let name = named.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
         let kind = kind(&shown, &bytes)?;
-        let bytes = if kind == Kind::Parquet { bytes } else { plain(bytes) };
-        Ok(Source { path: path.into(), shown, name, bytes, sha256, kind })
+        let as_it_is = kind == Kind::Parquet || is_plain(&bytes);
+        let original_sha256 = (!as_it_is).then(|| sha256(&bytes));
+        let bytes = if as_it_is { bytes } else { plain(bytes) };
+        Ok(Source { path: path.into(), shown, name, bytes, original_sha256, kind })
+    }
+
+    /// SHA-256 of the file as it is, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        self.original_sha256.clone().unwrap_or_else(|| sha256(&self.bytes))
     }
 
     /// A fault of this file.
     pub fn fault(&self, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
         Error::at(&self.shown, place, found, expected)
     }
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn kind(shown: &str, bytes: &[u8]) -> Result<Kind, Error> {
@@ -114,13 +130,16 @@ fn kind(shown: &str, bytes: &[u8]) -> Result<Kind, Error> {
     Ok(if label && line.windows(4).any(|part| part == b"IAGA") { Kind::Iaga } else { Kind::Delimited })
 }
 
+/// Whether text has no byte-order mark, and carriage returns only before line feeds.
+fn is_plain(bytes: &[u8]) -> bool {
+    !bytes.starts_with(b"\xEF\xBB\xBF")
+        && memchr_iter(b'\r', bytes).all(|at| bytes.get(at + 1) == Some(&b'\n'))
+}
+
 /// Without byte-order mark; a carriage return that stands alone (or two before a line feed) becomes one line's end.
 fn plain(mut bytes: Vec<u8>) -> Vec<u8> {
     if bytes.starts_with(b"\xEF\xBB\xBF") {
         bytes.drain(..3);
-    }
-    if memchr_iter(b'\r', &bytes).all(|at| bytes.get(at + 1) == Some(&b'\n')) {
-        return bytes;
     }
     let mut clean = Vec::with_capacity(bytes.len());
     let mut at = 0;
@@ -168,75 +187,6 @@ pub fn split_line(bytes: &[u8]) -> (&[u8], &[u8]) {
     (line.strip_suffix(b"\r").unwrap_or(line), rest)
 }
 
-/// Rows of a part of a file.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Rows {
-    /// Moments, ns.
-    pub times_ns: Vec<i64>,
-    /// Values, column by column; NaN where one is missing.
-    pub columns: Vec<Vec<f64>>,
-    /// The line of each.
-    pub lines: Vec<u32>,
-}
-
-/// What is wrong with a row.
-pub struct RowFault {
-    /// The line, from 1.
-    pub line: u32,
-    /// Which column, from 1, and its name; None for the whole line.
-    pub column: Option<(usize, String)>,
-    /// What stands there.
-    pub found: String,
-    /// What should.
-    pub expected: String,
-}
-
-impl RowFault {
-    /// As an error of that file.
-    pub fn of(self, source: &Source) -> Error {
-        let line = u64::from(self.line);
-        let place = match self.column {
-            Some((column, name)) => Place::Field { line, column, name },
-            None => Place::Line(line),
-        };
-        source.fault(place, self.found, self.expected)
-    }
-}
-
-/// Bytes that a thread takes at once.
-const PART: usize = 1 << 20;
-
-/// Parses lines on all cores; `parse` gets a part of the text and the number of its first line. The first fault by the order of
-/// lines counts, whatever the threads do.
-pub fn in_parts(
-    bytes: &[u8],
-    first_line: u32,
-    parse: impl Fn(&[u8], u32) -> Result<Rows, RowFault> + Sync,
-) -> Result<Rows, RowFault> {
-    let mut parts = Vec::new();
-    let (mut start, mut line) = (0, first_line);
-    while start < bytes.len() {
-        let least = bytes.len().min(start + PART);
-        let end = memchr(b'\n', &bytes[least..]).map_or(bytes.len(), |end| least + end + 1);
-        parts.push((&bytes[start..end], line));
-        line += memchr_iter(b'\n', &bytes[start..end]).count() as u32;
-        start = end;
-    }
-    let parsed: Vec<_> = parts.into_par_iter().map(|(part, line)| parse(part, line)).collect();
-    let mut parsed = parsed.into_iter();
-    let Some(first) = parsed.next() else { return Ok(Rows::default()) };
-    let mut all = first?;
-    for rows in parsed {
-        let rows = rows?;
-        all.times_ns.extend(rows.times_ns);
-        all.lines.extend(rows.lines);
-        for (column, part) in all.columns.iter_mut().zip(rows.columns) {
-            column.extend(part);
-        }
-    }
-    Ok(all)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -260,14 +210,5 @@ mod tests {
         assert!(of(b"t\0,\0x\0").expect_err("UTF-16").contains("UTF-16"));
         assert!(of(b"PK\x03\x04").expect_err("zip").contains("zip"));
         assert!(of(b"{\n \"fluxcal\": 1}").expect_err("a document").contains("--add"));
-    }
-
-    #[test]
-    fn the_first_fault_by_line() {
-        let text = "1\n".repeat(3 * PART);
-        let parse = |_: &[u8], line: u32| {
-            Err(RowFault { line, column: None, found: String::new(), expected: String::new() })
-        };
-        assert!(in_parts(text.as_bytes(), 5, parse).is_err_and(|fault| fault.line == 5));
     }
 }

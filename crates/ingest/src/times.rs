@@ -8,8 +8,9 @@ use tables::Place;
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS, Stamp, Zone};
 use crate::mapping::TimeMapping;
+use crate::parts::{RowFault, Rows};
 use crate::piece::Clock;
-use crate::text::{RowFault, Rows, Source};
+use crate::text::Source;
 
 /// How the times of a file are read.
 pub struct Times {
@@ -258,7 +259,7 @@ mod tests {
 
     fn source(name: &str) -> Source {
         let (path, shown, name) = (name.into(), name.to_string(), name.to_string());
-        Source { path, shown, name, bytes: Vec::new(), sha256: String::new(), kind: Kind::Delimited }
+        Source::new(path, shown, name, Vec::new(), Kind::Delimited)
     }
 
     fn read(format: &str, zone: Option<&str>, text: &str) -> Result<String, String> {

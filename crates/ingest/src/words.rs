@@ -1,5 +1,7 @@
 //! What is said on standard error.
 
+use rayon::prelude::*;
+
 use crate::clock;
 use crate::piece::{Clock, Piece};
 use crate::series::{Gaps, Series};
@@ -18,26 +20,16 @@ pub fn words(
 ) -> String {
     let format = pieces.first().map_or("", |piece| piece.format);
     let rows = series.times_ns.len();
-    let files = if pieces.len() == 1 { "1 file".into() } else { format!("{} files", pieces.len()) };
+    let files = counted(pieces.len(), "file");
     let step = step_s.map(|step_s| format!(" of {step_s} s")).unwrap_or_default();
     let span = match (start, series.times_ns.last()) {
         (Some(start), Some(last)) => format!(", {start} to {}", clock::text(*last)),
         _ => String::new(),
     };
-    let mut lines = vec![format!("ingest: \"{id}\" from {files} of {format}: {rows} rows{step}{span}")];
-    for (name, values) in &series.columns {
-        let there = values.iter().filter(|value| !value.is_nan());
-        let (mut count, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
-        there.for_each(|value| {
-            count += 1;
-            least = least.min(*value);
-            most = most.max(*value);
-        });
-        let missing = if count < rows { format!(", {} missing", rows - count) } else { String::new() };
-        let range =
-            if count > 0 { format!("{} to {}", short(least), short(most)) } else { "no reading".into() };
-        lines.push(format!("  {name}: {range}{missing}"));
-    }
+    let mut lines =
+        vec![format!("ingest: \"{id}\" from {files} of {format}: {}{step}{span}", counted(rows, "row"))];
+    let columns: Vec<_> = series.columns.iter().collect();
+    lines.par_extend(columns.into_par_iter().map(|(name, values)| range(name, values)));
     let converted = pieces.first().and_then(|piece| piece.header.get("converted")?.as_str());
     lines.extend(converted.map(|words| format!("  {words}")));
     if series.clock == Clock::Campaign {
@@ -47,20 +39,16 @@ pub fn words(
         let longest = gaps.longest.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds));
         let longest =
             longest.map(|gap| format!("; the longest is {} s after {} s", gap.seconds, gap.after_s));
-        let (count, plural) = (gaps.count, if gaps.count == 1 { "gap" } else { "gaps" });
-        lines.push(format!(
-            "  {count} {plural}, {} rows missing{}",
-            gaps.missing_rows,
-            longest.unwrap_or_default()
-        ));
+        let (count, missing) = (counted(gaps.count, "gap"), counted(gaps.missing_rows as usize, "row"));
+        lines.push(format!("  {count}, {missing} missing{}", longest.unwrap_or_default()));
     }
     for (count, what) in [
-        (series.merged, "rows that were there more than once and agree, now once"),
-        (series.disagreeing, "rows in which files disagree; one was kept as asked"),
-        (series.sorted, "rows out of order, sorted"),
+        (series.merged, "there more than once and alike, now once"),
+        (series.disagreeing, "in which files disagree; one was kept as asked"),
+        (series.sorted, "out of order, sorted"),
     ] {
         if count > 0 {
-            lines.push(format!("  {count} {what}"));
+            lines.push(format!("  {} {what}", counted(count, "row")));
         }
     }
     let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();
@@ -79,6 +67,25 @@ pub fn words(
         lines.push(format!("  … and {} such words more", notes.len() - SAID));
     }
     lines.join("\n")
+}
+
+/// `1 row`, `2 rows`.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// What a column holds, in a line.
+fn range(name: &str, values: &[f64]) -> String {
+    let (mut count, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
+    for value in values {
+        count += usize::from(!value.is_nan());
+        least = if *value < least { *value } else { least };
+        most = if *value > most { *value } else { most };
+    }
+    let missing = values.len() - count;
+    let missing = if missing > 0 { format!(", {missing} missing") } else { String::new() };
+    let range = if count > 0 { format!("{} to {}", short(least), short(most)) } else { "no reading".into() };
+    format!("  {name}: {range}{missing}")
 }
 
 /// A number with the digits that a person reads.

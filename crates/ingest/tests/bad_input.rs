@@ -152,7 +152,7 @@ fn what_is_asked_for_gets_past_a_fault() {
     );
     ok(&["--trust-rows", "day-of-year-lies.min"]);
     let (said, document) = ok(&["--keep", "last", "whole.min", "disagrees.min"]);
-    assert!(said.contains("1 rows in which files disagree"), "{said}");
+    assert!(said.contains("1 row in which files disagree"), "{said}");
     assert_eq!(document["recordings"][0]["columns"]["sensor_x_nt"][5], 1.0);
     ok(&["--sort", "--keep", "first", "clock-set-back.csv"]);
     ok(&["--keep", "first", "duplicate-times.csv"]);

@@ -35,3 +35,20 @@ fn examples_run() {
         );
     }
 }
+
+/// What README and page show of a command is what is said.
+#[test]
+fn the_words_that_the_pages_show() {
+    let files = ["flx20240310a.min", "flx20240310b.min"].map(|name| testkit::fixture("ingest").join(name));
+    let files = files.each_ref().map(|path| path.to_str().expect("UTF-8"));
+    let said = testkit::run(INGEST, &files, "").stderr;
+    for page in ["README.md", "docs/ingest.md"] {
+        let text = fs::read_to_string(testkit::fixture("..").join(page)).expect("a page");
+        let (_, shown) = text.split_once("ingest/flx20240310b.min > minutes.json").expect("the command");
+        let from = shown.find("ingest: \"flx").expect("what it says");
+        let shown = shown[from..].lines().take_while(|line| !line.trim().is_empty() && *line != "```");
+        for line in shown.map(str::trim).filter(|line| *line != "…") {
+            assert!(said.contains(line), "{page}: {line}\n{said}");
+        }
+    }
+}

@@ -73,7 +73,7 @@ impl Notation {
             return Err(source.fault(
                 Place::Whole,
                 "a header and no row",
-                "rows of readings; was it copied in full?",
+                "rows of readings; was it copied in full, and is it a file of readings?",
             ));
         };
         let cells: Vec<Vec<String>> =
@@ -164,15 +164,12 @@ fn separator(table: &[(u32, &[u8])]) -> Option<char> {
     best.map(|(separator, _)| separator)
 }
 
-/// A comma where numbers have one and none has a point.
+/// A comma where more numbers have one than have a point.
 fn decimal(rows: &[Vec<String>], separator: char) -> char {
-    let cells = || rows.iter().flatten().map(|cell| cell.trim());
     let with = |mark: char| {
-        cells().any(|cell| {
-            let fraction =
-                cell.split_once(mark).is_some_and(|(_, part)| part.bytes().all(|byte| byte.is_ascii_digit()));
-            fraction && number(cell, mark).is_some()
-        })
+        let cells = rows.iter().flatten().map(|cell| cell.trim());
+        let marked = cells.filter(|cell| cell.contains(mark) && number(cell, mark).is_some());
+        marked.count()
     };
-    if separator != ',' && with(',') && !with('.') { ',' } else { '.' }
+    if separator != ',' && with(',') > with('.') { ',' } else { '.' }
 }

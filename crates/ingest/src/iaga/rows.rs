@@ -4,7 +4,12 @@ use super::header::Header;
 use crate::Error;
 use crate::clock::{self, DAY_NS};
 use crate::error::quoted;
-use crate::text::{RowFault, Rows, Source, in_parts, split_line};
+use crate::number;
+use crate::parts::{Room, RowFault, Rows, in_parts};
+use crate::text::{Source, split_line};
+
+/// A row has a date, a time of day, a day of the year and a value.
+const LEAST_BYTES: usize = 20;
 
 /// Readings as they stand, and how often each component was not observed (88888).
 pub struct Data {
@@ -17,8 +22,9 @@ pub struct Data {
 /// Reads all rows, on all cores.
 pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: bool) -> Result<Data, Error> {
     let data = header.data(source);
-    let parser = Parser { titles: &header.titles, components, trust_rows };
-    let rows = in_parts(data, header.titles_line + 1, |part, line| parser.parse(part, line));
+    let parser = Parser { titles: &header.titles, trust_rows };
+    let parse = |part: &[u8], line: u32, room: &mut Room| parser.parse(part, line, room);
+    let rows = in_parts(data, header.titles_line + 1, components.len(), LEAST_BYTES, parse);
     let mut rows = rows.map_err(|fault| fault.of(source))?;
     if !data.ends_with(b"\n") {
         parser.check_end(data, &rows).map_err(|fault| fault.of(source))?;
@@ -46,19 +52,11 @@ fn without_sentinels(values: &mut [f64]) -> usize {
 
 struct Parser<'a> {
     titles: &'a [String],
-    components: &'a [char],
     trust_rows: bool,
 }
 
 impl Parser<'_> {
-    fn parse(&self, part: &[u8], first_line: u32) -> Result<Rows, RowFault> {
-        let expected = part.len() / 60;
-        let column = || Vec::with_capacity(expected);
-        let mut rows = Rows {
-            times_ns: Vec::with_capacity(expected),
-            columns: self.components.iter().map(|_| column()).collect(),
-            lines: Vec::with_capacity(expected),
-        };
+    fn parse(&self, part: &[u8], first_line: u32, room: &mut Room) -> Result<(), RowFault> {
         let (mut rest, mut number) = (part, first_line);
         // The day of the row before: seldom another.
         let mut day = Day::default();
@@ -67,15 +65,15 @@ impl Parser<'_> {
             rest = after;
             let text = trimmed(line);
             if !text.is_empty() && text[0] != b'#' {
-                self.row(text, number, &mut rows, &mut day)?;
+                self.row(text, number, room, &mut day)?;
             }
             number += 1;
         }
-        Ok(rows)
+        Ok(())
     }
 
     #[inline]
-    fn row(&self, text: &[u8], line: u32, rows: &mut Rows, day: &mut Day) -> Result<(), RowFault> {
+    fn row(&self, text: &[u8], line: u32, room: &mut Room, day: &mut Day) -> Result<(), RowFault> {
         let fault = |column: Option<(usize, &str)>, found: String, expected: String| {
             let column = column.map(|(number, name)| (number, name.to_string()));
             Err(RowFault { line, column, found, expected })
@@ -110,17 +108,17 @@ impl Parser<'_> {
                 "the day of the year that the date is; where DATE is right, --trust-rows passes over DOY";
             return fault(Some((3, "DOY")), found, expected.into());
         }
-        for (index, (values, title)) in rows.columns.iter_mut().zip(self.titles).enumerate() {
+        for (index, title) in self.titles.iter().enumerate() {
             rest = rest.trim_ascii_start();
             if rest.is_empty() {
                 let found = format!("{index} of {} values", self.titles.len());
                 return fault(None, found, "one for each title; was the file cut?".into());
             }
-            match fast_float2::parse_partial::<f64, _>(rest) {
-                Ok((value, end))
+            match number::plain(rest, b'.').or_else(|| fast_float2::parse_partial(rest).ok()) {
+                Some((value, end))
                     if value.is_finite() && rest.get(end).is_none_or(u8::is_ascii_whitespace) =>
                 {
-                    values.push(value);
+                    room.set(index, value);
                     rest = &rest[end..];
                 }
                 _ => {
@@ -134,8 +132,7 @@ impl Parser<'_> {
             let found = format!("{} after the last value", quoted(rest.trim_ascii()));
             return fault(None, found, format!("{} values, one for each title", self.titles.len()));
         }
-        rows.times_ns.push(day.start_ns + time_ns);
-        rows.lines.push(line);
+        room.end_row(day.start_ns + time_ns, line);
         Ok(())
     }
 
