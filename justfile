@@ -23,6 +23,7 @@ bench:
     cargo bench -p simulate --bench simulate
     cargo bench -p sensorcal --bench sensorcal
     cargo bench -p tables --bench read
+    cargo bench -p ingest --bench ingest
     cargo bench -p diffmag --bench stream
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
