@@ -1,9 +1,9 @@
 //! Speed of a whole diagnosis, through the library, the document in memory: an offset that follows the temperature with a lag is
 //! concealed in three runs, the noise is white and flicker.
 //!
-//! Each way runs in a process of its own, so that its peak of memory can be told. The peer is a lower bound: the products of a pool
-//! of the same size, once and in one piece. The search cannot do with less, for it projects the base model out of every column of
-//! every candidate; all else (prediction, whitening, bootstrap, refits with every rival, readings left out) comes on top.
+//! Each way runs in a process of its own, so that its peak of memory can be told. The peer is the products of 400 columns of as many
+//! readings, once and in one piece on one thread. The search needs such products of all its columns in every look, for it projects the base
+//! model out of them; all else (prediction, whitening, bootstrap, refits with every rival, readings left out) comes on top.
 //! FLUXCAL_BENCH_ROWS asks for other rows than the requirement's.
 
 #[path = "../tests/bench/mod.rs"]
@@ -21,7 +21,7 @@ use std::{env, fs};
 const SMALL: usize = 480;
 /// Rows of the requirement.
 const LARGE: usize = 100_000;
-/// Columns of the pool that is made of the scene, and of the base model.
+/// Columns of the peer.
 const COLUMNS: usize = 400;
 /// Each way runs so often; the fastest counts.
 const RUNS: usize = 3;
