@@ -118,7 +118,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let before = model.residual(&start)?;
     let (base, base_noise) = settled(&original, &model, &start)?;
     let pool = Pool::of(&model, &base.state)?;
-    let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
+    let mut searcher = Searcher::new(&pool, options.seed, options.level);
     let outcome = search(&original, &model, &mut searcher, before, base, base_noise)?;
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {

@@ -1,7 +1,6 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 
 use common::{Axis, Document};
-use faer::Mat;
 use nalgebra::Vector3;
 use physics::{Basic, Context, EffectInstance, Kind, Parameter, Prediction, Role, Unit, frames};
 use rayon::prelude::*;
@@ -191,7 +190,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of what is predicted by the unknowns at a state, base model, effects, columns. Shapes count by their logarithm.
-    pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
+    pub fn jacobian(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
         let mut columns = self.base_columns(state)?;
@@ -205,7 +204,7 @@ impl<'a> Model<'a> {
         }
         columns.extend(of_effects);
         columns.extend(state.columns.iter().map(|column| column.values.to_vec()));
-        Ok(Mat::from_fn(self.observed.rows, columns.len(), |i, j| columns[j][i]))
+        Ok(columns)
     }
 
     /// A state moved along a step over the unknowns.
