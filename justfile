@@ -25,6 +25,7 @@ bench:
     cargo bench -p tables --bench read
     cargo bench -p ingest --bench ingest
     cargo bench -p diffmag --bench stream
+    cargo bench -p diagnose --bench diagnose
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:

@@ -125,7 +125,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     told("fitting the calibration again");
     let (base, base_noise) = settled(&original, &model, &start)?;
     let pool = Pool::of(&model, &base.state)?;
-    let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
+    let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
     let outcome = search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
     told("writing the answer");

@@ -225,7 +225,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of what is predicted by the unknowns at a state, base model, effects, columns. Shapes count by their logarithm.
-    pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
+    pub fn jacobian(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
         let mut columns = self.base_columns(state)?;
@@ -239,7 +239,7 @@ impl<'a> Model<'a> {
         }
         columns.extend(of_effects);
         columns.extend(state.columns.iter().map(|column| column.values.to_vec()));
-        Ok(Mat::from_fn(self.observed.rows, columns.len(), |i, j| columns[j][i]))
+        Ok(columns)
     }
 
     /// A state moved along a step over the unknowns.

@@ -2,7 +2,6 @@
 
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
-use faer::Mat;
 use physics::{EffectInstance, Kind, Role};
 
 use crate::Error;
@@ -123,11 +122,9 @@ fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<b
     let own = fitter.jacobian(&effect.fit.state)?;
     let theirs = &rival.fit.jacobian;
     let width = theirs.ncols();
-    let all = Mat::from_fn(theirs.nrows(), width + own.ncols(), |i, j| {
-        if j < width { theirs[(i, j)] } else { own[(i, j - width)] }
-    });
+    let columns: Vec<Vec<f64>> = (0..own.ncols()).map(|j| own.col_as_slice(j).to_vec()).collect();
     let first: Vec<usize> = (0..width).collect();
-    let screen = Screen::of(&fitter.products(&all, &rival.fit.white)).given(&first)?;
+    let screen = Screen::of(&fitter.products(theirs, &columns, &rival.fit.white)).given(&first)?;
     let base = fitter.model.unknowns.len();
     Ok((base..own.ncols()).all(|j| screen.visible(width + j) < HELD))
 }

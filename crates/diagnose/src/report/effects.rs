@@ -58,7 +58,7 @@ pub fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) ->
 fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f64, Error> {
     let base: Vec<usize> = (0..fitter.model.unknowns.len()).collect();
     let jacobian = &outcome.fit.jacobian;
-    let screen = Screen::of(&fitter.products(jacobian, &outcome.fit.white)).given(&base)?;
+    let screen = Screen::of(&fitter.products(jacobian, &[], &outcome.fit.white)).given(&base)?;
     let (mut left, mut whole) = (0.0, 0.0);
     for column in of {
         let energy: f64 = jacobian.col_as_slice(*column).iter().map(|value| value * value).sum();
