@@ -17,7 +17,8 @@ pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
 pub use words::{summary, table_summary};
 
-use common::{Axis, Column, Document, Recording, procedure};
+use common::{Axis, Column, Document, Quantity, Recording, procedure};
+use physics::Unit;
 
 /// The frame in which a field is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -116,21 +117,30 @@ fn check(document: &Document) -> Result<(), common::Error> {
     Ok(())
 }
 
-/// A reading in V needs a sensitivity.
+/// Readings are in one unit, and those in V have a sensitivity.
 fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -> Result<(), common::Error> {
     for axis in Axis::ALL {
+        let [volts, field] = ["v", "nt"].map(|unit| recording.axis_column("sensor", axis, unit).is_some());
         let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
-        let stated = sensor.is_some_and(|sensor| sensor.sensitivity_nt_per_v.is_some())
-            || document.instrument.as_ref().is_some_and(|i| i.nominal_sensitivity_nt_per_v.is_some());
-        if recording.axis_column("sensor", axis, "v").is_some() && !stated {
-            let expected = format!(
-                "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v"
-            );
-            return Err(common::Error::document(
-                format!("{path}.columns.sensor_{axis}_v"),
-                "readings in V without a sensitivity",
-                expected,
-            ));
+        let unit = if volts { Unit::Volt } else { Unit::Nanotesla };
+        let stated = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
+        let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
+        let key = format!("sensitivity_nt_per_{}", unit.suffix());
+        if volts && field {
+            let found = format!("sensor_{axis}_v beside sensor_{axis}_nt");
+            let expected = "readings in V or in nT; leave one of the two columns out";
+            return Err(common::Error::document(format!("{path}.columns"), found, expected));
+        }
+        if volts && stated.or(nominal).is_none() {
+            let expected =
+                format!("calibration.sensors.{axis}.{key}, or instrument.nominal_sensitivity_nt_per_v");
+            let path = format!("{path}.columns.sensor_{axis}_v");
+            return Err(common::Error::document(path, "readings in V without a sensitivity", expected));
+        }
+        if stated.is_some_and(|value| value == 0.0 || !value.is_finite()) {
+            let path = format!("calibration.sensors.{axis}.{key}");
+            let expected = "the field for each unit of the reading, which is not zero";
+            return Err(common::Error::document(path, "0", expected));
         }
     }
     Ok(())

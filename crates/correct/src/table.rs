@@ -42,63 +42,100 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     let corrector = Corrector::of(request.calibration, request.frame)?;
     let template = template(request)?;
     let (reader, name, format) = open(request)?;
-    let added = request.frame.columns();
     let names: Vec<String> = reader.columns().to_vec();
-    // A second run replaces the columns of the first.
-    let kept: Vec<usize> = (0..names.len()).filter(|k| !added.contains(&names[*k])).collect();
-    let header: Vec<&str> =
-        kept.iter().map(|k| names[*k].as_str()).chain(added.iter().map(String::as_str)).collect();
-    let mut writer = match (request.output, request.output_format) {
-        (Some(path), None) => Writer::create(path, &header)?,
-        (Some(path), Some(format)) => Writer::create_as(path, format, &header)?,
-        (None, told) => Writer::to_write(io::stdout(), told.unwrap_or(format), "standard output", &header)?,
-    };
-    let mut tally = Tally::default();
-    // False: the reader of standard output has gone, and no more is wanted.
-    let mut write = |recording: Recording, corrected: Corrected| -> Result<bool, Error> {
-        tally.add(&corrected);
-        let new = corrected.into_columns();
-        let rows = recording.rows();
-        for from in (0..rows).step_by(PIECE_ROWS) {
-            let piece = from..(from + PIECE_ROWS).min(rows);
-            let old = kept.iter().map(|k| &recording.columns[names[*k].as_str()].0);
-            let columns: Vec<&[f64]> = old.chain(&new).map(|column| &column[piece.clone()]).collect();
-            match writer.write(&columns) {
-                Err(error) if is_closed(&error, request.output) => return Ok(false),
-                written => written?,
-            }
-        }
-        Ok(true)
-    };
+    let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
+    check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
+    let mut output = Output { request, format, names: &names, writer: None, tally: Tally::default() };
     let mut series = None;
     let mut whole: Option<Recording> = None;
     for batch in reader {
         let recording = recording_of(&template, &names, batch?);
-        if series.is_none() {
-            check_columns(request.calibration, &recording, &name)?;
-            let found = recording.column("time_s").and_then(noise::length_and_step_s);
-            series = Some(found.map(|[_, step_s]| [DAY_S, step_s]));
-        }
-        if corrector.row_by_row() {
-            let corrected = corrector.correct(&recording, &name, series.flatten())?;
-            if !write(recording, corrected)? {
-                return Ok(tally);
-            }
-        } else {
+        if !corrector.row_by_row() {
             match &mut whole {
                 None => whole = Some(recording),
                 Some(whole) => join(whole, recording),
             }
+            continue;
+        }
+        let step = || recording.column("time_s").and_then(noise::length_and_step_s);
+        let series = *series.get_or_insert_with(|| step().map(|[_, step_s]| [DAY_S, step_s]));
+        let corrected = corrector.correct(&recording, &name, series)?;
+        if !output.write(&recording, corrected)? {
+            return Ok(output.tally);
         }
     }
     if let Some(recording) = whole {
         let corrected = corrector.correct(&recording, &name, None)?;
-        if !write(recording, corrected)? {
-            return Ok(tally);
+        output.write(&recording, corrected)?;
+    }
+    output.finish()
+}
+
+/// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves nothing behind.
+struct Output<'a> {
+    request: &'a Request<'a>,
+    /// That of the input.
+    format: Format,
+    /// Columns of the input.
+    names: &'a [String],
+    writer: Option<Writer>,
+    tally: Tally,
+}
+
+impl Output<'_> {
+    /// The columns of the input that are written on: a second run replaces those that the first one added.
+    fn kept(&self) -> Vec<&str> {
+        let added = self.request.frame.columns();
+        self.names.iter().map(String::as_str).filter(|name| !added.iter().any(|new| new == name)).collect()
+    }
+
+    fn open(&self) -> Result<Writer, tables::Error> {
+        let added = self.request.frame.columns();
+        let mut header = self.kept();
+        header.extend(added.iter().map(String::as_str));
+        match (self.request.output, self.request.output_format) {
+            (Some(path), None) => Writer::create(path, &header),
+            (Some(path), Some(format)) => Writer::create_as(path, format, &header),
+            (None, told) => {
+                Writer::to_write(io::stdout(), told.unwrap_or(self.format), "standard output", &header)
+            }
         }
     }
-    finish(writer, request.output)?;
-    Ok(tally)
+
+    /// Writes rows. False: the reader of standard output has gone, and no more is wanted.
+    fn write(&mut self, recording: &Recording, corrected: Corrected) -> Result<bool, Error> {
+        self.tally.add(&corrected);
+        let new = corrected.into_columns();
+        let old = self.kept().into_iter().filter_map(|name| recording.column(name));
+        let columns: Vec<&[f64]> = old.chain(new.iter().map(Vec::as_slice)).collect();
+        let mut writer = match self.writer.take() {
+            Some(writer) => writer,
+            None => self.open()?,
+        };
+        for from in (0..recording.rows()).step_by(PIECE_ROWS) {
+            let piece = from..(from + PIECE_ROWS).min(recording.rows());
+            let columns: Vec<&[f64]> = columns.iter().map(|column| &column[piece.clone()]).collect();
+            match writer.write(&columns) {
+                Err(error) if is_closed(&error, self.request.output) => return Ok(false),
+                written => written?,
+            }
+        }
+        self.writer = Some(writer);
+        Ok(true)
+    }
+
+    /// Writes what is left, and of a table without rows its header. A reader of standard output that has gone is no error.
+    fn finish(mut self) -> Result<Tally, Error> {
+        let writer = match self.writer.take() {
+            Some(writer) => writer,
+            None if self.tally.is_empty() => self.open()?,
+            None => return Ok(self.tally),
+        };
+        match writer.finish() {
+            Err(error) if !is_closed(&error, self.request.output) => Err(error.into()),
+            _ => Ok(self.tally),
+        }
+    }
 }
 
 /// What a document says of the recording whose conditions are meant; without one, a free run.
@@ -160,11 +197,6 @@ fn check_columns(document: &Document, recording: &Recording, name: &str) -> Resu
         .into());
     }
     Ok(crate::check_sensitivities(document, recording, name)?)
-}
-
-/// Writes what is left. A reader of standard output that has gone is no error.
-fn finish(writer: Writer, output: Option<&Path>) -> Result<(), Error> {
-    writer.finish().or_else(|error| if is_closed(&error, output) { Ok(()) } else { Err(error.into()) })
 }
 
 /// Whether the reader of standard output has gone.

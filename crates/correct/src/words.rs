@@ -27,6 +27,11 @@ impl Tally {
         }
     }
 
+    /// Whether nothing was counted.
+    pub fn is_empty(&self) -> bool {
+        self.rows == 0
+    }
+
     fn count(&mut self, flags: &[u32], std_nt: &[&[f64]; 3]) {
         self.rows += flags.len() as u64;
         for flags in flags {

@@ -202,6 +202,15 @@ fn a_stream_goes_through_and_a_closed_pipe_is_quiet() {
 }
 
 #[test]
+fn a_table_without_rows_keeps_its_header() {
+    let calibration = testkit::fixture("correct/flight/input.json");
+    let arguments = ["-q", "--calibration", calibration.to_str().expect("UTF-8"), "--from", "csv"];
+    let run = testkit::run(CORRECT, &arguments, "time_s,sensor_x_v,sensor_y_v,sensor_z_v\n");
+    assert_eq!((run.code, run.stderr.as_str()), (0, ""));
+    assert!(run.stdout.starts_with("time_s,sensor_x_v,sensor_y_v,sensor_z_v,field_x_nt,"), "{}", run.stdout);
+}
+
+#[test]
 fn nothing_is_half_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let bad = folder.path().join("bad.csv");

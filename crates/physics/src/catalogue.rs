@@ -124,7 +124,7 @@ impl Kind {
     pub fn row_by_row(self) -> bool {
         let by_time = [Kind::Ageing, Kind::SensitivityAgeing, Kind::WarmUp, Kind::ReadingStep];
         let ordered = |need: &&str| ["time_s", "rows in the order taken"].contains(need);
-        by_time.contains(&self) || !self.about().needs.iter().any(|need| ordered(&need))
+        by_time.contains(&self) || !self.about().needs.iter().any(ordered)
     }
 
     /// Its parameters.
