@@ -33,6 +33,7 @@ prove:
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test coverage -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
+    FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test campaign -- --nocapture
     FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test clean -- --nocapture
     FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test single -- --nocapture
 

@@ -23,9 +23,19 @@ type Generic = (What, Vec<(Option<f64>, Vec<Vec<f64>>)>);
 /// Columns that no effect and no chain knows.
 pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
     let known = |name: &str| {
-        ["coil_", "sensor_", "reference_", "test_", "outside_", "ambient_", "attitude_", "tilt_", "sun"]
-            .iter()
-            .any(|prefix| name.starts_with(prefix))
+        let quantities = [
+            "coil_",
+            "sensor_",
+            "reference_",
+            "test_",
+            "outside_",
+            "ambient_",
+            "attitude_",
+            "tilt_",
+            "sun",
+            "field_",
+        ];
+        quantities.iter().any(|prefix| name.starts_with(prefix))
             || ["time_s", "position", "position_m", "electronics_temperature_c"].contains(&name)
     };
     let names = model.observed.runs.iter().flat_map(|run| run.recording.columns.keys());

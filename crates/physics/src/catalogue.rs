@@ -120,6 +120,13 @@ impl Kind {
         }
     }
 
+    /// Whether what it does to a row follows from that row alone, so that a long series may be cut into pieces.
+    pub fn row_by_row(self) -> bool {
+        let by_time = [Kind::Ageing, Kind::SensitivityAgeing, Kind::WarmUp, Kind::ReadingStep];
+        let ordered = |need: &&str| ["time_s", "rows in the order taken"].contains(need);
+        by_time.contains(&self) || !self.about().needs.iter().any(ordered)
+    }
+
     /// Its parameters.
     pub fn parameters(self) -> &'static [ParameterInfo] {
         self.about().parameters

@@ -80,7 +80,12 @@ pub fn predict_with_jacobian(
 }
 
 /// Gives one parameter the derivative 1.
-fn seed(basic: &Basic, lifted: &mut Basic<Dual64>, values: &mut [Vec<Dual64>], parameter: Parameter) {
+pub(crate) fn seed(
+    basic: &Basic,
+    lifted: &mut Basic<Dual64>,
+    values: &mut [Vec<Dual64>],
+    parameter: Parameter,
+) {
     let turn = |which: usize| {
         std::array::from_fn(|k| if k == which { Dual64::new(0.0, 1.0) } else { Dual64::from(0.0) })
     };
@@ -182,9 +187,7 @@ impl<T: Real> Chain<'_, T> {
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
         for (effect, values) in self.effects.iter().zip(self.values) {
-            let recording = self.context.recording;
-            let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != recording.id);
-            if effect.kind.about().stage != stage || elsewhere || !effect.kind.acts_in(&recording.procedure) {
+            if effect.kind.about().stage != stage || !effect.acts(self.context.recording) {
                 continue;
             }
             let around = Surroundings {

@@ -1,6 +1,6 @@
 //! What one effect is.
 
-use common::Axis;
+use common::{Axis, Recording};
 use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar, Vector3};
 use num_dual::DualNum;
 use std::fmt;
@@ -210,6 +210,14 @@ pub struct EffectInstance {
     pub recording: Option<String>,
     /// Values, in the order of the effect's parameters.
     pub parameters: Vec<f64>,
+}
+
+impl EffectInstance {
+    /// Whether it acts in a recording.
+    pub fn acts(&self, recording: &Recording) -> bool {
+        self.recording.as_ref().is_none_or(|only| *only == recording.id)
+            && self.kind.acts_in(&recording.procedure)
+    }
 }
 
 impl fmt::Display for EffectInstance {

@@ -45,17 +45,25 @@ pub enum Error {
     },
     /// The chain has no inverse for these readings.
     #[error(
-        "recording \"{recording}\": the chain cannot be run backwards; after {passes} passes the reading is still missed by {missed_nt:.3e} nT. {effects} may hide the field that made it"
+        "recording \"{recording}\": the chain cannot be run backwards in {rows} rows, the first of them row {first}; {effects} may hide the field that made them"
     )]
     NotInvertible {
         /// The recording.
         recording: String,
-        /// Passes made.
-        passes: usize,
-        /// What is left, nT.
-        missed_nt: f64,
+        /// How many rows.
+        rows: usize,
+        /// The first of them, from 0.
+        first: usize,
         /// The effects in the chain.
         effects: String,
+    },
+    /// The sensors leave a component of the field unread.
+    #[error(
+        "recording \"{recording}\": the sensors' axes lie in one plane, and the field across it is not read; expected three directions in calibration.axes.sensors.matrix"
+    )]
+    InOnePlane {
+        /// The recording.
+        recording: String,
     },
 }
 
@@ -70,7 +78,7 @@ impl Error {
             Error::Missing { who, what, .. } => {
                 common::Error::document(path, format!("nothing that {who} could use"), what)
             }
-            other @ (Error::NotInvertible { .. } | Error::Hidden { .. }) => {
+            other @ (Error::NotInvertible { .. } | Error::Hidden { .. } | Error::InOnePlane { .. }) => {
                 common::Error::Unanswerable(other.to_string())
             }
         }

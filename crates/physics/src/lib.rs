@@ -31,7 +31,7 @@ pub use effect::{
     About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings,
 };
 pub use error::Error;
-pub use inverse::field_in_sen;
+pub use inverse::{Inverter, Row, Solved, field_in_sen};
 pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};
 pub use reading::{Reading, field_geo, parallel, reading};
 pub use setting::Setting;

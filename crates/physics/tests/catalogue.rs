@@ -297,6 +297,23 @@ fn the_chain_runs_backwards_or_says_that_it_cannot() {
 }
 
 #[test]
+fn what_goes_row_by_row_may_be_cut() {
+    for &kind in Kind::ALL.iter().filter(|kind| kind.row_by_row()) {
+        let whole = document_for(kind);
+        let mut late = whole.clone();
+        for column in late.recordings[0].columns.values_mut() {
+            column.0.drain(..100);
+        }
+        let [whole, late] = [&whole, &late].map(|document| {
+            let (basic, context) = setting(document);
+            physics::predict(&basic, &[typical(kind)], &context).expect("predicted").readings
+        });
+        let worst = worst_difference(&whole[100..], &late);
+        assert!(worst < 1e-12, "{}: {worst}", kind.name());
+    }
+}
+
+#[test]
 fn a_facility_effect_is_corrected_in_the_field_that_is_predicted() {
     let document = document("free_run");
     let (basic, context) = setting(&document);

@@ -1,0 +1,147 @@
+//! Raw readings, a calibration and a model: the field, with the uncertainty of each sample.
+//!
+//! The forward chain of `physics` is run backwards, and its derivatives by everything that is known with an uncertainty carry the
+//! covariances of the document to each row.
+
+mod affine;
+mod error;
+pub mod flags;
+mod known;
+mod noise;
+mod recording;
+mod table;
+mod words;
+
+pub use error::Error;
+pub use recording::{Corrected, Corrector};
+pub use table::{Request, correct_table};
+pub use words::{summary, table_summary};
+
+use common::{Axis, Column, Document, Quantity, Recording, procedure};
+use physics::Unit;
+
+/// The frame in which a field is given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Frame {
+    /// Of the sensor block.
+    #[default]
+    Sen,
+    /// North, east, down.
+    Geo,
+}
+
+impl Frame {
+    /// The quantity in names of columns: `field_x_nt` is in SEN, `field_geo_x_nt` in GEO.
+    fn quantity(self) -> &'static str {
+        match self {
+            Frame::Sen => "field",
+            Frame::Geo => "field_geo",
+        }
+    }
+
+    /// Names of the columns that a corrected recording gets: the field, its standard uncertainty, the flags.
+    pub fn columns(self) -> [String; 7] {
+        let quantity = self.quantity();
+        let [x, y, z] = Axis::ALL.map(|axis| format!("{quantity}_{axis}_nt"));
+        let [sx, sy, sz] = Axis::ALL.map(|axis| format!("{quantity}_std_{axis}_nt"));
+        [x, y, z, sx, sy, sz, "field_flags".into()]
+    }
+}
+
+/// What is asked for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Options {
+    /// The frame of the field.
+    pub frame: Frame,
+}
+
+/// Corrects every recording that holds readings of three sensors: it gets the columns of [`Frame::columns`].
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    check(&document)?;
+    let corrector = Corrector::of(&document, options.frame)?;
+    let mut done: Vec<(usize, Corrected)> = Vec::new();
+    let mut hidden = None;
+    for (index, recording) in document.recordings.iter().enumerate() {
+        let path = format!("recordings[{index}]");
+        if recording.table.is_some() && recording.columns.is_empty() {
+            let expected = "the readings under `columns`; correct a long series as the file that it is, with --calibration and this \
+                            document";
+            let found = "a file beside the document";
+            return Err(common::Error::document(format!("{path}.table"), found, expected).into());
+        }
+        if !is_corrected(recording) {
+            continue;
+        }
+        check_sensitivities(&document, recording, &path)?;
+        match corrector.correct(recording, &path, None) {
+            Ok(corrected) => done.push((index, corrected)),
+            Err(Error::Hidden(why)) => {
+                done.push((index, Corrected::not_invertible(recording.rows())));
+                hidden = hidden.or(Some(why));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if done.is_empty() {
+        return Err(Error::Nothing);
+    }
+    if let Some(why) = hidden.filter(|_| done.iter().all(|(_, corrected)| !corrected.has_field())) {
+        return Err(Error::Hidden(why));
+    }
+    for (index, corrected) in done {
+        let columns = &mut document.recordings[index].columns;
+        for (name, values) in options.frame.columns().into_iter().zip(corrected.into_columns()) {
+            columns.insert(name, Column(values));
+        }
+    }
+    Ok(document)
+}
+
+/// Whether a recording has readings of three sensors in one unit.
+fn is_corrected(recording: &Recording) -> bool {
+    let all =
+        |unit: &str| Axis::ALL.iter().all(|axis| recording.axis_column("sensor", *axis, unit).is_some());
+    recording.procedure != procedure::DIFFERENTIAL && (all("v") || all("nt"))
+}
+
+/// Without any calibration there is nothing to correct with.
+fn check(document: &Document) -> Result<(), common::Error> {
+    let calibration = document.calibration.as_ref();
+    if calibration.is_none_or(|calibration| calibration.sensors.is_none() && calibration.axes.is_none()) {
+        return Err(common::Error::document(
+            "calibration",
+            "neither `sensors` nor `axes`",
+            "what sensorcal and axescal found, or what you state in their place",
+        ));
+    }
+    Ok(())
+}
+
+/// Readings are in one unit, and those in V have a sensitivity.
+fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -> Result<(), common::Error> {
+    for axis in Axis::ALL {
+        let [volts, field] = ["v", "nt"].map(|unit| recording.axis_column("sensor", axis, unit).is_some());
+        let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+        let unit = if volts { Unit::Volt } else { Unit::Nanotesla };
+        let stated = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
+        let nominal = document.instrument.as_ref().and_then(|i| i.nominal_sensitivity_nt_per_v);
+        let key = format!("sensitivity_nt_per_{}", unit.suffix());
+        if volts && field {
+            let found = format!("sensor_{axis}_v beside sensor_{axis}_nt");
+            let expected = "readings in V or in nT; leave one of the two columns out";
+            return Err(common::Error::document(format!("{path}.columns"), found, expected));
+        }
+        if volts && stated.or(nominal).is_none() {
+            let expected =
+                format!("calibration.sensors.{axis}.{key}, or instrument.nominal_sensitivity_nt_per_v");
+            let path = format!("{path}.columns.sensor_{axis}_v");
+            return Err(common::Error::document(path, "readings in V without a sensitivity", expected));
+        }
+        if stated.is_some_and(|value| value == 0.0 || !value.is_finite()) {
+            let path = format!("calibration.sensors.{axis}.{key}");
+            let expected = "the field for each unit of the reading, which is not zero";
+            return Err(common::Error::document(path, "0", expected));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,109 @@
+//! `correct`: raw readings, a calibration and a model: the field.
+
+use clap::{Parser, ValueEnum};
+use common::Document;
+use common::pipe::{self, Input, Io, Program};
+use correct::{Frame, Options, Request};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION") };
+
+/// The field that made the readings, in nT, with the uncertainty of each sample
+#[derive(Parser)]
+#[command(
+    version,
+    after_help = "Example:\n  \
+    correct fixtures/correct/flight/input.json > result.json\n  \
+    correct --calibration fixtures/correct/flight/input.json \\\n    fixtures/correct/flight/readings.csv -o field.parquet\n\n\
+    Exit codes: 0 done; 1 the chain cannot be run backwards; 2 the request, the document or the table is wrong."
+)]
+struct Cli {
+    #[command(flatten)]
+    io: Io,
+    /// The frame of the field: that of the sensor block, or north, east, down
+    #[arg(long, value_enum, default_value_t = FrameName::Sen)]
+    frame: FrameName,
+    /// Correct a table with this document's calibration; DOCUMENT is then a .csv, .ndjson or .parquet
+    #[arg(long, value_name = "DOCUMENT")]
+    calibration: Option<PathBuf>,
+    /// The table was recorded under the conditions of this recording of the document
+    #[arg(long, value_name = "ID", requires = "calibration")]
+    recording: Option<String>,
+    /// Format of the table, where its name does not say it
+    #[arg(long, value_enum, requires = "calibration")]
+    from: Option<FormatName>,
+    /// Format to write, where the name of the output does not say it
+    #[arg(long, value_enum, requires = "calibration")]
+    to: Option<FormatName>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FrameName {
+    Sen,
+    Geo,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum FormatName {
+    Csv,
+    Ndjson,
+    Parquet,
+}
+
+impl From<FormatName> for tables::Format {
+    fn from(name: FormatName) -> Self {
+        match name {
+            FormatName::Csv => tables::Format::Csv,
+            FormatName::Ndjson => tables::Format::NdJson,
+            FormatName::Parquet => tables::Format::Parquet,
+        }
+    }
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    pipe::finish(PROGRAM, run(&cli))
+}
+
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    let frame = match cli.frame {
+        FrameName::Sen => Frame::Sen,
+        FrameName::Geo => Frame::Geo,
+    };
+    if let Some(calibration) = &cli.calibration {
+        return table(cli, calibration, frame);
+    }
+    let arguments = match frame {
+        Frame::Sen => Vec::new(),
+        Frame::Geo => vec!["--frame=geo".to_string()],
+    };
+    let options = Options { frame };
+    pipe::stage(
+        PROGRAM,
+        &cli.io,
+        arguments,
+        |document| correct::run(document, &options),
+        |document| correct::summary(document, frame),
+    )?;
+    Ok(())
+}
+
+fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
+    let text = Input::read(Some(calibration))?;
+    let document = Document::parse(&text.text).map_err(|error| text.locate(error))?;
+    let request = Request {
+        calibration: &document,
+        recording: cli.recording.as_deref(),
+        frame,
+        input: cli.io.file.as_deref().filter(|path| *path != Path::new("-")),
+        input_format: cli.from.map(Into::into),
+        output: cli.io.output.as_deref(),
+        output_format: cli.to.map(Into::into),
+    };
+    let tally = correct::correct_table(&request).map_err(|error| text.locate(error.into()))?;
+    if !cli.io.quiet {
+        pipe::say(&correct::table_summary(&tally, &document, cli.recording.as_deref(), frame));
+    }
+    Ok(())
+}

@@ -1,0 +1,217 @@
+//! One recording corrected.
+
+use common::{Axis, Document, Recording};
+use nalgebra::{Matrix3, Vector3};
+use physics::{Context, EffectInstance, Inverter, References, Row, Setting, Stage, Unit};
+use rayon::prelude::*;
+
+use crate::affine::Affine;
+use crate::flags::{self, Limits};
+use crate::known::Known;
+use crate::noise;
+use crate::{Error, Frame};
+
+/// The field of a recording, row by row.
+#[derive(Clone, Debug, Default)]
+pub struct Corrected {
+    /// The field, nT; NaN where there is none.
+    pub field_nt: [Vec<f64>; 3],
+    /// The standard uncertainty of each component, nT.
+    pub std_nt: [Vec<f64>; 3],
+    /// Sums of [`flags`].
+    pub flags: Vec<u32>,
+    /// Effects of the model that could not be taken out, and why.
+    pub left: Vec<String>,
+}
+
+impl Corrected {
+    /// As many rows of which the chain hides the field.
+    pub fn not_invertible(rows: usize) -> Self {
+        let none = || [0, 1, 2].map(|_| vec![f64::NAN; rows]);
+        let flags = vec![flags::NOT_INVERTIBLE; rows];
+        Self { field_nt: none(), std_nt: none(), flags, left: Vec::new() }
+    }
+
+    /// Whether any row has a field.
+    pub fn has_field(&self) -> bool {
+        self.field_nt[0].iter().any(|value| value.is_finite())
+    }
+
+    /// The columns in the order of [`Frame::columns`].
+    pub fn into_columns(self) -> [Vec<f64>; 7] {
+        let [x, y, z] = self.field_nt;
+        let [sx, sy, sz] = self.std_nt;
+        [x, y, z, sx, sy, sz, self.flags.iter().map(|flags| f64::from(*flags)).collect()]
+    }
+}
+
+/// All that a document says of the correction.
+pub struct Corrector<'a> {
+    document: &'a Document,
+    effects: Vec<EffectInstance>,
+    references: References,
+    limits: Limits,
+    frame: Frame,
+}
+
+impl<'a> Corrector<'a> {
+    /// Reads a document's calibration and model.
+    pub fn of(document: &'a Document, frame: Frame) -> Result<Self, Error> {
+        let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
+        let references = References::of(document);
+        Ok(Self { document, effects, references, limits: Limits::of(document, &references), frame })
+    }
+
+    /// Whether a long recording may be corrected piece by piece.
+    pub fn row_by_row(&self) -> bool {
+        self.effects.iter().all(|effect| effect.kind.row_by_row())
+    }
+
+    /// Corrects a recording that stands at `path`. `length_and_step_s` is of the whole series where this is a piece of it.
+    pub fn correct(
+        &self,
+        recording: &Recording,
+        path: &str,
+        length_and_step_s: Option<[f64; 2]>,
+    ) -> Result<Corrected, Error> {
+        let at = |error: physics::Error| Error::from(error.at(path));
+        let Setting { basic, context } =
+            Setting::of(self.document, recording, self.references).map_err(at)?;
+        let readings = readings(recording, context.unit, context.rows);
+        let series =
+            length_and_step_s.or_else(|| recording.column("time_s").and_then(noise::length_and_step_s));
+        let noise_nt2 = Vector3::from(Axis::ALL.map(|axis| {
+            let k = basic.sensors[axis.index()].sensitivity;
+            noise::variance_nt2(self.document, axis, context.unit, k, series)
+        }));
+        // What acts before the field, and in other recordings, is nothing to take out of these readings.
+        let acts =
+            |effect: &EffectInstance| effect.kind.about().stage >= Stage::Block && effect.acts(recording);
+        let mut acting: Vec<(usize, EffectInstance)> =
+            self.effects.iter().cloned().enumerate().filter(|(_, effect)| acts(effect)).collect();
+        let mut left = Vec::new();
+        let solution = loop {
+            let (places, effects): (Vec<usize>, Vec<EffectInstance>) = acting.iter().cloned().unzip();
+            let known = Known::of(self.document, &effects, &places, context.unit)?;
+            let solved = Inverter::new(&basic, &effects, &context)
+                .and_then(|inverter| Solution::of(inverter, &known, noise_nt2, &readings));
+            match solved {
+                Err(physics::Error::Missing { who, what, .. })
+                    if acting.iter().any(|(_, effect)| effect.kind.name() == who) =>
+                {
+                    acting.retain(|(_, effect)| effect.kind.name() != who);
+                    left.push(format!("{who} is not taken out, for want of {what}"));
+                }
+                Err(error @ physics::Error::Hidden { .. }) => return Err(Error::Hidden(error.to_string())),
+                other => break other.map_err(at)?,
+            }
+        };
+        let mut common = self.limits.temperatures(&context);
+        if !left.is_empty() {
+            common.iter_mut().for_each(|flags| *flags |= flags::EFFECT_LEFT);
+        }
+        let rows: Vec<CorrectedRow> = (0..context.rows)
+            .into_par_iter()
+            .map(|row| {
+                let none = |flag: u32| ([f64::NAN; 3], [f64::NAN; 3], flag | common[row]);
+                let (field, covariance) = match solution.row(row, &readings[row]) {
+                    Ok(found) => found,
+                    Err(flag) => return none(flag),
+                };
+                let flag = self.limits.field(&(basic.mu.transpose() * field));
+                let (field, covariance) = match self.frame {
+                    Frame::Sen => (field, covariance),
+                    Frame::Geo => in_geo(&context, row, &field, &covariance),
+                };
+                let std = [0, 1, 2].map(|k| covariance[(k, k)].max(0.0).sqrt());
+                (field.into(), std, flag | common[row])
+            })
+            .collect();
+        Ok(Corrected {
+            field_nt: [0, 1, 2].map(|k| rows.iter().map(|row| row.0[k]).collect()),
+            std_nt: [0, 1, 2].map(|k| rows.iter().map(|row| row.1[k]).collect()),
+            flags: rows.iter().map(|row| row.2).collect(),
+            left,
+        })
+    }
+}
+
+/// Field, standard uncertainties, flags.
+type CorrectedRow = ([f64; 3], [f64; 3], u32);
+
+/// The fields of a recording with their covariances.
+enum Solution {
+    /// By one matrix for all rows.
+    Affine(Box<Affine>),
+    /// Row by row.
+    Rows { field: Vec<Vector3<f64>>, covariance: Vec<Matrix3<f64>>, rows: Vec<Row> },
+}
+
+impl Solution {
+    fn of(
+        inverter: Inverter<'_>,
+        known: &Known,
+        noise_nt2: Vector3<f64>,
+        readings: &[Vector3<f64>],
+    ) -> Result<Self, physics::Error> {
+        if inverter.is_affine() {
+            return Ok(Solution::Affine(Box::new(Affine::of(inverter, known, noise_nt2)?)));
+        }
+        let solved = inverter.field(readings)?;
+        let mut covariance = solved.covariance_of_readings(noise_nt2)?;
+        let derivatives: Vec<Vec<Vector3<f64>>> = known
+            .parameters
+            .par_iter()
+            .map(|parameter| solved.by_parameter(*parameter))
+            .collect::<Result<_, _>>()?;
+        covariance.par_iter_mut().enumerate().for_each(|(row, covariance)| {
+            for column in known.root.column_iter() {
+                let error: Vector3<f64> =
+                    derivatives.iter().zip(column.iter()).map(|(derivative, l)| derivative[row] * *l).sum();
+                *covariance += error * error.transpose();
+            }
+        });
+        Ok(Solution::Rows { field: solved.field_sen, covariance, rows: solved.rows })
+    }
+
+    /// Field and covariance in SEN, or the flag that says why there is none.
+    fn row(&self, row: usize, reading: &Vector3<f64>) -> Result<(Vector3<f64>, Matrix3<f64>), u32> {
+        if reading.iter().any(|value| !value.is_finite()) {
+            return Err(flags::MISSING);
+        }
+        match self {
+            Solution::Affine(affine) => Ok(affine.field(reading)),
+            Solution::Rows { field, covariance, rows } => match rows[row] {
+                Row::Found => Ok((field[row], covariance[row])),
+                Row::Missing => Err(flags::MISSING),
+                Row::NotInvertible => Err(flags::NOT_INVERTIBLE),
+            },
+        }
+    }
+}
+
+/// The readings of the three sensors; NaN where one is missing.
+fn readings(recording: &Recording, unit: Unit, rows: usize) -> Vec<Vector3<f64>> {
+    let columns = Axis::ALL.map(|axis| recording.axis_column("sensor", axis, unit.suffix()));
+    (0..rows)
+        .map(|row| Vector3::from(columns.map(|column| column.map_or(f64::NAN, |column| column[row]))))
+        .collect()
+}
+
+/// B_geo = Rᵀ B_sen. A small turn ρ of the block, R → exp([ρ]×) R, moves it by −Rᵀ (ρ × B_sen) = Rᵀ [B_sen]× ρ.
+fn in_geo(
+    context: &Context<'_>,
+    row: usize,
+    field: &Vector3<f64>,
+    covariance: &Matrix3<f64>,
+) -> (Vector3<f64>, Matrix3<f64>) {
+    let back = context.rotation(row).transpose();
+    let by_turn = if context.attitude.is_empty() {
+        field.cross_matrix() * context.orientation.uncertainty
+    } else {
+        // An attitude is taken as it is given.
+        Matrix3::zeros()
+    };
+    let covariance = back * (covariance + by_turn * by_turn.transpose()) * back.transpose();
+    (back * field, covariance)
+}

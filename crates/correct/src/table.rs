@@ -1,0 +1,206 @@
+//! Long series in files or streams, corrected piece by piece.
+
+use common::{Axis, Columns, Document, Recording, procedure};
+use std::io;
+use std::path::Path;
+use tables::{Batch, Format, Reader, Writer};
+
+use crate::noise::{self, DAY_S};
+use crate::words::Tally;
+use crate::{Corrected, Corrector, Error, Frame};
+
+/// Rows that are written at once of a series that is corrected as a whole.
+const PIECE_ROWS: usize = 1 << 16;
+
+/// A table to be corrected.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The document with calibration and model.
+    pub calibration: &'a Document,
+    /// Its recording of which conditions and `start` hold for the table.
+    pub recording: Option<&'a str>,
+    /// The frame of the field.
+    pub frame: Frame,
+    /// The table; None: standard input.
+    pub input: Option<&'a Path>,
+    /// Its format, where its name does not say it.
+    pub input_format: Option<Format>,
+    /// Where to; None: standard output.
+    pub output: Option<&'a Path>,
+    /// The format there, where the name does not say it; None: that of the input.
+    pub output_format: Option<Format>,
+}
+
+/// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all its columns with those of
+/// [`Frame::columns`]. Where every effect goes row by row, it holds no more than a few batches at a time.
+///
+/// # Errors
+///
+/// A table that cannot be read, with file and row; what [`crate::run`] refuses; a chain that has no inverse.
+pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
+    crate::check(request.calibration)?;
+    let corrector = Corrector::of(request.calibration, request.frame)?;
+    let template = template(request)?;
+    let (reader, name, format) = open(request)?;
+    let names: Vec<String> = reader.columns().to_vec();
+    let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
+    check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
+    let mut output = Output { request, format, names: &names, writer: None, tally: Tally::default() };
+    let mut series = None;
+    let mut whole: Option<Recording> = None;
+    for batch in reader {
+        let recording = recording_of(&template, &names, batch?);
+        if !corrector.row_by_row() {
+            match &mut whole {
+                None => whole = Some(recording),
+                Some(whole) => join(whole, recording),
+            }
+            continue;
+        }
+        let step = || recording.column("time_s").and_then(noise::length_and_step_s);
+        let series = *series.get_or_insert_with(|| step().map(|[_, step_s]| [DAY_S, step_s]));
+        let corrected = corrector.correct(&recording, &name, series)?;
+        if !output.write(&recording, corrected)? {
+            return Ok(output.tally);
+        }
+    }
+    if let Some(recording) = whole {
+        let corrected = corrector.correct(&recording, &name, None)?;
+        output.write(&recording, corrected)?;
+    }
+    output.finish()
+}
+
+/// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves nothing behind.
+struct Output<'a> {
+    request: &'a Request<'a>,
+    /// That of the input.
+    format: Format,
+    /// Columns of the input.
+    names: &'a [String],
+    writer: Option<Writer>,
+    tally: Tally,
+}
+
+impl Output<'_> {
+    /// The columns of the input that are written on: a second run replaces those that the first one added.
+    fn kept(&self) -> Vec<&str> {
+        let added = self.request.frame.columns();
+        self.names.iter().map(String::as_str).filter(|name| !added.iter().any(|new| new == name)).collect()
+    }
+
+    fn open(&self) -> Result<Writer, tables::Error> {
+        let added = self.request.frame.columns();
+        let mut header = self.kept();
+        header.extend(added.iter().map(String::as_str));
+        match (self.request.output, self.request.output_format) {
+            (Some(path), None) => Writer::create(path, &header),
+            (Some(path), Some(format)) => Writer::create_as(path, format, &header),
+            (None, told) => {
+                Writer::to_write(io::stdout(), told.unwrap_or(self.format), "standard output", &header)
+            }
+        }
+    }
+
+    /// Writes rows. False: the reader of standard output has gone, and no more is wanted.
+    fn write(&mut self, recording: &Recording, corrected: Corrected) -> Result<bool, Error> {
+        self.tally.add(&corrected);
+        let new = corrected.into_columns();
+        let old = self.kept().into_iter().filter_map(|name| recording.column(name));
+        let columns: Vec<&[f64]> = old.chain(new.iter().map(Vec::as_slice)).collect();
+        let mut writer = match self.writer.take() {
+            Some(writer) => writer,
+            None => self.open()?,
+        };
+        for from in (0..recording.rows()).step_by(PIECE_ROWS) {
+            let piece = from..(from + PIECE_ROWS).min(recording.rows());
+            let columns: Vec<&[f64]> = columns.iter().map(|column| &column[piece.clone()]).collect();
+            match writer.write(&columns) {
+                Err(error) if is_closed(&error, self.request.output) => return Ok(false),
+                written => written?,
+            }
+        }
+        self.writer = Some(writer);
+        Ok(true)
+    }
+
+    /// Writes what is left, and of a table without rows its header. A reader of standard output that has gone is no error.
+    fn finish(mut self) -> Result<Tally, Error> {
+        let writer = match self.writer.take() {
+            Some(writer) => writer,
+            None if self.tally.is_empty() => self.open()?,
+            None => return Ok(self.tally),
+        };
+        match writer.finish() {
+            Err(error) if !is_closed(&error, self.request.output) => Err(error.into()),
+            _ => Ok(self.tally),
+        }
+    }
+}
+
+/// What a document says of the recording whose conditions are meant; without one, a free run.
+fn template(request: &Request<'_>) -> Result<Recording, Error> {
+    let Some(id) = request.recording else {
+        let (id, procedure) = ("table".to_string(), procedure::FREE_RUN.to_string());
+        return Ok(Recording { id, procedure, ..Recording::default() });
+    };
+    let found = request.calibration.recordings.iter().find(|recording| recording.id == id);
+    let found = found.ok_or_else(|| {
+        let ids: Vec<&str> = request.calibration.recordings.iter().map(|r| r.id.as_str()).take(30).collect();
+        common::Error::Request(format!(
+            "there is no recording \"{id}\" in the calibration's document; expected one of: {}",
+            ids.join(", ")
+        ))
+    })?;
+    Ok(Recording { columns: Columns::new(), table: None, ..found.clone() })
+}
+
+/// The table, its name in errors, and its format.
+fn open(request: &Request<'_>) -> Result<(Reader, String, Format), Error> {
+    match (request.input, request.input_format) {
+        (Some(path), told) => {
+            let format = told.map_or_else(|| Format::of(path), Ok)?;
+            Ok((Reader::open_as(path, format, None)?, path.display().to_string(), format))
+        }
+        (None, Some(format)) => {
+            let name = "standard input".to_string();
+            Ok((Reader::from_read(io::stdin(), format, &name, None)?, name, format))
+        }
+        (None, None) => Err(common::Error::Request(
+            "the format of standard input is not told; expected --from csv or --from ndjson, or a file"
+                .into(),
+        )
+        .into()),
+    }
+}
+
+fn recording_of(template: &Recording, names: &[String], batch: Batch) -> Recording {
+    let columns = names.iter().cloned().zip(batch.columns.into_iter().map(Into::into)).collect();
+    Recording { columns, ..template.clone() }
+}
+
+fn join(whole: &mut Recording, piece: Recording) {
+    for (column, more) in whole.columns.values_mut().zip(piece.columns.into_values()) {
+        column.0.extend(more.0);
+    }
+}
+
+/// Readings of three sensors in one unit, in V with their sensitivities.
+fn check_columns(document: &Document, recording: &Recording, name: &str) -> Result<(), Error> {
+    if !crate::is_corrected(recording) {
+        let sensors = Axis::ALL.map(|axis| format!("sensor_{axis}_v")).join(", ");
+        let found: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
+        return Err(common::Error::Request(format!(
+            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT",
+            found.join(", ")
+        ))
+        .into());
+    }
+    Ok(crate::check_sensitivities(document, recording, name)?)
+}
+
+/// Whether the reader of standard output has gone.
+fn is_closed(error: &tables::Error, output: Option<&Path>) -> bool {
+    let broken = |source: &io::Error| source.kind() == io::ErrorKind::BrokenPipe;
+    output.is_none() && matches!(error, tables::Error::File { source, .. } if broken(source))
+}

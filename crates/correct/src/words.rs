@@ -1,0 +1,146 @@
+//! What people are told.
+
+use common::{Axis, Document, Recording};
+
+use crate::flags::MEANINGS;
+use crate::{Corrected, Frame};
+
+/// What became of many rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Tally {
+    rows: u64,
+    found: u64,
+    flagged: [u64; MEANINGS.len()],
+    /// Smallest and largest standard uncertainty of each component, nT.
+    std_nt: [Option<[f64; 2]>; 3],
+    left: Vec<String>,
+}
+
+impl Tally {
+    /// Counts the rows of a recording, or of a piece of one.
+    pub fn add(&mut self, corrected: &Corrected) {
+        self.count(&corrected.flags, &[0, 1, 2].map(|k| corrected.std_nt[k].as_slice()));
+        for left in &corrected.left {
+            if !self.left.contains(left) {
+                self.left.push(left.clone());
+            }
+        }
+    }
+
+    /// Whether nothing was counted.
+    pub fn is_empty(&self) -> bool {
+        self.rows == 0
+    }
+
+    fn count(&mut self, flags: &[u32], std_nt: &[&[f64]; 3]) {
+        self.rows += flags.len() as u64;
+        for flags in flags {
+            let counts = self.flagged.iter_mut().zip(MEANINGS);
+            counts.for_each(|(count, (flag, _))| *count += u64::from(flags & flag != 0));
+        }
+        self.found += std_nt[0].iter().filter(|std| std.is_finite()).count() as u64;
+        for (span, column) in self.std_nt.iter_mut().zip(std_nt) {
+            for std in column.iter().filter(|std| std.is_finite()) {
+                let [low, high] = span.unwrap_or([*std, *std]);
+                *span = Some([low.min(*std), high.max(*std)]);
+            }
+        }
+    }
+
+    fn lines(&self) -> Vec<String> {
+        let mut lines = Vec::new();
+        let spans: Vec<String> = Axis::ALL
+            .iter()
+            .zip(&self.std_nt)
+            .filter_map(|(axis, span)| {
+                let [low, high] = (*span)?;
+                Some(if high > 1.01 * low {
+                    format!("{axis} {low:.3} to {high:.3}")
+                } else {
+                    format!("{axis} {high:.3}")
+                })
+            })
+            .collect();
+        if !spans.is_empty() {
+            lines.push(format!("standard uncertainty: {} nT", spans.join(", ")));
+        }
+        for (count, (flag, meaning)) in self.flagged.iter().zip(MEANINGS).filter(|(count, _)| **count > 0) {
+            lines.push(format!("{count} rows are flagged {flag}: {meaning}"));
+        }
+        lines.extend(self.left.iter().cloned());
+        lines
+    }
+}
+
+/// What is told of a corrected document.
+pub fn summary(document: &Document, frame: Frame) -> String {
+    let names = frame.columns();
+    let mut tally = Tally::default();
+    let corrected: Vec<&Recording> = document
+        .recordings
+        .iter()
+        .filter(|recording| names.iter().all(|name| recording.columns.contains_key(name)))
+        .collect();
+    for recording in &corrected {
+        let column = |k: usize| recording.column(&names[k]).unwrap_or_default();
+        let flags: Vec<u32> = column(6).iter().map(|flags| *flags as u32).collect();
+        tally.count(&flags, &[column(3), column(4), column(5)]);
+    }
+    let head = format!("correct: {} recordings, ", corrected.len());
+    text(&head, &tally, frame, notes(document, frame, corrected.iter().copied()))
+}
+
+/// What is told of a corrected table.
+pub fn table_summary(tally: &Tally, calibration: &Document, recording: Option<&str>, frame: Frame) -> String {
+    let of = calibration.recordings.iter().filter(|one| Some(one.id.as_str()) == recording);
+    text("correct: ", tally, frame, notes(calibration, frame, of))
+}
+
+fn text(head: &str, tally: &Tally, frame: Frame, notes: Vec<String>) -> String {
+    let frame = match frame {
+        Frame::Sen => "SEN",
+        Frame::Geo => "GEO",
+    };
+    let mut lines = vec![format!("{head}{} of {} rows have a field in {frame}", tally.found, tally.rows)];
+    lines.extend(tally.lines().into_iter().chain(notes).map(|line| format!("  {line}")));
+    lines.join("\n")
+}
+
+/// What was not stated, and what was assumed for it.
+fn notes<'a>(
+    document: &Document,
+    frame: Frame,
+    mut corrected: impl Iterator<Item = &'a Recording>,
+) -> Vec<String> {
+    let mut notes = Vec::new();
+    let calibration = document.calibration.as_ref();
+    let sensors = calibration.and_then(|calibration| calibration.axes.as_ref()?.sensors.as_ref());
+    match sensors {
+        None => notes
+            .push("directions of the sensors are not stated: taken along SEN, without uncertainty".into()),
+        Some(sensors) if sensors.covariance.is_none() && sensors.std_arcsec.is_none() => {
+            notes.push("directions of the sensors have no stated uncertainty: none is counted".into());
+        }
+        Some(_) => {}
+    }
+    for axis in Axis::ALL {
+        let sensor = calibration.and_then(|calibration| calibration.sensor(axis));
+        let stated = sensor.is_some_and(|sensor| {
+            let scale = sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref());
+            scale.and_then(common::Quantity::std).is_some()
+        });
+        if !stated {
+            notes
+                .push(format!("the sensitivity of sensor {axis} has no stated uncertainty: none is counted"));
+        }
+    }
+    let oriented = |recording: &Recording| {
+        recording.conditions.orientation.is_some()
+            || recording.conditions.theodolite.is_some()
+            || recording.columns.contains_key("attitude_w")
+    };
+    if frame == Frame::Geo && !corrected.all(oriented) {
+        notes.push("where no orientation is stated, SEN is taken to stand along GEO".into());
+    }
+    notes
+}

@@ -1,0 +1,62 @@
+//! Every document of `fixtures/bad/correct` brings its message, its exit code, and nothing on standard output; and so does each
+//! table that is not as it must be.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const CORRECT: &str = env!("CARGO_BIN_EXE_correct");
+
+#[test]
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad/correct", CORRECT) >= 14);
+}
+
+/// Exit code and what was said, in a folder, so that files are named as they are there.
+fn run(folder: &Path, arguments: &[&str]) -> (i32, String) {
+    let output = Command::new(CORRECT).args(arguments).current_dir(folder).output().expect("correct");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+    (output.status.code().expect("an exit code"), String::from_utf8(output.stderr).expect("UTF-8"))
+}
+
+#[test]
+fn each_fault_of_a_table_has_its_message() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+    write("flight.json", &testkit::read_fixture("correct/flight/input.json"));
+    write("two.csv", "time_s,sensor_x_v,sensor_y_v\n0,1,2\n");
+    write("word.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n1,two,3\n");
+    write("short.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n1,2\n");
+    write("good.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n");
+    write("short.parquet", "PAR1");
+    let faults: [(&[&str], &str); 9] = [
+        (
+            &["--calibration", "flight.json", "two.csv"],
+            "correct: two.csv: found the columns time_s, sensor_x_v, sensor_y_v; expected readings of three sensors, \
+             sensor_x_v, sensor_y_v, sensor_z_v, or the same in nT",
+        ),
+        (
+            &["--calibration", "flight.json", "word.csv", "-o", "out.csv"],
+            "word.csv, line 3, column 2 (sensor_y_v)",
+        ),
+        (&["--calibration", "flight.json", "short.csv", "-o", "out.csv"], "short.csv, line 3"),
+        (&["--calibration", "flight.json", "short.parquet"], "short.parquet"),
+        (&["--calibration", "flight.json", "nowhere.csv"], "nowhere.csv: cannot be read"),
+        (&["--calibration", "nowhere.json", "good.csv"], "nowhere.json: cannot be read"),
+        (&["--calibration", "flight.json", "good.xlsx"], "the file's name does not say its format"),
+        (
+            &["--calibration", "flight.json", "--recording", "fright", "good.csv"],
+            "there is no recording \"fright\" in the calibration's document; expected one of: flight",
+        ),
+        (
+            &["--calibration", "flight.json", "-"],
+            "the format of standard input is not told; expected --from csv",
+        ),
+    ];
+    for (arguments, message) in faults {
+        let (code, said) = run(folder.path(), arguments);
+        assert_eq!(code, 2, "{arguments:?}: {said}");
+        assert!(said.contains(message), "{arguments:?}: {said}");
+        assert!(!folder.path().join("out.csv").exists(), "{arguments:?}");
+    }
+}
