@@ -24,6 +24,7 @@ bench:
     cargo bench -p sensorcal --bench sensorcal
     cargo bench -p tables --bench read
     cargo bench -p diffmag --bench stream
+    FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
