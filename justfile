@@ -23,7 +23,9 @@ bench:
     cargo bench -p simulate --bench simulate
     cargo bench -p sensorcal --bench sensorcal
     cargo bench -p tables --bench read
+    cargo bench -p ingest --bench ingest
     cargo bench -p diffmag --bench stream
+    cargo bench -p diagnose --bench diagnose
     FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
 
 # Coverage of every interval over 5 000 and 1 000 campaigns

@@ -4,6 +4,7 @@ use common::Document;
 use estimate::screen::{Gain, Products, Screen};
 use faer::Mat;
 use physics::EffectInstance;
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::model::{Model, State};
@@ -13,6 +14,8 @@ use crate::whitening::NoiseModel;
 const STEPS: usize = 25;
 /// A step that lowers the sum of squares by less than this is the last one.
 const TOLERANCE: f64 = 1e-3;
+/// Rows whose products are taken at once.
+const BLOCK: usize = 16_384;
 /// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
 const LIGHTEST: f64 = 1e-10;
 const HEAVIEST: f64 = 1e3;
@@ -64,9 +67,9 @@ impl Fitter<'_, '_> {
         let white = self.noise.whiten_all(&self.model.observed, &raw);
         let known: Vec<(usize, f64)> =
             self.model.priors.iter().enumerate().filter_map(|(k, prior)| prior.map(|std| (k, std))).collect();
-        let rows = white.nrows();
-        Ok(Mat::from_fn(rows + known.len(), white.ncols(), |i, j| match i.checked_sub(rows) {
-            None => white[(i, j)],
+        let rows = self.model.observed.rows;
+        Ok(Mat::from_fn(rows + known.len(), white.len(), |i, j| match i.checked_sub(rows) {
+            None => white[j][i],
             Some(prior) if known[prior].0 == j => 1.0 / known[prior].1,
             Some(_) => 0.0,
         }))
@@ -103,7 +106,7 @@ impl Fitter<'_, '_> {
                 || step + 1 == STEPS
             {
                 let all: Vec<usize> = (0..jacobian.ncols()).collect();
-                let gain = Screen::of(&self.products(&jacobian, &white)).gain(&all)?;
+                let gain = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
                 let (covariance, rank) = (gain.covariance, gain.rank);
                 return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
             }
@@ -120,27 +123,43 @@ impl Fitter<'_, '_> {
         Ok(2.0 * along - square(&white))
     }
 
-    /// Columns (nT, stacked) fitted to what a fit has left, the fit's own derivatives projected out.
-    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
-        let white: Vec<Vec<f64>> =
-            columns.iter().map(|column| self.noise.whiten(&self.model.observed, column)).collect();
+    /// Columns (nT, stacked) beside what a fit has left, the fit's own derivatives projected out, and where they begin.
+    pub fn screen_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<(Screen, usize), Error> {
+        let white = self.noise.whiten_all(&self.model.observed, columns);
         let base = fit.jacobian.ncols();
-        let all = Mat::from_fn(fit.white.len(), base + columns.len(), |i, j| match j.checked_sub(base) {
-            None => fit.jacobian[(i, j)],
-            Some(column) => white[column].get(i).copied().unwrap_or(0.0),
-        });
         let first: Vec<usize> = (0..base).collect();
-        let group: Vec<usize> = (base..base + columns.len()).collect();
-        Ok(Screen::of(&self.products(&all, &fit.white)).given(&first)?.gain(&group)?)
+        Ok((Screen::of(&self.products(&fit.jacobian, &white, &fit.white)).given(&first)?, base))
     }
 
-    /// Products of whitened columns and residual.
-    pub fn products(&self, columns: &Mat<f64>, white: &[f64]) -> Products {
-        let width = columns.ncols();
+    /// What all of some columns gain together.
+    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
+        let (screen, base) = self.screen_of(fit, columns)?;
+        let group: Vec<usize> = (base..base + columns.len()).collect();
+        Ok(screen.gain(&group)?)
+    }
+
+    /// Products of whitened derivatives, further whitened columns, which prior knowledge does not touch, and residual: by blocks of
+    /// rows on all threads, without a copy of the whole.
+    pub fn products(&self, jacobian: &Mat<f64>, more: &[Vec<f64>], white: &[f64]) -> Products {
+        let base = jacobian.ncols();
+        let width = base + more.len();
+        let value = |i: usize, j: usize| match j.checked_sub(base) {
+            None => jacobian[(i, j)],
+            Some(column) if column < more.len() => more[column].get(i).copied().unwrap_or(0.0),
+            Some(_) => white[i],
+        };
+        let blocks: Vec<Products> = (0..white.len())
+            .into_par_iter()
+            .step_by(BLOCK)
+            .map(|from| {
+                let rows = BLOCK.min(white.len() - from);
+                let mut products = Products::of(width);
+                products.push(Mat::from_fn(rows, width + 1, |i, j| value(from + i, j)).as_ref());
+                products
+            })
+            .collect();
         let mut products = Products::of(width);
-        let block =
-            Mat::from_fn(white.len(), width + 1, |i, j| if j < width { columns[(i, j)] } else { white[i] });
-        products.push(block.as_ref());
+        blocks.into_iter().for_each(|block| products.join(block));
         products
     }
 }

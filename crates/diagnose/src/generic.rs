@@ -80,7 +80,7 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
             let mut trials = Vec::new();
             for share in lags {
                 let lag_s = share * span.map_or(0.0, |(_, length)| length);
-                let column = stack(model, axis, |run, channel| follows(run, channel, &name, lag_s));
+                let column = following(model, axis, &name, lag_s);
                 trials.push((Some(lag_s), vec![column]));
                 if span.is_none() {
                     break;
@@ -95,8 +95,13 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
     Ok(all)
 }
 
+/// A recorded column through a first-order lag, in the channels of one sensor.
+pub fn following(model: &Model<'_>, axis: Axis, name: &str, lag_s: f64) -> Vec<f64> {
+    stack(model, axis, |run, channel| follows(run, channel, name, lag_s))
+}
+
 /// A column through a first-order lag, at a channel's rows; zero where it is not recorded.
-pub fn follows(run: &Run<'_>, channel: &Channel, name: &str, lag_s: f64) -> Vec<f64> {
+fn follows(run: &Run<'_>, channel: &Channel, name: &str, lag_s: f64) -> Vec<f64> {
     let Some(values) = run.setting.context.optional(name) else { return vec![0.0; channel.rows.len()] };
     let lagged = match run.time_s {
         Some(time) if lag_s > 0.0 => Signal::new(time, values.to_vec()).lagged(lag_s, Before::Equilibrium),

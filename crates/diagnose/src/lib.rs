@@ -11,6 +11,7 @@ mod against;
 mod candidates;
 mod codes;
 mod covariates;
+mod dependence;
 mod error;
 mod events;
 mod fit;
@@ -102,7 +103,12 @@ struct Outcome {
 
 /// Holds the recordings against the model and writes what is found to `diagnosis`, accepted effects to `model.effects` and the
 /// calibration that goes with them to `calibration`.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+    run_told(document, options, &|_| ())
+}
+
+/// The same; `told` hears what is being done.
+pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) -> Result<Document, Error> {
     if !(options.level > 0.0 && options.level < 1.0) {
         return Err(common::Error::Request(format!(
             "a level of {}; expected a probability of false claims between 0 and 1, such as 0.01",
@@ -116,10 +122,13 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     };
     let (model, start) = Model::of(&original, Observed::of(&original)?)?;
     let before = model.residual(&start)?;
+    told("fitting the calibration again");
     let (base, base_noise) = settled(&original, &model, &start)?;
     let pool = Pool::of(&model, &base.state)?;
-    let mut searcher = Searcher::new(&pool, model.observed.rows, options.seed, options.level);
-    let outcome = search(&original, &model, &mut searcher, before, base, base_noise)?;
+    let mut searcher = Searcher::new(&pool, options.seed, options.level);
+    told(&format!("searching among {} candidates", pool.candidates.len()));
+    let outcome = search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
+    told("writing the answer");
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
@@ -133,8 +142,8 @@ fn search(
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
     before: Vec<f64>,
-    base: Fit,
-    base_noise: NoiseModel,
+    (base, base_noise): (Fit, NoiseModel),
+    told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
     let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
     let mut stages = vec![Stage { fit: base.clone(), noise: base_noise.clone(), look: first.clone() }];
@@ -152,6 +161,7 @@ fn search(
             break;
         };
         let rivals = rivals(&fitter, &refined)?;
+        told(&format!("{}; searching on", best.proposal.name));
         let gain = fit.cost - best.fit.cost;
         found.push(Found { refined: best.clone(), gain, rivals });
         let (fit, noise) = settled(document, model, &best.fit.state)?;

@@ -4,10 +4,15 @@ use clap::Parser;
 use common::Document;
 use common::pipe::{self, Input, Io, Program};
 use diagnose::Options;
+use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::time::Duration;
 
 const PROGRAM: Program = Program { name: "diagnose", version: env!("CARGO_PKG_VERSION") };
+
+/// From one picture of the spinner to the next.
+const TICK: Duration = Duration::from_millis(120);
 
 /// What physics the model left out: where recording and prediction differ, the effect that explains it, the better model
 #[derive(Parser)]
@@ -43,11 +48,19 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);
         arguments.push("--against".into());
     }
+    // Hidden where standard error is no terminal.
+    let spinner = if cli.io.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
+    spinner.enable_steady_tick(TICK);
     pipe::stage(
         PROGRAM,
         &cli.io,
         arguments,
-        |document| diagnose::run(document, &options),
+        |document| {
+            let found =
+                diagnose::run_told(document, &options, &|words| spinner.set_message(words.to_string()));
+            spinner.finish_and_clear();
+            found
+        },
         diagnose::summary,
     )?;
     Ok(())

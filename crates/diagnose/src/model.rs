@@ -1,6 +1,7 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 
 use common::{Axis, Document};
+use estimate::screen::{Products, Screen};
 use faer::Mat;
 use nalgebra::Vector3;
 use physics::{Basic, Context, EffectInstance, Kind, Parameter, Prediction, Role, Unit, frames};
@@ -8,7 +9,14 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
+use crate::dependence::Follows;
 use crate::observed::{Observed, Reader};
+
+/// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the field, and only the sum
+/// is determined: without this, part of it could be anything, and with temperature it would make any effect.
+const OFFSET_NT: f64 = 1000.0;
+/// Share of a column's squared length that is rounding.
+const SAME: f64 = 1e-9;
 
 /// Step of the differences by which turns of the block enter, rad.
 const TURN_RAD: f64 = 1e-5;
@@ -43,13 +51,33 @@ pub enum Unknown {
     },
 }
 
+/// Columns that the others say as well.
+fn undetermined(columns: &[&Vec<f64>]) -> Result<Vec<usize>, Error> {
+    let rows = columns.first().map_or(0, |column| column.len());
+    let mut products = Products::of(columns.len());
+    let block = Mat::from_fn(rows, columns.len() + 1, |i, j| columns.get(j).map_or(0.0, |column| column[i]));
+    products.push(block.as_ref());
+    let screen = Screen::of(&products);
+    let alone = |k: usize| -> Result<bool, Error> {
+        let others: Vec<usize> = (0..columns.len()).filter(|other| *other != k).collect();
+        Ok(screen.given(&others)?.visible(k) < SAME)
+    };
+    let mut found = Vec::new();
+    for k in 0..columns.len() {
+        if alone(k)? {
+            found.push(k);
+        }
+    }
+    Ok(found)
+}
+
 /// A column that is fitted beside the chain.
 #[derive(Clone, Debug)]
 pub struct Column {
     /// What it is, in words.
     pub what: String,
-    /// The recorded column and the sensor that follows it; None for a single reading.
-    pub follows: Option<(String, Axis)>,
+    /// What it follows; None for a single reading.
+    pub follows: Option<Follows>,
     /// nT for each reading of the stack.
     pub values: Arc<Vec<f64>>,
     /// Its coefficient.
@@ -126,6 +154,12 @@ impl<'a> Model<'a> {
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
+        let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
+        for k in undetermined(&columns)? {
+            if matches!(model.unknowns[k], Unknown::Chain(Parameter::SensorOffset(_), _)) {
+                model.priors[k].get_or_insert(OFFSET_NT);
+            }
+        }
         Ok((model, state))
     }
 
@@ -191,7 +225,7 @@ impl<'a> Model<'a> {
     }
 
     /// Derivatives of what is predicted by the unknowns at a state, base model, effects, columns. Shapes count by their logarithm.
-    pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
+    pub fn jacobian(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
         let mut columns = self.base_columns(state)?;
@@ -205,7 +239,7 @@ impl<'a> Model<'a> {
         }
         columns.extend(of_effects);
         columns.extend(state.columns.iter().map(|column| column.values.to_vec()));
-        Ok(Mat::from_fn(self.observed.rows, columns.len(), |i, j| columns[j][i]))
+        Ok(columns)
     }
 
     /// A state moved along a step over the unknowns.

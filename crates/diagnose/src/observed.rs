@@ -2,7 +2,7 @@
 
 use common::{Axis, Document, Recording, procedure};
 use nalgebra::Vector3;
-use physics::{Prediction, References, Setting};
+use physics::{Prediction, References, Setting, Unit};
 
 use crate::Error;
 
@@ -140,7 +140,16 @@ impl<'a> Observed<'a> {
             let setting = Setting::of(document, recording, references)
                 .map_err(|error| Error::Document(error.at(&path)))?;
             check_coils(&setting, &path)?;
-            let time_s = setting.context.times("the search").ok();
+            check_sensors(document, &setting, &path)?;
+            let times = setting.context.times("the search");
+            if let Some(error) = times.as_ref().err().filter(|_| recording.column("time_s").is_some()) {
+                let what = format!(
+                    "the times of \"{}\": {error}; nothing that needs them is searched there",
+                    recording.id
+                );
+                observed.notes.push(what);
+            }
+            let time_s = times.ok();
             let run = Run { recording, path, setting, time_s };
             observed.add(run)?;
         }
@@ -199,6 +208,25 @@ impl<'a> Observed<'a> {
     pub fn times(&self, channel: &Channel) -> Option<Vec<f64>> {
         self.runs[channel.run].time_s.map(|time| channel.rows.iter().map(|row| time[*row]).collect())
     }
+}
+
+fn check_sensors(document: &Document, setting: &Setting<'_>, path: &str) -> Result<(), Error> {
+    let calibration = document.calibration.as_ref();
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    for axis in Axis::ALL.into_iter().filter(|_| nominal.is_none() && setting.context.unit == Unit::Volt) {
+        let column = format!("sensor_{axis}_v");
+        let sensor = calibration.and_then(|calibration| calibration.sensor(axis));
+        let known = sensor.is_some_and(|sensor| sensor.sensitivity_nt_per_v.is_some());
+        if setting.context.recording.column(&column).is_some() && !known {
+            let expected = format!(
+                "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v; run sensorcal first, or \
+                 state it"
+            );
+            let found = "volts of a sensor whose sensitivity is not known";
+            return Err(common::Error::document(format!("{path}.columns.{column}"), found, expected).into());
+        }
+    }
+    Ok(())
 }
 
 fn check_coils(setting: &Setting<'_>, path: &str) -> Result<(), Error> {

@@ -10,7 +10,7 @@ mod series;
 
 use common::{Diagnosis, Remaining, Share, Verdict};
 
-use crate::candidates::What;
+use crate::candidates::{What, named};
 use crate::covariates;
 use crate::fit::Fitter;
 use crate::model::Model;
@@ -81,6 +81,14 @@ pub fn report(
     ];
     if left {
         reasons.extend(outcome.refused.iter().map(|(name, why)| format!("not {name}: {why}")));
+    }
+    for (number, effect) in outcome.base.state.effects.iter().enumerate() {
+        if !outcome.base.state.acts[number].contains(&true) {
+            let name = named(effect);
+            reasons.push(format!(
+                "left aside: {name} of model.effects acts in no recording; what it needs is not recorded"
+            ));
+        }
     }
     reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
     let guilty = guilty::guilty(model, &places);

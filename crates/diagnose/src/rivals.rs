@@ -2,10 +2,10 @@
 
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
-use faer::Mat;
 use physics::{EffectInstance, Kind, Role};
 
 use crate::Error;
+use crate::covariates;
 use crate::fit::Fitter;
 use crate::search::{Addition, Fault, Refined};
 
@@ -97,7 +97,8 @@ pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Er
         }
         let more = other.unknowns - best.unknowns;
         let better = best.deviance - other.deviance;
-        if more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more) && holds(fitter, other, best)? {
+        let needless = more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more);
+        if needless && follows_the_same(other, best) && holds(fitter, other, best)? {
             lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
             continue;
         }
@@ -106,16 +107,24 @@ pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Er
     Ok(Rivals { equal, lost })
 }
 
+/// Whether a rival follows all that an effect follows: if not, it is another explanation, however many unknowns it has.
+fn follows_the_same(rival: &Refined, effect: &Refined) -> bool {
+    let covariates = |refined: &Refined| match &refined.proposal.addition {
+        Addition::Effect(effect) => covariates::of(effect),
+        Addition::Column(column) => column.follows.iter().map(|follows| follows.column.clone()).collect(),
+    };
+    let (theirs, own) = (covariates(rival), covariates(effect));
+    if own.is_empty() { theirs.is_empty() } else { own.iter().all(|name| theirs.contains(name)) }
+}
+
 /// Whether all that an effect does can be done by a rival.
 fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<bool, Error> {
     let own = fitter.jacobian(&effect.fit.state)?;
     let theirs = &rival.fit.jacobian;
     let width = theirs.ncols();
-    let all = Mat::from_fn(theirs.nrows(), width + own.ncols(), |i, j| {
-        if j < width { theirs[(i, j)] } else { own[(i, j - width)] }
-    });
+    let columns: Vec<Vec<f64>> = (0..own.ncols()).map(|j| own.col_as_slice(j).to_vec()).collect();
     let first: Vec<usize> = (0..width).collect();
-    let screen = Screen::of(&fitter.products(&all, &rival.fit.white)).given(&first)?;
+    let screen = Screen::of(&fitter.products(theirs, &columns, &rival.fit.white)).given(&first)?;
     let base = fitter.model.unknowns.len();
     Ok((base..own.ncols()).all(|j| screen.visible(width + j) < HELD))
 }

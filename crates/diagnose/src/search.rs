@@ -4,10 +4,12 @@ use estimate::screen::{Chance, Screen, Search};
 use faer::Mat;
 use noise::Stream;
 use physics::{EffectInstance, Kind, Role};
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::candidates::{Candidate, Pool, What, named};
 use crate::codes;
+use crate::dependence::{self, Follows};
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
@@ -141,9 +143,8 @@ impl Look {
 /// A search over one pool of candidates.
 pub struct Searcher<'p> {
     pool: &'p Pool,
-    raw: Mat<f64>,
     /// The pool whitened, and the noise that whitened it.
-    white: Option<(NoiseModel, Mat<f64>)>,
+    white: Option<(NoiseModel, Vec<Vec<f64>>)>,
     chance: Option<Chance>,
     seed: u64,
     /// Probability of a claim where there is nothing.
@@ -152,9 +153,8 @@ pub struct Searcher<'p> {
 
 impl<'p> Searcher<'p> {
     /// Over a pool, claims at a level.
-    pub fn new(pool: &'p Pool, rows: usize, seed: u64, level: f64) -> Self {
-        let raw = Mat::from_fn(rows, pool.columns.len(), |i, j| pool.columns[j][i]);
-        Self { pool, raw, white: None, chance: None, seed, level }
+    pub fn new(pool: &'p Pool, seed: u64, level: f64) -> Self {
+        Self { pool, white: None, chance: None, seed, level }
     }
 
     /// The candidates.
@@ -170,16 +170,13 @@ impl<'p> Searcher<'p> {
     /// The pool with all but the base model's columns projected out, and where its columns begin.
     pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
         let kept = self.white.take().filter(|(noise, _)| noise.same(fitter.noise));
-        let white = kept
-            .map_or_else(|| fitter.noise.whiten_all(&fitter.model.observed, &self.raw), |(_, white)| white);
+        let white = match kept {
+            Some((_, white)) => white,
+            None => fitter.noise.whiten_all(&fitter.model.observed, &self.pool.columns),
+        };
         let base = fit.jacobian.ncols();
-        let all = Mat::from_fn(fit.white.len(), base + white.ncols(), |i, j| match j.checked_sub(base) {
-            None => fit.jacobian[(i, j)],
-            Some(column) if i < white.nrows() => white[(i, column)],
-            Some(_) => 0.0,
-        });
         let first: Vec<usize> = (0..base).collect();
-        let screen = Screen::of(&fitter.products(&all, &fit.white)).given(&first)?;
+        let screen = Screen::of(&fitter.products(&fit.jacobian, &white, &fit.white)).given(&first)?;
         self.white = Some((fitter.noise.clone(), white));
         Ok((screen, base))
     }
@@ -199,7 +196,7 @@ impl<'p> Searcher<'p> {
             .collect();
         if self.chance.is_none() {
             let mut stream = Stream::new(self.seed, "diagnose/chance");
-            let normals = Mat::from_fn(DRAWS, self.raw.ncols(), |_, _| stream.normal());
+            let normals = Mat::from_fn(DRAWS, self.pool.columns.len(), |_, _| stream.normal());
             self.chance = Some(Chance::of(&screen, &searches, &normals)?);
         }
         let rest = Rest {
@@ -283,17 +280,16 @@ impl<'p> Searcher<'p> {
     /// The most promising proposals fitted together with all else, the best first.
     pub fn refine(&self, fitter: &Fitter<'_, '_>, fit: &Fit, look: &Look) -> Result<Vec<Refined>, Error> {
         let before = fitter.held_out(fit)?;
-        let mut all = Vec::new();
-        for proposal in look.proposals.iter().take(REFINED) {
+        let one = |proposal: &Proposal| -> Result<Option<Refined>, Error> {
             let state = match &proposal.addition {
                 Addition::Effect(effect) => fitter.model.with(&fit.state, effect.clone()),
                 Addition::Column(column) => {
                     let mut state = fit.state.clone();
-                    state.columns.push(column.clone());
+                    state.columns.push(dependence::with_lag(fitter, fit, column)?);
                     state
                 }
             };
-            let Ok(with) = fitter.refine(&state) else { continue };
+            let Ok(with) = fitter.refine(&state) else { return Ok(None) };
             let with = if proposal.local { events::settled_in_time(fitter, with)? } else { with };
             let held_out: Vec<f64> = before
                 .parts
@@ -307,7 +303,7 @@ impl<'p> Searcher<'p> {
             };
             let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
             let why_not = self.why_not(proposal, fit, &with, &held_out, look);
-            all.push(Refined {
+            Ok(Some(Refined {
                 p_adjusted: at_least_one(proposal.p, FAMILIES),
                 proposal: proposal.clone(),
                 fit: with,
@@ -315,8 +311,11 @@ impl<'p> Searcher<'p> {
                 deviance,
                 held_out,
                 why_not,
-            });
-        }
+            }))
+        };
+        let promising = &look.proposals[..look.proposals.len().min(REFINED)];
+        let refined: Vec<Option<Refined>> = promising.par_iter().map(one).collect::<Result<_, Error>>()?;
+        let mut all: Vec<Refined> = refined.into_iter().flatten().collect();
         rivals::without_needless_lags(fitter, &mut all);
         all.sort_by(|a, b| {
             a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
@@ -427,7 +426,12 @@ fn start(
             let column = candidate.trials[best].columns.first()?;
             let values = Arc::new(pool.columns[*column].clone());
             let follows = match what {
-                What::Dependence { column, axis } => Some((column.clone(), *axis)),
+                What::Dependence { column, axis } => Some(Follows {
+                    column: column.clone(),
+                    axis: *axis,
+                    lag_s: candidate.trials[best].shape.unwrap_or(0.0),
+                    lag_std_s: None,
+                }),
                 _ => None,
             };
             let coefficient = *coefficients.first()?;

@@ -151,12 +151,8 @@ impl NoiseModel {
     }
 
     /// Stacked columns whitened, on all threads.
-    pub fn whiten_all(&self, observed: &Observed<'_>, columns: &Mat<f64>) -> Mat<f64> {
-        let white: Vec<Vec<f64>> = (0..columns.ncols())
-            .into_par_iter()
-            .map(|j| self.whiten(observed, columns.col_as_slice(j)))
-            .collect();
-        Mat::from_fn(columns.nrows(), columns.ncols(), |i, j| white[j][i])
+    pub fn whiten_all(&self, observed: &Observed<'_>, columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        columns.par_iter().map(|column| self.whiten(observed, column)).collect()
     }
 
     /// What a departure of one nT in the middle of a channel is whitened to, from its row on.

@@ -57,7 +57,8 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
         let _ = writeln!(text, "  left: {}", remaining.structure);
     }
-    for reason in entry.reasons.iter().filter(|reason| reason.starts_with("not ")) {
+    let told = |reason: &&String| reason.starts_with("not ") || reason.starts_with("left aside: ");
+    for reason in entry.reasons.iter().filter(told) {
         let _ = writeln!(text, "  {reason}");
     }
     if let Some(next) = &entry.next_experiment {
@@ -70,9 +71,11 @@ pub fn chance(p: f64) -> String {
     if p < 1e-300 { "p < 1e-300".into() } else { format!("p = {p:.1e}") }
 }
 
+/// Value and standard uncertainty, to two digits of the uncertainty.
 fn plus_minus(quantity: &Quantity) -> String {
-    match quantity.std() {
-        Some(std) => format!("{:.5} ± {:.5}", quantity.value(), std),
-        None => format!("{:.5}", quantity.value()),
-    }
+    let Some(std) = quantity.std().filter(|std| *std > 0.0 && std.is_finite()) else {
+        return format!("{:.5}", quantity.value());
+    };
+    let digits = (1.0 - std.log10().floor()).clamp(0.0, 15.0) as usize;
+    format!("{:.digits$} ± {std:.digits$}", quantity.value())
 }

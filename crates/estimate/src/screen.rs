@@ -38,6 +38,12 @@ impl Products {
         self.rows.push(block.nrows());
     }
 
+    /// Adds the blocks of others, behind its own.
+    pub fn join(&mut self, others: Products) {
+        self.blocks.extend(others.blocks);
+        self.rows.extend(others.rows);
+    }
+
     /// Number of blocks.
     pub fn blocks(&self) -> usize {
         self.blocks.len()

@@ -10,7 +10,8 @@
 //!   not go over the end of its line. A value that is not wanted may be any text.
 //! - NDJSON: one JSON object a line, with a number or null for each key. The columns are the keys of the first line where none
 //!   are named. A key that is absent is a missing value. `NaN`, which Python writes, is one as well.
-//! - Parquet: columns of type FLOAT, DOUBLE, INT32 and INT64, at the top of the schema. Integers beyond ±2⁵³ are refused.
+//! - Parquet: columns of type FLOAT, DOUBLE, INT32 and INT64, at the top of the schema. Integers beyond ±2⁵³ are refused. A
+//!   TIMESTAMP is read as seconds since 1970-01-01T00:00:00, to a quarter of a microsecond.
 //!
 //! Names and sizes are limited: [`COLUMN_LIMIT`], [`LINE_LIMIT`].
 
@@ -25,7 +26,7 @@ pub use batch::{BATCH_ROWS, Batch};
 pub use beside::beside;
 pub use error::{Error, Place};
 pub use format::Format;
-pub use read::Reader;
+pub use read::{ColumnKind, Reader, parquet_columns};
 pub use write::Writer;
 
 /// A table with more columns is refused.

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use physics::{EffectInstance, Kind};
+use rayon::prelude::*;
 
 use super::{Departures, fitted};
 use crate::Error;
@@ -57,19 +58,22 @@ pub fn proposal(
                 })
                 .collect();
             let mut gain = vec![0.0; rows];
-            for (at, _) in &channels {
+            let of_channel = |(at, _): &(usize, &Channel)| -> Option<Vec<f64>> {
                 let departures = &all[*at];
                 // What begins at a row has its middle `reach` rows later.
                 let along: Vec<Vec<f64>> =
                     shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
                 let products = products(&shapes, &departures.response);
-                let Some(inverse) = inverse(&products) else { continue };
-                for begin in 0..rows.saturating_sub(2 * reach as usize) {
-                    let a: Vec<f64> = along.iter().map(|values| values[begin]).collect();
-                    gain[begin + reach as usize] += (0..3)
-                        .map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>())
-                        .sum::<f64>();
-                }
+                let inverse = inverse(&products)?;
+                let gain = |begin: usize| -> f64 {
+                    let a: [f64; 3] = std::array::from_fn(|k| along[k][begin]);
+                    (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum()
+                };
+                Some((0..rows.saturating_sub(2 * reach as usize)).map(gain).collect())
+            };
+            let gains: Vec<Option<Vec<f64>>> = channels.par_iter().map(of_channel).collect();
+            for of_channel in gains.iter().flatten() {
+                gain[reach as usize..].iter_mut().zip(of_channel).for_each(|(sum, gain)| *sum += gain);
             }
             looks += 3.0 * rows as f64 / duration;
             for (row, gain) in gain.iter().enumerate() {

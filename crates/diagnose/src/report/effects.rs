@@ -7,6 +7,7 @@ use physics::{EffectInstance, Role};
 
 use super::residuals::floor;
 use crate::adopt::on_coil;
+use crate::dependence;
 use crate::fit::Fitter;
 use crate::model::Model;
 use crate::search::Addition;
@@ -57,7 +58,7 @@ pub fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) ->
 fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f64, Error> {
     let base: Vec<usize> = (0..fitter.model.unknowns.len()).collect();
     let jacobian = &outcome.fit.jacobian;
-    let screen = Screen::of(&fitter.products(jacobian, &outcome.fit.white)).given(&base)?;
+    let screen = Screen::of(&fitter.products(jacobian, &[], &outcome.fit.white)).given(&base)?;
     let (mut left, mut whole) = (0.0, 0.0);
     for column in of {
         let energy: f64 = jacobian.col_as_slice(*column).iter().map(|value| value * value).sum();
@@ -120,14 +121,21 @@ pub(super) fn explained(
                     let single = found.refined.proposal.local;
                     effect.effect = if single { "spike" } else { "dependence" }.into();
                     effect.title = column.what.clone();
-                    if let Some((name, axis)) = &column.follows {
-                        (effect.column, effect.sensor) = (Some(name.clone()), Some(*axis));
-                    }
                     effect.equation =
                         if single { "dB = h in one reading" } else { "dB = c times the column, lagged" }
                             .into();
-                    let name = if single { "height_nt" } else { "coefficient_nt_per_unit" };
-                    effect.parameters.insert(name.into(), Quantity::new(column.coefficient, std));
+                    let follows = column.follows.as_ref();
+                    let name = follows.map_or("height_nt".into(), |f| dependence::coefficient(&f.column));
+                    effect.parameters.insert(name, Quantity::new(column.coefficient, std));
+                    if let Some(follows) = follows {
+                        (effect.column, effect.sensor) = (Some(follows.column.clone()), Some(follows.axis));
+                        if follows.lag_s > 0.0 {
+                            let lag = follows.lag_std_s.map(|std| Quantity::new(follows.lag_s, std));
+                            effect
+                                .parameters
+                                .insert("lag_s".into(), lag.unwrap_or(Quantity::Bare(follows.lag_s)));
+                        }
+                    }
                     effect.visible_fraction = visible(fitter, outcome, &[at])?;
                 }
             }

@@ -19,7 +19,8 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
     let energy_share = Some((found.gain / excess).clamp(0.0, 1.0));
     let Some((at, effect)) = effect_of(outcome, number) else {
         let column = &outcome.fit.state.columns[place_of(outcome, number)];
-        let (covariates, sensors) = column.follows.iter().cloned().unzip();
+        let (covariates, sensors) =
+            column.follows.iter().map(|follows| (follows.column.clone(), follows.axis)).unzip();
         let mut share =
             Share { energy_share, covariates, sensors, description: column.what.clone(), ..Share::default() };
         if found.refined.proposal.local {

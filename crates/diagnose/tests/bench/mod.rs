@@ -70,6 +70,15 @@ pub fn simulated(scene: Scene, effects: &[Value], noise: &Value, seed: u64) -> D
     replayed
 }
 
+/// A document recorded again as its columns are, with `effects` acting; without a word of them.
+pub fn again(mut document: Document, effects: &[Value], noise: &Value, seed: u64) -> Document {
+    document.model = serde_json::from_value(json!({"effects": effects})).expect("a model");
+    document.instrument.get_or_insert_default().noise = serde_json::from_value(noise.clone()).expect("noise");
+    let mut replayed = simulate::replay(&document, Some(seed)).expect("predicted").document;
+    replayed.model = None;
+    replayed
+}
+
 fn document(scene: Scene, effects: &[Value], noise: &Value) -> Value {
     let Shape { runs, .. } = scene.shape();
     let recordings: Vec<Value> = (0..runs).map(|run| recording(scene, run)).collect();

@@ -25,6 +25,19 @@ fn seen<T: Real>(
     m[0] * added[0] + m[1] * added[1] + m[2] * added[2]
 }
 
+/// The same for every row: worked out once where the block does not turn within the recording.
+fn seen_by_row<T: Real>(
+    basic: &Basic<T>,
+    context: &Context<'_>,
+    coil: Axis,
+    sensor: Axis,
+    p: &Vector3<T>,
+) -> impl Fn(usize) -> T {
+    let at = move |row| seen(basic, context, row, coil, sensor, p);
+    let throughout = context.attitude.is_empty().then(|| at(0));
+    move |row| throughout.unwrap_or_else(|| at(row))
+}
+
 /// The sensors are not at one point, and one coil has a gradient; the positions are `instrument.positions_m` (SEN).
 pub struct CoilGradient;
 
@@ -53,11 +66,12 @@ impl Effect for CoilGradient {
         let positions = context.positions_m.ok_or_else(|| {
             context.missing(Self::ABOUT.name, "the sensors' places, `instrument.positions_m`")
         })?;
-        for (row, (value, coil)) in signal.iter_mut().zip(around.coil_nt).enumerate() {
-            let strength = coil[around.axis.index()] * parameters[0] * 1e-6;
-            for sensor in Axis::ALL {
-                let p = positions[sensor.index()].map(T::from);
-                value[sensor.index()] += seen(around.basic, context, row, around.axis, sensor, &p) * strength;
+        for sensor in Axis::ALL {
+            let p = positions[sensor.index()].map(T::from);
+            let seen = seen_by_row(around.basic, context, around.axis, sensor, &p);
+            for (row, (value, coil)) in signal.iter_mut().zip(around.coil_nt).enumerate() {
+                let strength = coil[around.axis.index()] * parameters[0] * 1e-6;
+                value[sensor.index()] += seen(row) * strength;
             }
         }
         Ok(())
@@ -99,13 +113,13 @@ impl Effect for OffCentre {
             return Err(context.missing(Self::ABOUT.name, what));
         }
         let p = Vector3::from_column_slice(parameters);
-        for (row, value) in signal.iter_mut().enumerate() {
-            for coil in Axis::ALL {
-                let strength = gradient[coil.index()] * context.current_a[row][coil.index()];
-                if strength != 0.0 {
-                    for sensor in Axis::ALL {
-                        value[sensor.index()] +=
-                            seen(around.basic, context, row, coil, sensor, &p) * strength;
+        for coil in Axis::ALL {
+            for sensor in Axis::ALL {
+                let seen = seen_by_row(around.basic, context, coil, sensor, &p);
+                for (row, value) in signal.iter_mut().enumerate() {
+                    let strength = gradient[coil.index()] * context.current_a[row][coil.index()];
+                    if strength != 0.0 {
+                        value[sensor.index()] += seen(row) * strength;
                     }
                 }
             }
@@ -120,11 +134,11 @@ pub fn add_known_gradient<T: Real>(basic: &Basic<T>, context: &Context<'_>, sign
     let Some(positions) = &context.positions_m else { return };
     for coil in Axis::ALL {
         let gradient = context.gradient_nt_per_m_a[coil.index()];
-        for (row, value) in signal.iter_mut().enumerate().filter(|_| gradient != 0.0) {
-            let strength = gradient * context.current_a[row][coil.index()];
-            for sensor in Axis::ALL {
-                let p = positions[sensor.index()].map(T::from);
-                value[sensor.index()] += seen(basic, context, row, coil, sensor, &p) * strength;
+        for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
+            let p = positions[sensor.index()].map(T::from);
+            let seen = seen_by_row(basic, context, coil, sensor, &p);
+            for (row, value) in signal.iter_mut().enumerate() {
+                value[sensor.index()] += seen(row) * (gradient * context.current_a[row][coil.index()]);
             }
         }
     }

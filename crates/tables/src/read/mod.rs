@@ -12,6 +12,8 @@ mod ndjson;
 mod parquet;
 mod text;
 
+pub use parquet::{ColumnKind, columns as parquet_columns};
+
 /// A table, read batch by batch: an iterator over its rows in the order of the file.
 ///
 /// After an error it ends. Dropped early, it stops reading.

@@ -1,4 +1,4 @@
-use ::parquet::basic::{ConvertedType, LogicalType, Type};
+use ::parquet::basic::{ConvertedType, LogicalType, TimeUnit, Type};
 use ::parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use ::parquet::data_type::DataType;
 use ::parquet::errors::ParquetError;
@@ -8,6 +8,7 @@ use ::parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::Arc;
 
 use super::ahead::{ahead, pool};
@@ -62,6 +63,53 @@ pub fn open(file: File, source_name: String, wanted: Option<&[&str]>) -> Result<
     Ok(Reader { columns: columns_read, batches: Box::new(batches), failed: false })
 }
 
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnKind {
+    /// Numbers.
+    Number,
+    /// Moments (TIMESTAMP), which are read as seconds since 1970-01-01T00:00:00.
+    Time,
+    /// What is not read: text, lists, …
+    Other,
+}
+
+/// Names of a Parquet file's columns, and what they hold.
+///
+/// # Errors
+///
+/// [`Error::File`] where it cannot be read, [`Error::Data`] where it is no Parquet file.
+pub fn columns(path: &Path) -> Result<Vec<(String, ColumnKind)>, Error> {
+    let file = File::open(path).map_err(|source| Error::file(path, "read", source))?;
+    let source_name = path.display().to_string();
+    let length = file.metadata().map_err(|source| Error::file(path, "read", source))?.len();
+    let file = Shared::new(file, length);
+    let metadata = guarded(&source_name, || ParquetMetaDataReader::new().parse_and_finish(&file))?;
+    let kinds = metadata.file_metadata().schema_descr().columns().iter().map(|kind| {
+        let holds = match (check_kind(&source_name, kind), ticks_per_second(kind)) {
+            (Err(_), _) => ColumnKind::Other,
+            (Ok(()), Some(_)) => ColumnKind::Time,
+            (Ok(()), None) => ColumnKind::Number,
+        };
+        (kind.path().string(), holds)
+    });
+    Ok(kinds.collect())
+}
+
+/// Of a column of moments, what one second is; None for other columns.
+fn ticks_per_second(kind: &ColumnDescPtr) -> Option<i64> {
+    match (kind.physical_type(), kind.logical_type_ref(), kind.converted_type()) {
+        (Type::INT64, Some(LogicalType::Timestamp(stamp)), _) => Some(match stamp.unit {
+            TimeUnit::MILLIS => 1000,
+            TimeUnit::MICROS => 1_000_000,
+            TimeUnit::NANOS => 1_000_000_000,
+        }),
+        (Type::INT64, None, ConvertedType::TIMESTAMP_MILLIS) => Some(1000),
+        (Type::INT64, None, ConvertedType::TIMESTAMP_MICROS) => Some(1_000_000),
+        _ => None,
+    }
+}
+
 /// Rows of all row groups.
 fn rows_of(source_name: &str, metadata: &ParquetMetaData) -> Result<u64, Error> {
     let rows = metadata
@@ -77,19 +125,18 @@ fn rows_of(source_name: &str, metadata: &ParquetMetaData) -> Result<u64, Error> 
 fn check_kind(source_name: &str, kind: &ColumnDescPtr) -> Result<(), Error> {
     let stored = kind.physical_type();
     let numbers = matches!(stored, Type::FLOAT | Type::DOUBLE | Type::INT32 | Type::INT64);
-    let plain = match (kind.logical_type_ref(), kind.converted_type()) {
-        (Some(LogicalType::Integer(_)), _) => true,
-        (Some(_), _) => false,
-        (None, converted) => !matches!(
-            converted,
-            ConvertedType::DECIMAL
-                | ConvertedType::DATE
-                | ConvertedType::TIME_MILLIS
-                | ConvertedType::TIME_MICROS
-                | ConvertedType::TIMESTAMP_MILLIS
-                | ConvertedType::TIMESTAMP_MICROS
-        ),
-    };
+    let plain = ticks_per_second(kind).is_some()
+        || match (kind.logical_type_ref(), kind.converted_type()) {
+            (Some(LogicalType::Integer(_)), _) => true,
+            (Some(_), _) => false,
+            (None, converted) => !matches!(
+                converted,
+                ConvertedType::DECIMAL
+                    | ConvertedType::DATE
+                    | ConvertedType::TIME_MILLIS
+                    | ConvertedType::TIME_MICROS
+            ),
+        };
     let flat = kind.path().parts().len() == 1 && kind.max_rep_level() == 0;
     let found = match (flat, numbers, plain) {
         (true, true, true) => return Ok(()),
@@ -161,13 +208,14 @@ impl Column {
     /// The next rows, of which `first_row` is the first.
     fn read(&mut self, source_name: &str, first_row: u64, rows: usize) -> Result<Vec<f64>, Error> {
         let mut values = Vec::with_capacity(rows);
+        let ticks = ticks_per_second(&self.kind);
         let unsigned = matches!(self.kind.converted_type(), ConvertedType::UINT_32 | ConvertedType::UINT_64);
         guarded(source_name, || {
             while values.len() < rows {
                 let (decoder, left) = self.decoder()?;
                 let most = (rows - values.len()).min(*left);
                 *left -= most;
-                append(decoder, most, unsigned, &mut values)?;
+                append(decoder, most, unsigned, ticks, &mut values)?;
             }
             Ok(())
         })?;
@@ -205,6 +253,7 @@ fn append(
     decoder: &mut ColumnReader,
     rows: usize,
     unsigned: bool,
+    ticks: Option<i64>,
     to: &mut Vec<f64>,
 ) -> Result<(), ParquetError> {
     match decoder {
@@ -215,6 +264,9 @@ fn append(
             false => f64::from(*value),
         }),
         ColumnReader::Int64ColumnReader(decoder) => append_as(decoder, rows, to, |value| {
+            if let Some(ticks) = ticks {
+                return value.div_euclid(ticks) as f64 + value.rem_euclid(ticks) as f64 / ticks as f64;
+            }
             let size = if unsigned { *value as u64 } else { value.unsigned_abs() };
             match (size > EXACT, unsigned) {
                 (true, _) => f64::INFINITY,

@@ -1,0 +1,199 @@
+//! Speed of IAGA-2002 and CSV.
+//!
+//! In memory: a day of seconds of IAGA-2002 and as many rows of CSV, without words and tables. The peers: the bytes alone.
+//!
+//! From files, each way in a process of its own and the fastest of some runs: a million rows read, and read and written as Parquet,
+//! against pandas on the same file (FLUXCAL_PYTHON names another interpreter than python3, FLUXCAL_BENCH_ROWS another number of rows).
+
+use common::Document;
+use divan::{Bencher, black_box};
+use ingest::{Options, Readings};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::{LazyLock, Mutex};
+use std::time::Instant;
+use std::{env, fs};
+use tempfile::TempDir;
+
+const DAY_ROWS: usize = 86_400;
+const FILE_ROWS: usize = 1_000_000;
+const KINDS: [&str; 2] = ["iaga", "csv"];
+/// Each way runs so often; the fastest counts.
+const RUNS: usize = 5;
+/// The word before a file: this process does only that.
+const ALONE: &str = "--alone";
+
+fn main() {
+    let arguments: Vec<String> = env::args().skip(1).collect();
+    if let [word, file] = arguments.as_slice()
+        && word == ALONE
+    {
+        return println!("{}", alone(Path::new(file)));
+    }
+    divan::main();
+    drop(FOLDER.lock().expect("free").take());
+    // Files only where nothing else is asked for.
+    if arguments.iter().all(|word| word == "--bench") {
+        files();
+    }
+}
+
+/// Removed at the end of `main`: statics are not dropped.
+static FOLDER: Mutex<Option<TempDir>> = Mutex::new(None);
+
+static FILES: LazyLock<[PathBuf; 2]> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = KINDS.map(|kind| write(folder.path(), kind, DAY_ROWS));
+    *FOLDER.lock().expect("free") = Some(folder);
+    files
+});
+
+/// A file of seconds from 2024-03-01 on.
+fn write(folder: &Path, kind: &str, rows: usize) -> PathBuf {
+    let mut text = String::with_capacity(75 * rows);
+    if kind == "iaga" {
+        for (label, content) in [("Format", "IAGA-2002"), ("IAGA Code", "FLX"), ("Reported", "XYZF")] {
+            writeln!(text, " {label:<23}{content:<45}|").expect("written");
+        }
+        writeln!(text, "DATE       TIME         DOY     FLXX      FLXY      FLXZ      FLXF   |")
+            .expect("written");
+    } else {
+        text.push_str("time,x_nT,y_nT,z_nT,temperature_C\n");
+    }
+    for row in 0..rows {
+        let (day, second) = (row / DAY_ROWS, row % DAY_ROWS);
+        let (month, date) = if day < 31 { (3, day + 1) } else { (4, day - 30) };
+        let clock = format!("{:02}:{:02}:{:02}", second / 3600, second / 60 % 60, second % 60);
+        let angle = row as f64 * 1e-3;
+        let [x, y, z] = [
+            20_900.0 + 90.0 * angle.sin(),
+            1400.0 + 80.0 * angle.cos(),
+            43_800.0 + 9.0 * (2.0 * angle).sin(),
+        ];
+        if kind == "iaga" {
+            let f = if row % 10 == 0 { 48_552.75 } else { 99_999.0 };
+            let of_year = 61 + day;
+            writeln!(
+                text,
+                "2024-{month:02}-{date:02} {clock}.000 {of_year:03}    {x:9.2} {y:9.2} {z:9.2} {f:9.2}"
+            )
+            .expect("written");
+        } else {
+            writeln!(
+                text,
+                "2024-{month:02}-{date:02}T{clock}Z,{x:.3},{y:.3},{z:.3},{:.2}",
+                18.0 + 0.1 * angle.sin()
+            )
+            .expect("written");
+        }
+    }
+    let path = folder.join(format!("{kind}.txt"));
+    fs::write(&path, text).expect("written");
+    path
+}
+
+fn taken(file: &Path) -> ingest::Ingested {
+    let table = format!("{}.parquet", file.file_name().expect("a name").to_string_lossy());
+    let options = Options { readings: Readings::Beside(Some(table)), ..Options::default() };
+    let document = Document { fluxcal: 1, ..Document::default() };
+    ingest::run(document, &[file.into()], &options).expect("taken")
+}
+
+fn file(kind: &str) -> &'static PathBuf {
+    &FILES[KINDS.iter().position(|name| *name == kind).expect("a kind")]
+}
+
+#[divan::bench(args = KINDS, sample_count = 20)]
+fn day(bencher: Bencher, kind: &str) {
+    let path = file(kind);
+    bencher.bench_local(|| taken(black_box(path)));
+}
+
+#[divan::bench(args = KINDS, sample_count = 20)]
+fn day_peer_bytes_alone(bencher: Bencher, kind: &str) {
+    let path = file(kind);
+    bencher.bench_local(|| fs::read(black_box(path)).expect("read"));
+}
+
+/// Reads a file, writes its table; the seconds of both and the sums of its columns.
+fn alone(file: &Path) -> Value {
+    let start = Instant::now();
+    let ingested = taken(file);
+    let read = start.elapsed().as_secs_f64();
+    let table = ingested.table.expect("a table");
+    table.write(file.parent().expect("a folder")).expect("written");
+    let whole = start.elapsed().as_secs_f64();
+    let there = |values: &[f64]| values.iter().filter(|value| !value.is_nan()).sum::<f64>();
+    let sums: Vec<f64> = table.columns.iter().skip(1).map(|(_, values)| there(values)).collect();
+    json!({"read": read, "whole": whole, "rows": table.columns[0].1.len(), "sums": sums})
+}
+
+/// The fastest of some runs, for reading and for the whole; the reason where one fails.
+fn fastest(command: &mut Command) -> Result<Value, String> {
+    let mut best = json!({"read": f64::INFINITY, "whole": f64::INFINITY});
+    for _ in 0..RUNS {
+        let output = command.output().map_err(|error| error.to_string())?;
+        let said = String::from_utf8_lossy(&output.stderr);
+        if !output.status.success() {
+            return Err(said.lines().last().unwrap_or("it said nothing").to_string());
+        }
+        let run: Value = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
+        for key in ["read", "whole"] {
+            if best[key].as_f64().is_none_or(|best| run[key].as_f64() < Some(best)) {
+                best[key] = run[key].clone();
+            }
+        }
+        best["rows"] = run["rows"].clone();
+        best["sums"] = run["sums"].clone();
+    }
+    Ok(best)
+}
+
+fn files() {
+    let rows = env::var("FLUXCAL_BENCH_ROWS").ok().and_then(|text| text.parse().ok()).unwrap_or(FILE_ROWS);
+    let folder = tempfile::tempdir().expect("a folder");
+    let python = env::var("FLUXCAL_PYTHON").unwrap_or_else(|_| "python3".into());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/pandas_peer.py");
+    let program = env::current_exe().expect("this program");
+    let seconds = |run: &Value, key: &str| run[key].as_f64().expect("seconds");
+    for kind in KINDS {
+        let file = write(folder.path(), kind, rows);
+        let size = fs::metadata(&file).expect("a file").len() as f64 / 1e6;
+        println!("\n{rows} rows of {kind}, {size:.0} MB; the fastest of {RUNS}");
+        let own = fastest(Command::new(&program).arg(ALONE).arg(&file)).expect("ingest");
+        println!(
+            "  {:<24} read {:.3} s, and written {:.3} s",
+            "ingest",
+            seconds(&own, "read"),
+            seconds(&own, "whole")
+        );
+        let peers: &[&str] = if kind == "csv" { &["csv", "csv-pyarrow"] } else { &["iaga"] };
+        for peer in peers {
+            match fastest(Command::new(&python).arg(&script).arg(peer).arg(&file)) {
+                Ok(run) => {
+                    let times = |key: &str| seconds(&run, key) / seconds(&own, key);
+                    println!(
+                        "  {:<24} read {:.3} s, and written {:.3} s: {:.1} and {:.1} times ingest's",
+                        format!("pandas ({peer})"),
+                        seconds(&run, "read"),
+                        seconds(&run, "whole"),
+                        times("read"),
+                        times("whole")
+                    );
+                    assert_eq!(run["rows"], own["rows"]);
+                    let sums = |run: &Value| -> Vec<f64> {
+                        run["sums"].as_array().expect("sums").iter().filter_map(Value::as_f64).collect()
+                    };
+                    let apart =
+                        sums(&run).iter().zip(sums(&own)).all(|(a, b)| (a - b).abs() <= 1e-9 * b.abs());
+                    assert!(apart, "{:?} and {:?}", run["sums"], own["sums"]);
+                }
+                Err(reason) => {
+                    println!("  pandas ({peer}): the peer is missing, no ratio ({python}: {reason})")
+                }
+            }
+        }
+    }
+}

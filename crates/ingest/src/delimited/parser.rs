@@ -1,0 +1,202 @@
+//! Rows of values, as the mapping writes them.
+
+use tables::LINE_LIMIT;
+
+use super::Slot;
+use super::fields::{fields, next_field};
+use crate::error::quoted;
+use crate::mapping::Mapping;
+use crate::number;
+use crate::parts::{Room, RowFault};
+use crate::text::{decoded, split_line};
+use crate::times::Times;
+
+/// How the rows of a file are read.
+pub struct Parser<'a> {
+    /// The notation.
+    pub mapping: &'a Mapping,
+    /// How times are read.
+    pub times: &'a Times,
+    /// Where the values of each column go.
+    pub slots: Vec<Slot>,
+    /// Numbers that stand for a missing value.
+    pub missing: Vec<f64>,
+    /// Names of the columns, where there are any.
+    pub names: Option<Vec<String>>,
+}
+
+impl Parser<'_> {
+    /// Reads the rows of a part; `is_row` tells them from comments and empty lines.
+    pub fn parse(
+        &self,
+        part: &[u8],
+        first_line: u32,
+        room: &mut Room,
+        is_row: &impl Fn(&[u8]) -> bool,
+    ) -> Result<(), RowFault> {
+        let parts = self.mapping.time.as_ref().map_or(0, |time| time.columns.len());
+        let mut time: Vec<&[u8]> = vec![b""; parts];
+        let mut joined = Vec::new();
+        let (mut rest, mut number) = (part, first_line);
+        while !rest.is_empty() {
+            let (line, after) = split_line(rest);
+            rest = after;
+            if is_row(line) {
+                if line.len() > LINE_LIMIT {
+                    let found = format!("a line of {} bytes", line.len());
+                    return Err(RowFault {
+                        line: number,
+                        column: None,
+                        found,
+                        expected: "a row of values".into(),
+                    });
+                }
+                if self.row(line, number, room, &mut time)? {
+                    let text = match &time[..] {
+                        [] => &[][..],
+                        [only] => only.trim_ascii(),
+                        several => {
+                            joined.clear();
+                            several.iter().for_each(|part| {
+                                joined.extend_from_slice(part.trim_ascii());
+                                joined.push(b' ');
+                            });
+                            joined.trim_ascii()
+                        }
+                    };
+                    let read = self.times.read(text);
+                    room.end_row(read.map_err(|expected| self.no_time(number, text, expected))?, number);
+                }
+            }
+            number += 1;
+        }
+        Ok(())
+    }
+
+    /// Takes a row's values; false for a row in which nothing stands at all, such as `;;;`.
+    #[inline]
+    fn row<'a>(
+        &self,
+        line: &'a [u8],
+        number: u32,
+        room: &mut Room,
+        time: &mut [&'a [u8]],
+    ) -> Result<bool, RowFault> {
+        let separator = self.mapping.separator as u8;
+        let (mut rest, mut column) = (Some(line), 0);
+        while let Some(text) = rest {
+            if let Some(Slot::Value(value)) = self.slots.get(column)
+                && let Some((read, after)) = self.plain_value(text)
+            {
+                room.set(*value, read);
+                column += 1;
+                rest = after;
+                continue;
+            }
+            let Some((field, after)) = next_field(text, separator) else { break };
+            match self.slots.get(column) {
+                None => return Err(self.unequal(line, number)),
+                Some(Slot::Skipped) => {}
+                Some(Slot::Time(part)) => time[*part] = field,
+                Some(Slot::Value(value)) => match self.value(field) {
+                    Some(read) => room.set(*value, read),
+                    None => return Err(self.no_number(number, column, field)),
+                },
+            }
+            column += 1;
+            rest = after;
+        }
+        if column == self.slots.len() {
+            let nothing = |byte: &u8| *byte == separator || byte.is_ascii_whitespace();
+            return Ok(column == 1 || !line.iter().all(nothing));
+        }
+        Err(self.unequal(line, number))
+    }
+
+    /// The number that a line begins with and what follows its separator, where it is a plain one right before that or the line's end.
+    #[inline]
+    fn plain_value<'a>(&self, text: &'a [u8]) -> Option<(f64, Option<&'a [u8]>)> {
+        let (value, end) = number::plain(text, self.mapping.decimal as u8)?;
+        let after = match text.get(end) {
+            None => None,
+            Some(mark) if *mark == self.mapping.separator as u8 => Some(&text[end + 1..]),
+            Some(_) => return None,
+        };
+        Some((if self.missing.contains(&value) { f64::NAN } else { value }, after))
+    }
+
+    /// A number, or NaN for a missing one; None for what is neither.
+    #[inline]
+    fn value(&self, field: &[u8]) -> Option<f64> {
+        let field = field.trim_ascii();
+        if field.is_empty() {
+            return Some(f64::NAN);
+        }
+        match number::parse(field, self.mapping.decimal as u8) {
+            Some(value) if value.is_finite() && !self.missing.contains(&value) => Some(value),
+            Some(value) if value.is_finite() => Some(f64::NAN),
+            _ => self.missing_word(field).then_some(f64::NAN),
+        }
+    }
+
+    #[cold]
+    fn missing_word(&self, field: &[u8]) -> bool {
+        field.eq_ignore_ascii_case(b"nan")
+            || field.eq_ignore_ascii_case(b"null")
+            || field == b"NA"
+            || self.mapping.missing.iter().any(|text| text.as_bytes() == field)
+    }
+
+    fn no_number(&self, line: u32, column: usize, field: &[u8]) -> RowFault {
+        let found = quoted(field.trim_ascii());
+        let own = self.mapping.decimal;
+        let other = if own == ',' { '.' } else { ',' };
+        let marked =
+            field.contains(&(other as u8)) && decoded(field).trim().replace(',', ".").parse::<f64>().is_ok();
+        let expected = if field.starts_with(b"\"") {
+            "a closing quote on the same line".to_string()
+        } else if marked {
+            format!(
+                "a number with the decimal mark {own:?}; where the file writes {other:?}, say \"decimal\": \"{other}\" in the mapping"
+            )
+        } else {
+            format!(
+                "a number, or nothing where one is missing; if {found} stands for a missing one, add it to \"missing\" in the mapping"
+            )
+        };
+        let name = match &self.names {
+            Some(names) => names[column].clone(),
+            None => self.target(column),
+        };
+        RowFault { line, column: Some((column + 1, name)), found, expected }
+    }
+
+    /// What a column without a name becomes.
+    fn target(&self, column: usize) -> String {
+        match self.slots[column] {
+            Slot::Value(value) => self.mapping.columns[value].to.clone(),
+            _ => "time".into(),
+        }
+    }
+
+    fn no_time(&self, line: u32, text: &[u8], expected: String) -> RowFault {
+        let column = self.slots.iter().position(|slot| *slot == Slot::Time(0)).unwrap_or_default();
+        let name = self.names.as_ref().map_or_else(|| "time".to_string(), |names| names[column].clone());
+        RowFault { line, column: Some((column + 1, name)), found: quoted(text), expected }
+    }
+
+    fn unequal(&self, line: &[u8], number: u32) -> RowFault {
+        let found = format!("{} values", fields(line, self.mapping.separator).len());
+        let expected = match &self.names {
+            Some(names) => format!(
+                "{}, one for each name in the header; was the file cut, or is the separator another?",
+                names.len()
+            ),
+            None => format!(
+                "{}, as on the first row; was the file cut, or is the separator another?",
+                self.slots.len()
+            ),
+        };
+        RowFault { line: number, column: None, found, expected }
+    }
+}

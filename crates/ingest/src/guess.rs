@@ -1,0 +1,108 @@
+//! A mapping guessed from a file: its notation, where the time is, what the columns are. What the file does not say stays open.
+
+mod columns;
+mod notation;
+mod sample;
+mod time;
+
+use common::{Error as Fault, to_text};
+use serde_json::json;
+use std::path::Path;
+
+use crate::Error;
+use crate::mapping::Mapping;
+use crate::text::{Kind, Source};
+
+use sample::Sample;
+
+/// A guess.
+pub struct Guess {
+    /// To save, look at and edit.
+    pub mapping: Mapping,
+    /// What the file does not say, in words: an empty list where it says all.
+    pub doubts: Vec<String>,
+    /// What was taken as usual.
+    pub notes: Vec<String>,
+}
+
+impl Guess {
+    /// The mapping as text.
+    pub fn to_text(&self) -> String {
+        to_text(&json!(self.mapping))
+    }
+
+    /// Words for people.
+    pub fn words(&self, file: &Path) -> String {
+        let (all, known) = (self.mapping.columns.len(), self.doubts.is_empty());
+        let mut lines = vec![format!("ingest guess: {}: {all} columns of readings", file.display())];
+        lines.extend(self.notes.iter().map(|note| format!("  {note}")));
+        lines.extend(self.doubts.iter().map(|doubt| format!("  to be settled: {doubt}")));
+        lines.push(if known {
+            "  nothing is open: look at it, then ingest --map MAP FILE".into()
+        } else {
+            "  edit the mapping, then ingest --map MAP FILE".into()
+        });
+        lines.join("\n")
+    }
+}
+
+/// Guesses how a file of columns is read; `quantity` is what its vector readings are called (`sensor`).
+///
+/// # Errors
+///
+/// A file that cannot be read, holds no rows, or is IAGA-2002, which needs no mapping.
+pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
+    let source = Source::read(file)?;
+    if source.kind == Kind::Iaga {
+        let expected = "CSV, NDJSON or Parquet; IAGA-2002 needs no mapping: ingest FILE";
+        return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
+    }
+    of(&source, quantity)
+}
+
+fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
+    let sample = Sample::of(source)?;
+    let mut guess = Guess {
+        mapping: Mapping {
+            version: 1,
+            note: None,
+            separator: sample.notation.separator,
+            decimal: sample.notation.decimal,
+            comment: sample.notation.comment.clone(),
+            header_line: sample.notation.header_line,
+            first_row_line: sample.notation.first_row_line,
+            missing: Vec::new(),
+            time: None,
+            columns: Vec::new(),
+        },
+        doubts: Vec::new(),
+        notes: Vec::new(),
+    };
+    let time = time::guess(&sample, &source.name, &mut guess);
+    columns::guess(&sample, &time, quantity, &mut guess);
+    if guess.mapping.columns.is_empty() {
+        let expected = "a table with a column of numbers at least; is it a file of readings?";
+        return Err(source.fault(tables::Place::Whole, "no column of readings", expected));
+    }
+    Ok(guess)
+}
+
+/// The mapping that a file itself says, without any doubt, and what was taken as usual.
+///
+/// # Errors
+///
+/// What the file does not say.
+pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>), Error> {
+    let guess = of(source, quantity)?;
+    if guess.doubts.is_empty() {
+        return Ok((guess.mapping, guess.notes));
+    }
+    Err(Error::Document(Fault::Request(format!(
+        "{}: the file does not say all that must be known: {}. Write a mapping with\n  ingest guess {} > map.json\n\
+         look at it, edit it, then\n  ingest --map map.json {}",
+        source.shown,
+        guess.doubts.join("; "),
+        source.shown,
+        source.shown
+    ))))
+}

@@ -1,0 +1,312 @@
+//! What the columns of readings are, and in which unit.
+
+use super::Guess;
+use super::sample::{Cells, Sample};
+use super::time::plain;
+use crate::mapping::ColumnMapping;
+use crate::units;
+
+/// What stands around x, y and z in names of field readings, in letters of lower case.
+const STEMS: [&str; 18] = [
+    "",
+    "b",
+    "m",
+    "h",
+    "mag",
+    "magn",
+    "field",
+    "bfield",
+    "magfield",
+    "magnetic",
+    "magneticfield",
+    "magnetometer",
+    "flux",
+    "fluxgate",
+    "fgm",
+    "fg",
+    "rm",
+    "sensor",
+];
+/// Names of a scalar magnetometer's readings.
+const SCALARS: [&str; 7] = ["f", "scalar", "fscalar", "totalfield", "proton", "pmag", "overhauser"];
+/// Beginnings of names that the document knows.
+const KNOWN: [&str; 10] = [
+    "coil_",
+    "sensor_",
+    "reference_",
+    "test_",
+    "third_",
+    "outside_",
+    "ambient_",
+    "electronics_",
+    "attitude_",
+    "tilt_",
+];
+
+/// A column as its header tells it.
+struct Told {
+    column: usize,
+    /// Its name without the unit.
+    base: String,
+    unit: Option<String>,
+}
+
+/// Guesses the columns that `time` does not take.
+pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess) {
+    let mut told = Vec::new();
+    for column in (0..sample.kinds.len()).filter(|column| !time.contains(column)) {
+        match sample.kinds[column] {
+            Cells::Numbers => {
+                let (base, unit) = split_unit(&sample.names[column]);
+                let unit = unit.or_else(|| sample.units.get(column).cloned().flatten());
+                told.push(Told { column, base, unit });
+            }
+            Cells::Empty if sample.names[column].is_empty() => {}
+            kind => {
+                let what = if kind == Cells::Empty { "holds nothing" } else { "holds no numbers" };
+                guess.notes.push(format!(
+                    "column {} ({:?}) {what} and is left out",
+                    column + 1,
+                    sample.names[column]
+                ));
+            }
+        }
+    }
+    let vector = vector(&told);
+    let mut names: Vec<String> = Vec::new();
+    for (index, one) in told.iter().enumerate() {
+        let mut mapping = ColumnMapping {
+            from: sample.from[one.column].clone(),
+            to: String::new(),
+            unit: one.unit.clone(),
+            scale: None,
+            sign: None,
+            offset: None,
+            note: None,
+        };
+        let axis = vector.as_ref().and_then(|vector| vector.iter().position(|found| *found == index));
+        let named = KNOWN.iter().any(|known| sample.names[one.column].starts_with(known));
+        match axis {
+            Some(axis) if !named => {
+                let all = vector.unwrap_or_default().map(|index| sample.numbers(told[index].column));
+                field(&mut mapping, ["x", "y", "z"][axis], quantity, &all);
+            }
+            _ => scalar_or_other(&mut mapping, one, sample),
+        }
+        if names.contains(&mapping.to) {
+            mapping.to = numbered(&mapping.to, &names);
+        }
+        names.push(mapping.to.clone());
+        guess.mapping.columns.push(mapping);
+    }
+    doubts(sample, &told, guess);
+}
+
+/// What is open, each question once with the columns that it is about.
+fn doubts(sample: &Sample, told: &[Told], guess: &mut Guess) {
+    let mut questions: Vec<(String, Vec<String>)> = Vec::new();
+    for (one, mapping) in told.iter().zip(&guess.mapping.columns) {
+        let question = match (&mapping.unit, &mapping.note) {
+            (Some(unit), _) if unit == "?" => "no unit is stated that is known".to_string(),
+            (_, Some(note)) => note.clone(),
+            _ => continue,
+        };
+        let name = &sample.names[one.column];
+        let name = if name.is_empty() { format!("column {}", one.column + 1) } else { format!("{name:?}") };
+        match questions.iter_mut().find(|(known, _)| *known == question) {
+            Some((_, columns)) => columns.push(name),
+            None => questions.push((question, vec![name])),
+        }
+    }
+    let said = questions.into_iter().map(|(question, columns)| format!("{}: {question}", columns.join(", ")));
+    guess.doubts.extend(said);
+    if sample.names.iter().all(String::is_empty) {
+        guess.doubts.push("what the columns are: the file names none".into());
+    }
+}
+
+/// A unit in which readings of that size are the Earth's field. Not mG: a field of hundreds of µT is as likely.
+fn of_earth(mut sizes: Vec<f64>) -> (String, Option<String>) {
+    sizes.sort_by(f64::total_cmp);
+    let size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    let units = [("nT", 1.0), ("uT", 1e3), ("G", 1e5), ("T", 1e9)];
+    match units.into_iter().find(|(_, nt)| (20_000.0..70_000.0).contains(&(size * nt))) {
+        Some((unit, _)) => {
+            let note = format!("no unit is stated; in {unit} the field would be as strong as the Earth's");
+            (unit.into(), Some(note))
+        }
+        None => ("?".into(), None),
+    }
+}
+
+/// Three columns that are x, y and z of one field: the first such three.
+fn vector(told: &[Told]) -> Option<[usize; 3]> {
+    let of_field = |unit: &Option<String>| {
+        unit.as_deref().is_none_or(|unit| matches!(units::ending_for(unit), Some("nt" | "v")))
+    };
+    let stem = |told: &Told, axis: char| {
+        let name = plain(&told.base);
+        let without = name.strip_suffix(axis).or_else(|| name.strip_prefix(axis)).or_else(|| {
+            // x1, bx2: the axis before a number.
+            let (head, digits) =
+                name.split_at(name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len());
+            head.strip_suffix(axis).filter(|_| !digits.is_empty())
+        })?;
+        let digits_end = &name[name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len()..];
+        let stem = without.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        STEMS.contains(&stem).then(|| (stem.to_string(), digits_end.to_string()))
+    };
+    told.iter().enumerate().find_map(|(x, first)| {
+        let key = stem(first, 'x').filter(|_| of_field(&first.unit))?;
+        let other = |axis: char| {
+            told.iter().position(|one| stem(one, axis).as_ref() == Some(&key) && one.unit == first.unit)
+        };
+        Some([x, other('y')?, other('z')?])
+    })
+}
+
+/// An axis of the field; where the unit is not stated, one in which the readings are the Earth's field.
+fn field(mapping: &mut ColumnMapping, axis: &str, quantity: &str, all: &[Vec<f64>; 3]) {
+    let ending = mapping.unit.as_deref().and_then(units::ending_for).unwrap_or("nt");
+    mapping.to = format!("{quantity}_{axis}_{ending}");
+    if mapping.unit.is_some() {
+        return;
+    }
+    let rows = all[0].iter().zip(all[1].iter().zip(&all[2]));
+    let (unit, note) = of_earth(rows.map(|(x, (y, z))| (x * x + y * y + z * z).sqrt()).collect());
+    (mapping.unit, mapping.note) = (Some(unit), note);
+}
+
+fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample) {
+    let (name, column) = (sample.names[told.column].as_str(), told.column);
+    let short = plain(&told.base);
+    let ending = told.unit.as_deref().and_then(units::ending_for);
+    if SCALARS.contains(&short.as_str()) && matches!(ending, None | Some("nt")) {
+        mapping.to = "reference_nt".into();
+        if mapping.unit.is_none() {
+            let (unit, note) = of_earth(sample.numbers(column));
+            (mapping.unit, mapping.note) = (Some(unit), note);
+        }
+        return;
+    }
+    if KNOWN.iter().any(|known| name.starts_with(known)) && is_name(name) {
+        mapping.to = name.into();
+        return;
+    }
+    let base = sanitized(&told.base, column);
+    if short.starts_with("temp") || short == "t" && ending == Some("c") {
+        mapping.to = "sensor_temperature_c".into();
+        if told.unit.is_none() {
+            mapping.unit = Some("C".into());
+            mapping.note = Some("no unit is stated; °C is usual".into());
+        }
+        return;
+    }
+    mapping.to = match ending {
+        Some(ending) => format!("{base}_{ending}"),
+        // A name that ends as if in a unit would be taken for one.
+        None if units::of_column(&base).is_some() => format!("{base}_value"),
+        None => base,
+    };
+}
+
+fn is_name(name: &str) -> bool {
+    name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+}
+
+/// A name of letters, digits and single underscores.
+fn sanitized(name: &str, column: usize) -> String {
+    let mut clean = String::new();
+    for letter in name.chars().flat_map(char::to_lowercase) {
+        if letter.is_ascii_alphanumeric() {
+            clean.push(letter);
+        } else if !clean.is_empty() && !clean.ends_with('_') {
+            clean.push('_');
+        }
+    }
+    let clean = clean.trim_end_matches('_');
+    if clean.is_empty() || clean == "time_s" { format!("column_{}", column + 1) } else { clean.into() }
+}
+
+/// A name that is free: `panel_2_a` after `panel_a`.
+fn numbered(name: &str, taken: &[String]) -> String {
+    let (head, ending) = match units::of_column(name).and_then(|_| name.rsplit_once('_')) {
+        Some((head, ending)) => (head, format!("_{ending}")),
+        None => (name, String::new()),
+    };
+    let free = (2..).map(|number| format!("{head}_{number}{ending}")).find(|name| !taken.contains(name));
+    free.unwrap_or_else(|| name.into())
+}
+
+/// A name and the unit that it states: `Bx (µT)`, `Bx [nT]`, `x_nT`, `sensor_x_nt`.
+fn split_unit(name: &str) -> (String, Option<String>) {
+    for (open, close) in [('(', ')'), ('[', ']')] {
+        if let Some((base, rest)) = name.rsplit_once(open)
+            && let Some((unit, _)) = rest.split_once(close)
+        {
+            let known = units::is_known(unit).then(|| unit.trim().to_string());
+            return (
+                base.trim().to_string(),
+                known.or_else(|| Some("?".into()).filter(|_| !unit.trim().is_empty())),
+            );
+        }
+    }
+    if let Some((base, unit)) = name.rsplit_once(['_', ' ', '/']) {
+        let lower = unit.chars().all(|letter| letter.is_ascii_lowercase());
+        let known = KNOWN.iter().any(|known| name.starts_with(known)) && units::of_column(name).is_some();
+        let long = units::is_known(unit) && (!lower || unit.len() > 1);
+        if !base.is_empty() && (known || long) {
+            return (base.to_string(), Some(unit.to_string()));
+        }
+        if unit == "raw" || unit == "count" {
+            return (base.to_string(), Some("counts".into()));
+        }
+    }
+    (name.to_string(), None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_in_names() {
+        let of = |name: &str| {
+            let (base, unit) = split_unit(name);
+            (base, unit.unwrap_or_default())
+        };
+        for (name, base, unit) in [
+            ("Bx (μT)", "Bx", "μT"),
+            ("x_nT", "x", "nT"),
+            ("field [nT]", "field", "nT"),
+            ("T (°C)", "T", "°C"),
+            ("imu_T_C", "imu_T", "C"),
+            ("sensor_x_v", "sensor_x", "v"),
+            ("orient_w", "orient_w", ""),
+            ("mag_x", "mag_x", ""),
+            ("rm3100_x_raw", "rm3100_x", "counts"),
+            ("Bx (furlong)", "Bx", "?"),
+        ] {
+            assert_eq!(of(name), (base.to_string(), unit.to_string()), "{name}");
+        }
+    }
+
+    #[test]
+    fn three_axes_of_one_field() {
+        let told = |names: &[&str]| -> Vec<Told> {
+            names
+                .iter()
+                .enumerate()
+                .map(|(column, name)| Told { column, base: name.to_string(), unit: None })
+                .collect()
+        };
+        assert_eq!(
+            vector(&told(&["accel_x", "accel_y", "accel_z", "mag_x", "mag_y", "mag_z"])),
+            Some([3, 4, 5])
+        );
+        assert_eq!(vector(&told(&["z", "y", "x"])), Some([2, 1, 0]));
+        assert_eq!(vector(&told(&["x1", "y1", "z1", "x2", "y2", "z2"])), Some([0, 1, 2]));
+        assert_eq!(vector(&told(&["rm3100_x", "rm3100_y", "rm3100_z"])), Some([0, 1, 2]));
+        assert_eq!(vector(&told(&["x", "y"])), None);
+    }
+}

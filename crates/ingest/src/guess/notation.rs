@@ -1,0 +1,175 @@
+//! How a text file writes its table: separator, decimal mark, comments, the lines above the rows.
+
+use tables::Place;
+
+use super::sample::number;
+use crate::Error;
+use crate::clock;
+use crate::delimited::fields;
+use crate::text::{Source, decoded, lines};
+use crate::units;
+
+/// Lines that are looked at for the first row.
+const HEAD: usize = 1000;
+
+/// A notation.
+pub struct Notation {
+    /// Between values; a blank stands for any number of blanks.
+    pub separator: char,
+    /// The decimal mark.
+    pub decimal: char,
+    /// What comments begin with.
+    pub comment: Option<String>,
+    /// The line of the names.
+    pub header_line: Option<u32>,
+    /// The line of the first row, where it is not the one after the names.
+    pub first_row_line: Option<u32>,
+    /// How many columns.
+    pub width: usize,
+    /// The names.
+    pub names: Option<Vec<String>>,
+    /// Units below the names.
+    pub units: Option<Vec<Option<String>>>,
+    /// Some rows.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Notation {
+    /// Of formats that have but one.
+    pub fn usual() -> Self {
+        Notation {
+            separator: ',',
+            decimal: '.',
+            comment: None,
+            header_line: None,
+            first_row_line: None,
+            width: 0,
+            names: None,
+            units: None,
+            rows: Vec::new(),
+        }
+    }
+
+    /// Looks at the beginning of a file.
+    pub fn of(source: &Source, rows: usize) -> Result<Self, Error> {
+        let all: Vec<(u32, &[u8])> = lines(&source.bytes)
+            .filter(|(_, line)| !line.trim_ascii().is_empty())
+            .take(HEAD + rows)
+            .collect();
+        let comment = ["#", "%", "//", "!"]
+            .into_iter()
+            .find(|mark| all.first().is_some_and(|(_, line)| line.starts_with(mark.as_bytes())));
+        let is_comment = |line: &[u8]| comment.is_some_and(|mark| line.starts_with(mark.as_bytes()));
+        let table: Vec<(u32, &[u8])> = all.iter().copied().filter(|(_, line)| !is_comment(line)).collect();
+        let Some(separator) = separator(&table) else {
+            let found = if table.len() == 1 { "one line of words and no row" } else { "no row of numbers" };
+            let expected = "rows of readings; was it copied in full, and is it a file of readings?";
+            return Err(source.fault(Place::Whole, found, expected));
+        };
+        let of_line = |line: &[u8]| -> Vec<String> {
+            fields(line, separator).into_iter().map(|field| decoded(field).trim().to_string()).collect()
+        };
+        let Some(first) = table.iter().position(|(_, line)| is_row(&of_line(line))) else {
+            return Err(source.fault(
+                Place::Whole,
+                "a header and no row",
+                "rows of readings; was it copied in full, and is it a file of readings?",
+            ));
+        };
+        let cells: Vec<Vec<String>> =
+            table[first..].iter().take(rows).map(|(_, line)| of_line(line)).collect();
+        let width = cells[0].len();
+        let mut notation = Notation {
+            separator,
+            decimal: decimal(&cells, separator),
+            comment: comment.map(str::to_string),
+            width,
+            ..Self::usual()
+        };
+        notation.rows = cells;
+        // Lines of words above the first row with as many fields; the topmost has the names. A comment may be it.
+        let above = table[..first].iter().rev().take_while(|(_, line)| {
+            let cells = of_line(line);
+            cells.len() == width && cells.iter().all(|cell| number(cell, '.').is_none())
+        });
+        let above: Vec<(u32, Vec<String>)> = above.map(|(number, line)| (*number, of_line(line))).collect();
+        let first_line = table[first].0;
+        if let Some((number, names)) = above.last() {
+            notation.header_line = Some(*number);
+            notation.names = Some(names.clone());
+            notation.first_row_line = (first_line > number + 1 && above.len() > 1).then_some(first_line);
+            notation.units =
+                above.iter().rev().nth(1).filter(|(_, cells)| are_units(cells)).map(|(_, cells)| {
+                    cells.iter().map(|cell| units::is_known(cell).then(|| cell.clone())).collect()
+                });
+        } else if let Some(mark) = comment {
+            let last = all.iter().take_while(|(number, _)| *number < first_line).last();
+            let names = last
+                .map(|(number, line)| (*number, of_line(line.strip_prefix(mark.as_bytes()).unwrap_or(line))));
+            if let Some((number, names)) = names.filter(|(_, names)| names.len() == width && !is_row(names)) {
+                notation.header_line = Some(number);
+                notation.names = Some(names);
+            }
+        }
+        Ok(notation)
+    }
+}
+
+/// Whether cells are those of a row: half of them numbers or times, and one at least.
+fn is_row(cells: &[String]) -> bool {
+    let count = cells.iter().filter(|cell| is_value(cell)).count();
+    let there = cells.iter().filter(|cell| !cell.is_empty()).count();
+    count > 0 && 2 * count >= there
+}
+
+fn is_value(cell: &str) -> bool {
+    let text = cell.trim();
+    number(text, '.').is_some()
+        || number(text, ',').is_some()
+        || clock::iso(text.as_bytes()).is_some()
+        || clock::time_of_day(text.as_bytes()).is_some_and(|(_, end)| end == text.len())
+        || is_date(text)
+}
+
+/// Digits between dots, slashes or colons, a time after it: 01.09.2011 12:00.
+fn is_date(text: &str) -> bool {
+    let marks = text.chars().filter(|letter| matches!(letter, '.' | '/' | '-' | ':')).count();
+    marks >= 2
+        && text.starts_with(|letter: char| letter.is_ascii_digit())
+        && text.chars().all(|letter| letter.is_ascii_alphanumeric() || " .:/-+".contains(letter))
+}
+
+fn are_units(cells: &[String]) -> bool {
+    cells.iter().any(|cell| units::is_known(cell))
+}
+
+/// The separator by which most cells of the last lines are values; of equals, the one with most cells.
+fn separator(table: &[(u32, &[u8])]) -> Option<char> {
+    const LAST: usize = 40;
+    let lines = &table[table.len().saturating_sub(LAST)..];
+    let share = |separator: char| {
+        let (mut values, mut all) = (0, 0);
+        for (_, line) in lines {
+            let cells = fields(line, separator);
+            all += cells.iter().filter(|cell| !cell.trim_ascii().is_empty()).count();
+            values += cells.iter().filter(|cell| is_value(&decoded(cell))).count();
+        }
+        (values, all)
+    };
+    let scored = [';', '\t', ',', '|', ' '].map(|separator| (separator, share(separator)));
+    let best = scored.into_iter().filter(|(_, (values, _))| *values > 0).max_by(|(_, a), (_, b)| {
+        let of = |(values, all): (usize, usize)| values as f64 / all.max(1) as f64;
+        of(*a).total_cmp(&of(*b)).then(a.0.cmp(&b.0))
+    });
+    best.map(|(separator, _)| separator)
+}
+
+/// A comma where more numbers have one than have a point.
+fn decimal(rows: &[Vec<String>], separator: char) -> char {
+    let with = |mark: char| {
+        let cells = rows.iter().flatten().map(|cell| cell.trim());
+        let marked = cells.filter(|cell| cell.contains(mark) && number(cell, mark).is_some());
+        marked.count()
+    };
+    if separator != ',' && with(',') > with('.') { ',' } else { '.' }
+}

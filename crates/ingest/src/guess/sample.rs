@@ -1,0 +1,182 @@
+//! Some rows of a file as text, whatever its format.
+
+use serde_json::{Map, Value};
+use tables::{COLUMN_LIMIT, ColumnKind, Format, Place, Reader};
+
+use super::notation::Notation;
+use crate::Error;
+use crate::clock;
+use crate::mapping::From;
+use crate::text::{Kind, Source, lines};
+
+/// Rows that are looked at.
+const ROWS: usize = 400;
+
+/// Columns and some of their cells.
+pub struct Sample {
+    /// How text is written; the usual one for other formats.
+    pub notation: Notation,
+    /// How the mapping names each column.
+    pub from: Vec<From>,
+    /// Names as people read them; empty where there are none.
+    pub names: Vec<String>,
+    /// Units that stand below the names, where a line holds them.
+    pub units: Vec<Option<String>>,
+    /// Cells, column by column.
+    pub cells: Vec<Vec<String>>,
+    /// For each column, what it holds.
+    pub kinds: Vec<Cells>,
+}
+
+/// What the cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cells {
+    /// Numbers, with the decimal mark of the file.
+    Numbers,
+    /// Moments of type TIMESTAMP.
+    Moments,
+    /// Date and time, or a date, as ISO 8601 writes it.
+    Iso,
+    /// Anything else.
+    Text,
+    /// Nothing.
+    Empty,
+}
+
+impl Sample {
+    /// Looks at a file.
+    pub fn of(source: &Source) -> Result<Self, Error> {
+        match source.kind {
+            Kind::NdJson => Self::of_ndjson(source),
+            Kind::Parquet => Self::of_parquet(source),
+            Kind::Delimited | Kind::Iaga => Self::of_text(source),
+        }
+    }
+
+    fn new(notation: Notation, from: Vec<From>, names: Vec<String>, cells: Vec<Vec<String>>) -> Self {
+        let kinds = cells.iter().map(|column| kind(column, notation.decimal)).collect();
+        let units = notation.units.clone().unwrap_or_else(|| vec![None; names.len()]);
+        Sample { notation, from, names, units, cells, kinds }
+    }
+
+    fn of_text(source: &Source) -> Result<Self, Error> {
+        let notation = Notation::of(source, ROWS)?;
+        let width = notation.width;
+        if width > COLUMN_LIMIT {
+            return Err(crate::delimited::too_many(source, notation.header_line.unwrap_or(1), width));
+        }
+        let names = notation.names.clone().unwrap_or_else(|| vec![String::new(); width]);
+        let alone =
+            |name: &String| names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty();
+        let from = names.iter().enumerate().map(|(index, name)| {
+            if alone(name) { From::Name(name.clone()) } else { From::Number(index + 1) }
+        });
+        let from = from.collect();
+        let cells = (0..width).map(|column| {
+            notation.rows.iter().map(|row| row.get(column).cloned().unwrap_or_default()).collect()
+        });
+        let cells = cells.collect();
+        Ok(Self::new(notation, from, names, cells))
+    }
+
+    fn of_ndjson(source: &Source) -> Result<Self, Error> {
+        let mut names: Vec<String> = Vec::new();
+        let mut objects: Vec<Map<String, Value>> = Vec::new();
+        for (number, line) in
+            lines(&source.bytes).filter(|(_, line)| !line.trim_ascii().is_empty()).take(ROWS)
+        {
+            let object: Map<String, Value> = serde_json::from_slice(line).map_err(|error| {
+                let place = Place::Line(number.into());
+                let cut = if error.is_eof() { "; was the file cut?" } else { "" };
+                let expected = format!("one JSON object on each line{cut}");
+                source.fault(place, format!("no JSON object ({error})"), expected)
+            })?;
+            names.extend(object.keys().filter(|key| !names.contains(key)).cloned().collect::<Vec<_>>());
+            objects.push(object);
+        }
+        if names.len() > COLUMN_LIMIT {
+            return Err(crate::delimited::too_many(source, 1, names.len()));
+        }
+        let cell = |value: Option<&Value>| match value {
+            None | Some(Value::Null) => String::new(),
+            Some(Value::String(text)) => text.clone(),
+            Some(other) => other.to_string(),
+        };
+        let cells = names.iter().map(|name| objects.iter().map(|object| cell(object.get(name))).collect());
+        let (cells, from) = (cells.collect(), names.iter().cloned().map(From::Name).collect());
+        let mut sample = Self::new(Notation::usual(), from, names, cells);
+        // A number in quotes is text here.
+        for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
+            if *kind == Cells::Numbers
+                && objects.iter().any(|object| object.get(name).is_some_and(Value::is_string))
+            {
+                *kind = Cells::Text;
+            }
+        }
+        Ok(sample)
+    }
+
+    fn of_parquet(source: &Source) -> Result<Self, Error> {
+        let columns = tables::parquet_columns(&source.path)?;
+        let wanted: Vec<&str> = columns
+            .iter()
+            .filter(|(_, kind)| *kind != ColumnKind::Other)
+            .map(|(name, _)| name.as_str())
+            .collect();
+        if wanted.is_empty() {
+            return Err(source.fault(Place::Whole, "no column of numbers", "a table of readings"));
+        }
+        let batch = Reader::open_as(&source.path, Format::Parquet, Some(&wanted))?.next().transpose()?;
+        let values = batch.map_or_else(|| vec![Vec::new(); wanted.len()], |batch| batch.columns);
+        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
+        let cells = values.iter().map(|column| column.iter().take(ROWS).map(cell).collect()).collect();
+        let names: Vec<String> = wanted.iter().map(|name| name.to_string()).collect();
+        let mut sample =
+            Self::new(Notation::usual(), names.iter().cloned().map(From::Name).collect(), names, cells);
+        for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
+            if columns.iter().any(|(known, kind)| known == name && *kind == ColumnKind::Time) {
+                *kind = Cells::Moments;
+            }
+        }
+        Ok(sample)
+    }
+
+    /// A column's numbers.
+    pub fn numbers(&self, column: usize) -> Vec<f64> {
+        let decimal = self.notation.decimal;
+        self.cells[column].iter().filter_map(|cell| number(cell, decimal)).collect()
+    }
+}
+
+/// A number with that decimal mark.
+pub fn number(cell: &str, decimal: char) -> Option<f64> {
+    let cell = cell.trim();
+    if decimal == ',' && cell.contains('.') {
+        return None;
+    }
+    cell.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+fn kind(cells: &[String], decimal: char) -> Cells {
+    let missing = |cell: &&String| {
+        let cell = cell.trim();
+        cell.is_empty()
+            || cell.eq_ignore_ascii_case("nan")
+            || cell.eq_ignore_ascii_case("null")
+            || cell == "NA"
+    };
+    let there = cells.iter().filter(|cell| !missing(cell));
+    if there.clone().next().is_none() {
+        return Cells::Empty;
+    }
+    // Most cells decide: the one that is not like them shall be named with its line when the file is read.
+    let all = there.clone().count();
+    let most = |like: &dyn Fn(&str) -> bool| 2 * there.clone().filter(|cell| like(cell.trim())).count() > all;
+    if most(&|cell| number(cell, decimal).is_some()) {
+        Cells::Numbers
+    } else if most(&|cell| clock::iso(cell.as_bytes()).is_some()) {
+        Cells::Iso
+    } else {
+        Cells::Text
+    }
+}

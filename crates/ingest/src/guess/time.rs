@@ -1,0 +1,235 @@
+//! Where the time of each row stands, and how it is written.
+
+use jiff::fmt::strtime::{self, BrokenDownTime};
+
+use super::Guess;
+use super::sample::{Cells, Sample};
+use crate::mapping::TimeMapping;
+
+/// Ways to write a date that ISO 8601 does not know.
+const DATES: [&str; 8] =
+    ["%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%d-%b-%Y", "%Y%m%d", "%Y-%m-%d"];
+/// Ways to write the time of day.
+const TIMES: [&str; 5] = ["%H:%M:%S%.f", "%H:%M", "%H%M%S", "%I:%M:%S %p", "%I:%M %p"];
+/// Dates as they stand in names of files.
+const IN_NAMES: [&str; 5] = ["%Y-%m-%d", "%Y_%m_%d", "%Y%m%d", "%b%d%y", "%d%m%Y"];
+/// Names of columns that hold a time, as letters and digits in lower case.
+const NAMES: [&str; 19] = [
+    "time",
+    "t",
+    "ts",
+    "timestamp",
+    "datetime",
+    "date",
+    "utc",
+    "epoch",
+    "unix",
+    "unixs",
+    "unixtime",
+    "times",
+    "seconds",
+    "secondselapsed",
+    "elapsed",
+    "sec",
+    "millis",
+    "timems",
+    "timens",
+];
+
+/// Guesses the time; gives the columns that it takes.
+pub fn guess(sample: &Sample, file_name: &str, guess: &mut Guess) -> Vec<usize> {
+    let ways = [iso, moment, one_pattern, number, two_columns, of_day];
+    for way in ways {
+        if let Some((columns, mut mapping)) = way(sample, file_name, guess) {
+            mapping.columns = columns.iter().map(|column| sample.from[*column].clone()).collect();
+            guess.mapping.time = Some(mapping);
+            return columns;
+        }
+    }
+    let unread = columns_of(sample, Cells::Text).find(|column| {
+        let name = plain(&sample.names[*column]);
+        NAMES.contains(&name.as_str()) || name.contains("time") || name.contains("date")
+    });
+    match unread {
+        Some(column) => guess.doubts.push(format!("how the times in {:?} are written", sample.names[column])),
+        None => guess.notes.push("no column of times was found: rows count in their order".into()),
+    }
+    Vec::new()
+}
+
+type Found = Option<(Vec<usize>, TimeMapping)>;
+
+fn of(format: &str) -> TimeMapping {
+    TimeMapping { format: format.into(), ..TimeMapping::default() }
+}
+
+/// Local times, whose zone nobody states.
+fn without_zone(sample: &Sample, column: usize, mut mapping: TimeMapping, guess: &mut Guess) -> TimeMapping {
+    mapping.zone = Some("UTC".into());
+    if !plain(&sample.names[column]).contains("utc") {
+        guess.notes.push(
+            "times are taken as UTC; where the clock was another, change `time.zone` in a mapping".into(),
+        );
+    }
+    mapping
+}
+
+fn columns_of(sample: &Sample, kind: Cells) -> impl Iterator<Item = usize> {
+    (0..sample.kinds.len()).filter(move |column| sample.kinds[*column] == kind)
+}
+
+fn there(sample: &Sample, column: usize) -> impl Iterator<Item = &str> {
+    sample.cells[column].iter().map(|cell| cell.trim()).filter(|cell| !cell.is_empty())
+}
+
+fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+    let column =
+        columns_of(sample, Cells::Iso).find(|column| there(sample, *column).any(|cell| cell.len() > 10))?;
+    let zoned = |cell: &str| crate::clock::iso(cell.as_bytes()).is_some_and(|stamp| stamp.ahead_s.is_some());
+    let mapping = of("iso");
+    let all_zoned =
+        there(sample, column).filter(|cell| zoned(cell)).count() * 2 > there(sample, column).count();
+    Some((vec![column], if all_zoned { mapping } else { without_zone(sample, column, mapping, guess) }))
+}
+
+fn moment(sample: &Sample, _: &str, _: &mut Guess) -> Found {
+    columns_of(sample, Cells::Moments).next().map(|column| (vec![column], of("unix_s")))
+}
+
+/// Patterns that most cells fit.
+fn fitting(cells: &[String], patterns: &[String]) -> Vec<String> {
+    let there: Vec<&str> = cells.iter().map(|cell| cell.trim()).filter(|cell| !cell.is_empty()).collect();
+    let fits = |pattern: &String| {
+        2 * there.iter().filter(|cell| strtime::parse(pattern, cell).is_ok()).count() > there.len()
+    };
+    patterns.iter().filter(|pattern| fits(pattern)).cloned().collect()
+}
+
+/// One of the patterns, `?` with a doubt where a day cannot be told from a month.
+fn chosen(fitting: Vec<String>, name: &str, guess: &mut Guess) -> Option<String> {
+    if fitting.iter().any(|pattern| pattern.contains("%d/%m"))
+        && fitting.iter().any(|pattern| pattern.contains("%m/%d"))
+    {
+        guess
+            .doubts
+            .push(format!("in {name}, which is the day and which the month: {}", fitting.join(" or ")));
+        return Some("?".into());
+    }
+    fitting.into_iter().next()
+}
+
+fn one_pattern(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+    let joined = |date: &&str| TIMES.map(|time| [format!("{date} {time}"), format!("{date}T{time}")]);
+    let patterns: Vec<String> = DATES.iter().flat_map(joined).flatten().collect();
+    columns_of(sample, Cells::Text).find_map(|column| {
+        let pattern = chosen(fitting(&sample.cells[column], &patterns), &sample.names[column], guess)?;
+        Some((vec![column], without_zone(sample, column, of(&pattern), guess)))
+    })
+}
+
+fn number(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+    let nameless = sample.names.iter().all(String::is_empty);
+    let named = |column: &usize| {
+        let name = plain(&sample.names[*column]);
+        NAMES.contains(&name.as_str()) || name.starts_with("unix") || (nameless && *column == 0)
+    };
+    let format = |column: usize| {
+        let values = sample.numbers(column);
+        let (least, most) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
+        let within = |low: f64, high: f64| least >= low && most < high;
+        // Since 1970: from 1990 to 2060.
+        [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)]
+            .into_iter()
+            .find(|(_, unit)| within(6.3e8 * unit, 2.84e9 * unit))
+            .map(|(format, _)| format)
+            .or_else(|| within(30_000.0, 60_000.0).then_some("excel_days"))
+            .or_else(|| within(720_000.0, 750_000.0).then_some("matlab_days"))
+    };
+    let candidates: Vec<usize> = columns_of(sample, Cells::Numbers).filter(named).collect();
+    let unix = candidates.iter().find_map(|column| Some((*column, format(*column)?)));
+    if let Some((column, format)) = unix {
+        let dated = plain(&sample.names[column]).contains("date") || format.starts_with("unix");
+        if !dated {
+            guess
+                .doubts
+                .push(format!("whether {:?} counts days ({format}) or seconds", sample.names[column]));
+        }
+        return Some((vec![column], of(format)));
+    }
+    let column = *candidates.first().filter(|_| !nameless)?;
+    let name = plain(&sample.names[column]);
+    let format = if name.contains("milli") || name.ends_with("ms") { "milliseconds" } else { "seconds" };
+    Some((vec![column], of(format)))
+}
+
+/// A date and a time of day in columns of their own, or year and day of the year.
+fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+    let patterns = |all: &[&str]| all.iter().map(|pattern| pattern.to_string()).collect::<Vec<_>>();
+    let named = |wanted: &[&str]| {
+        (0..sample.names.len()).find(|column| wanted.contains(&plain(&sample.names[*column]).as_str()))
+    };
+    if let (Some(year), Some(day)) = (named(&["year", "yyyy"]), named(&["doy", "dayofyear", "yday"])) {
+        let decimals = there(sample, day).any(|cell| cell.contains(sample.notation.decimal));
+        let time = columns_of(sample, Cells::Text)
+            .find(|column| !fitting(&sample.cells[*column], &patterns(&TIMES)).is_empty());
+        let found = match time.filter(|_| !decimals) {
+            None => (vec![year, day], of("day_of_year")),
+            Some(time) => {
+                let pattern = fitting(&sample.cells[time], &patterns(&TIMES)).swap_remove(0);
+                (vec![year, day, time], of(&format!("%Y %j {pattern}")))
+            }
+        };
+        return Some((found.0, without_zone(sample, year, found.1, guess)));
+    }
+    let dates = |column: &usize| !fitting(&sample.cells[*column], &patterns(&DATES)).is_empty();
+    let date = (0..sample.kinds.len())
+        .filter(|column| {
+            sample.kinds[*column] != Cells::Numbers || plain(&sample.names[*column]).contains("date")
+        })
+        .find(dates)?;
+    let time = (0..sample.kinds.len())
+        .filter(|column| {
+            *column != date
+                && (sample.kinds[*column] == Cells::Text || plain(&sample.names[*column]).contains("time"))
+        })
+        .find(|column| !fitting(&sample.cells[*column], &patterns(&TIMES)).is_empty())?;
+    let clock = fitting(&sample.cells[time], &patterns(&TIMES)).swap_remove(0);
+    let date_pattern = chosen(fitting(&sample.cells[date], &patterns(&DATES)), &sample.names[date], guess)?;
+    let pattern = if date_pattern == "?" { date_pattern } else { format!("{date_pattern} {clock}") };
+    Some((vec![date, time], without_zone(sample, date, of(&pattern), guess)))
+}
+
+/// The time of day alone; the date must be in the file's name.
+fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
+    let times = TIMES.map(str::to_string);
+    let column =
+        columns_of(sample, Cells::Text).find(|column| !fitting(&sample.cells[*column], &times).is_empty());
+    let named = |wanted: &[&str]| sample.names.iter().position(|name| wanted.contains(&plain(name).as_str()));
+    let (columns, pattern) = match (column, named(&["hh", "hour", "h"]), named(&["mm", "minute", "min"])) {
+        (Some(column), ..) => (vec![column], fitting(&sample.cells[column], &times).swap_remove(0)),
+        (None, Some(hour), Some(minute)) => (vec![hour, minute], "%H %M".into()),
+        _ => return None,
+    };
+    let in_name = IN_NAMES.into_iter().find(|pattern| {
+        file_name.char_indices().any(|(start, _)| {
+            let found = BrokenDownTime::parse_prefix(pattern, &file_name[start..]).ok();
+            found.is_some_and(|(parts, _)| {
+                parts.to_date().is_ok_and(|date| (1980..2060).contains(&date.year()))
+            })
+        })
+    });
+    if in_name.is_none() {
+        guess.doubts.push(
+            "the date: rows hold the time of day alone, and the file's name shows none (`time.date_in_name`)"
+                .into(),
+        );
+    }
+    let mapping = TimeMapping { date_in_name: in_name.map(str::to_string), ..of(&pattern) };
+    let mapping = without_zone(sample, columns[0], mapping, guess);
+    Some((columns, mapping))
+}
+
+/// Letters and digits in lower case.
+pub fn plain(name: &str) -> String {
+    name.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}

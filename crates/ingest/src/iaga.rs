@@ -1,0 +1,97 @@
+//! IAGA-2002, the exchange format of observatories (IAGA Division V, working group V-DAT, 2001 with additions to 2015;
+//! <https://www.ncei.noaa.gov/services/world-data-system/v-dat-working-group/iaga-2002-data-exchange-format>), as it is met: labels in
+//! capitals or not, lines with and without their bar, fewer or more components than four, times with or without milliseconds.
+
+mod components;
+mod header;
+mod rows;
+
+use tables::Place;
+
+use crate::piece::Piece;
+use crate::text::{Source, decoded};
+use crate::{Error, Options};
+
+use components::convert;
+use header::Header;
+
+/// Reads a file.
+///
+/// # Errors
+///
+/// A header that is not one, or says something else than the titles or rows; with line and column, a row that is none.
+pub fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
+    let header = Header::read(source)?;
+    let mut piece = Piece::of(source, "IAGA-2002");
+    piece.station = header.station.clone();
+    let components = header.components(source, options.trust_rows, &mut piece.notes)?;
+    let data = rows::read(source, &header, &components, options.trust_rows)?;
+    if data.rows.lines.is_empty() {
+        let expected = "rows of readings; was it copied in full?";
+        return Err(source.fault(Place::Whole, "a header and no row", expected));
+    }
+    check_interval(source, &header, &data.rows.times_ns, options.trust_rows, &mut piece.notes)?;
+    for (component, not_observed) in components.iter().zip(&data.not_observed) {
+        if *not_observed == data.rows.lines.len() {
+            piece.notes.push(format!("{component} was not observed (88888 throughout)"));
+        }
+    }
+    let base = options.declination_base_arcmin.or(header.declination_base_arcmin());
+    let converted = convert(&components, data.rows.columns, base, &options.quantity);
+    if converted.columns.is_empty() {
+        let expected = "a reading in one row at least";
+        return Err(source.fault(Place::Whole, "nothing but missing values", expected));
+    }
+    piece.columns = converted.columns;
+    piece.times_ns = data.rows.times_ns;
+    piece.lines = data.rows.lines;
+    piece.header = header.kept();
+    piece.header.insert("components".into(), components.iter().collect::<String>().into());
+    if let Some(words) = converted.words {
+        piece.header.insert("converted".into(), words.into());
+    }
+    let rows_begin = source.bytes.len() - header.data(source).len();
+    if std::str::from_utf8(&source.bytes[..rows_begin]).is_err() {
+        piece.notes.push("the header is not in UTF-8 and was read as Latin-1".into());
+    }
+    Ok(piece)
+}
+
+/// The header's interval is that of the rows, to a hundredth.
+fn check_interval(
+    source: &Source,
+    header: &Header,
+    times_ns: &[i64],
+    trust_rows: bool,
+    notes: &mut Vec<String>,
+) -> Result<(), Error> {
+    let (Some((line, said, declared_s)), Some(step_s)) = (header.interval(), crate::series::step_s(times_ns))
+    else {
+        return Ok(());
+    };
+    // A month has no length.
+    let fits = if declared_s >= 28.0 * 86_400.0 {
+        step_s >= 28.0 * 86_400.0
+    } else {
+        (step_s / declared_s - 1.0).abs() < 0.01
+    };
+    match (fits, trust_rows) {
+        (true, _) => Ok(()),
+        (false, true) => {
+            notes.push(format!("the header says {said:?}, the rows stand {step_s} s apart; the rows count"));
+            Ok(())
+        }
+        (false, false) => Err(source.fault(
+            Place::Line(line),
+            format!("the interval {said:?} where the rows stand {step_s} s apart"),
+            "a header that tells the rows' interval; correct it, or let the rows count with --trust-rows",
+        )),
+    }
+}
+
+/// A line's text without its bar and the blanks before that.
+fn without_bar(line: &[u8]) -> String {
+    let text = decoded(line);
+    let text = text.trim_end();
+    text.strip_suffix('|').unwrap_or(text).trim_end().to_string()
+}

@@ -1,0 +1,211 @@
+//! Rows: date, time, day of the year, and a value for each title.
+
+use super::header::Header;
+use crate::Error;
+use crate::clock::{self, DAY_NS};
+use crate::error::quoted;
+use crate::number;
+use crate::parts::{Room, RowFault, Rows, in_parts};
+use crate::text::{Source, split_line};
+
+/// A row has a date, a time of day, a day of the year and a value.
+const LEAST_BYTES: usize = 20;
+
+/// Readings as they stand, and how often each component was not observed (88888).
+pub struct Data {
+    /// Values in the units of the file: nT, minutes of arc for D and I.
+    pub rows: Rows,
+    /// Rows with 88888, for each component.
+    pub not_observed: Vec<usize>,
+}
+
+/// Reads all rows, on all cores.
+pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: bool) -> Result<Data, Error> {
+    let data = header.data(source);
+    let parser = Parser { titles: &header.titles, trust_rows };
+    let parse = |part: &[u8], line: u32, room: &mut Room| parser.parse(part, line, room);
+    let rows = in_parts(data, header.titles_line + 1, components.len(), LEAST_BYTES, parse);
+    let mut rows = rows.map_err(|fault| fault.of(source))?;
+    if !data.ends_with(b"\n") {
+        parser.check_end(data, &rows).map_err(|fault| fault.of(source))?;
+    }
+    let not_observed = rows.columns.iter_mut().map(|values| without_sentinels(values)).collect();
+    Ok(Data { rows, not_observed })
+}
+
+/// Makes 99999 (missing) and 88888 (not observed) missing, whatever the decimals: files write .00, .90 and .99, and no field on Earth
+/// is so strong. Gives how many were 88888.
+fn without_sentinels(values: &mut [f64]) -> usize {
+    let mut not_observed = 0;
+    for value in values {
+        match value.abs().trunc() {
+            88_888.0 | 888_888.0 => {
+                *value = f64::NAN;
+                not_observed += 1;
+            }
+            99_999.0 | 999_999.0 => *value = f64::NAN,
+            _ => {}
+        }
+    }
+    not_observed
+}
+
+struct Parser<'a> {
+    titles: &'a [String],
+    trust_rows: bool,
+}
+
+impl Parser<'_> {
+    fn parse(&self, part: &[u8], first_line: u32, room: &mut Room) -> Result<(), RowFault> {
+        let (mut rest, mut number) = (part, first_line);
+        // The day of the row before: seldom another.
+        let mut day = Day::default();
+        while !rest.is_empty() {
+            let (line, after) = split_line(rest);
+            rest = after;
+            let text = trimmed(line);
+            if !text.is_empty() && text[0] != b'#' {
+                self.row(text, number, room, &mut day)?;
+            }
+            number += 1;
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn row(&self, text: &[u8], line: u32, room: &mut Room, day: &mut Day) -> Result<(), RowFault> {
+        let fault = |column: Option<(usize, &str)>, found: String, expected: String| {
+            let column = column.map(|(number, name)| (number, name.to_string()));
+            Err(RowFault { line, column, found, expected })
+        };
+        let (date, rest) = word(text);
+        if day.text != date.get(..10).unwrap_or_default() || date.len() != 10 {
+            let Some(next) = Day::of(date) else {
+                if text.get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"Format")) {
+                    let expected = "rows; files joined end to end are to be given one by one";
+                    return fault(None, "a header amid the rows".into(), expected.into());
+                }
+                return fault(Some((1, "DATE")), quoted(date), "a date as in 2014-11-01".into());
+            };
+            *day = next;
+        }
+        let (time, rest) = word(rest);
+        let Some((time_ns, _)) = clock::time_of_day(time).filter(|(_, end)| *end == time.len()) else {
+            return fault(Some((2, "TIME")), quoted(time), "a time of day as in 23:59:00.000".into());
+        };
+        let (of_year, mut rest) = word(rest);
+        if !self.trust_rows
+            && of_year != &day.of_year_text[3 - of_year.len().clamp(1, 3)..]
+            && !day.is(of_year)
+        {
+            let found = format!(
+                "{} where {} is day {}",
+                quoted(of_year),
+                String::from_utf8_lossy(&day.text),
+                day.of_year
+            );
+            let expected =
+                "the day of the year that the date is; where DATE is right, --trust-rows passes over DOY";
+            return fault(Some((3, "DOY")), found, expected.into());
+        }
+        for (index, title) in self.titles.iter().enumerate() {
+            rest = rest.trim_ascii_start();
+            if rest.is_empty() {
+                let found = format!("{index} of {} values", self.titles.len());
+                return fault(None, found, "one for each title; was the file cut?".into());
+            }
+            match number::plain(rest, b'.').or_else(|| fast_float2::parse_partial(rest).ok()) {
+                Some((value, end))
+                    if value.is_finite() && rest.get(end).is_none_or(u8::is_ascii_whitespace) =>
+                {
+                    room.set(index, value);
+                    rest = &rest[end..];
+                }
+                _ => {
+                    let expected =
+                        "a number, 99999.00 where one is missing, 88888.00 where none was observed";
+                    return fault(Some((4 + index, title)), quoted(word(rest).0), expected.into());
+                }
+            }
+        }
+        if !rest.trim_ascii().is_empty() {
+            let found = format!("{} after the last value", quoted(rest.trim_ascii()));
+            return fault(None, found, format!("{} values, one for each title", self.titles.len()));
+        }
+        room.end_row(day.start_ns + time_ns, line);
+        Ok(())
+    }
+
+    /// A last line without end that is shorter than the one before, where those two are alike: a value was cut.
+    fn check_end(&self, data: &[u8], rows: &Rows) -> Result<(), RowFault> {
+        let mut lines = data.rsplit(|byte| *byte == b'\n').map(trimmed);
+        let [Some(last), Some(before), Some(first)] = [lines.next(), lines.next(), lines.next()] else {
+            return Ok(());
+        };
+        if before.len() == first.len() && last.len() < before.len() && !last.is_empty() {
+            let cut = last.rsplit(u8::is_ascii_whitespace).next().unwrap_or(last);
+            let found = format!("a last line that breaks off at {}", quoted(cut));
+            let expected = format!("{} characters as on the lines before; was the file cut?", before.len());
+            return Err(RowFault {
+                line: rows.lines.last().copied().unwrap_or(0),
+                column: None,
+                found,
+                expected,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A date that rows have in common.
+#[derive(Default)]
+struct Day {
+    text: [u8; 10],
+    start_ns: i64,
+    of_year: i64,
+    /// In three digits.
+    of_year_text: [u8; 3],
+}
+
+impl Day {
+    fn of(text: &[u8]) -> Option<Self> {
+        let (day, year) = clock::date(text).filter(|_| text.len() == 10)?;
+        let of_year = day - clock::day(year, 1, 1)? + 1;
+        let digit = |unit: i64| b'0' + (of_year / unit % 10) as u8;
+        let of_year_text = [digit(100), digit(10), digit(1)];
+        Some(Day { text: *text.first_chunk()?, start_ns: day * DAY_NS, of_year, of_year_text })
+    }
+
+    /// Whether a day of the year is this one, however it is written.
+    #[cold]
+    fn is(&self, text: &[u8]) -> bool {
+        std::str::from_utf8(text).ok().and_then(|text| text.parse().ok()) == Some(self.of_year)
+    }
+}
+
+/// Without blanks and the bar at the end.
+#[inline]
+fn trimmed(line: &[u8]) -> &[u8] {
+    let line = line.trim_ascii();
+    line.strip_suffix(b"|").unwrap_or(line).trim_ascii_end()
+}
+
+/// The first word, and what follows.
+#[inline]
+fn word(text: &[u8]) -> (&[u8], &[u8]) {
+    let text = text.trim_ascii_start();
+    text.split_at(text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sentinels_with_any_decimals() {
+        let mut values = [99_999.0, 99_999.9, 99_999.99, 88_888.0, 88_888.88, -99_999.0, 48_520.3, 888_888.0];
+        assert_eq!(without_sentinels(&mut values), 3);
+        assert_eq!(values.iter().filter(|value| value.is_nan()).count(), 7);
+        assert_eq!(values[6], 48_520.3);
+    }
+}

@@ -1,0 +1,135 @@
+//! Files of observatories and loggers into a document: IAGA-2002, CSV, NDJSON and Parquet.
+//!
+//! [`run`] reads files of one series, brings their times to UTC and their values to the document's units, joins them in the order of
+//! time and adds them as one recording. A long series goes beside the document as a [`Table`]. Nothing is written here.
+
+mod clock;
+mod delimited;
+mod error;
+mod guess;
+mod iaga;
+mod mapping;
+mod ndjson;
+mod number;
+mod parquet;
+mod parts;
+mod piece;
+mod recording;
+mod series;
+mod text;
+mod times;
+mod units;
+mod words;
+
+pub use error::Error;
+pub use guess::{Guess, guess};
+pub use mapping::{ColumnMapping, From, Mapping, TimeMapping};
+pub use recording::{Ingested, Table};
+
+use common::Document;
+use std::path::PathBuf;
+
+use piece::Piece;
+use text::{Kind, Source};
+
+/// Rows up to which a recording keeps its readings in the document.
+pub const INLINE_ROWS: usize = 10_000;
+
+/// What was asked for.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// How files of columns are read; None: as they themselves say, where they do.
+    pub mapping: Option<Mapping>,
+    /// What vector readings are: `sensor`, `reference`, `test`, …
+    pub quantity: String,
+    /// The recording's id; None: of the station or the first file, and the day.
+    pub id: Option<String>,
+    /// The recording's procedure.
+    pub procedure: String,
+    /// Which file counts where they disagree; None: that is an error.
+    pub keep: Option<Keep>,
+    /// Whether rows may stand in any order within a file.
+    pub sort: bool,
+    /// Whether rows count where a header contradicts them.
+    pub trust_rows: bool,
+    /// Is added to D of IAGA-2002, minutes of arc; None: as the file's comment DECBAS says.
+    pub declination_base_arcmin: Option<f64>,
+    /// Where readings go.
+    pub readings: Readings,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            mapping: None,
+            quantity: "sensor".into(),
+            id: None,
+            procedure: common::procedure::FREE_RUN.into(),
+            keep: None,
+            sort: false,
+            trust_rows: false,
+            declination_base_arcmin: None,
+            readings: Readings::ByLength,
+        }
+    }
+}
+
+/// Which of several files counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// The one that begins first.
+    First,
+    /// The one that begins last.
+    Last,
+}
+
+/// Where a recording's readings go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Readings {
+    /// Into the document up to [`INLINE_ROWS`] rows, beside it otherwise.
+    ByLength,
+    /// Into the document.
+    Inline,
+    /// Beside it; the table's relative path, or one made of the recording's id.
+    Beside(Option<String>),
+}
+
+/// Adds files of one series to a document as a recording.
+///
+/// # Errors
+///
+/// What cannot be read, with file, line and column; files that do not belong together; readings whose unit is not stated.
+pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<Ingested, Error> {
+    let mut pieces = Vec::with_capacity(files.len());
+    for file in files {
+        let source = Source::read(file)?;
+        let (piece, sha256) = rayon::join(|| read(&source, options), || source.sha256());
+        pieces.push(Piece { sha256, ..piece? });
+    }
+    let (series, pieces) = series::join(pieces, options.keep, options.sort)?;
+    recording::add(document, series, pieces, options)
+}
+
+/// What one file says.
+fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
+    if source.kind == Kind::Iaga {
+        if options.mapping.is_some() {
+            let expected =
+                "no --map, which is for CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
+            return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
+        }
+        return iaga::read(source, options);
+    }
+    let (mapping, notes) = match &options.mapping {
+        Some(mapping) => (mapping.clone(), Vec::new()),
+        None => guess::certain(source, &options.quantity)?,
+    };
+    let mut piece = match source.kind {
+        Kind::NdJson => ndjson::read(source, &mapping)?,
+        Kind::Parquet => parquet::read(source, &mapping)?,
+        Kind::Delimited | Kind::Iaga => delimited::read(source, &mapping)?,
+    };
+    piece.header.insert("mapping".into(), serde_json::to_value(&mapping).unwrap_or_default());
+    piece.notes.extend(notes);
+    Ok(piece)
+}

@@ -1,0 +1,215 @@
+//! `ingest`: files of observatories and loggers into a document.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use common::pipe::{self, Input, Program, Sink};
+use common::{Document, Error as Fault, HistoryEntry, to_text};
+use ingest::{Keep, Mapping, Options, Readings};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERSION") };
+
+/// Vector readings that the document knows.
+const QUANTITIES: [&str; 6] = ["sensor", "reference", "test", "third", "outside", "ambient"];
+
+/// Files of observatories and loggers into a document: IAGA-2002, CSV, NDJSON, Parquet
+#[derive(Parser)]
+#[command(
+    version,
+    args_conflicts_with_subcommands = true,
+    after_help = "Example:\n  \
+    ingest guess fixtures/ingest/logger.csv > map.json\n  \
+    ingest --map map.json fixtures/ingest/logger.csv > result.json\n\n\
+    Exit codes: 0 done; 2 a file, the mapping or the request is wrong."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+    #[command(flatten)]
+    ingest: IngestArgs,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write a mapping for a file of columns, to look at and edit
+    #[command(after_help = "Example:\n  ingest guess fixtures/ingest/logger.csv > map.json")]
+    Guess(GuessArgs),
+}
+
+#[derive(Args)]
+struct GuessArgs {
+    /// CSV, NDJSON or Parquet
+    file: PathBuf,
+    /// What vector readings are
+    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES)]
+    quantity: String,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Args)]
+struct IngestArgs {
+    /// Files of one series in any order; - is standard input
+    files: Vec<PathBuf>,
+    /// How files of columns are read; `ingest guess` writes one
+    #[arg(long, value_name = "MAP")]
+    map: Option<PathBuf>,
+    /// Add the recording to this document; - is standard input
+    #[arg(long, value_name = "DOCUMENT")]
+    add: Option<PathBuf>,
+    /// What vector readings are (with --map, the mapping says it)
+    #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES, conflicts_with = "map")]
+    quantity: String,
+    /// The recording's id [default: of the station and day, or of the first file's name]
+    #[arg(long)]
+    id: Option<String>,
+    /// The recording's procedure
+    #[arg(long, default_value = common::procedure::FREE_RUN)]
+    procedure: String,
+    /// Write the readings beside the document, as Parquet unless PATH says otherwise (always done over 10 000 rows)
+    #[arg(long, value_name = "PATH", num_args = 0..=1, require_equals = true)]
+    beside: Option<Option<String>>,
+    /// Keep the readings in the document, however many
+    #[arg(long, conflicts_with = "beside")]
+    inline: bool,
+    /// Which file counts where files disagree: the one that begins first or last
+    #[arg(long, value_name = "FILE")]
+    keep: Option<KeepArg>,
+    /// Sort rows that are out of order within a file
+    #[arg(long)]
+    sort: bool,
+    /// Let titles and rows count where the header of IAGA-2002 contradicts them
+    #[arg(long)]
+    trust_rows: bool,
+    /// Add this to D of IAGA-2002, minutes of arc, in place of what the file's DECBAS says
+    #[arg(long, value_name = "ARCMIN", allow_hyphen_values = true)]
+    declination_base_arcmin: Option<f64>,
+    /// Write the document to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum KeepArg {
+    First,
+    Last,
+}
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Some(Command::Guess(args)) => guess(args),
+        None => run(cli.ingest),
+    };
+    pipe::finish(PROGRAM, result)
+}
+
+fn guess(args: &GuessArgs) -> anyhow::Result<()> {
+    let guess = ingest::guess(&args.file, &args.quantity).map_err(Fault::from)?;
+    pipe::write(args.output.as_deref(), &guess.to_text())?;
+    if !args.quiet {
+        pipe::say(&guess.words(&args.file));
+    }
+    Ok(())
+}
+
+fn run(args: IngestArgs) -> anyhow::Result<()> {
+    if args.files.is_empty() {
+        let message = "no file; name the files of one series, as in: ingest bou*.min > result.json. --help shows an example";
+        return Err(Fault::Request(message.into()).into());
+    }
+    let (document, added) = match &args.add {
+        Some(path) => {
+            let input = Input::read(Some(path))?;
+            (Document::parse(&input.text).map_err(|error| input.locate(error))?, Some(input.sha256()))
+        }
+        None => (Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }, None),
+    };
+    let mapping = args.map.as_deref().map(mapping).transpose()?;
+    let readings = match (&args.beside, args.inline) {
+        (Some(path), _) => Readings::Beside(path.clone()),
+        (None, true) => Readings::Inline,
+        (None, false) => Readings::ByLength,
+    };
+    let arguments = arguments(&args);
+    let options = Options {
+        mapping,
+        quantity: args.quantity,
+        id: args.id,
+        procedure: args.procedure,
+        keep: args.keep.map(|keep| match keep {
+            KeepArg::First => Keep::First,
+            KeepArg::Last => Keep::Last,
+        }),
+        sort: args.sort,
+        trust_rows: args.trust_rows,
+        declination_base_arcmin: args.declination_base_arcmin,
+        readings,
+    };
+    let mut ingested = ingest::run(document, &args.files, &options).map_err(Fault::from)?;
+    ingested.document.history.push(HistoryEntry {
+        stage: PROGRAM.name.into(),
+        version: PROGRAM.version.into(),
+        arguments,
+        input_sha256: added,
+        extra: Default::default(),
+    });
+    // The document is written to its end before the table gets its name, and gets its own after that.
+    let output = args.output.as_deref();
+    let mut sink = Sink::open(output)?;
+    let text = to_text(&ingested.document);
+    if output.is_some() {
+        sink.write(&text)?;
+    }
+    if let Some(table) = &ingested.table {
+        let folder = output.and_then(Path::parent).unwrap_or(Path::new(""));
+        table.write(folder).map_err(Fault::from)?;
+    }
+    if output.is_none() {
+        sink.write(&text)?;
+    }
+    sink.finish()?;
+    if !args.quiet {
+        pipe::say(&ingested.words);
+    }
+    Ok(())
+}
+
+fn mapping(path: &Path) -> Result<Mapping, Fault> {
+    let failed = |source| Fault::File { path: path.into(), action: "read", source };
+    let text = fs::read_to_string(path).map_err(failed)?;
+    Mapping::parse(&text).map_err(|error| Fault::Request(format!("{}: {error}", path.display())))
+}
+
+/// What the history records: all that changes the answer, without names of files.
+fn arguments(args: &IngestArgs) -> Vec<String> {
+    let mut said = vec![format!("--as={}", args.quantity), format!("--procedure={}", args.procedure)];
+    if args.map.is_some() {
+        said = vec!["--map".into(), format!("--procedure={}", args.procedure)];
+    }
+    said.extend(args.id.as_ref().map(|id| format!("--id={id}")));
+    said.extend(args.keep.map(|keep| match keep {
+        KeepArg::First => "--keep=first".into(),
+        KeepArg::Last => "--keep=last".into(),
+    }));
+    for (flag, name) in [
+        (args.sort, "--sort"),
+        (args.trust_rows, "--trust-rows"),
+        (args.inline, "--inline"),
+        (args.beside.is_some(), "--beside"),
+    ] {
+        if flag {
+            said.push(name.into());
+        }
+    }
+    said.extend(args.declination_base_arcmin.map(|base| format!("--declination-base-arcmin={base}")));
+    said
+}

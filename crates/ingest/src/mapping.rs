@@ -1,0 +1,138 @@
+//! The mapping file: which column of a file is which of the document, in which unit, and how times are written.
+
+mod check;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// How a file of columns is read. `ingest guess FILE` writes one to begin with.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Mapping {
+    /// Format version of the mapping, 1.
+    #[serde(rename = "fluxcal-mapping")]
+    pub version: u64,
+    /// Free text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+    /// What stands between values: `,`, `;`, a tabulator, `|`, or a blank for any number of blanks. CSV only.
+    #[serde(default = "comma")]
+    pub separator: char,
+    /// The decimal mark, `.` or `,`. CSV only.
+    #[serde(default = "point")]
+    pub decimal: char,
+    /// Lines that begin so are passed over; absent: none are. CSV only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comment: Option<String>,
+    /// The line that names the columns, counted from 1 with comments and empty lines; absent: no line does, and columns go by
+    /// number. CSV only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub header_line: Option<u32>,
+    /// The line of the first row; absent: the one after the names. CSV only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub first_row_line: Option<u32>,
+    /// What stands for a missing value, besides nothing, `nan`, `null` and `NA`. A number counts by its value.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub missing: Vec<String>,
+    /// When a row was taken; absent: rows have no times.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<TimeMapping>,
+    /// The columns that are taken. The others are not looked at.
+    pub columns: Vec<ColumnMapping>,
+}
+
+fn comma() -> char {
+    ','
+}
+
+fn point() -> char {
+    '.'
+}
+
+/// A column of the file, by its name or by its number from 1.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum From {
+    /// Its number, from 1.
+    Number(usize),
+    /// Its name in the header.
+    Name(String),
+}
+
+impl fmt::Display for From {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            From::Number(number) => write!(f, "{number}"),
+            From::Name(name) => write!(f, "{name:?}"),
+        }
+    }
+}
+
+/// How times are written.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TimeMapping {
+    /// The columns that hold the time, joined by a blank where there are several (date and time of day).
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub columns: Vec<From>,
+    /// `iso`; `unix_s`, `unix_ms`, `unix_us`, `unix_ns` (since 1970, UTC); `seconds` or `milliseconds` (since the recording's
+    /// start); `day_of_year` (year and day, 1 January = 1, with decimals); `excel_days`, `matlab_days`; or a pattern as of strptime, such as
+    /// `%d.%m.%Y %H:%M:%S%.f`, `%Y %j %H:%M`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub format: String,
+    /// The clock's time zone where the times themselves do not say it: `UTC`, `+02:00`, `Europe/Vienna`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub zone: Option<String>,
+    /// Where rows hold the time of day alone: pattern of the date in the file's name, such as `%Y_%m_%d` or `%b%d%y`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub date_in_name: Option<String>,
+    /// For `seconds`, `milliseconds` and `step_s`: when they begin, RFC 3339. Absent: on the campaign's clock.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
+    /// In place of columns: rows follow one another by so many seconds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub step_s: Option<f64>,
+    /// Free text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// A column that is taken: value = sign × (file's value × scale, converted from `unit`) + offset.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnMapping {
+    /// Which column of the file.
+    pub from: From,
+    /// Its name in the document, `quantity_axis_unit`: `sensor_x_nt`, `reference_nt`, `sensor_temperature_c`.
+    pub to: String,
+    /// The unit in the file. `?` where it is not known yet: such a mapping is refused until you say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub unit: Option<String>,
+    /// Multiplies the file's values before they are converted; from `counts` or volts to field: what one is in the document's unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scale: Option<f64>,
+    /// −1 turns an axis around.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sign: Option<i8>,
+    /// Is added at the end, in the document's unit: a compensation field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub offset: Option<f64>,
+    /// Free text.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
+}
+
+/// Words of [`TimeMapping::format`] that are no patterns.
+pub const FORMATS: [&str; 10] = [
+    "iso",
+    "unix_s",
+    "unix_ms",
+    "unix_us",
+    "unix_ns",
+    "seconds",
+    "milliseconds",
+    "day_of_year",
+    "excel_days",
+    "matlab_days",
+];

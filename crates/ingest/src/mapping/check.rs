@@ -1,0 +1,249 @@
+//! What the types of a mapping do not say: whether it can be followed.
+
+use common::Error as Fault;
+use std::collections::HashSet;
+
+use super::{ColumnMapping, FORMATS, From, Mapping, TimeMapping};
+use crate::clock::Zone;
+use crate::units::{self, Conversion};
+
+impl Mapping {
+    /// Reads and checks a mapping.
+    ///
+    /// # Errors
+    ///
+    /// What is no mapping or cannot be followed, with its JSON path.
+    pub fn parse(text: &str) -> Result<Self, Fault> {
+        let mut deserializer = serde_json::Deserializer::from_str(text);
+        let mapping: Mapping =
+            serde_path_to_error::deserialize(&mut deserializer).map_err(|error| explain(&error))?;
+        deserializer
+            .end()
+            .map_err(|error| Fault::Syntax { message: format!("after the mapping: {error}") })?;
+        mapping.check()?;
+        Ok(mapping)
+    }
+
+    /// What the types do not say.
+    fn check(&self) -> Result<(), Fault> {
+        let refused = |path: &str, found: String, expected: &str| Err(Fault::document(path, found, expected));
+        if self.version != 1 {
+            return refused(
+                "fluxcal-mapping",
+                self.version.to_string(),
+                "1, the version that this program knows",
+            );
+        }
+        if !matches!(self.separator, ',' | ';' | '\t' | '|' | ' ') {
+            let expected = "\",\", \";\", \"\\t\", \"|\" or \" \" (any number of blanks)";
+            return refused("separator", format!("{:?}", self.separator), expected);
+        }
+        if !matches!(self.decimal, '.' | ',') || self.decimal == self.separator {
+            let found = format!("{:?} beside the separator {:?}", self.decimal, self.separator);
+            return refused("decimal", found, "\".\" or \",\", and not the separator");
+        }
+        if self.comment.as_deref() == Some("") {
+            return refused("comment", "\"\"".into(), "what comments begin with, or no such key");
+        }
+        if self.columns.is_empty() {
+            return refused("columns", "no column".into(), "at least one column of readings");
+        }
+        if let Some(time) = &self.time {
+            time.check()?;
+        }
+        let mut sources: HashSet<&From> = self.time.iter().flat_map(|time| &time.columns).collect();
+        let mut names = HashSet::new();
+        for (index, column) in self.columns.iter().enumerate() {
+            column.check(&format!("columns[{index}]"))?;
+            if !names.insert(column.to.as_str()) {
+                let found = format!("{:?}, which another column has already", column.to);
+                return refused(&format!("columns[{index}].to"), found, "each name once");
+            }
+            if !sources.insert(&column.from) {
+                let found = format!("{}, which is taken already", column.from);
+                return refused(&format!("columns[{index}].from"), found, "each column of the file once");
+            }
+        }
+        Ok(())
+    }
+}
+
+/// serde's error as a sentence with its path.
+fn explain(error: &serde_path_to_error::Error<serde_json::Error>) -> Fault {
+    let (path, inner) = (error.path().to_string(), error.inner());
+    let place = if path == "." { String::new() } else { format!("{path}: ") };
+    Fault::Syntax {
+        message: format!(
+            "{place}not a mapping ({inner}); expected what `ingest guess FILE` writes: \"fluxcal-mapping\": 1, \"time\", \"columns\""
+        ),
+    }
+}
+
+impl TimeMapping {
+    fn check(&self) -> Result<(), Fault> {
+        let refused = |key: &str, found: String, expected: &str| {
+            Err(Fault::document(format!("time.{key}"), found, expected))
+        };
+        match (self.columns.len(), self.step_s) {
+            (0, None) => {
+                return refused("columns", "no column".into(), "the columns with the time, or `step_s`");
+            }
+            (_, Some(step_s)) if !(step_s.is_finite() && step_s > 0.0) => {
+                return refused("step_s", step_s.to_string(), "seconds above zero");
+            }
+            (1.., Some(_)) => return refused("step_s", "it beside `columns`".into(), "one of the two"),
+            _ => {}
+        }
+        if self.format == "?" {
+            let expected = format!(
+                "how times are written: {}, or a pattern such as %d.%m.%Y %H:%M:%S",
+                FORMATS.join(", ")
+            );
+            return refused("format", "\"?\", which is still open".into(), &expected);
+        }
+        let known = FORMATS.contains(&self.format.as_str()) || self.format.contains('%');
+        let needed = self.step_s.is_none() || !self.format.is_empty();
+        if needed && !known {
+            let expected = format!("{}, or a pattern with %", FORMATS.join(", "));
+            return refused("format", format!("{:?}", self.format), &expected);
+        }
+        if let Some(zone) = &self.zone
+            && Zone::parse(zone).is_none()
+        {
+            let expected = "UTC, an offset such as \"+02:00\", or a name such as \"Europe/Vienna\"";
+            return refused("zone", format!("{zone:?}"), expected);
+        }
+        if let Some(start) = &self.start
+            && common::time::Start::parse(start).is_none()
+        {
+            let expected = "a moment with its offset from UTC, as in \"2024-05-10T00:00:00Z\"";
+            return refused("start", format!("{start:?}"), expected);
+        }
+        Ok(())
+    }
+
+    /// Whose clock it is: UTC where nothing is said.
+    pub fn zone(&self) -> Zone {
+        self.zone.as_deref().and_then(Zone::parse).unwrap_or(Zone::Fixed(0))
+    }
+}
+
+impl ColumnMapping {
+    fn check(&self, path: &str) -> Result<(), Fault> {
+        let refused = |key: &str, found: String, expected: &str| {
+            Err(Fault::document(format!("{path}.{key}"), found, expected))
+        };
+        if self.from == From::Number(0) {
+            return refused("from", "0".into(), "a name, or a number from 1");
+        }
+        let good = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+        if self.to.is_empty() || !self.to.bytes().all(good) || self.to == "time_s" {
+            let expected = "a name of letters, digits and _ such as sensor_x_nt; `time_s` comes from `time`";
+            return refused("to", format!("{:?}", self.to), expected);
+        }
+        for (key, number) in [("scale", self.scale), ("offset", self.offset)] {
+            if number.is_some_and(|number| !number.is_finite() || (key == "scale" && number == 0.0)) {
+                return refused(key, format!("{number:?}"), "a finite number, for a scale not zero");
+            }
+        }
+        if !matches!(self.sign, None | Some(1 | -1)) {
+            return refused("sign", format!("{:?}", self.sign), "1 or -1");
+        }
+        self.conversion_at(path).map(drop)
+    }
+
+    /// What makes the document's value of the file's.
+    pub fn conversion(&self) -> Result<Conversion, Fault> {
+        self.conversion_at("columns")
+    }
+
+    fn conversion_at(&self, path: &str) -> Result<Conversion, Fault> {
+        let (sign, offset) = (f64::from(self.sign.unwrap_or(1)), self.offset.unwrap_or(0.0));
+        let from = format!("column {}", self.from);
+        let refused = |key: &str, found: String, expected: String| {
+            Err(Fault::document(format!("{path}.{key}"), found, expected))
+        };
+        let scale = self.scale.unwrap_or(1.0);
+        let scaled = Ok(Conversion { factor: sign * scale, offset });
+        let target = units::of_column(&self.to);
+        match (self.unit.as_deref(), target) {
+            (Some("?"), _) => {
+                let expected = format!("the unit in which the file states it: {}", units::KNOWN);
+                refused("unit", format!("\"?\" for {from}, which is still open"), expected)
+            }
+            (Some(unit), _) if !units::is_known(unit) => {
+                refused("unit", format!("the unit {unit:?} for {from}"), format!("one of {}", units::KNOWN))
+            }
+            (None, None) => scaled,
+            (Some("counts"), None) => scaled,
+            (Some(unit), None) => {
+                let expected = format!(
+                    "a name that ends in a unit, such as {}_{}, or no `unit`",
+                    self.to,
+                    units::ending_for(unit).unwrap_or("nt")
+                );
+                refused("to", format!("{:?} for {from} in {unit}", self.to), expected)
+            }
+            (None, Some(target)) => {
+                let expected = format!(
+                    "`unit`, the unit in which the file states it; {target} where it is that already"
+                );
+                refused("unit", format!("no unit for {from}, which becomes {}", self.to), expected)
+            }
+            (Some(unit), Some(target)) => match (units::conversion(unit, target), self.scale) {
+                (Some(conversion), _) => Ok(Conversion {
+                    factor: sign * scale * conversion.factor,
+                    offset: sign * conversion.offset + offset,
+                }),
+                (None, Some(_)) => scaled,
+                (None, None) => {
+                    let expected = format!("`scale`: how many {target} one {unit} is");
+                    refused(
+                        "scale",
+                        format!("none for {from}, which becomes {} from {unit}", self.to),
+                        expected,
+                    )
+                }
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(text: &str) -> Result<Conversion, String> {
+        let text = format!("{{\"fluxcal-mapping\": 1, \"columns\": [{text}]}}");
+        let mapping = Mapping::parse(&text).map_err(|error| error.to_string())?;
+        mapping.columns[0].conversion().map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn units_scales_and_signs() {
+        let of = |text: &str| column(text).map(|c| (c.factor, c.offset));
+        assert_eq!(of(r#"{"from": "x", "to": "sensor_x_nt", "unit": "uT", "sign": -1}"#), Ok((-1000.0, 0.0)));
+        assert_eq!(
+            of(r#"{"from": 3, "to": "sensor_x_nt", "unit": "counts", "scale": 13.5}"#),
+            Ok((13.5, 0.0))
+        );
+        assert_eq!(
+            of(r#"{"from": 3, "to": "sensor_x_nt", "unit": "V", "scale": 1e4, "offset": -20680}"#),
+            Ok((1e4, -20680.0))
+        );
+        assert_eq!(of(r#"{"from": "p", "to": "position"}"#), Ok((1.0, 0.0)));
+        for (text, words) in [
+            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "?"}"#, "still open"),
+            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "furlong"}"#, "the unit \"furlong\""),
+            (r#"{"from": "x", "to": "sensor_x_nt"}"#, "no unit"),
+            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "V"}"#, "how many nT one V is"),
+            (r#"{"from": "x", "to": "sensor_x", "unit": "V"}"#, "sensor_x_v"),
+            (r#"{"from": "x", "to": "time_s", "unit": "s"}"#, "`time_s` comes from `time`"),
+            (r#"{"from": "x", "to": "x", "sign": 2}"#, "1 or -1"),
+            (r#"{"from": "x", "to": "x", "sing": -1}"#, "sing"),
+        ] {
+            let said = column(text).expect_err(text);
+            assert!(said.contains(words), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! Parquet, as a mapping describes it.
+
+use tables::{Format, Place, Reader};
+
+use crate::Error;
+use crate::mapping::{From, Mapping};
+use crate::parts::Rows;
+use crate::piece::Piece;
+use crate::text::Source;
+use crate::times::Times;
+
+/// Reads a file.
+///
+/// # Errors
+///
+/// A column of the mapping that is not there or holds no numbers; a time that is missing or beyond the years 1677 to 2262.
+pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
+    let times = Times::new(source, mapping.time.as_ref(), '.')?;
+    let time = mapping.time.as_ref().map_or(&[][..], |time| time.columns.as_slice());
+    if time.len() > 1 {
+        let expected = "one column with the time, of numbers or of type TIMESTAMP";
+        return Err(source.fault(Place::Whole, "a mapping with several columns of time", expected));
+    }
+    let wanted: Vec<&str> =
+        time.iter().chain(mapping.columns.iter().map(|column| &column.from)).map(name).collect();
+    let missing: Vec<f64> = mapping.missing.iter().filter_map(|text| text.parse().ok()).collect();
+    let mut rows = Rows { columns: vec![Vec::new(); mapping.columns.len()], ..Rows::default() };
+    for batch in Reader::open_as(&source.path, Format::Parquet, Some(&wanted))? {
+        let batch = batch?;
+        for row in 0..batch.rows() {
+            rows.lines.push((batch.first_row + row as u64 + 1) as u32);
+        }
+        let mut columns = batch.columns.into_iter();
+        if let (false, Some(column)) = (times.are_counted(), time.first()) {
+            for (row, value) in columns.next().unwrap_or_default().into_iter().enumerate() {
+                let moment = times.read_number(value).map_err(|expected| {
+                    let place =
+                        Place::Row { row: batch.first_row + row as u64 + 1, name: name(column).to_string() };
+                    let found = if value.is_nan() { "no time".into() } else { value.to_string() };
+                    source.fault(place, found, expected)
+                })?;
+                rows.times_ns.push(moment);
+            }
+        }
+        for (all, mut values) in rows.columns.iter_mut().zip(columns) {
+            if !missing.is_empty() {
+                values.iter_mut().filter(|value| missing.contains(value)).for_each(|value| *value = f64::NAN);
+            }
+            all.extend(values);
+        }
+    }
+    Piece::mapped(source, "Parquet", mapping, &times, rows)
+}
+
+fn name(from: &From) -> &str {
+    match from {
+        From::Name(name) => name,
+        From::Number(_) => "",
+    }
+}

@@ -1,0 +1,97 @@
+//! What one file says, before files are joined.
+
+use common::Extra;
+use indexmap::IndexMap;
+use tables::Place;
+
+use crate::Error;
+use crate::mapping::Mapping;
+use crate::parts::Rows;
+use crate::text::Source;
+use crate::times::Times;
+
+/// What a piece's times count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// 1970-01-01T00:00:00Z.
+    Utc,
+    /// The campaign's beginning, or whatever the file's own clock began with.
+    Campaign,
+    /// There are no times; rows are in the order taken.
+    None,
+}
+
+/// A file's rows with what the file says of itself.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// Its name alone.
+    pub name: String,
+    /// As messages name it.
+    pub shown: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// `IAGA-2002`, `CSV`, `NDJSON`, `Parquet`.
+    pub format: &'static str,
+    /// What `times_ns` counts from.
+    pub clock: Clock,
+    /// When each row was taken, ns.
+    pub times_ns: Vec<i64>,
+    /// Values by the document's column names, in the document's units.
+    pub columns: IndexMap<String, Vec<f64>>,
+    /// Line (or row, from 1) of each.
+    pub lines: Vec<u32>,
+    /// The station's code, where the file states one.
+    pub station: Option<String>,
+    /// Kept in the document: the header of the file, how it was converted.
+    pub header: Extra,
+    /// Words for people.
+    pub notes: Vec<String>,
+}
+
+impl Piece {
+    /// A piece without rows.
+    pub fn of(source: &Source, format: &'static str) -> Self {
+        Piece {
+            name: source.name.clone(),
+            shown: source.shown.clone(),
+            sha256: String::new(),
+            format,
+            clock: Clock::Utc,
+            times_ns: Vec::new(),
+            columns: IndexMap::new(),
+            lines: Vec::new(),
+            station: None,
+            header: Extra::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    /// A piece of rows that a mapping took: values converted, times brought to UTC.
+    pub fn mapped(
+        source: &Source,
+        format: &'static str,
+        mapping: &Mapping,
+        times: &Times,
+        mut rows: Rows,
+    ) -> Result<Self, Error> {
+        let mut piece = Piece::of(source, format);
+        if rows.lines.is_empty() {
+            let expected = "rows of readings; was it copied in full?";
+            return Err(source.fault(Place::Whole, "a header and no row", expected));
+        }
+        piece.clock = times.clock();
+        times.settle(source, &mut rows, &mut piece.notes)?;
+        for (column, values) in mapping.columns.iter().zip(rows.columns) {
+            let conversion = column.conversion()?;
+            let values = match (conversion.factor, conversion.offset) {
+                (1.0, 0.0) => values,
+                (factor, 0.0) => values.into_iter().map(|value| value * factor).collect(),
+                (factor, offset) => values.into_iter().map(|value| value * factor + offset).collect(),
+            };
+            piece.columns.insert(column.to.clone(), values);
+        }
+        piece.times_ns = rows.times_ns;
+        piece.lines = rows.lines;
+        Ok(piece)
+    }
+}

@@ -1,0 +1,153 @@
+//! A series as a recording of a document, and the table beside it.
+
+use common::{Column, Columns, Document, Error as Fault, Extra, Recording};
+use serde_json::{Value, json};
+use std::path::Path;
+use tables::Writer;
+
+use crate::clock::{self, SECOND_NS};
+use crate::piece::{Clock, Piece};
+use crate::series::{Gaps, Series, gaps, step_s};
+use crate::{Error, INLINE_ROWS, Options, Readings, words};
+
+/// What came of files.
+#[derive(Debug)]
+pub struct Ingested {
+    /// The document with the recording.
+    pub document: Document,
+    /// The readings, where they go beside it.
+    pub table: Option<Table>,
+    /// Words for people.
+    pub words: String,
+}
+
+/// Readings beside a document.
+#[derive(Debug)]
+pub struct Table {
+    /// Its path from the document's folder.
+    pub path: String,
+    /// Names and values.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Table {
+    /// Writes it into the document's folder, whole or not at all; CSV or NDJSON where its name says so.
+    ///
+    /// # Errors
+    ///
+    /// A path that leaves the folder; a file that cannot be written.
+    pub fn write(&self, document_folder: &Path) -> Result<(), Error> {
+        let path = tables::beside(document_folder, &self.path)?;
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let columns: Vec<&[f64]> = self.columns.iter().map(|(_, values)| values.as_slice()).collect();
+        let mut writer = Writer::create(&path, &names)?;
+        writer.write(&columns)?;
+        Ok(writer.finish()?)
+    }
+}
+
+/// Adds a series to a document.
+pub fn add(
+    mut document: Document,
+    series: Series,
+    pieces: Vec<Piece>,
+    options: &Options,
+) -> Result<Ingested, Error> {
+    let first_ns = series.times_ns.first().copied().unwrap_or(0);
+    let begin_ns = if series.clock == Clock::Utc { first_ns } else { 0 };
+    let step_s = if series.clock == Clock::None { None } else { step_s(&series.times_ns) };
+    let gaps = step_s.map_or_else(Gaps::default, |step_s| gaps(&series.times_ns, begin_ns, step_s));
+    let start = (series.clock == Clock::Utc).then(|| clock::text(first_ns));
+    let id = options.id.clone().unwrap_or_else(|| id(&pieces, start.as_deref()));
+    if let Some(index) = document.recordings.iter().position(|known| known.id == id) {
+        let found = format!("\"{id}\" there already");
+        let expected = "another id for the new recording; say it with --id";
+        return Err(Fault::document(format!("recordings[{index}].id"), found, expected).into());
+    }
+    let words = words::words(&series, &pieces, &gaps, step_s, start.as_deref(), &id);
+    let source = source(&series, &pieces, step_s, gaps.kept());
+    let rows = series.times_ns.len();
+    let mut columns = Vec::with_capacity(1 + series.columns.len());
+    if series.clock != Clock::None {
+        let times = series.times_ns.iter().map(|time| (time - begin_ns) as f64 / SECOND_NS as f64);
+        columns.push(("time_s".to_string(), times.collect()));
+    }
+    columns.extend(series.columns);
+    let table = match &options.readings {
+        Readings::Inline => None,
+        Readings::ByLength if rows <= INLINE_ROWS => None,
+        Readings::ByLength | Readings::Beside(None) => Some(format!("{}.parquet", file_name(&id))),
+        Readings::Beside(Some(path)) => Some(path.clone()),
+    };
+    let mut recording = Recording {
+        id,
+        procedure: options.procedure.clone(),
+        start,
+        table: table.clone(),
+        extra: Extra::from_iter([("source".to_string(), source)]),
+        ..Recording::default()
+    };
+    let table = match table {
+        Some(path) => Some(Table { path, columns }),
+        None => {
+            recording.columns =
+                columns.into_iter().map(|(name, values)| (name, Column(values))).collect::<Columns>();
+            None
+        }
+    };
+    document.recordings.push(recording);
+    document.check()?;
+    let beside = table.as_ref().map(|table| format!("\n  readings beside the document: {}", table.path));
+    Ok(Ingested { document, table, words: words + &beside.unwrap_or_default() })
+}
+
+/// Of the station or the first file, and the day where the file's name does not say it.
+fn id(pieces: &[Piece], start: Option<&str>) -> String {
+    let Some(first) = pieces.first() else { return "recording".into() };
+    match (&first.station, start) {
+        (Some(station), Some(start)) => {
+            format!("{}-{}", station.to_lowercase(), &start[..start.len().min(10)])
+        }
+        _ => Path::new(&first.name)
+            .file_stem()
+            .map_or_else(|| "recording".into(), |stem| stem.to_string_lossy().into_owned()),
+    }
+}
+
+/// An id as the name of a file.
+fn file_name(id: &str) -> String {
+    let good = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
+    let name: String = id.chars().map(|letter| if good(letter) { letter } else { '-' }).collect();
+    match name.strip_prefix('.') {
+        Some(rest) => format!("-{rest}"),
+        None => name,
+    }
+}
+
+/// Where the readings come from, as the document keeps it.
+fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra) -> Value {
+    let files: Vec<Value> = pieces
+        .iter()
+        .map(|piece| json!({"name": piece.name, "rows": piece.lines.len(), "sha256": piece.sha256}))
+        .collect();
+    let mut source = Extra::new();
+    source.insert("format".into(), pieces.first().map_or("", |piece| piece.format).into());
+    source.insert("files".into(), files.into());
+    if let Some(first) = pieces.first() {
+        source.extend(first.header.clone());
+    }
+    if let Some(step_s) = step_s {
+        source.insert("step_s".into(), step_s.into());
+    }
+    source.insert("gaps".into(), gaps.into());
+    for (key, count) in [
+        ("merged_rows", series.merged),
+        ("disagreeing_rows", series.disagreeing),
+        ("sorted_rows", series.sorted),
+    ] {
+        if count > 0 {
+            source.insert(key.into(), count.into());
+        }
+    }
+    source.into()
+}

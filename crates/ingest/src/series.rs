@@ -1,0 +1,337 @@
+//! Files of one series, joined in the order of time; where they overlap and where they leave gaps.
+
+use common::Extra;
+use indexmap::IndexMap;
+use serde::Serialize;
+use serde_json::Value;
+use tables::Place;
+
+use crate::clock::{self, SECOND_NS};
+use crate::piece::{Clock, Piece};
+use crate::{Error, Keep};
+
+/// Gaps that are listed one by one.
+const LISTED: usize = 20;
+
+/// A whole series.
+#[derive(Debug)]
+pub struct Series {
+    /// What times count from.
+    pub clock: Clock,
+    /// Rising, ns.
+    pub times_ns: Vec<i64>,
+    /// By the document's names.
+    pub columns: IndexMap<String, Vec<f64>>,
+    /// Rows that several files have alike, now once.
+    pub merged: usize,
+    /// Rows in which files disagree, where one of them was chosen.
+    pub disagreeing: usize,
+    /// Rows that were brought into the order of time.
+    pub sorted: usize,
+}
+
+/// Places without rows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Gaps {
+    /// How many.
+    pub count: usize,
+    /// Rows that would fill them.
+    pub missing_rows: u64,
+    /// The longest, in the order of time.
+    pub longest: Vec<Gap>,
+}
+
+/// A place without rows.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Gap {
+    /// The row before it.
+    pub after_s: f64,
+    /// From that row to the next, s.
+    pub seconds: f64,
+}
+
+/// The usual step of rising times, s: the median; None for fewer than two rows.
+pub fn step_s(times_ns: &[i64]) -> Option<f64> {
+    let first = times_ns.get(1)? - times_ns.first()?;
+    if first > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == first) {
+        return Some(first as f64 / SECOND_NS as f64);
+    }
+    let mut steps: Vec<i64> =
+        times_ns.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0).collect();
+    let middle = steps.len().checked_sub(1)? / 2;
+    let (_, step, _) = steps.select_nth_unstable(middle);
+    Some(*step as f64 / SECOND_NS as f64)
+}
+
+/// Steps of more than one and a half times the usual one.
+pub fn gaps(times_ns: &[i64], first_ns: i64, step_s: f64) -> Gaps {
+    let mut gaps = Gaps::default();
+    let mut all: Vec<Gap> = Vec::new();
+    let usual_ns = (1.5 * step_s * SECOND_NS as f64) as i64;
+    for pair in times_ns.windows(2) {
+        if pair[1] - pair[0] > usual_ns {
+            let seconds = (pair[1] - pair[0]) as f64 / SECOND_NS as f64;
+            gaps.count += 1;
+            gaps.missing_rows += (seconds / step_s).round() as u64 - 1;
+            all.push(Gap { after_s: (pair[0] - first_ns) as f64 / SECOND_NS as f64, seconds });
+        }
+    }
+    all.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
+    all.truncate(LISTED);
+    all.sort_by(|a, b| a.after_s.total_cmp(&b.after_s));
+    gaps.longest = all;
+    gaps
+}
+
+/// Joins files in the order of time.
+///
+/// # Errors
+///
+/// Files of different stations or clocks; times that fall within a file (unless `sort`); rows of one time that disagree (unless `keep`
+/// says which counts), each with files and lines.
+pub fn join(mut pieces: Vec<Piece>, keep: Option<Keep>, sort: bool) -> Result<(Series, Vec<Piece>), Error> {
+    check_alike(&pieces)?;
+    let mut sorted = 0;
+    for piece in &pieces {
+        sorted += falling(piece, sort)?;
+    }
+    // Stable: of files that begin together, the one that was given first comes first.
+    pieces.sort_by_key(|piece| piece.times_ns.first().copied());
+    let names: IndexMap<String, ()> =
+        pieces.iter().flat_map(|piece| piece.columns.keys()).map(|name| (name.clone(), ())).collect();
+    let rising = |times: &[i64]| times.windows(2).all(|pair| pair[0] < pair[1]);
+    let apart = pieces.windows(2).all(|pair| pair[0].times_ns.last() < pair[1].times_ns.first());
+    let mut series = Series {
+        clock: pieces.first().map_or(Clock::None, |piece| piece.clock),
+        times_ns: Vec::new(),
+        columns: names.into_keys().map(|name| (name, Vec::new())).collect(),
+        merged: 0,
+        disagreeing: 0,
+        sorted,
+    };
+    if apart && pieces.iter().all(|piece| rising(&piece.times_ns)) {
+        for piece in &mut pieces {
+            let rows = piece.times_ns.len();
+            if series.times_ns.is_empty() {
+                series.times_ns = std::mem::take(&mut piece.times_ns);
+            } else {
+                series.times_ns.append(&mut piece.times_ns);
+            }
+            for (name, values) in &mut series.columns {
+                match piece.columns.shift_remove(name) {
+                    Some(mut part) if values.is_empty() => std::mem::swap(values, &mut part),
+                    Some(part) => values.extend(part),
+                    None => values.resize(values.len() + rows, f64::NAN),
+                }
+            }
+        }
+    } else {
+        merge(&mut series, &pieces, keep)?;
+    }
+    Ok((series, pieces))
+}
+
+fn check_alike(pieces: &[Piece]) -> Result<(), Error> {
+    for pair in pieces.windows(2) {
+        let [first, second] = pair else { continue };
+        if let (Some(one), Some(other)) = (&first.station, &second.station)
+            && one != other
+        {
+            let message = format!(
+                "{} is of station {one}, {} of {other}; expected files of one series. Ingest each series by itself; \
+                 --add joins them in a document",
+                first.shown, second.shown
+            );
+            return Err(Error::request(message));
+        }
+        if first.clock != second.clock {
+            let message = format!(
+                "{} and {}: one states when it was taken, the other does not; expected files of one clock",
+                first.shown, second.shown
+            );
+            return Err(Error::request(message));
+        }
+        if first.clock == Clock::None {
+            let message = format!(
+                "{} and {} have no times, so that their order is not known; expected `time` in the mapping, or one file",
+                first.shown, second.shown
+            );
+            return Err(Error::request(message));
+        }
+    }
+    Ok(())
+}
+
+/// Rows that come before their predecessor; an error unless they may be sorted.
+fn falling(piece: &Piece, sort: bool) -> Result<usize, Error> {
+    let falls: Vec<usize> =
+        (1..piece.times_ns.len()).filter(|row| piece.times_ns[*row] < piece.times_ns[row - 1]).collect();
+    match falls.first() {
+        Some(row) if !sort => {
+            let time = |row: usize| said(piece.clock, piece.times_ns[row]);
+            let found = format!("{} after {} on line {}", time(*row), time(row - 1), piece.lines[row - 1]);
+            let expected = "times that rise; a clock was set back there. Where rows are only out of order, --sort puts them right";
+            Err(Error::at(&piece.shown, Place::Line(piece.lines[*row].into()), found, expected))
+        }
+        _ => Ok(falls.len()),
+    }
+}
+
+fn said(clock: Clock, ns: i64) -> String {
+    match clock {
+        Clock::Utc => clock::text(ns),
+        _ => format!("{} s", ns as f64 / SECOND_NS as f64),
+    }
+}
+
+/// All rows in the order of time, those of one time made one.
+fn merge(series: &mut Series, pieces: &[Piece], keep: Option<Keep>) -> Result<(), Error> {
+    let mut order: Vec<(i64, u32, u32)> = Vec::new();
+    for (number, piece) in pieces.iter().enumerate() {
+        let rows = piece.times_ns.iter().enumerate();
+        order.extend(rows.map(|(row, time)| (*time, number as u32, row as u32)));
+    }
+    order.sort_by_key(|(time, ..)| *time);
+    let values: Vec<Vec<Option<&Vec<f64>>>> = pieces
+        .iter()
+        .map(|piece| series.columns.keys().map(|name| piece.columns.get(name)).collect())
+        .collect();
+    let mut columns = vec![Vec::with_capacity(order.len()); series.columns.len()];
+    for same in order.chunk_by(|a, b| a.0 == b.0) {
+        let (mut disagree, mut merged) = (false, 0);
+        for (column, kept) in columns.iter_mut().enumerate() {
+            let mut chosen = f64::NAN;
+            for (_, piece, row) in same {
+                let value = values[*piece as usize][column].map_or(f64::NAN, |values| values[*row as usize]);
+                if chosen.is_nan() {
+                    chosen = value;
+                } else if !value.is_nan() && value != chosen {
+                    if keep.is_none() {
+                        let name = series.columns.get_index(column).map_or("", |(name, _)| name.as_str());
+                        return Err(disagreement(pieces, same, name, [chosen, value]));
+                    }
+                    disagree = true;
+                    if keep == Some(Keep::Last) {
+                        chosen = value;
+                    }
+                }
+            }
+            kept.push(chosen);
+            merged = same.len() - 1;
+        }
+        series.times_ns.push(same[0].0);
+        if disagree {
+            series.disagreeing += merged;
+        } else {
+            series.merged += merged;
+        }
+    }
+    for (own, column) in series.columns.values_mut().zip(columns) {
+        *own = column;
+    }
+    Ok(())
+}
+
+fn disagreement(pieces: &[Piece], same: &[(i64, u32, u32)], column: &str, values: [f64; 2]) -> Error {
+    let place = |(_, piece, row): &(i64, u32, u32)| {
+        let piece = &pieces[*piece as usize];
+        (piece, piece.lines[*row as usize])
+    };
+    let ((first, first_line), (second, line)) = (place(&same[0]), place(&same[same.len() - 1]));
+    let found = format!(
+        "{column} {} at {}, where {}, line {first_line} has {}",
+        values[1],
+        said(second.clock, same[0].0),
+        first.shown,
+        values[0]
+    );
+    let expected =
+        "one reading for each time; --keep first or --keep last says which file counts where they disagree";
+    Error::at(&second.shown, Place::Line(line.into()), found, expected)
+}
+
+impl Gaps {
+    /// As the document keeps it.
+    pub fn kept(&self) -> Extra {
+        match serde_json::to_value(self) {
+            Ok(Value::Object(map)) => map,
+            _ => Extra::new(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn piece(name: &str, rows: &[(i64, f64)]) -> Piece {
+        Piece {
+            name: name.into(),
+            shown: name.into(),
+            sha256: String::new(),
+            format: "CSV",
+            clock: Clock::Utc,
+            times_ns: rows.iter().map(|row| row.0 * SECOND_NS).collect(),
+            columns: IndexMap::from([("sensor_x_nt".to_string(), rows.iter().map(|row| row.1).collect())]),
+            lines: (2..).take(rows.len()).collect(),
+            station: None,
+            header: Extra::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn overlaps_that_agree_and_that_do_not() {
+        let (a, b) =
+            (piece("a", &[(0, 1.0), (1, 2.0), (2, f64::NAN)]), piece("b", &[(1, 2.0), (2, 3.0), (3, 4.0)]));
+        let (series, _) = join(vec![b.clone(), a.clone()], None, false).expect("one series");
+        assert_eq!(series.columns["sensor_x_nt"], [1.0, 2.0, 3.0, 4.0]);
+        assert_eq!((series.merged, series.disagreeing), (2, 0));
+        let c = piece("c", &[(1, 2.5)]);
+        let error = join(vec![a.clone(), c.clone()], None, false).expect_err("they disagree").to_string();
+        assert!(
+            error.starts_with(
+                "c, line 2: found sensor_x_nt 2.5 at 1970-01-01T00:00:01Z, where a, line 3 has 2;"
+            ),
+            "{error}"
+        );
+        let (last, _) = join(vec![a.clone(), c.clone()], Some(Keep::Last), false).expect("one series");
+        assert_eq!((last.columns["sensor_x_nt"][1], last.disagreeing), (2.5, 1));
+        let (first, _) = join(vec![a, c], Some(Keep::First), false).expect("one series");
+        assert_eq!(first.columns["sensor_x_nt"][1], 2.0);
+    }
+
+    #[test]
+    fn a_clock_set_back_and_gaps() {
+        let back = piece("a", &[(0, 1.0), (5, 2.0), (3, 3.0)]);
+        let error = join(vec![back.clone()], None, false).expect_err("it falls").to_string();
+        assert!(error.contains("line 4") && error.contains("--sort"), "{error}");
+        let (series, _) = join(vec![back], None, true).expect("sorted");
+        assert_eq!((series.columns["sensor_x_nt"].clone(), series.sorted), (vec![1.0, 3.0, 2.0], 1));
+        let times: Vec<i64> = [0, 1, 2, 5, 6, 7, 9].map(|time| time * SECOND_NS).into();
+        let gaps = gaps(&times, 0, 1.0);
+        assert_eq!((gaps.count, gaps.missing_rows), (2, 3));
+        assert_eq!(gaps.longest[0], Gap { after_s: 2.0, seconds: 3.0 });
+    }
+
+    proptest! {
+        /// However a series is cut into overlapping files, and in whatever order they are given, it comes back.
+        #[test]
+        fn a_series_comes_back_from_its_parts(
+            cuts in prop::collection::vec((0_usize..60, 1_usize..40), 1..6),
+            shuffle in any::<u64>(),
+        ) {
+            let rows: Vec<(i64, f64)> = (0..100).map(|row| (row * 3 % 307 + row * 7, (row as f64).sin())).collect();
+            let mut pieces: Vec<Piece> =
+                cuts.iter().map(|(from, length)| piece("p", &rows[*from..(from + length).min(100)])).collect();
+            pieces.push(piece("all", &rows));
+            let length = pieces.len();
+            pieces.rotate_left((shuffle % length as u64) as usize);
+            let (series, _) = join(pieces, None, true).expect("one series");
+            let mut expected = rows;
+            expected.sort_by_key(|row| row.0);
+            prop_assert_eq!(&series.columns["sensor_x_nt"], &expected.iter().map(|row| row.1).collect::<Vec<_>>());
+        }
+    }
+}

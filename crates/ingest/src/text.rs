@@ -1,0 +1,214 @@
+//! Files as they lie there: bytes, their kind, and the lines of those that are text.
+
+use memchr::{memchr, memchr_iter};
+use sha2::{Digest, Sha256};
+use std::borrow::Cow;
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use tables::Place;
+
+/// A file that was read.
+pub struct Source {
+    /// Where it is.
+    pub path: PathBuf,
+    /// As messages name it: as it was given.
+    pub shown: String,
+    /// Its name alone, as the document keeps it.
+    pub name: String,
+    /// What is in it; for text without byte-order mark, each line's end `\n` or `\r\n`.
+    pub bytes: Vec<u8>,
+    /// SHA-256 of the file as it is, where `bytes` are not.
+    original_sha256: Option<String>,
+    /// What it is.
+    pub kind: Kind,
+}
+
+/// What a file is, told from its content: names of files say little.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// IAGA-2002.
+    Iaga,
+    /// Lines of values between separators.
+    Delimited,
+    /// A JSON object a line.
+    NdJson,
+    /// Apache Parquet.
+    Parquet,
+}
+
+impl Source {
+    /// Text that needs no cleaning.
+    #[cfg(test)]
+    pub fn new(path: PathBuf, shown: String, name: String, bytes: Vec<u8>, kind: Kind) -> Self {
+        Source { path, shown, name, bytes, original_sha256: None, kind }
+    }
+
+    /// Reads a file, `-` for standard input.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let failed = |source| Error::Table(tables::Error::File { path: path.into(), action: "read", source });
+        let (bytes, shown) = if path == Path::new("-") {
+            let mut bytes = Vec::new();
+            std::io::stdin().read_to_end(&mut bytes).map_err(failed)?;
+            (bytes, "standard input".to_string())
+        } else {
+            (fs::read(path).map_err(failed)?, path.display().to_string())
+        };
+        let named = path.file_name().filter(|name| *name != "-");
+        let name = named.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
+        let kind = kind(&shown, &bytes)?;
+        let as_it_is = kind == Kind::Parquet || is_plain(&bytes);
+        let original_sha256 = (!as_it_is).then(|| sha256(&bytes));
+        let bytes = if as_it_is { bytes } else { plain(bytes) };
+        Ok(Source { path: path.into(), shown, name, bytes, original_sha256, kind })
+    }
+
+    /// SHA-256 of the file as it is, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        self.original_sha256.clone().unwrap_or_else(|| sha256(&self.bytes))
+    }
+
+    /// A fault of this file.
+    pub fn fault(&self, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
+        Error::at(&self.shown, place, found, expected)
+    }
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+fn kind(shown: &str, bytes: &[u8]) -> Result<Kind, Error> {
+    let refused = |found: &str, expected: &str| Err(Error::at(shown, Place::Whole, found, expected));
+    let archive = "a file of readings; unpack it first";
+    let utf8 = "text in UTF-8; convert it, for example with iconv -f UTF-16 -t UTF-8";
+    match bytes {
+        [] => return refused("an empty file", "readings; was it copied in full?"),
+        [b'P', b'A', b'R', b'1', ..] => return Ok(Kind::Parquet),
+        [b'P', b'K', 3, 4, ..] => return refused("a zip archive (a spreadsheet is one too)", archive),
+        [0x1f, 0x8b, ..] => return refused("a gzip archive", archive),
+        [0x89, b'H', b'D', b'F', ..] => {
+            return refused("HDF5", "IAGA-2002, CSV, NDJSON or Parquet; convert it first");
+        }
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return refused("text in UTF-16", utf8),
+        _ => {}
+    }
+    let head = &bytes[..bytes.len().min(4096)];
+    match memchr(0, head) {
+        Some(at) if at < 4 && head.len() > 3 => {
+            return refused("text in UTF-16, without a mark that says so", utf8);
+        }
+        Some(at) => return refused(&format!("a zero byte at byte {}", at + 1), "text, or Parquet"),
+        None => {}
+    }
+    let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
+    let first = head.trim_ascii_start();
+    if first.is_empty() {
+        return refused("nothing but blanks", "readings; was it copied in full?");
+    }
+    if first.starts_with(b"{") || first.starts_with(b"[") {
+        if head.windows(9).any(|part| part == b"\"fluxcal\"") {
+            return refused(
+                "a fluxcal document",
+                "a file of readings; to add recordings to a document, name it with --add",
+            );
+        }
+        if first.starts_with(b"{") {
+            return Ok(Kind::NdJson);
+        }
+        return refused("a JSON list", "NDJSON, which is one JSON object a line");
+    }
+    let label = first.get(..6).is_some_and(|label| label.eq_ignore_ascii_case(b"format"));
+    let line = &first[..memchr(b'\n', first).unwrap_or(first.len())];
+    let line = line.to_ascii_uppercase();
+    Ok(if label && line.windows(4).any(|part| part == b"IAGA") { Kind::Iaga } else { Kind::Delimited })
+}
+
+/// Whether text has no byte-order mark, and carriage returns only before line feeds.
+fn is_plain(bytes: &[u8]) -> bool {
+    !bytes.starts_with(b"\xEF\xBB\xBF")
+        && memchr_iter(b'\r', bytes).all(|at| bytes.get(at + 1) == Some(&b'\n'))
+}
+
+/// Without byte-order mark; a carriage return that stands alone (or two before a line feed) becomes one line's end.
+fn plain(mut bytes: Vec<u8>) -> Vec<u8> {
+    if bytes.starts_with(b"\xEF\xBB\xBF") {
+        bytes.drain(..3);
+    }
+    let mut clean = Vec::with_capacity(bytes.len());
+    let mut at = 0;
+    while let Some(found) = memchr(b'\r', &bytes[at..]) {
+        clean.extend_from_slice(&bytes[at..at + found]);
+        at += found;
+        while bytes.get(at) == Some(&b'\r') {
+            at += 1;
+        }
+        at += usize::from(bytes.get(at) == Some(&b'\n'));
+        clean.push(b'\n');
+    }
+    clean.extend_from_slice(&bytes[at..]);
+    clean
+}
+
+/// Text in UTF-8, or in Latin-1 where it is not.
+pub fn decoded(bytes: &[u8]) -> Cow<'_, str> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect::<String>().into(),
+    }
+}
+
+/// Lines with their numbers from 1, without their ends.
+pub fn lines(bytes: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
+    let mut rest = bytes;
+    (1..).map_while(move |number| {
+        if rest.is_empty() {
+            return None;
+        }
+        let (line, after) = split_line(rest);
+        rest = after;
+        Some((number, line))
+    })
+}
+
+/// The first line without its end, and what follows.
+#[inline]
+pub fn split_line(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let (line, rest) = match memchr(b'\n', bytes) {
+        Some(end) => (&bytes[..end], &bytes[end + 1..]),
+        None => (bytes, &[][..]),
+    };
+    (line.strip_suffix(b"\r").unwrap_or(line), rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn line_ends_of_all_kinds() {
+        let text = plain(b"\xEF\xBB\xBFa\r\nb\rc\r\r\nd\ne".to_vec());
+        let all: Vec<_> = lines(&text).map(|(number, line)| (number, line.to_vec())).collect();
+        let expected = [b"a", b"b", b"c", b"d", b"e"].iter().zip(1..).map(|(line, n)| (n, line.to_vec()));
+        assert_eq!(all, expected.collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn kinds_are_told_from_content() {
+        let of = |bytes: &[u8]| kind("x", bytes).map_err(|error| error.to_string());
+        assert_eq!(of(b" Format                 IAGA-2002   |\n"), Ok(Kind::Iaga));
+        assert_eq!(of(b"t,x\n1,2\n"), Ok(Kind::Delimited));
+        assert_eq!(of(b"{\"t\": 1}\n"), Ok(Kind::NdJson));
+        assert_eq!(of(b"PAR1...."), Ok(Kind::Parquet));
+        assert!(of(b"\xff\xfet\0").expect_err("UTF-16").contains("UTF-16"));
+        assert!(of(b"t\0,\0x\0").expect_err("UTF-16").contains("UTF-16"));
+        assert!(of(b"PK\x03\x04").expect_err("zip").contains("zip"));
+        assert!(of(b"{\n \"fluxcal\": 1}").expect_err("a document").contains("--add"));
+    }
+}

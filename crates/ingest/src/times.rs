@@ -1,0 +1,308 @@
+//! Times of rows as a mapping describes them.
+
+use common::time::Start;
+use jiff::civil::{Date, DateTime};
+use jiff::fmt::strtime::{self, BrokenDownTime};
+use tables::Place;
+
+use crate::Error;
+use crate::clock::{self, DAY_NS, SECOND_NS, Stamp, Zone};
+use crate::mapping::TimeMapping;
+use crate::parts::{RowFault, Rows};
+use crate::piece::Clock;
+use crate::text::Source;
+
+/// How the times of a file are read.
+pub struct Times {
+    form: Form,
+    zone: Zone,
+    /// As the mapping states it.
+    said: String,
+    /// Nanoseconds that are added to each: the recording's start.
+    begin_ns: i64,
+    clock: Clock,
+}
+
+enum Form {
+    Iso,
+    /// A number of units of so many ns.
+    Decimal {
+        unit_ns: i64,
+        point: u8,
+    },
+    /// Year, and day of the year with decimals.
+    DayOfYear {
+        point: u8,
+    },
+    /// Days since a day so far from 1970.
+    Days {
+        epoch: f64,
+        point: u8,
+    },
+    /// A pattern with the date.
+    Pattern(String),
+    /// A pattern of the time of day, with the day from the file's name.
+    OfDay {
+        pattern: String,
+        day: i64,
+    },
+    /// Row by row.
+    Step(f64),
+    None,
+}
+
+impl Times {
+    /// What the mapping says of a file's times.
+    ///
+    /// # Errors
+    ///
+    /// A date that should be in the file's name and is not.
+    pub fn new(source: &Source, mapping: Option<&TimeMapping>, decimal: char) -> Result<Self, Error> {
+        let Some(mapping) = mapping else {
+            let (said, zone) = (String::new(), Zone::Fixed(0));
+            return Ok(Times { form: Form::None, zone, said, begin_ns: 0, clock: Clock::None });
+        };
+        let point = decimal as u8;
+        let unit = |unit_ns: i64| Form::Decimal { unit_ns, point };
+        let form = match (mapping.step_s, mapping.format.as_str()) {
+            (Some(step_s), _) => Form::Step(step_s),
+            (None, "iso") => Form::Iso,
+            (None, "unix_s" | "seconds") => unit(SECOND_NS),
+            (None, "unix_ms" | "milliseconds") => unit(SECOND_NS / 1000),
+            (None, "unix_us") => unit(1000),
+            (None, "unix_ns") => unit(1),
+            (None, "day_of_year") => Form::DayOfYear { point },
+            (None, "excel_days") => Form::Days { epoch: 25_569.0, point },
+            (None, "matlab_days") => Form::Days { epoch: 719_529.0, point },
+            (None, pattern) => match &mapping.date_in_name {
+                Some(date) => Form::OfDay { pattern: pattern.into(), day: day_in_name(source, date)? },
+                None => Form::Pattern(pattern.into()),
+            },
+        };
+        let counted =
+            matches!(form, Form::Step(_)) || matches!(mapping.format.as_str(), "seconds" | "milliseconds");
+        let start = mapping.start.as_deref().and_then(Start::parse);
+        let (begin_ns, clock) = match (counted, start) {
+            (false, _) => (0, Clock::Utc),
+            (true, None) => (0, Clock::Campaign),
+            (true, Some(start)) => ((start.unix_s * 1e6).round() as i64 * 1000, Clock::Utc),
+        };
+        Ok(Times { form, zone: mapping.zone(), said: mapping.format.clone(), begin_ns, clock })
+    }
+
+    /// What they count from.
+    pub fn clock(&self) -> Clock {
+        self.clock
+    }
+
+    /// Whether rows hold no time.
+    pub fn are_counted(&self) -> bool {
+        matches!(self.form, Form::Step(_) | Form::None)
+    }
+
+    /// Reads one; what is wrong with it otherwise.
+    #[inline]
+    pub fn read(&self, text: &[u8]) -> Result<i64, String> {
+        let as_expected = || self.expected();
+        match &self.form {
+            Form::Iso => clock::iso(text).ok_or_else(as_expected).and_then(|stamp| self.zone.moment(stamp)),
+            Form::Decimal { unit_ns, point } => {
+                let ns = clock::decimal(text, *unit_ns, *point).ok_or_else(as_expected)?;
+                ns.checked_add(self.begin_ns).ok_or_else(as_expected)
+            }
+            Form::DayOfYear { point } => {
+                day_of_year(text, *point).ok_or_else(as_expected).and_then(|stamp| self.zone.moment(stamp))
+            }
+            Form::Days { epoch, point } => {
+                let clock_ns = number(text, *point)
+                    .and_then(|days| clock::days(days, *epoch))
+                    .ok_or_else(as_expected)?;
+                self.zone.moment(Stamp { clock_ns, ahead_s: None })
+            }
+            Form::Pattern(pattern) => {
+                let parts = strtime::parse(pattern, text).map_err(|_| as_expected())?;
+                self.zone.moment(stamp(&parts).ok_or_else(as_expected)?)
+            }
+            // Brought to UTC by `settle`, when it is known on which day each row was taken.
+            Form::OfDay { pattern, day } => {
+                let time = strtime::parse(pattern, text).ok().and_then(|parts| parts.to_time().ok());
+                let time = time.ok_or_else(as_expected)?;
+                let midnight = jiff::civil::Time::midnight();
+                Ok(day * DAY_NS
+                    + (time - midnight).total(jiff::Unit::Nanosecond).map_err(|_| as_expected())? as i64)
+            }
+            Form::Step(_) | Form::None => Ok(0),
+        }
+    }
+
+    /// A time that a table without text holds as a number.
+    pub fn read_number(&self, value: f64) -> Result<i64, String> {
+        let ns = match &self.form {
+            // A double holds seconds since 1970 to a quarter of a microsecond.
+            Form::Decimal { unit_ns, .. } if value.abs() * *unit_ns as f64 > 1e17 => {
+                Some((value * (*unit_ns as f64 / 1e3)).round() * 1e3)
+            }
+            Form::Decimal { unit_ns, .. } => Some((value * *unit_ns as f64).round()),
+            Form::Days { epoch, .. } => {
+                let stamp = clock::days(value, *epoch).map(|clock_ns| Stamp { clock_ns, ahead_s: None });
+                return stamp.ok_or_else(|| self.expected()).and_then(|stamp| self.zone.moment(stamp));
+            }
+            _ => None,
+        };
+        let ns = ns.filter(|ns| ns.abs() < 9.2e18).ok_or_else(|| self.expected())? as i64;
+        ns.checked_add(self.begin_ns).ok_or_else(|| self.expected())
+    }
+
+    /// What a time must be.
+    pub fn expected(&self) -> String {
+        match self.said.as_str() {
+            "iso" => "a time as in 2024-05-10T00:00:00Z".into(),
+            "day_of_year" => "a year and a day of it, as in 2024 131.5".into(),
+            said => format!("a time as the mapping's `time.format` says: {said}"),
+        }
+    }
+
+    /// What can be said of times only when all rows are there: rows that are counted, and days of rows that hold the time of day alone.
+    pub fn settle(&self, source: &Source, rows: &mut Rows, notes: &mut Vec<String>) -> Result<(), Error> {
+        let count = rows.lines.len();
+        match &self.form {
+            Form::Step(step_s) => {
+                let at = |row: usize| self.begin_ns + (row as f64 * step_s * 1e9).round() as i64;
+                rows.times_ns = (0..count).map(at).collect();
+            }
+            Form::None => rows.times_ns = (0..count as i64).collect(),
+            Form::OfDay { .. } => self.settle_days(source, rows, notes)?,
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Midnight is where the time of day falls by more than half a day. The day of the file's name is that of most rows: a log that
+    /// begins at 23:59 began the day before.
+    fn settle_days(&self, source: &Source, rows: &mut Rows, notes: &mut Vec<String>) -> Result<(), Error> {
+        let midnights: Vec<usize> = (1..rows.times_ns.len())
+            .filter(|row| rows.times_ns[row - 1] - rows.times_ns[*row] > DAY_NS / 2)
+            .collect();
+        match midnights.as_slice() {
+            [] => {}
+            [midnight] => {
+                let before = 2 * midnight < rows.times_ns.len();
+                let (part, shift) =
+                    if before { (0..*midnight, -DAY_NS) } else { (*midnight..rows.times_ns.len(), DAY_NS) };
+                let which = if before { "begins on the day before" } else { "goes on into the day after" };
+                notes.push(format!("{which} the one in its name"));
+                rows.times_ns[part].iter_mut().for_each(|time| *time += shift);
+            }
+            [_, second, ..] => {
+                let line = u64::from(rows.lines[*second]);
+                let expected = "the rows of one day; give a column with the date";
+                return Err(source.fault(Place::Line(line), "a second midnight in the file", expected));
+            }
+        }
+        for (time, line) in rows.times_ns.iter_mut().zip(&rows.lines) {
+            let stamp = Stamp { clock_ns: *time, ahead_s: None };
+            *time = self.zone.moment(stamp).map_err(|expected| {
+                let shown = clock::text(*time);
+                let found = shown.trim_end_matches('Z').to_string();
+                RowFault { line: *line, column: None, found, expected }.of(source)
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// The date within the file's name: the first place where the pattern fits.
+fn day_in_name(source: &Source, pattern: &str) -> Result<i64, Error> {
+    let name = source.name.as_str();
+    for (start, _) in name.char_indices() {
+        let found = BrokenDownTime::parse_prefix(pattern, &name[start..]).ok();
+        if let Some(date) = found.and_then(|(parts, _)| parts.to_date().ok()) {
+            return Ok(days_of(date));
+        }
+    }
+    let expected = format!("a date in its name as {pattern}, as the mapping's `time.date_in_name` says");
+    Err(source.fault(Place::Whole, format!("the name {name:?}"), expected))
+}
+
+fn days_of(date: Date) -> i64 {
+    clock::day(i64::from(date.year()), i64::from(date.month()), i64::from(date.day())).unwrap_or_default()
+}
+
+/// What the parts of a pattern say together.
+fn stamp(parts: &BrokenDownTime) -> Option<Stamp> {
+    let shown: DateTime = parts.to_datetime().ok().or_else(|| Some(parts.to_date().ok()?.at(0, 0, 0, 0)))?;
+    let time = shown.time();
+    let seconds = 3600 * i64::from(time.hour()) + 60 * i64::from(time.minute()) + i64::from(time.second());
+    let clock_ns = days_of(shown.date()) * DAY_NS + seconds * SECOND_NS + i64::from(time.subsec_nanosecond());
+    Some(Stamp { clock_ns, ahead_s: parts.offset().map(|offset| i64::from(offset.seconds())) })
+}
+
+fn number(text: &[u8], point: u8) -> Option<f64> {
+    let text: Vec<u8> = text.iter().map(|byte| if *byte == point { b'.' } else { *byte }).collect();
+    fast_float2::parse::<f64, _>(&text).ok()
+}
+
+/// `2024 131.5`: noon of 10 May 2024.
+fn day_of_year(text: &[u8], point: u8) -> Option<Stamp> {
+    let mut parts = text.split(|byte| *byte == b' ').filter(|part| !part.is_empty());
+    let (year, of_year) = (number(parts.next()?, point)?, number(parts.next()?, point)?);
+    let first = clock::day(year as i64, 1, 1)?;
+    let fits = year.fract() == 0.0 && (1.0..367.0).contains(&of_year) && parts.next().is_none();
+    let clock_ns = clock::days(of_year - 1.0, -(first as f64))?;
+    fits.then_some(Stamp { clock_ns, ahead_s: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::text::Kind;
+
+    fn source(name: &str) -> Source {
+        let (path, shown, name) = (name.into(), name.to_string(), name.to_string());
+        Source::new(path, shown, name, Vec::new(), Kind::Delimited)
+    }
+
+    fn read(format: &str, zone: Option<&str>, text: &str) -> Result<String, String> {
+        let mapping =
+            TimeMapping { format: format.into(), zone: zone.map(str::to_string), ..TimeMapping::default() };
+        let times = Times::new(&source("x.csv"), Some(&mapping), '.').map_err(|error| error.to_string())?;
+        times.read(text.as_bytes()).map(clock::text)
+    }
+
+    #[test]
+    fn patterns_and_zones() {
+        let ok = |format: &str, zone: Option<&str>, text: &str| read(format, zone, text).expect(text);
+        assert_eq!(ok("%d.%m.%Y %H:%M:%S", None, "01.09.2011 12:00:05"), "2011-09-01T12:00:05Z");
+        assert_eq!(
+            ok("%d.%m.%Y %H:%M:%S", Some("Europe/Vienna"), "01.09.2011 12:00:05"),
+            "2011-09-01T10:00:05Z"
+        );
+        assert_eq!(ok("%Y %j %H:%M:%S%.f", None, "2011 244 00:00:00.25"), "2011-09-01T00:00:00.25Z");
+        assert_eq!(ok("%Y-%m-%dT%H:%M:%S%z", None, "2011-09-01T00:00:00+0200"), "2011-08-31T22:00:00Z");
+        assert_eq!(ok("day_of_year", None, "2024 131.5"), "2024-05-10T12:00:00Z");
+        assert_eq!(ok("unix_ms", None, "1565373905343.25"), "2019-08-09T18:05:05.34325Z");
+        assert_eq!(ok("excel_days", Some("+02:00"), "45422.5"), "2024-05-10T10:00:00Z");
+        assert!(read("iso", None, "1.9.2011").expect_err("no ISO").contains("2024-05-10T00:00:00Z"));
+        assert!(read("day_of_year", None, "2024 0.5").is_err());
+    }
+
+    #[test]
+    fn a_day_in_the_name_and_a_log_that_begins_before_it() {
+        let mapping = TimeMapping {
+            format: "%H:%M:%S".into(),
+            date_in_name: Some("%b%d%y".into()),
+            ..TimeMapping::default()
+        };
+        let source = source("x-SEP0111.txt");
+        let times = Times::new(&source, Some(&mapping), '.').expect("a date");
+        let mut rows = Rows { lines: vec![1, 2, 3, 4], ..Rows::default() };
+        rows.times_ns = ["23:59:50", "00:00:00", "00:00:10", "00:00:20"]
+            .map(|text| times.read(text.as_bytes()).expect(text))
+            .into();
+        let mut notes = Vec::new();
+        times.settle(&source, &mut rows, &mut notes).expect("settled");
+        assert_eq!(clock::text(rows.times_ns[0]), "2011-08-31T23:59:50Z");
+        assert_eq!(clock::text(rows.times_ns[3]), "2011-09-01T00:00:20Z");
+        assert_eq!(notes.len(), 1);
+    }
+}

@@ -1,0 +1,86 @@
+//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. The values themselves are held
+//! against the made-up field from which the files were written.
+
+use common::{Document, to_text};
+use ingest::{Mapping, Options, Readings, run};
+use std::path::PathBuf;
+
+fn of(files: &[&str], options: Options) -> Document {
+    let files: Vec<PathBuf> = files.iter().map(|name| testkit::fixture("ingest").join(name)).collect();
+    let document = Document { fluxcal: 1, ..Document::default() };
+    run(document, &files, &options).unwrap_or_else(|error| panic!("{files:?}: {error}")).document
+}
+
+fn mapped() -> Options {
+    let mapping = Mapping::parse(&testkit::read_fixture("ingest/counts-map.json")).expect("a mapping");
+    Options { mapping: Some(mapping), ..Options::default() }
+}
+
+fn outside() -> Options {
+    Options { quantity: "outside".into(), id: Some("station".into()), ..Options::default() }
+}
+
+const MINUTES: [&str; 2] = ["flx20240310b.min", "flx20240310a.min"];
+
+#[test]
+fn golden() {
+    let case = |name: &str, files: &[&str], options: Options| {
+        testkit::golden(&format!("ingest/{name}"), "ingest/counts-map.json", |_| {
+            to_text(&of(files, options))
+        });
+    };
+    case("minutes", &MINUTES, Options::default());
+    case("horizontal", &["flx20240310v.min"], outside());
+    case("half-seconds", &["lemi.sec"], Options::default());
+    case("logger", &["logger.csv"], Options::default());
+    case("counts", &["counts.txt"], mapped());
+    case("ndjson", &["field.ndjson"], Options::default());
+    case("parquet", &["field.parquet"], Options::default());
+    case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
+}
+
+/// X, Y, Z and F of the made-up field, nT, two decimals.
+fn field(row: f64) -> [f64; 4] {
+    let cents = |value: f64| (100.0 * value).round() / 100.0;
+    let (x, y, z) = (
+        20_900.0 + 8.0 * (row / 9.0).sin(),
+        1400.0 + 5.0 * (row / 7.0).cos(),
+        43_800.0 + 3.0 * (row / 11.0).sin(),
+    );
+    [cents(x), cents(y), cents(z), cents((x * x + y * y + z * z).sqrt() + 1.5)]
+}
+
+/// Columns in that order against the field at each time; the number of values that are there.
+fn against(document: &Document, names: [&str; 4], step_s: f64, off_nt: f64) -> usize {
+    let recording = &document.recordings[0];
+    let times = recording.column("time_s").expect("times");
+    let mut count = 0;
+    for (axis, name) in names.into_iter().enumerate() {
+        let Some(values) = recording.column(name) else { continue };
+        for (time, value) in times.iter().zip(values).filter(|(_, value)| !value.is_nan()) {
+            let expected = field((time / step_s).round())[axis];
+            assert!((value - expected).abs() <= off_nt, "{name} at {time} s: {value} and {expected}");
+            count += 1;
+        }
+    }
+    count
+}
+
+#[test]
+fn the_field_comes_back() {
+    let sensor = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt"];
+    let outside_names = ["outside_x_nt", "outside_y_nt", "outside_z_nt", "reference_nt"];
+    assert_eq!(against(&of(&MINUTES, Options::default()), sensor, 60.0, 0.0), 4 * 65 - 2);
+    // H to a hundredth of a nanotesla, D to a hundredth of a minute of arc: 0.06 nT.
+    assert_eq!(against(&of(&["flx20240310v.min"], outside()), outside_names, 60.0, 0.04), 40);
+    assert_eq!(against(&of(&["lemi.sec"], Options::default()), sensor, 1.0, 0.0), 60);
+    // Five decimals of a microtesla.
+    assert_eq!(against(&of(&["logger.csv"], Options::default()), sensor, 30.0, 1e-10), 3 * 24);
+    assert_eq!(against(&of(&["field.ndjson"], Options::default()), sensor, 0.5, 0.0), 63);
+    assert_eq!(against(&of(&["field.parquet"], Options::default()), sensor, 0.5, 0.0), 63);
+    // Half a count of 13.5 nT; z is 20 000 nT above what was recorded.
+    let counts = of(&["counts.txt"], mapped());
+    assert_eq!(counts.recordings[0].column("sensor_z_nt").expect("z")[0], 3244.0 * 13.5 + 20_000.0);
+    assert_eq!(counts.recordings[0].column("sensor_x_nt").expect("x")[0], 1548.0 * 13.5);
+    assert!(counts.recordings[0].column("sensor_y_nt").expect("y")[3].is_nan());
+}

@@ -1,0 +1,173 @@
+//! Ways in and out: documents that exist, standard input, files in any order, tables beside, files as they really are.
+
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use testkit::run;
+
+const INGEST: &str = env!("CARGO_BIN_EXE_ingest");
+
+fn fixture(name: &str) -> String {
+    testkit::fixture("ingest").join(name).to_str().expect("UTF-8").to_string()
+}
+
+fn document(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+/// What is said and written of a text file; the code must be 0.
+fn ingested(name: &str, bytes: &[u8], arguments: &[&str]) -> (String, Value) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join(name), bytes).expect("written");
+    let output =
+        Command::new(INGEST).args(arguments).arg(name).current_dir(folder.path()).output().expect("ingest");
+    let said = String::from_utf8(output.stderr).expect("UTF-8");
+    assert!(output.status.success(), "{said}");
+    (said, document(&String::from_utf8(output.stdout).expect("UTF-8")))
+}
+
+#[test]
+fn a_recording_is_added_and_the_rest_kept() {
+    let first = r#"{"fluxcal": 1, "weather": "dry", "recordings": [{"id": "flx-2024-03-10", "procedure": "free_run"}]}"#;
+    let taken = run(INGEST, &["--add", "-", &fixture("lemi.sec")], first);
+    assert_eq!(taken.code, 0, "{}", taken.stderr);
+    let found = document(&taken.stdout);
+    assert_eq!(
+        (found["weather"].as_str(), found["recordings"].as_array().map(Vec::len)),
+        (Some("dry"), Some(2))
+    );
+    assert_eq!(found["history"][0]["stage"], "ingest");
+    let twice = run(INGEST, &["--add", "-", &fixture("flx20240310a.min")], first);
+    assert_eq!((twice.code, twice.stdout.as_str()), (2, ""));
+    assert!(twice.stderr.contains("--id"), "{}", twice.stderr);
+    assert_eq!(
+        run(INGEST, &["-q", "--id", "b", "--add", "-", &fixture("flx20240310a.min")], first).stderr,
+        ""
+    );
+}
+
+#[test]
+fn the_order_of_files_and_the_threads_change_nothing() {
+    let (a, b) = (fixture("flx20240310a.min"), fixture("flx20240310b.min"));
+    let of = |files: [&str; 2], threads: &str| {
+        let output =
+            Command::new(INGEST).args(files).env("RAYON_NUM_THREADS", threads).output().expect("ingest");
+        (output.stdout, output.stderr)
+    };
+    let first = of([&a, &b], "1");
+    assert_eq!(first, of([&b, &a], "2"));
+    let said = String::from_utf8_lossy(&first.1).into_owned();
+    assert!(said.contains("65 rows of 60 s, 2024-03-10T00:00:00Z to 2024-03-10T01:09:00Z"), "{said}");
+    assert!(said.contains("1 gap, 5 rows missing"), "{said}");
+    assert!(said.contains("2 rows there more than once and alike"), "{said}");
+    let found = document(&String::from_utf8_lossy(&first.0));
+    let source = &found["recordings"][0]["source"];
+    assert_eq!((source["gaps"]["missing_rows"].as_u64(), source["merged_rows"].as_u64()), (Some(5), Some(2)));
+    assert_eq!(source["gaps"]["longest"][0]["after_s"], 59.0 * 60.0);
+}
+
+#[test]
+fn a_long_series_goes_beside_its_document() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows: String = (0..10_001).map(|row| format!("{row},{row}.5\n")).collect();
+    fs::write(folder.path().join("long.csv"), format!("time_s,sensor_x_nt\n{rows}")).expect("written");
+    fs::create_dir(folder.path().join("campaign")).expect("a folder");
+    let of = |arguments: &[&str]| {
+        let output =
+            Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    assert_eq!(of(&["-o", "campaign/out.json", "long.csv"]), "");
+    let found = document(&fs::read_to_string(folder.path().join("campaign/out.json")).expect("a document"));
+    assert_eq!(
+        (&found["recordings"][0]["table"], found["recordings"][0].get("columns")),
+        (&Value::from("long.parquet"), None)
+    );
+    let table = tables::beside(&folder.path().join("campaign"), "long.parquet").expect("a path");
+    let rows: usize =
+        tables::Reader::open(&table, None).expect("a table").map(|batch| batch.expect("rows").rows()).sum();
+    assert_eq!(rows, 10_001);
+    assert_eq!(
+        document(&of(&["--beside=readings.csv", "long.csv"]))["recordings"][0]["table"],
+        "readings.csv"
+    );
+    let csv =
+        fs::read_to_string(folder.path().join("readings.csv")).expect("beside the standard output's folder");
+    assert!(csv.starts_with("time_s,sensor_x_nt\n0.0,0.5\n"), "{}", &csv[..40]);
+    let inline = document(&of(&["--inline", "long.csv"]));
+    assert_eq!(inline["recordings"][0]["columns"]["sensor_x_nt"].as_array().map(Vec::len), Some(10_001));
+}
+
+#[test]
+fn a_table_that_cannot_be_written_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir_all(folder.path().join("t.parquet/within")).expect("a folder");
+    let arguments = ["--beside=t.parquet", "-o", "out.json", &fixture("lemi.sec")];
+    let output = Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
+    let left: Vec<_> = fs::read_dir(folder.path())
+        .expect("readable")
+        .map(|entry| entry.expect("an entry").file_name())
+        .collect();
+    assert_eq!(left, ["t.parquet"]);
+}
+
+#[test]
+fn line_ends_marks_and_old_encodings() {
+    let text = "time;x (nT);T (°C)\n2024-06-10T10:00:00Z;1.5;20\n2024-06-10T10:00:01Z;2.5;21\n;;\n2024-06-10T10:00:02Z;;NaN\n";
+    let (_, plain) = ingested("a.csv", text.as_bytes(), &[]);
+    let columns = &plain["recordings"][0]["columns"];
+    assert_eq!(columns["x_nt"], serde_json::json!([1.5, 2.5, null]));
+    assert_eq!(columns["sensor_temperature_c"], serde_json::json!([20.0, 21.0, null]));
+    let mut lines = text.lines();
+    let mut mixed = String::from("\u{feff}");
+    for end in ["\r\n", "\n", "\r", "\r\r\n", "\n"] {
+        mixed += &format!("{}{end}", lines.next().unwrap_or_default());
+    }
+    assert_eq!(&ingested("a.csv", mixed.as_bytes(), &[]).1["recordings"][0]["columns"], columns);
+    let latin: Vec<u8> =
+        text.chars().map(|letter| u8::try_from(u32::from(letter)).expect("Latin-1")).collect();
+    let (said, found) = ingested("a.csv", &latin, &[]);
+    assert_eq!(&found["recordings"][0]["columns"], columns);
+    assert!(said.contains("not in UTF-8 and was read as Latin-1"), "{said}");
+    let (said, _) = ingested("a.csv", text.trim_end().as_bytes(), &[]);
+    assert!(said.contains("the last line has no end"), "{said}");
+}
+
+#[test]
+fn a_guess_is_saved_edited_and_used() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let of = |arguments: &[&str]| {
+        let output =
+            Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).expect("UTF-8"),
+            String::from_utf8(output.stderr).expect("UTF-8"),
+        )
+    };
+    let edit = |text: &str| fs::write(folder.path().join("map.json"), text).expect("written");
+    let read = |path: &Path| fs::read_to_string(path).expect("readable");
+    let logger = fixture("logger.csv");
+    let (code, map, said) = of(&["guess", &logger]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("taken as UTC") && said.contains("nothing is open"), "{said}");
+    edit(&map.replace("\"zone\": \"UTC\"", "\"zone\": \"Europe/Vienna\""));
+    let (code, found, said) = of(&["--map", "map.json", &logger]);
+    assert_eq!(code, Some(0), "{said}");
+    assert_eq!(document(&found)["recordings"][0]["start"], "2024-06-10T10:00:00Z");
+    // A file that names no columns and states no units.
+    let (code, map, said) = of(&["guess", &fixture("counts.txt"), "-o", "map.json"]);
+    assert_eq!((code, map.as_str()), (Some(0), ""), "{said}");
+    assert!(said.contains("the file names none"), "{said}");
+    let guessed = document(&read(&folder.path().join("map.json")));
+    assert_eq!(
+        (&guessed["separator"], &guessed["time"]["format"]),
+        (&Value::from(" "), &Value::from("unix_ms"))
+    );
+    let (code, nothing, said) = of(&[&fixture("counts.txt")]);
+    assert_eq!((code, nothing.as_str()), (Some(2), ""));
+    assert!(said.contains("ingest guess"), "{said}");
+}
