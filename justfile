@@ -26,6 +26,7 @@ bench:
     cargo bench -p ingest --bench ingest
     cargo bench -p diffmag --bench stream
     cargo bench -p diagnose --bench diagnose
+    FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:

@@ -45,6 +45,14 @@ impl Solved<'_> {
         Ok(covariance)
     }
 
+    /// Whether S is the whole inverse of ∂F/∂B, so that one pass is all.
+    fn is_exact(&self) -> bool {
+        match &self.step {
+            Step::Unmix(_) => self.inverter.is_affine(),
+            Step::Band(band) => band.reach() == 0,
+        }
+    }
+
     /// The same passes as for the field, with the derivative carried along.
     fn derivative(
         &self,
@@ -83,7 +91,7 @@ impl Solved<'_> {
                     largest = largest.max(derivative.amax());
                 }
             }
-            if moved <= TOLERANCE * largest || self.inverter.is_affine() {
+            if moved <= TOLERANCE * largest || self.is_exact() {
                 break;
             }
         }
