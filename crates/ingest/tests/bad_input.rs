@@ -170,7 +170,7 @@ fn a_table_stays_in_the_folder_of_the_document() {
         said
     };
     assert!(refused("../secret.parquet").contains("has .. in it"));
-    assert!(refused("/tmp/secret.parquet").contains("is absolute"));
+    assert!(refused("/secret.parquet").contains("is absolute"));
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink(folder.path(), folder.path().join("campaign/up")).expect("a link");
