@@ -79,21 +79,19 @@ impl Bench<'_> {
         coils.get(coil)?.max_nt
     }
 
-    /// A sensor turned along a coil, and the block about it by quarter turns, as a procedure begins.
+    /// A sensor turned along a coil, and the block about it by quarters of a turn, as a procedure begins.
     pub fn along(
         &self,
         id: &str,
         sensor: Axis,
         coil: Axis,
         alignment_arcmin: f64,
-        quarter_turns: u8,
+        quarter_turns: f64,
     ) -> Aligned {
         // The nominal turn takes the coil's axis to the sensor's; the fixture is then adjusted to the largest reading.
         let steps = (3 + sensor.index() - coil.index()) % 3;
         let mut nominal = Matrix3::from_fn(|row, column| f64::from(u8::from(row == (column + steps) % 3)));
-        for _ in 0..quarter_turns % 4 {
-            nominal = quarter_turn(sensor) * nominal;
-        }
+        nominal = turn(sensor, quarter_turns) * nominal;
         let from = nominal * self.truth.eta.column(coil.index());
         let to = self.truth.mu.column(sensor.index()).into_owned();
         let between =
@@ -143,13 +141,21 @@ impl Bench<'_> {
     }
 }
 
-/// A quarter turn about an axis.
-fn quarter_turn(axis: Axis) -> Matrix3<f64> {
+/// A turn about an axis. Whole quarters are exact.
+fn turn(axis: Axis, quarters: f64) -> Matrix3<f64> {
+    let quarters = quarters.rem_euclid(4.0);
+    let whole = [[0.0, 1.0], [1.0, 0.0], [0.0, -1.0], [-1.0, 0.0]];
+    let [sin, cos] = if quarters.fract() == 0.0 {
+        whole[quarters as usize % 4]
+    } else {
+        let (sin, cos) = (quarters * std::f64::consts::FRAC_PI_2).sin_cos();
+        [sin, cos]
+    };
     let (first, second) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
     let mut turn = Matrix3::zeros();
     turn[(axis.index(), axis.index())] = 1.0;
-    turn[(first, second)] = -1.0;
-    turn[(second, first)] = 1.0;
+    (turn[(first, first)], turn[(second, second)]) = (cos, cos);
+    (turn[(first, second)], turn[(second, first)]) = (-sin, sin);
     turn
 }
 

@@ -23,9 +23,10 @@ pub struct CrossFieldProcedure {
     /// The coils across it; absent: both others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Vec<Axis>>,
-    /// Quarter turns of the block about the sensor, so that one strong coil reaches both of its sides.
+    /// Quarters of a turn of the block about the sensor: with 1 one strong coil reaches the other side of the sensor, with 0.5
+    /// both sides at once, which alone shows the mixed term.
     #[serde(default)]
-    pub quarter_turns: u8,
+    pub quarter_turns: f64,
     /// Fields across, nT.
     #[serde(default = "report")]
     pub levels_nt: Vec<f64>,

@@ -62,7 +62,7 @@ impl Sequence for SensitivityProcedure {
             let coil = self.coil.unwrap_or(sensor);
             let id = format!("{}-{sensor}", self.id);
             let Aligned { conditions, rotation, nominal } =
-                bench.along(&id, sensor, coil, self.alignment_std_arcmin, 0);
+                bench.along(&id, sensor, coil, self.alignment_std_arcmin, 0.0);
             let mut rows =
                 Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
             for field in sweep(self.to_nt, self.steps) {

@@ -112,7 +112,7 @@ impl TemperatureProcedure {
         let coil = self.coil.unwrap_or(sensor);
         let name = if part == HeatedPart::Sensor { "sensor" } else { "electronics" };
         let id = format!("{}-{name}-{sensor}", self.id);
-        let Aligned { conditions, rotation, nominal } = bench.along(&id, sensor, coil, 0.0, 0);
+        let Aligned { conditions, rotation, nominal } = bench.along(&id, sensor, coil, 0.0, 0.0);
         let mut rows = Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
         let mut reached = self.nominal_c;
         for deviation in &self.deviations_k {
