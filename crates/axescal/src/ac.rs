@@ -8,7 +8,8 @@ use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use physics::{Basic, Context, Unit};
 
 use crate::Error;
-use crate::observations::{Observation, Observations, code, sensor_column};
+use crate::modelled::Added;
+use crate::observations::{Observation, Observations, sensor_column};
 
 /// Phases with a smaller chance than this, among all sensors, are reported as a finding.
 const PHASE_P: f64 = 1e-3;
@@ -31,15 +32,21 @@ pub(crate) struct AcRun {
     sensors: Vec<(Axis, Complex<f64>, f64)>,
 }
 
-/// Fits a sine of the known frequency to every channel of a run.
+/// Where a run stands: number of its recording in the document, and of its orientation.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub recording: usize,
+    pub orientation: usize,
+}
+
+/// Fits a sine of the known frequency to every channel of a run, less what effects add to it.
 pub(crate) fn run(
-    recording: usize,
-    orientation: usize,
+    Place { recording, orientation }: Place,
     hz: f64,
     instrument: Option<&Instrument>,
     context: &Context<'_>,
     basic: &Basic,
-    sensors: &[Axis],
+    (sensors, added): (&[Axis], &Added),
 ) -> Result<AcRun, Error> {
     let path = format!("recordings[{recording}]");
     if !(hz.is_finite() && hz > 0.0) {
@@ -88,11 +95,15 @@ pub(crate) fn run(
     let channel = |sensor: Axis| {
         let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
         let sensitivity = basic.sensors[sensor.index()].sensitivity;
-        if code(instrument, context.unit).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
+        if context.unit.code_width(instrument).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
             return Err(hidden(&context.recording.id, sensor));
         }
         let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
-        let phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
+        let mut phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
+        if let Some(added_nt) = added.along(recording, sensor) {
+            let sine = fit(&added_nt, format!("sensor_{sensor}_{}", context.unit.suffix()), None)?;
+            phasor -= Complex::new(sine.cos, -sine.sin) * turn;
+        }
         Ok((sensor, phasor, (sine.std * sensitivity.abs()).max(rounding)))
     };
     let sensors = sensors.iter().map(|sensor| channel(*sensor)).collect::<Result<_, Error>>()?;
@@ -113,7 +124,7 @@ fn quantiser(
     sensor: Axis,
     sensitivity: f64,
 ) -> Option<Quantiser> {
-    let step = code(instrument, unit)?;
+    let step = unit.code_width(instrument)?;
     let noise =
         instrument?.noise_of(sensor).and_then(|noise| noise.white_rms_nt).map(|rms| rms / sensitivity.abs());
     Some(Quantiser { step, noise })

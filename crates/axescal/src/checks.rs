@@ -13,22 +13,7 @@ const UNIT_FACTOR: f64 = 3.0;
 
 /// Every sensor has its column, and every column holds a reading.
 pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Result<(), Error> {
-    if let (Some(table), true) = (&recording.table, recording.columns.is_empty()) {
-        return Err(common::Error::document(
-            format!("{path}.table"),
-            format!("the table \"{table}\""),
-            "columns in the document itself, which is all that axescal reads",
-        )
-        .into());
-    }
-    if let Some(table) = recording.table.as_ref() {
-        return Err(common::Error::document(
-            format!("{path}.table"),
-            format!("the table \"{table}\" beside columns"),
-            "one of the two",
-        )
-        .into());
-    }
+    recording.at_hand(path)?;
     let drives = Axis::ALL.iter().any(|axis| {
         recording.axis_column("coil", *axis, "a").or(recording.axis_column("coil", *axis, "v")).is_some()
     });

@@ -13,6 +13,7 @@ mod directions;
 mod error;
 mod freedom;
 mod model;
+mod modelled;
 mod observations;
 mod observe;
 mod options;
@@ -41,8 +42,7 @@ use common::{AxesCalibration, Document};
 /// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
 /// `calibration.axes.subset`; everything else stays as it was.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let observations = observe(&document, options)?;
-    let solution = solve(&document, &observations, options)?;
+    let (observations, solution) = modelled::solve_without(&document, options)?;
     let mut found = result::describe(&document, &observations, &solution, options)?;
     let axes = &mut document.calibration.get_or_insert_default().axes;
     if options.is_subset() {

@@ -3,10 +3,13 @@
 use axescal::{Coils, Options, Start, design};
 use clap::{Parser, Subcommand, ValueEnum};
 use common::Axis;
+use common::manual;
 use common::pipe::{self, Io, Program};
+use common::procedure;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "axescal", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program =
+    Program { name: "axescal", version: env!("CARGO_PKG_VERSION"), takes: &[procedure::AXES_ORIENTATION] };
 
 /// Directions of the sensors and of the coils, in arcseconds, with their uncertainty
 #[derive(Parser)]
@@ -70,7 +73,7 @@ impl Letter {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = manual::parse::<Cli>();
     pipe::finish(PROGRAM, run(cli))
 }
 

@@ -1,6 +1,6 @@
 //! Readings in nT, each with its drive, its orientation and its standard deviation.
 
-use common::{Axis, Instrument, Recording};
+use common::{Axis, Recording};
 use nalgebra::Vector3;
 use physics::Unit;
 use physics::frames::Orientation;
@@ -82,12 +82,4 @@ pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(Stri
         let name = format!("sensor_{sensor}_{}", unit.suffix());
         recording.column(&name).map(|column| (name, column))
     })
-}
-
-/// Width of one code of the converter, in the unit of the readings.
-pub(crate) fn code(instrument: Option<&Instrument>, unit: Unit) -> Option<f64> {
-    match unit {
-        Unit::Volt => instrument?.quantisation_v,
-        Unit::Nanotesla => instrument?.quantisation_nt,
-    }
 }

@@ -4,7 +4,8 @@ use common::{Axis, Document, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 
-use crate::observations::{code, sensor_column};
+use crate::modelled::Added;
+use crate::observations::sensor_column;
 use crate::{Error, NoiseSource, Observation, Observations, Options, OrientationGroup, ac, checks};
 
 /// A coil that makes less than this is as good as off, nT.
@@ -14,6 +15,15 @@ const LEAST_DRIVE: f64 = 1e-3;
 
 /// Reads every recording of the procedure.
 pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
+    observe_without(document, options, &Added::default())
+}
+
+/// Reads every recording of the procedure, less what effects add to its readings.
+pub(crate) fn observe_without(
+    document: &Document,
+    options: &Options,
+    added: &Added,
+) -> Result<Observations, Error> {
     let recordings: Vec<(usize, &Recording)> = document
         .recordings
         .iter()
@@ -71,9 +81,10 @@ pub fn observe(document: &Document, options: &Options) -> Result<Observations, E
         match recording.conditions.drive_hz {
             Some(hz) => {
                 let instrument = document.instrument.as_ref();
-                runs.push(ac::run(index, orientation, hz, instrument, &context, &basic, &all.sensors)?);
+                let place = ac::Place { recording: index, orientation };
+                runs.push(ac::run(place, hz, instrument, &context, &basic, (&all.sensors, added))?);
             }
-            None => rows(document, index, orientation, &context, &basic, &mut all),
+            None => rows(document, index, orientation, (&context, &basic), added, &mut all),
         }
     }
     ac::join(runs, &mut all)?;
@@ -148,8 +159,8 @@ fn rows(
     document: &Document,
     recording: usize,
     orientation: usize,
-    context: &Context<'_>,
-    basic: &Basic,
+    (context, basic): (&Context<'_>, &Basic),
+    added: &Added,
     all: &mut Observations,
 ) {
     let times = context.recording.column("time_s");
@@ -165,6 +176,7 @@ fn rows(
             (NoiseSource::Residuals, _) | (_, None) => NoiseSource::Residuals,
             _ => NoiseSource::Declared,
         };
+        let added_nt = added.along(recording, sensor);
         for (row, value) in column.iter().enumerate() {
             let drive_nt = drive(basic, &context.current_a[row]);
             let ambient_nt = context.ambient(row);
@@ -176,7 +188,8 @@ fn rows(
                     row,
                     sensor,
                     drive_nt,
-                    value_nt: constants.sensitivity * value + constants.offset_nt,
+                    value_nt: constants.sensitivity * value + constants.offset_nt
+                        - added_nt.as_ref().map_or(0.0, |added| added[row]),
                     std_nt: std_nt.unwrap_or(1.0),
                     ambient_nt,
                     constant: true,
@@ -197,7 +210,7 @@ fn declared_std(
     step_s: f64,
 ) -> Option<f64> {
     let rms = noise?.rms_nt(length_s, step_s);
-    let code = code(document.instrument.as_ref(), unit).unwrap_or(0.0);
+    let code = unit.code_width(document.instrument.as_ref()).unwrap_or(0.0);
     let code_nt = code * basic.sensors[sensor.index()].sensitivity;
     let std = (rms * rms + code_nt * code_nt / 12.0).sqrt();
     (std > 0.0).then_some(std)

@@ -28,3 +28,8 @@ fn golden() {
     );
     case("magsat-again", "axescal/magsat/expected.json", Options { start: Start::Document, ..plain() });
 }
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(env!("CARGO_BIN_EXE_axescal"), "axescal/magsat/input.json");
+}

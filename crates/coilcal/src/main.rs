@@ -2,10 +2,16 @@
 
 use clap::Parser;
 use coilcal::Options;
+use common::manual;
 use common::pipe::{self, Io, Program};
+use common::procedure;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "coilcal", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program {
+    name: "coilcal",
+    version: env!("CARGO_PKG_VERSION"),
+    takes: &[procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL],
+};
 
 /// Constants of the coils, with their uncertainty
 #[derive(Parser)]
@@ -27,7 +33,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    pipe::finish(PROGRAM, run(&Cli::parse()))
+    pipe::finish(PROGRAM, run(&manual::parse::<Cli>()))
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {

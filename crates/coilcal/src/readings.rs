@@ -50,10 +50,7 @@ pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> 
 }
 
 fn one(document: &Document, recording: &Recording, path: &str, all: &mut Readings) -> Result<(), Error> {
-    if recording.table.is_some() {
-        let expected = "the readings under `columns`";
-        return Err(Error::document(format!("{path}.table"), "a file beside the document", expected));
-    }
+    recording.at_hand(path)?;
     let (drive, volts) = drive(document, recording, all.coil, path)?;
     let Some(reference) = recording.column("reference_nt") else {
         let expected = "`reference_nt`, what the scalar magnetometer read";

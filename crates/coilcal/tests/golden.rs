@@ -15,3 +15,8 @@ fn golden() {
     case("every-procedure", "simulate/every-procedure/expected.json");
     case("uneven", "coilcal/uneven/input.json");
 }
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(env!("CARGO_BIN_EXE_coilcal"), "coilcal/uneven/input.json");
+}

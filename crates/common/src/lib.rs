@@ -6,6 +6,7 @@
 
 mod axes;
 mod axis;
+pub mod beside;
 mod calibration;
 mod coil;
 mod diagnosis;
@@ -16,6 +17,7 @@ mod facility;
 mod history;
 mod instrument;
 mod json;
+pub mod manual;
 mod model;
 mod nulling;
 pub mod pipe;

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use crate::document::line_of;
-use crate::{Document, Error, ExitCode, HistoryEntry, to_text};
+use crate::{Document, Error, ExitCode, HistoryEntry, beside, to_text};
 
 /// Arguments for the document's way in and out, the same in every stage.
 #[derive(Args, Clone, Debug, Default)]
@@ -26,6 +26,13 @@ pub struct Io {
     /// Say nothing on standard error
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+impl Io {
+    /// The folder of the document: that of its file, else the present one.
+    pub fn folder(&self) -> &Path {
+        self.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""))
+    }
 }
 
 /// What was read, with what is needed to speak of it.
@@ -99,6 +106,8 @@ pub struct Program {
     pub name: &'static str,
     /// Its version.
     pub version: &'static str,
+    /// The procedures whose recordings it takes: of those, tables beside the document are read.
+    pub takes: &'static [&'static str],
 }
 
 /// Runs a stage: document in, `run`, words to standard error, document out.
@@ -116,8 +125,11 @@ where
 {
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
-    let document = Document::parse(&input.text).map_err(located)?;
+    let mut document = Document::parse(&input.text).map_err(located)?;
+    beside::read(&mut document, io.folder(), program.takes).map_err(located)?;
     let mut document = run(document).map_err(Error::from).map_err(located)?;
+    let said = (!io.quiet).then(|| words(&document));
+    beside::put_back(&mut document);
     document.history.push(HistoryEntry {
         stage: program.name.into(),
         version: program.version.into(),
@@ -126,9 +138,7 @@ where
         extra: Default::default(),
     });
     write(io.output.as_deref(), &to_text(&document))?;
-    if !io.quiet {
-        say(&words(&document));
-    }
+    said.iter().for_each(|words| say(words));
     Ok(())
 }
 

@@ -32,6 +32,21 @@ pub mod procedure {
     pub const DIFFERENTIAL: &str = "differential";
     /// Any drive and any readings, read by diagnose.
     pub const FREE_RUN: &str = "free_run";
+    /// All of them.
+    pub const ALL: &[&str] = &[
+        COIL_CONSTANT,
+        COIL_GRADIENT,
+        NULLING_RESIDUAL,
+        SENSOR_SENSITIVITY,
+        SENSOR_OFFSET_REVERSAL,
+        SENSOR_NOISE,
+        OFFSET_DRIFT,
+        TEMPERATURE_RUN,
+        CROSS_FIELD,
+        AXES_ORIENTATION,
+        DIFFERENTIAL,
+        FREE_RUN,
+    ];
 }
 
 /// One recording: what was done, under which conditions, and the columns that came of it.

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, MergedSpectrum, Quantity, SpectralLine};
+use crate::{Extra, MergedSpectrum, Noise, Quantity, SpectralLine};
 
 /// Noise of a sensor in a shield: P(f) = A f^-α + white + lines.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -42,6 +42,18 @@ pub struct SensorNoise {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl SensorNoise {
+    /// The noise that was measured, in the form in which instruments declare theirs.
+    pub fn as_noise(&self) -> Noise {
+        Noise {
+            white_rms_nt: Some(self.white_rms_nt.value()),
+            flicker_nt2_per_hz_at_1hz: Some(self.flicker_nt2_per_hz_at_1hz.value()),
+            flicker_exponent: Some(self.flicker_exponent.value()),
+            ..Noise::default()
+        }
+    }
 }
 
 /// One series of a noise recording.

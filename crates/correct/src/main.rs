@@ -2,12 +2,13 @@
 
 use clap::{Parser, ValueEnum};
 use common::Document;
+use common::manual;
 use common::pipe::{self, Input, Io, Program};
-use correct::{Frame, Options, Request};
+use correct::{Frame, Options, Request, Station};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
 /// The field that made the readings, in nT, with the uncertainty of each sample
 #[derive(Parser)]
@@ -15,7 +16,8 @@ const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VER
     version,
     after_help = "Example:\n  \
     correct fixtures/correct/flight/input.json > result.json\n  \
-    correct --calibration fixtures/correct/flight/input.json \\\n    fixtures/correct/flight/readings.csv -o field.parquet\n\n\
+    correct --calibration fixtures/correct/flight/input.json \\\n    fixtures/correct/flight/readings.csv -o field.parquet\n  \
+    correct --calibration fixtures/correct/flight/input.json --iaga FLX --start 2026-05-26T00:00:00Z \\\n    fixtures/correct/flight/readings.csv -o field.min\n\n\
     Exit codes: 0 done; 1 the chain cannot be run backwards; 2 the request, the document or the table is wrong."
 )]
 struct Cli {
@@ -36,6 +38,12 @@ struct Cli {
     /// Format to write, where the name of the output does not say it
     #[arg(long, value_enum, requires = "calibration")]
     to: Option<FormatName>,
+    /// Write IAGA-2002 for this station (three or four letters), in GEO
+    #[arg(long, value_name = "CODE", requires = "calibration", conflicts_with_all = ["to", "frame"])]
+    iaga: Option<String>,
+    /// When time_s is zero, RFC 3339, where the recording does not say it
+    #[arg(long, value_name = "MOMENT", requires = "iaga")]
+    start: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -62,14 +70,14 @@ impl From<FormatName> for tables::Format {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = manual::parse::<Cli>();
     pipe::finish(PROGRAM, run(&cli))
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let frame = match cli.frame {
-        FrameName::Sen => Frame::Sen,
-        FrameName::Geo => Frame::Geo,
+        FrameName::Sen if cli.iaga.is_none() => Frame::Sen,
+        _ => Frame::Geo,
     };
     if let Some(calibration) = &cli.calibration {
         return table(cli, calibration, frame);
@@ -100,6 +108,7 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
         input_format: cli.from.map(Into::into),
         output: cli.io.output.as_deref(),
         output_format: cli.to.map(Into::into),
+        iaga: cli.iaga.as_deref().map(|code| Station { code, start: cli.start.as_deref() }),
     };
     let tally = correct::correct_table(&request).map_err(|error| text.locate(error.into()))?;
     if !cli.io.quiet {

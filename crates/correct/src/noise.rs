@@ -1,6 +1,6 @@
 //! Noise of a reading.
 
-use common::{Axis, Document, Noise};
+use common::{Axis, Document, Noise, SensorNoise};
 use physics::Unit;
 
 /// Length of a table of which it is not known beforehand, s: flicker noise counts down to one over it.
@@ -16,31 +16,20 @@ pub fn variance_nt2(
     length_and_step_s: Option<[f64; 2]>,
 ) -> f64 {
     let instrument = document.instrument.as_ref();
-    let width = match unit {
-        Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
-        Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
-    };
+    let width = unit.code_width(instrument);
     let code_nt = width.unwrap_or(0.0) * sensitivity;
     let rms = |noise: &Noise| match length_and_step_s {
         Some([length_s, step_s]) => noise.rms_nt(length_s, step_s),
         None => noise.white_rms_nt.unwrap_or(0.0),
     };
-    let noise_nt = found(document, axis)
+    let found =
+        document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis)?.noise.as_deref());
+    let noise_nt = found
+        .map(SensorNoise::as_noise)
         .as_ref()
         .or(instrument.and_then(|instrument| instrument.noise_of(axis)))
         .map_or(0.0, rms);
     noise_nt * noise_nt + code_nt * code_nt / 12.0
-}
-
-/// What sensorcal found in a shield.
-fn found(document: &Document, axis: Axis) -> Option<Noise> {
-    let noise = document.calibration.as_ref()?.sensor(axis)?.noise.as_ref()?;
-    Some(Noise {
-        white_rms_nt: Some(noise.white_rms_nt.value()),
-        flicker_nt2_per_hz_at_1hz: Some(noise.flicker_nt2_per_hz_at_1hz.value()),
-        flicker_exponent: Some(noise.flicker_exponent.value()),
-        ..Noise::default()
-    })
 }
 
 /// Length of a series and time from one sample to the next, the median, s.

@@ -2,14 +2,17 @@
 
 use clap::Parser;
 use common::Document;
+use common::manual;
 use common::pipe::{self, Input, Io, Program};
+use common::procedure;
 use diagnose::Options;
 use indicatif::ProgressBar;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
 
-const PROGRAM: Program = Program { name: "diagnose", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program =
+    Program { name: "diagnose", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
 
 /// From one picture of the spinner to the next.
 const TICK: Duration = Duration::from_millis(120);
@@ -37,7 +40,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    pipe::finish(PROGRAM, run(&Cli::parse()))
+    pipe::finish(PROGRAM, run(&manual::parse::<Cli>()))
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {

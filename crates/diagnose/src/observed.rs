@@ -119,15 +119,7 @@ impl<'a> Observed<'a> {
         let mut observed = Observed { runs: Vec::new(), channels: Vec::new(), rows: 0, notes: Vec::new() };
         for (index, recording) in document.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");
-            if recording.table.is_some() {
-                let expected = "the readings under `columns`";
-                return Err(common::Error::document(
-                    format!("{path}.table"),
-                    "a file beside the document",
-                    expected,
-                )
-                .into());
-            }
+            recording.at_hand(&path)?;
             if [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL].contains(&recording.procedure.as_str())
             {
                 let what = format!(

@@ -17,3 +17,8 @@ fn golden() {
     case("delay", "diagnose/delay/input.json", &plain());
     case("warm-again", "diagnose/warm/expected.json", &plain());
 }
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(env!("CARGO_BIN_EXE_diagnose"), "diagnose/warm/input.json");
+}

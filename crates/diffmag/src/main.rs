@@ -1,7 +1,9 @@
 //! `diffmag`: two magnetometers side by side.
 
 use clap::{Args, Parser, Subcommand};
+use common::manual;
 use common::pipe::{self, Io, Program};
+use common::procedure;
 use common::{Document, HistoryEntry, to_text};
 use diffmag::Options;
 use diffmag::stream::{self, Partial};
@@ -9,7 +11,8 @@ use rayon::prelude::*;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "diffmag", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program =
+    Program { name: "diffmag", version: env!("CARGO_PKG_VERSION"), takes: &[procedure::DIFFERENTIAL] };
 
 /// How two magnetometers are turned and scaled against each other, noise and drift of the one under test
 #[derive(Parser)]
@@ -70,7 +73,7 @@ struct PiecesArgs {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = manual::parse::<Cli>();
     let result = match &cli.command {
         None => run(&cli),
         Some(Command::Stream(StreamArgs { pieces, step_s })) => join(pieces, "stream", *step_s),

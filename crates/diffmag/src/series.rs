@@ -178,10 +178,7 @@ fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
 
 /// The times of a recording, from the common zero.
 fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
-    if recording.table.is_some() {
-        let expected = "the readings under `columns`";
-        return Err(Fault::document(format!("{path}.table"), "a file beside the document", expected).into());
-    }
+    recording.at_hand(path)?;
     let rows = recording.rows();
     if rows < LEAST {
         let found = format!("{rows} rows");

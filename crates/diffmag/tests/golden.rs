@@ -91,3 +91,8 @@ fn the_truth_is_found() {
     assert!(count >= 27 + 9 + 5, "{count}");
     assert!(worst.0 < 3.5, "{}: {:.2}", worst.1, worst.0);
 }
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(env!("CARGO_BIN_EXE_diffmag"), "diffmag/turned-pair/input.json");
+}

@@ -1,6 +1,7 @@
 //! `ingest`: files of observatories and loggers into a document.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use common::manual;
 use common::pipe::{self, Input, Program, Sink};
 use common::{Document, Error as Fault, HistoryEntry, to_text};
 use ingest::{Keep, Mapping, Options, Readings};
@@ -8,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
 /// Vector readings that the document knows.
 const QUANTITIES: [&str; 6] = ["sensor", "reference", "test", "third", "outside", "ambient"];
@@ -104,7 +105,7 @@ enum KeepArg {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = manual::parse::<Cli>();
     let result = match &cli.command {
         Some(Command::Guess(args)) => guess(args),
         None => run(cli.ingest),

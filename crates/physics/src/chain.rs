@@ -49,6 +49,38 @@ pub fn predict(
     run(basic, effects, &values, context)
 }
 
+/// An effect that cannot act in a recording, for want of something that was not recorded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// The recording.
+    pub recording: String,
+    /// Name of the effect.
+    pub who: String,
+    /// What it lacks.
+    pub what: String,
+}
+
+/// As [`predict`], with every effect that the recording lets act, and the others by what they lack.
+pub fn predict_acting(
+    basic: &Basic,
+    effects: &[EffectInstance],
+    context: &Context<'_>,
+) -> Result<(Prediction, Vec<LeftOut>), Error> {
+    let mut acting = effects.to_vec();
+    let mut left_out = Vec::new();
+    loop {
+        match predict(basic, &acting, context) {
+            Err(Error::Missing { recording, who, what })
+                if acting.iter().any(|effect| effect.kind.name() == who) =>
+            {
+                acting.retain(|effect| effect.kind.name() != who);
+                left_out.push(LeftOut { recording, who, what });
+            }
+            other => return other.map(|prediction| (prediction, left_out)),
+        }
+    }
+}
+
 /// The prediction and its derivative by each of `parameters`.
 pub fn predict_with_jacobian(
     basic: &Basic,

@@ -1,6 +1,6 @@
 //! What a recording says besides its readings: times, drive, temperatures, orientation.
 
-use common::{Axis, Document, Recording, procedure};
+use common::{Axis, Document, Instrument, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::borrow::Cow;
 
@@ -23,6 +23,14 @@ impl Unit {
         match self {
             Unit::Volt => "v",
             Unit::Nanotesla => "nt",
+        }
+    }
+
+    /// Width of one code of the converter in this unit, as the instrument states it.
+    pub fn code_width(self, instrument: Option<&Instrument>) -> Option<f64> {
+        match self {
+            Unit::Volt => instrument?.quantisation_v,
+            Unit::Nanotesla => instrument?.quantisation_nt,
         }
     }
 }

@@ -1,11 +1,24 @@
 //! `sensorcal`: each sensor by itself.
 
 use clap::Parser;
+use common::manual;
 use common::pipe::{self, Io, Program};
+use common::procedure;
 use sensorcal::Options;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "sensorcal", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program {
+    name: "sensorcal",
+    version: env!("CARGO_PKG_VERSION"),
+    takes: &[
+        procedure::SENSOR_SENSITIVITY,
+        procedure::SENSOR_OFFSET_REVERSAL,
+        procedure::SENSOR_NOISE,
+        procedure::OFFSET_DRIFT,
+        procedure::TEMPERATURE_RUN,
+        procedure::CROSS_FIELD,
+    ],
+};
 
 /// Sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty
 #[derive(Parser)]
@@ -33,7 +46,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    pipe::finish(PROGRAM, run(Cli::parse()))
+    pipe::finish(PROGRAM, run(manual::parse::<Cli>()))
 }
 
 fn run(cli: Cli) -> anyhow::Result<()> {

@@ -36,14 +36,10 @@ struct Series<'a> {
     field_nt: Vec<f64>,
 }
 
-/// The noise that was measured, in the form in which instruments declare theirs.
+/// The noise that was measured, in the form in which instruments declare theirs, no steeper than a covariance is made for.
 pub fn as_noise(measured: &SensorNoise) -> Noise {
-    Noise {
-        white_rms_nt: Some(measured.white_rms_nt.value()),
-        flicker_nt2_per_hz_at_1hz: Some(measured.flicker_nt2_per_hz_at_1hz.value()),
-        flicker_exponent: Some(measured.flicker_exponent.value().min(STEEPEST)),
-        ..Noise::default()
-    }
+    let noise = measured.as_noise();
+    Noise { flicker_exponent: noise.flicker_exponent.map(|exponent| exponent.min(STEEPEST)), ..noise }
 }
 
 /// Noise of a sensor from all its series; None without a recording that holds it.
@@ -77,10 +73,7 @@ pub fn analyse(
 /// Whether a recording has readings of a sensor; one that names the sensor must.
 fn holds(recording: &Recording, index: usize, sensor: Axis) -> Result<bool, Error> {
     let path = format!("recordings[{index}]");
-    if recording.table.is_some() {
-        let expected = "the readings under `columns`";
-        return Err(Fault::document(format!("{path}.table"), "a file beside the document", expected).into());
-    }
+    recording.at_hand(&path)?;
     match recording.conditions.sensor {
         Some(of) if of == sensor => output(recording, &path, sensor).map(|_| true),
         Some(_) => Ok(false),

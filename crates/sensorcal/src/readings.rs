@@ -75,12 +75,7 @@ pub fn recordings<'a>(
             continue;
         }
         let path = format!("recordings[{index}]");
-        if recording.table.is_some() {
-            let expected = "the readings under `columns`";
-            return Err(
-                Fault::document(format!("{path}.table"), "a file beside the document", expected).into()
-            );
-        }
+        recording.at_hand(&path)?;
         let Some(of) = recording.conditions.sensor else {
             let expected = "\"x\", \"y\" or \"z\", the sensor that is calibrated";
             return Err(Fault::document(format!("{path}.conditions.sensor"), "no such key", expected).into());
@@ -286,11 +281,7 @@ pub fn code(readings: &[f64]) -> Option<f64> {
 
 /// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for codes.
 pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
-    let instrument = document.instrument.as_ref();
-    match run.context.unit {
-        Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
-        Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
-    }
+    run.context.unit.code_width(document.instrument.as_ref())
 }
 
 #[cfg(test)]

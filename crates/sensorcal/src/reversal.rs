@@ -189,11 +189,7 @@ pub fn one(
 /// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and what the readings
 /// show, for they may have been amplified; of two different readings the step may be that of the positions.
 fn code_width(document: &Document, reading: &[f64], unit: Unit) -> f64 {
-    let instrument = document.instrument.as_ref();
-    let stated = match unit {
-        Unit::Volt => instrument.and_then(|instrument| instrument.quantisation_v),
-        Unit::Nanotesla => instrument.and_then(|instrument| instrument.quantisation_nt),
-    };
+    let stated = unit.code_width(document.instrument.as_ref());
     match (stated, code(reading)) {
         (Some(stated), Some(seen)) => stated.min(seen),
         (one, other) => one.or(other).unwrap_or(0.0),

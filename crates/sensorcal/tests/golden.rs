@@ -14,3 +14,8 @@ fn case(name: &str, input: &str) {
 fn golden() {
     case("small", "sensorcal/small/input.json");
 }
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(env!("CARGO_BIN_EXE_sensorcal"), "sensorcal/small/input.json");
+}

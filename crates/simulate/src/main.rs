@@ -1,6 +1,7 @@
 //! `simulate`: from a plan to the recordings that a campaign would give.
 
 use clap::{Args, Parser, Subcommand};
+use common::manual;
 use common::pipe::{self, Input, Io, Program, Sink};
 use common::{Document, Error, HistoryEntry, Recording, to_text};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,14 +10,14 @@ use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
 /// From a plan to the recordings that a campaign would give
 #[derive(Parser)]
 #[command(
     version,
     after_help = "Examples:\n  \
-        simulate campaign fixtures/plans/magsat.json --truth truth.json > campaign.json\n  \
+        simulate campaign fixtures/plans/magsat-axes.json --truth truth.json | axescal > result.json\n  \
         simulate campaign fixtures/plans/magsat.json --run-sheet > settings.csv\n  \
         simulate replay result.json > predicted.json\n  \
         simulate sweep fixtures/plans/magsat-axes.json --seeds 1..100 > campaigns.ndjson\n  \
@@ -78,7 +79,7 @@ struct ReplayArgs {
 
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  simulate sweep plan.json --seeds 1..20 --set truth.model.effects[0].parameters.lag_s=100,300 --truth truth.ndjson > campaigns.ndjson"
+    after_help = "Example:\n  simulate sweep fixtures/plans/magsat-axes.json --seeds 1..20 --set facility.theodolite_arcsec=1,2 \\\n    --truth truth.ndjson > campaigns.ndjson"
 )]
 struct SweepArgs {
     #[command(flatten)]
@@ -123,7 +124,7 @@ fn variation(text: &str) -> Result<Variation, String> {
 }
 
 fn main() -> ExitCode {
-    let result = match Cli::parse().command {
+    let result = match manual::parse::<Cli>().command {
         Command::Campaign(args) => campaign(&args),
         Command::Replay(args) => replay(&args),
         Command::Sweep(args) => sweep(&args),

@@ -180,10 +180,7 @@ impl World<'_> {
         failed: impl Fn(NoiseError) -> Error,
     ) -> Result<Read, Error> {
         let instrument = self.plan.instrument.clone().unwrap_or_default();
-        let width = match self.unit {
-            Unit::Volt => instrument.quantisation_v,
-            Unit::Nanotesla => instrument.quantisation_nt,
-        };
+        let width = self.unit.code_width(Some(&instrument));
         let wandered = self.wander.get(&context.recording.id).copied().unwrap_or(0.0);
         let time = context.recording.column("time_s");
         let errors = |sensor: &Axis| {

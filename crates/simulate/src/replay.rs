@@ -2,7 +2,7 @@
 
 use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
 use nalgebra::Vector3;
-use physics::{Basic, Context, EffectInstance, Prediction, References, Setting};
+use physics::{Basic, Context, EffectInstance, LeftOut, References, Setting};
 use rayon::prelude::*;
 
 /// A replayed document and what is to be said of it.
@@ -56,7 +56,7 @@ fn recording(
         check_coils(&basic, &context, &path)?;
     }
     let suffix = if differential { "nt" } else { context.unit.suffix() };
-    let (prediction, left_out) = predict(&basic, effects, &context).map_err(at)?;
+    let (prediction, left_out) = physics::predict_acting(&basic, effects, &context).map_err(at)?;
     let mut replayed = recorded.clone();
     for axis in Axis::ALL {
         let name = format!("{prefix}_{axis}_{suffix}");
@@ -91,34 +91,6 @@ fn recording(
         fill(column, lengths.zip(errors).map(|(value, error)| value + error));
     }
     Ok((replayed, left_out))
-}
-
-/// The prediction with every effect that the recording lets act; the others by their error.
-fn predict(
-    basic: &Basic,
-    effects: &[EffectInstance],
-    context: &Context<'_>,
-) -> Result<(Prediction, Vec<LeftOut>), physics::Error> {
-    let mut acting = effects.to_vec();
-    let mut left_out = Vec::new();
-    loop {
-        match physics::predict(basic, &acting, context) {
-            Err(physics::Error::Missing { recording, who, what })
-                if acting.iter().any(|effect| effect.kind.name() == who) =>
-            {
-                acting.retain(|effect| effect.kind.name() != who);
-                left_out.push(LeftOut { recording, who, what });
-            }
-            other => return other.map(|prediction| (prediction, left_out)),
-        }
-    }
-}
-
-/// An effect that cannot act in a recording.
-struct LeftOut {
-    recording: String,
-    who: String,
-    what: String,
 }
 
 /// A line for each effect and what it lacks.

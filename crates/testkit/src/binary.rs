@@ -1,5 +1,6 @@
 use std::io::Write;
-use std::process::{Command, Stdio};
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
 
 /// What a program did.
 #[derive(Debug)]
@@ -27,9 +28,27 @@ pub fn run(program: &str, arguments: &[&str], input: &str) -> Run {
     let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()).is_ok());
     let output = child.wait_with_output().expect("the program ended");
     writer.join().expect("the writer ended");
-    Run {
-        code: output.status.code().expect("an exit code"),
-        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
-        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    Run::of(output)
+}
+
+/// Runs a program in a folder, so that files are named in messages as they are there.
+pub fn run_in(program: &str, folder: &Path, arguments: &[&str]) -> Run {
+    let output = Command::new(program).args(arguments).current_dir(folder).output();
+    Run::of(output.unwrap_or_else(|error| panic!("{program}: {error}")))
+}
+
+impl Run {
+    /// What a process that has ended did.
+    pub(crate) fn of(output: Output) -> Self {
+        Run {
+            code: output.status.code().expect("an exit code"),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+
+    /// Exit code and what was said, as messages are kept beside bad files.
+    pub fn message(&self) -> String {
+        format!("exit code {}\n{}", self.code, self.stderr)
     }
 }

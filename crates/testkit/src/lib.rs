@@ -4,16 +4,20 @@
 use std::path::{Path, PathBuf};
 
 pub mod baselines;
+mod beside;
 mod binary;
 mod coverage;
 mod faults;
 mod golden;
+mod help;
 mod jacobian;
 
-pub use binary::{Run, run};
+pub use beside::beside;
+pub use binary::{Run, run, run_in};
 pub use coverage::agrees;
 pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
+pub use help::{examples, manual};
 pub use jacobian::check_jacobian;
 
 /// A path below the workspace's `fixtures`.
