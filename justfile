@@ -38,6 +38,15 @@ prove:
     FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test clean -- --nocapture
     FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test single -- --nocapture
 
+# All programs with man pages and bash completions, below ~/.local or PREFIX
+install prefix="$HOME/.local":
+    for program in simulate ingest coilcal sensorcal axescal diffmag diagnose correct; do \
+        cargo install --locked --path crates/$program --root {{prefix}} --target-dir target && \
+        {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
+        mkdir -p {{prefix}}/share/bash-completion/completions && \
+        {{prefix}}/bin/$program --completions bash > {{prefix}}/share/bash-completion/completions/$program || exit 1; \
+    done
+
 # The main job, to look at
 demo:
     cargo build --release

@@ -27,6 +27,7 @@ fn main() {
                 input_format: None,
                 output: Some(&fields),
                 output_format: None,
+                iaga: None,
             };
             correct_table(&request).expect("corrected");
         };

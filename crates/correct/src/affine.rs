@@ -36,13 +36,12 @@ impl Affine {
             .map(|parameter| Ok(affine(&solved.by_parameter(*parameter)?)))
             .collect::<Result<_, Error>>()?;
         let mut forms = [SMatrix::zeros(); 6];
-        for column in known.root.column_iter() {
-            let error: SMatrix<f64, 3, 4> =
-                derivatives.iter().zip(column.iter()).map(|(derivative, l)| derivative * *l).sum();
-            for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
-                let product = error.row(i).transpose() * error.row(j);
-                *form += (product + product.transpose()) / 2.0;
-            }
+        for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
+            known.sum(form, |a, b| {
+                let [a, b] = [&derivatives[a], &derivatives[b]];
+                let product = a.row(i).transpose() * b.row(j) + b.row(i).transpose() * a.row(j);
+                (product + product.transpose()) / 2.0
+            });
         }
         let noise = solved.covariance_of_readings(noise_nt2)?[0];
         for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {

@@ -5,14 +5,32 @@ use common::{AxesDirections, Axis, Document, Quantity, SensorCalibration};
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, matrix, tangents};
 use physics::{EffectInstance, Kind, Parameter, Role, Unit};
+use std::ops::{AddAssign, Mul};
 
-/// Parameters with a factor of their covariance.
+/// A correlation below this is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Parameters with their covariance.
 #[derive(Clone, Debug)]
 pub struct Known {
     /// The parameters that have an uncertainty.
     pub parameters: Vec<Parameter>,
-    /// L with L Lᵀ = their covariance.
-    pub root: DMatrix<f64>,
+    /// Their covariance: the elements that are not zero, on the diagonal and above, by row and column.
+    pub covariance: Vec<(usize, usize, f64)>,
+}
+
+impl Known {
+    /// The covariance of what has these derivatives by the parameters, `element(a, b)` being an element of J_a J_bᵀ + J_b J_aᵀ.
+    pub fn sum<T: AddAssign + Mul<f64, Output = T>>(
+        &self,
+        total: &mut T,
+        element: impl Fn(usize, usize) -> T,
+    ) {
+        for &(a, b, value) in &self.covariance {
+            // On the diagonal the element counts J_a J_aᵀ twice.
+            *total += element(a, b) * if a == b { 0.5 * value } else { value };
+        }
+    }
 }
 
 impl Known {
@@ -56,11 +74,11 @@ impl Terms {
         self.entries.push((a, b, value));
     }
 
-    /// The square root of the covariance. What is not positive in it by rounding is taken as zero.
+    /// What is not positive in the covariance by rounding is taken as zero.
     fn known(self) -> Result<Known, common::Error> {
         let count = self.parameters.len();
         if count == 0 {
-            return Ok(Known { parameters: Vec::new(), root: DMatrix::zeros(0, 0) });
+            return Ok(Known { parameters: Vec::new(), covariance: Vec::new() });
         }
         let place = |parameter| self.parameters.iter().position(|other| *other == parameter);
         let mut covariance = DMatrix::zeros(count, count);
@@ -76,11 +94,15 @@ impl Terms {
             let expected = "covariances no larger than the product of the two standard uncertainties";
             return Err(common::Error::document("calibration", "a covariance that cannot be", expected));
         }
-        let decomposed = scaled.symmetric_eigen();
-        let root = DMatrix::from_fn(count, count, |a, b| {
-            std[a] * decomposed.eigenvectors[(a, b)] * decomposed.eigenvalues[b].max(0.0).sqrt()
-        });
-        Ok(Known { parameters: self.parameters, root })
+        let mut decomposed = scaled.symmetric_eigen();
+        decomposed.eigenvalues.iter_mut().for_each(|value| *value = value.max(0.0));
+        let scaled = decomposed.recompose();
+        let covariance = (0..count)
+            .flat_map(|a| (a..count).map(move |b| (a, b)))
+            .filter(|(a, b)| scaled[(*a, *b)].abs() > ROUNDING)
+            .map(|(a, b)| (a, b, std[a] * std[b] * scaled[(a, b)]))
+            .collect();
+        Ok(Known { parameters: self.parameters, covariance })
     }
 }
 

@@ -6,6 +6,7 @@
 mod affine;
 mod error;
 pub mod flags;
+mod iaga;
 mod known;
 mod noise;
 mod recording;
@@ -13,6 +14,7 @@ mod table;
 mod words;
 
 pub use error::Error;
+pub use iaga::Station;
 pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
 pub use words::{summary, table_summary};

@@ -165,11 +165,10 @@ impl Solution {
             .map(|parameter| solved.by_parameter(*parameter))
             .collect::<Result<_, _>>()?;
         covariance.par_iter_mut().enumerate().for_each(|(row, covariance)| {
-            for column in known.root.column_iter() {
-                let error: Vector3<f64> =
-                    derivatives.iter().zip(column.iter()).map(|(derivative, l)| derivative[row] * *l).sum();
-                *covariance += error * error.transpose();
-            }
+            known.sum(covariance, |a, b| {
+                let product = derivatives[a][row] * derivatives[b][row].transpose();
+                product + product.transpose()
+            });
         });
         Ok(Solution::Rows { field: solved.field_sen, covariance, rows: solved.rows })
     }

@@ -5,6 +5,7 @@ use std::io;
 use std::path::Path;
 use tables::{Batch, Format, Reader, Writer};
 
+use crate::iaga::{IagaWriter, Station};
 use crate::noise::{self, DAY_S};
 use crate::words::Tally;
 use crate::{Corrected, Corrector, Error, Frame};
@@ -29,6 +30,14 @@ pub struct Request<'a> {
     pub output: Option<&'a Path>,
     /// The format there, where the name does not say it; None: that of the input.
     pub output_format: Option<Format>,
+    /// For whom IAGA-2002 is written instead, which is in [`Frame::Geo`].
+    pub iaga: Option<Station<'a>>,
+}
+
+/// A file that is written.
+enum Sheet {
+    Table(Writer),
+    Iaga(IagaWriter),
 }
 
 /// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all its columns with those of
@@ -45,7 +54,7 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     let names: Vec<String> = reader.columns().to_vec();
     let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
     check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
-    let mut output = Output { request, format, names: &names, writer: None, tally: Tally::default() };
+    let mut output = Output { request, format, names: &names, sheet: None, tally: Tally::default() };
     let mut series = None;
     let mut whole: Option<Recording> = None;
     for batch in reader {
@@ -68,7 +77,7 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
         let corrected = corrector.correct(&recording, &name, None)?;
         output.write(&recording, corrected)?;
     }
-    output.finish()
+    output.finish(&template)
 }
 
 /// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves nothing behind.
@@ -78,7 +87,7 @@ struct Output<'a> {
     format: Format,
     /// Columns of the input.
     names: &'a [String],
-    writer: Option<Writer>,
+    sheet: Option<Sheet>,
     tally: Tally,
 }
 
@@ -89,7 +98,14 @@ impl Output<'_> {
         self.names.iter().map(String::as_str).filter(|name| !added.iter().any(|new| new == name)).collect()
     }
 
-    fn open(&self) -> Result<Writer, tables::Error> {
+    fn open(&self, recording: &Recording) -> Result<Sheet, Error> {
+        if let Some(station) = self.request.iaga {
+            return Ok(Sheet::Iaga(IagaWriter::create(self.request.output, station, recording)?));
+        }
+        Ok(Sheet::Table(self.table()?))
+    }
+
+    fn table(&self) -> Result<Writer, tables::Error> {
         let added = self.request.frame.columns();
         let mut header = self.kept();
         header.extend(added.iter().map(String::as_str));
@@ -105,13 +121,27 @@ impl Output<'_> {
     /// Writes rows. False: the reader of standard output has gone, and no more is wanted.
     fn write(&mut self, recording: &Recording, corrected: Corrected) -> Result<bool, Error> {
         self.tally.add(&corrected);
+        let mut sheet = match self.sheet.take() {
+            Some(sheet) => sheet,
+            None => self.open(recording)?,
+        };
+        let wanted = match &mut sheet {
+            Sheet::Table(writer) => self.write_table(writer, recording, corrected)?,
+            Sheet::Iaga(writer) => writer.write(recording, &corrected)?,
+        };
+        self.sheet = wanted.then_some(sheet);
+        Ok(wanted)
+    }
+
+    fn write_table(
+        &self,
+        writer: &mut Writer,
+        recording: &Recording,
+        corrected: Corrected,
+    ) -> Result<bool, Error> {
         let new = corrected.into_columns();
         let old = self.kept().into_iter().filter_map(|name| recording.column(name));
         let columns: Vec<&[f64]> = old.chain(new.iter().map(Vec::as_slice)).collect();
-        let mut writer = match self.writer.take() {
-            Some(writer) => writer,
-            None => self.open()?,
-        };
         for from in (0..recording.rows()).step_by(PIECE_ROWS) {
             let piece = from..(from + PIECE_ROWS).min(recording.rows());
             let columns: Vec<&[f64]> = columns.iter().map(|column| &column[piece.clone()]).collect();
@@ -120,21 +150,24 @@ impl Output<'_> {
                 written => written?,
             }
         }
-        self.writer = Some(writer);
         Ok(true)
     }
 
     /// Writes what is left, and of a table without rows its header. A reader of standard output that has gone is no error.
-    fn finish(mut self) -> Result<Tally, Error> {
-        let writer = match self.writer.take() {
-            Some(writer) => writer,
-            None if self.tally.is_empty() => self.open()?,
+    fn finish(mut self, template: &Recording) -> Result<Tally, Error> {
+        let sheet = match self.sheet.take() {
+            Some(sheet) => sheet,
+            None if self.tally.is_empty() => self.open(template)?,
             None => return Ok(self.tally),
         };
-        match writer.finish() {
-            Err(error) if !is_closed(&error, self.request.output) => Err(error.into()),
-            _ => Ok(self.tally),
+        match sheet {
+            Sheet::Iaga(writer) => writer.finish()?,
+            Sheet::Table(writer) => match writer.finish() {
+                Err(error) if !is_closed(&error, self.request.output) => return Err(error.into()),
+                _ => {}
+            },
         }
+        Ok(self.tally)
     }
 }
 

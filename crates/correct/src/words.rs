@@ -86,7 +86,8 @@ pub fn summary(document: &Document, frame: Frame) -> String {
         let flags: Vec<u32> = column(6).iter().map(|flags| *flags as u32).collect();
         tally.count(&flags, &[column(3), column(4), column(5)]);
     }
-    let head = format!("correct: {} recordings, ", corrected.len());
+    let plural = if corrected.len() == 1 { "" } else { "s" };
+    let head = format!("correct: {} recording{plural}, ", corrected.len());
     text(&head, &tally, frame, notes(document, frame, corrected.iter().copied()))
 }
 

@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const CORRECT: &str = env!("CARGO_BIN_EXE_correct");
 
@@ -14,9 +13,9 @@ fn each_fault_has_its_message() {
 
 /// Exit code and what was said, in a folder, so that files are named as they are there.
 fn run(folder: &Path, arguments: &[&str]) -> (i32, String) {
-    let output = Command::new(CORRECT).args(arguments).current_dir(folder).output().expect("correct");
-    assert!(output.stdout.is_empty(), "{arguments:?}");
-    (output.status.code().expect("an exit code"), String::from_utf8(output.stderr).expect("UTF-8"))
+    let run = testkit::run_in(CORRECT, folder, arguments);
+    assert!(run.stdout.is_empty(), "{arguments:?}");
+    (run.code, run.stderr)
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Tables in every format give what the document gives, in pieces or whole.
 
 use common::{AdoptedEffect, Axis, Document, Model, Quantity};
-use correct::{Frame, Options, Request, correct_table};
+use correct::{Frame, Options, Request, Station, correct_table};
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -43,6 +43,7 @@ fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> 
         input_format: None,
         output: Some(output),
         output_format: None,
+        iaga: None,
     }
 }
 
@@ -221,4 +222,43 @@ fn nothing_is_half_written() {
     let error = correct_table(&request(&input(), &bad, &output)).expect_err("a word");
     assert!(error.to_string().contains("bad.csv, line 26, column 3 (sensor_x_v)"), "{error}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+/// A day of an observatory: the file that is written holds the corrected field of each row to the hundredth.
+#[test]
+fn iaga_2002_holds_the_field() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let calibration = input();
+    let (readings, output) = (testkit::fixture("correct/flight/readings.csv"), folder.path().join("day.min"));
+    let station = Station { code: "flx", start: Some("2026-02-28T23:59:58.5Z") };
+    let asked = Request { iaga: Some(station), ..request(&calibration, &readings, &output) };
+    let rows = correct_table(&asked).expect("written");
+    let text = fs::read_to_string(&output).expect("a file");
+    let lines: Vec<&str> = text.lines().collect();
+    let (header, data): (Vec<&str>, Vec<&str>) = lines.iter().partition(|line| line.ends_with('|'));
+    assert!(header.iter().all(|line| line.len() == 70), "{header:?}");
+    assert_eq!(header[3], format!("{:<69}|", " IAGA CODE              FLX"));
+    assert!(header[12].starts_with("DATE       TIME         DOY       FLXX      FLXY      FLXZ      FLXF"));
+    let expected = correct::run(input(), &Options { frame: Frame::Geo }).expect("corrected");
+    let recording = &expected.recordings[0];
+    assert_eq!(data.len(), recording.rows());
+    assert!(data[0].starts_with("2026-02-28 23:59:58.500 059  "), "{}", data[0]);
+    assert!(data[2].starts_with("2026-03-01 "), "{}", data[2]);
+    for (row, line) in data.iter().enumerate() {
+        let found: Vec<f64> =
+            line[27..].split_whitespace().map(|value| value.parse().expect("a number")).collect();
+        for (value, axis) in found.iter().zip(Axis::ALL) {
+            let field = recording.axis_column("field_geo", axis, "nt").expect("a column")[row];
+            let due = if field.is_finite() { field } else { 99_999.0 };
+            assert!((value - due).abs() <= 0.005 + 1e-9, "{line}: {due}");
+        }
+        assert_eq!(found[3], 88_888.0);
+    }
+    assert!(!rows.is_empty());
+    let without = Request { iaga: Some(Station { code: "flx", start: None }), ..asked };
+    let without = Request { recording: None, ..without };
+    let error = correct_table(&without).expect_err("no start").to_string();
+    assert!(error.contains("nothing says when time_s is zero"), "{error}");
+    let error = correct_table(&Request { iaga: Some(Station { code: "Vienna", start: None }), ..asked });
+    assert!(error.expect_err("no code").to_string().contains("is no code of a station"));
 }

@@ -1,7 +1,6 @@
 //! Every document of `fixtures/bad/diagnose` brings its message, its exit code, and nothing on standard output.
 
 use serde_json::{Value, json};
-use std::process::Command;
 
 const DIAGNOSE: &str = env!("CARGO_BIN_EXE_diagnose");
 
@@ -12,13 +11,9 @@ fn each_fault_has_its_message() {
 
 /// Runs with arguments on a good document: exit code, what was said, and nothing on standard output.
 fn refused(arguments: &[&str]) -> String {
-    let output = Command::new(DIAGNOSE)
-        .args(arguments)
-        .current_dir(testkit::fixture("diagnose"))
-        .output()
-        .expect("diagnose");
-    assert!(output.stdout.is_empty() && !output.status.success());
-    String::from_utf8(output.stderr).expect("UTF-8")
+    let run = testkit::run_in(DIAGNOSE, &testkit::fixture("diagnose"), arguments);
+    assert!(run.stdout.is_empty() && run.code != 0);
+    run.stderr
 }
 
 #[test]

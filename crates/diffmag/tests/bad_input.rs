@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const DIFFMAG: &str = env!("CARGO_BIN_EXE_diffmag");
 
@@ -14,10 +13,8 @@ fn each_fault_has_its_message() {
 
 /// Runs in a folder, so that files are named in messages as they are here: exit code and what was said, what was written.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String) {
-    let output = Command::new(DIFFMAG).args(arguments).current_dir(folder).output().expect("diffmag");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    let code = output.status.code().expect("an exit code");
-    (format!("exit code {code}\n{said}"), String::from_utf8(output.stdout).expect("UTF-8"))
+    let run = testkit::run_in(DIFFMAG, folder, arguments);
+    (run.message(), run.stdout)
 }
 
 /// A copy of the fixtures with pieces made of the good tables.

@@ -1,36 +1,20 @@
-//! The example in each help text runs as it stands, and the README shows what is said.
+//! The examples in the help texts run as they stand, and the README shows what is said.
 
-use std::env;
 use std::fs;
-use std::os::unix::fs::symlink;
-use std::path::Path;
-use std::process::Command;
 
 const DIFFMAG: &str = env!("CARGO_BIN_EXE_diffmag");
 
 #[test]
 fn examples_run() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let fixtures = testkit::fixture("").canonicalize().expect("fixtures");
-    symlink(fixtures, folder.path().join("fixtures")).expect("a link");
-    let programs = Path::new(DIFFMAG).parent().expect("a folder");
-    let path = format!("{}:{}", programs.display(), env::var("PATH").expect("a path"));
-    for command in [&["--help"][..], &["stream", "--help"], &["merge", "--help"]] {
-        let help = testkit::run(DIFFMAG, command, "").stdout;
-        let (_, example) = help.split_once("Example:\n").unwrap_or_else(|| panic!("{command:?}: {help}"));
-        let example: Vec<&str> = example.lines().take_while(|line| line.starts_with("  diffmag")).collect();
-        assert!(!example.is_empty(), "{help}");
-        let run = Command::new("sh")
-            .args(["-e", "-c", &example.join("\n")])
-            .current_dir(folder.path())
-            .env("PATH", &path)
-            .output()
-            .expect("a shell");
-        assert!(run.status.success(), "{example:?}: {}", String::from_utf8_lossy(&run.stderr));
-        let result = fs::read_to_string(folder.path().join("result.json")).expect("a result");
-        let result: serde_json::Value = serde_json::from_str(&result).expect("JSON");
-        assert_eq!(result["calibration"]["differential"]["matrix"].as_array().map(Vec::len), Some(3));
-    }
+    let folder = testkit::examples(DIFFMAG, &["stream", "merge"]);
+    let result = fs::read_to_string(folder.path().join("result.json")).expect("a result");
+    let result: serde_json::Value = serde_json::from_str(&result).expect("JSON");
+    assert_eq!(result["calibration"]["differential"]["matrix"].as_array().map(Vec::len), Some(3));
+}
+
+#[test]
+fn completions_and_man_pages() {
+    testkit::manual(DIFFMAG);
 }
 
 #[test]

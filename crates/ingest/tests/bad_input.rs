@@ -2,16 +2,13 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 const INGEST: &str = env!("CARGO_BIN_EXE_ingest");
 
 /// Runs in a folder, so that files are named in messages as they are here: exit code and what was said, what was written.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String) {
-    let output = Command::new(INGEST).args(arguments).current_dir(folder).output().expect("ingest");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    let code = output.status.code().expect("an exit code");
-    (format!("exit code {code}\n{said}"), String::from_utf8(output.stdout).expect("UTF-8"))
+    let run = testkit::run_in(INGEST, folder, arguments);
+    (run.message(), run.stdout)
 }
 
 /// A copy of the fixtures, with the files that are too large to be kept.
