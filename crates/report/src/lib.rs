@@ -1,0 +1,46 @@
+//! Any document as one page: what each stage found, in words, tables and plots.
+//!
+//! A [`Page`] is made of the document by [`run`] and knows nothing of how it is shown; [`html`] and [`text`] write it. Each part of
+//! a document has its file below `sections`. What the document does not hold is not computed here.
+
+pub mod certificate;
+mod error;
+pub mod html;
+mod number;
+mod page;
+pub mod plot;
+mod sections;
+pub mod text;
+
+pub use error::Error;
+pub use page::{Cell, Header, Item, Page, Section, Table};
+
+use common::Document;
+
+/// What is asked of the report.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Hold the document against this specification.
+    pub spec: Option<certificate::Spec>,
+}
+
+/// The page of a document.
+///
+/// # Errors
+///
+/// Where the certificate cannot be made; a document without content gives a page that says so.
+pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
+    let mut page = sections::page(document);
+    if let Some(spec) = &options.spec {
+        page.sections.insert(0, certificate::section(document, spec)?);
+    }
+    Ok(page)
+}
+
+/// What people are told.
+pub fn summary(page: &Page) -> String {
+    let plots = page.sections.iter().flat_map(|section| &section.items);
+    let plots = plots.filter(|item| matches!(item, Item::Plot(_))).count();
+    let warnings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
+    format!("report: {} sections, {plots} plots, {warnings} warnings", page.sections.len())
+}

@@ -1,0 +1,236 @@
+use std::fmt::Write;
+
+use super::scale::Scale;
+use super::{Mark, Plot, Point, Series};
+use crate::html::escape;
+
+/// Size of a drawing, and of a map.
+const SIZE: [f64; 2] = [460.0, 290.0];
+const MAP: [f64; 2] = [400.0, 400.0];
+/// Room above for the vertical axis's label, right, and below for the horizontal axis.
+const ABOVE: f64 = 24.0;
+const RIGHT: f64 = 16.0;
+const BELOW: f64 = 42.0;
+/// Width of a character of a tick's label.
+const CHARACTER: f64 = 7.4;
+/// Number of colours and of shapes.
+pub const STYLES: usize = 6;
+
+/// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be drawn: a sentence.
+pub fn svg(plot: &Plot) -> String {
+    let points = || plot.series.iter().flat_map(|series| &series.points);
+    let xs = points().map(|point| point.x);
+    let ys = points().flat_map(|point| [point.y].into_iter().chain(point.bar.into_iter().flatten()));
+    let (Some(mut x), Some(mut y)) = (Scale::over(xs, plot.x.log), Scale::over(ys, plot.y.log)) else {
+        return "<p class=\"nothing\">No value that can be drawn.</p>".into();
+    };
+    let [width, height] = if plot.map { MAP } else { SIZE };
+    if plot.map {
+        square(&mut x, &mut y);
+    }
+    let ticks = y.ticks(6);
+    let longest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
+    let left = 12.0 + CHARACTER * longest as f64;
+    let [right, bottom] = [width - RIGHT, height - BELOW];
+    let bottom = if plot.map { ABOVE + right - left } else { bottom };
+    let height = bottom + BELOW;
+    let (x, y) = (x.at([left, right]), y.at([bottom, ABOVE]));
+    let id = &plot.id;
+    let mut out = format!(
+        "<svg viewBox=\"0 0 {width} {height:.0}\" role=\"img\" aria-labelledby=\"{id}-title\">\
+         <title id=\"{id}-title\">{}</title>\
+         <clipPath id=\"{id}-clip\"><rect x=\"{left:.1}\" y=\"{ABOVE}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
+        escape(&plot.title),
+        right - left,
+        bottom - ABOVE
+    );
+    let longest = x.ticks(5).iter().map(|tick| tick.label.chars().count()).max().unwrap_or(1).max(3);
+    let across = (((right - left) / (CHARACTER * longest as f64 + 14.0)) as usize).clamp(2, 7);
+    for tick in x.ticks(across) {
+        if let Some(at) = x.place(tick.at) {
+            let kind = if tick.label.is_empty() { "minor" } else { "grid" };
+            let _ = write!(out, "<path class=\"{kind}\" d=\"M{at:.1} {ABOVE}V{bottom:.1}\"/>");
+            let _ = write!(
+                out,
+                "<text class=\"x\" x=\"{at:.1}\" y=\"{:.1}\">{}</text>",
+                bottom + 17.0,
+                tick.label
+            );
+        }
+    }
+    for tick in ticks {
+        if let Some(at) = y.place(tick.at) {
+            let kind = if tick.label.is_empty() { "minor" } else { "grid" };
+            let _ = write!(out, "<path class=\"{kind}\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>");
+            let _ = write!(
+                out,
+                "<text class=\"y\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
+                left - 6.0,
+                at + 4.0,
+                tick.label
+            );
+        }
+    }
+    let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
+    let middle = (left + right) / 2.0;
+    let _ = write!(out, "<text class=\"label\" x=\"2\" y=\"13\">{}</text>", escape(&plot.y.text()));
+    let _ = write!(
+        out,
+        "<text class=\"label x\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>",
+        bottom + 36.0,
+        escape(&plot.x.text())
+    );
+    let _ = write!(out, "<g clip-path=\"url(#{id}-clip)\">");
+    let marked = plot.series.len() > 1;
+    for series in &plot.series {
+        out.push_str(&drawn(series, &x, &y, marked));
+    }
+    out.push_str("</g></svg>");
+    out
+}
+
+/// The sign of a series in the legend.
+pub fn swatch(series: &Series) -> String {
+    let mut d = String::new();
+    let class = format!("s{}", series.style % STYLES);
+    let mut out =
+        format!("<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"{class}\">");
+    if series.mark != Mark::Points {
+        let kind = if series.mark == Mark::Line { "line" } else { "dashes" };
+        let _ = write!(out, "<path class=\"{kind}\" d=\"M1 7H25\"/>");
+    }
+    if series.mark != Mark::Dashes {
+        shape(&mut d, series.style, [13.0, 7.0], 3.6);
+        let _ = write!(out, "<path class=\"points\" d=\"{d}\"/>");
+    }
+    out.push_str("</g></svg>");
+    out
+}
+
+/// Makes one step along x as long as one along y, on a square.
+fn square(x: &mut Scale, y: &mut Scale) {
+    let half = (x.high - x.low).max(y.high - y.low) / 2.0;
+    for scale in [x, y] {
+        let middle = (scale.low + scale.high) / 2.0;
+        (scale.low, scale.high) = (middle - half, middle + half);
+    }
+}
+
+fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
+    let place = |point: &Point| Some([x.place(point.x)?, y.place(point.y)?]);
+    let mut out = format!("<g class=\"s{}\">", series.style % STYLES);
+    match series.mark {
+        Mark::Points => {
+            let radius = match series.points.len() {
+                0..=60 => 3.4,
+                61..=300 => 2.4,
+                _ => 1.6,
+            };
+            let mut bars = String::new();
+            let mut shapes = String::new();
+            for point in &series.points {
+                let Some(at) = place(point) else { continue };
+                shape(&mut shapes, series.style, at, radius);
+                if let Some([low, high]) = ends(point, y) {
+                    let _ = write!(bars, "M{:.1} {low:.1}V{high:.1}", at[0]);
+                }
+            }
+            path(&mut out, "bars", &bars);
+            path(&mut out, "points", &shapes);
+        }
+        Mark::Line | Mark::Dashes => {
+            path(&mut out, "band", &band(series, x, y));
+            let mut line = String::new();
+            let mut open = false;
+            for point in &series.points {
+                match place(point) {
+                    Some([px, py]) => {
+                        let _ = write!(line, "{}{px:.1} {py:.1}", if open { "L" } else { "M" });
+                        open = true;
+                    }
+                    None => open = false,
+                }
+            }
+            path(&mut out, if series.mark == Mark::Line { "line" } else { "dashes" }, &line);
+            if marked && series.mark == Mark::Line {
+                path(&mut out, "points", &signs(series, place));
+            }
+        }
+    }
+    out.push_str("</g>");
+    out
+}
+
+/// A few shapes along a line, so that lines are told apart without colour.
+fn signs(series: &Series, place: impl Fn(&Point) -> Option<[f64; 2]>) -> String {
+    let mut shapes = String::new();
+    let stride = (series.points.len() / 7).max(1);
+    for point in series.points.iter().skip(stride / 2).step_by(stride) {
+        if let Some(at) = place(point) {
+            shape(&mut shapes, series.style, at, 3.0);
+        }
+    }
+    shapes
+}
+
+/// The ends of a bar; a lower end that has no place on a logarithmic axis is at its foot.
+fn ends(point: &Point, y: &Scale) -> Option<[f64; 2]> {
+    let [low, high] = point.bar?;
+    let high = y.place(high)?;
+    let low = if low.is_nan() { return None } else { y.place(low).unwrap_or(y.places[0]) };
+    Some([low, high])
+}
+
+fn band(series: &Series, x: &Scale, y: &Scale) -> String {
+    let ends: Vec<[f64; 3]> = series
+        .points
+        .iter()
+        .filter_map(|point| {
+            let [low, high] = ends(point, y)?;
+            Some([x.place(point.x)?, low, high])
+        })
+        .collect();
+    let there = ends.iter().map(|[x, _, high]| [*x, *high]);
+    let back = ends.iter().rev().map(|[x, low, _]| [*x, *low]);
+    let mut d = String::new();
+    for [px, py] in there.chain(back) {
+        let _ = write!(d, "{}{px:.1} {py:.1}", if d.is_empty() { "M" } else { "L" });
+    }
+    d
+}
+
+fn path(out: &mut String, class: &str, d: &str) {
+    if !d.is_empty() {
+        let _ = write!(out, "<path class=\"{class}\" d=\"{d}\"/>");
+    }
+}
+
+/// Circle, square, triangle, diamond, plus and cross.
+fn shape(d: &mut String, style: usize, [x, y]: [f64; 2], r: f64) {
+    let _ = match style % STYLES {
+        0 => write!(d, "M{:.1} {y:.1}a{r} {r} 0 1 0 {:.1} 0a{r} {r} 0 1 0 {:.1} 0", x - r, 2.0 * r, -2.0 * r),
+        1 => {
+            let r = 0.9 * r;
+            write!(d, "M{:.1} {:.1}h{:.1}v{:.1}h{:.1}z", x - r, y - r, 2.0 * r, 2.0 * r, -2.0 * r)
+        }
+        2 => {
+            write!(d, "M{x:.1} {:.1}l{:.1} {:.1}h{:.1}z", y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r)
+        }
+        3 => {
+            let r = 1.25 * r;
+            write!(d, "M{x:.1} {:.1}l{r:.1} {r:.1}l{:.1} {r:.1}l{:.1} {:.1}z", y - r, -r, -r, -r)
+        }
+        4 => write!(d, "M{:.1} {y:.1}h{:.1}M{x:.1} {:.1}v{:.1}", x - r, 2.0 * r, y - r, 2.0 * r),
+        _ => write!(
+            d,
+            "M{:.1} {:.1}l{:.1} {:.1}m{:.1} 0l{:.1} {:.1}",
+            x - r,
+            y - r,
+            2.0 * r,
+            2.0 * r,
+            -2.0 * r,
+            2.0 * r,
+            -2.0 * r
+        ),
+    };
+}
