@@ -158,7 +158,7 @@ fn figure(out: &mut String, plot: &Plot) {
     if !notes.trim().is_empty() {
         let _ = writeln!(out, "<p class=\"note\">{}</p>", escape(notes.trim()));
     }
-    let rows: usize = plot.series.iter().map(|series| series.points.len()).sum();
+    let rows: usize = plot.series.iter().map(|series| series.values().count()).sum();
     if rows <= IN_TABLE {
         let _ = writeln!(out, "<details>\n<summary>Numbers ({rows} rows)</summary>");
         grid(out, &plot.table(), "");

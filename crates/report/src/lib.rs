@@ -22,6 +22,8 @@ use common::Document;
 pub struct Options {
     /// Hold the document against this specification.
     pub spec: Option<certificate::Spec>,
+    /// SHA-256 of the document's text, in hexadecimal, for the certificate.
+    pub document_sha256: Option<String>,
 }
 
 /// The page of a document.
@@ -32,7 +34,7 @@ pub struct Options {
 pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
     let mut page = sections::page(document);
     if let Some(spec) = &options.spec {
-        page.sections.insert(0, certificate::section(document, spec)?);
+        page.sections.insert(0, certificate::section(document, spec, options.document_sha256.as_deref())?);
     }
     Ok(page)
 }
@@ -42,5 +44,8 @@ pub fn summary(page: &Page) -> String {
     let plots = page.sections.iter().flat_map(|section| &section.items);
     let plots = plots.filter(|item| matches!(item, Item::Plot(_))).count();
     let warnings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
-    format!("report: {} sections, {plots} plots, {warnings} warnings", page.sections.len())
+    let certificate = page.sections.iter().find(|section| section.id == certificate::ID);
+    let verdicts = certificate.and_then(|section| section.words.first());
+    let verdicts = verdicts.map_or(String::new(), |words| format!("\n  certificate: {words}"));
+    format!("report: {} sections, {plots} plots, {warnings} warnings{verdicts}", page.sections.len())
 }

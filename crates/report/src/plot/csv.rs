@@ -8,7 +8,7 @@ pub fn csv(plot: &Plot) -> String {
     let mut text = format!("series,{},{}", quoted(&plot.x.text()), quoted(&plot.y.text()));
     text.push_str(if bars { ",low,high\n" } else { "\n" });
     for series in &plot.series {
-        for point in &series.points {
+        for point in series.values() {
             let _ = write!(text, "{},{},{}", quoted(&series.name), number(point.x), number(point.y));
             if bars {
                 let [low, high] = point.bar.unwrap_or([f64::NAN; 2]);

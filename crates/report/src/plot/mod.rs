@@ -11,7 +11,7 @@ mod ticks;
 
 pub use csv::csv;
 pub use ellipse::ellipse;
-pub use svg::{svg, swatch};
+pub use svg::{STYLES, svg, swatch};
 pub use thin::thinned;
 
 /// A plot.
@@ -80,6 +80,9 @@ pub struct Point {
     pub bar: Option<[f64; 2]>,
 }
 
+/// Parts a line: nothing is missing here.
+const GAP: Point = Point { x: f64::NAN, y: f64::NAN, bar: None };
+
 impl Dimension {
     /// A linear axis.
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
@@ -122,6 +125,19 @@ impl Series {
         Self { name: name.into(), mark, style, points }
     }
 
+    /// Adds points after a gap.
+    pub fn append(&mut self, x: &[f64], y: &[f64]) {
+        if !self.points.is_empty() {
+            self.points.push(GAP);
+        }
+        self.points.extend(x.iter().zip(y).map(|(x, y)| Point { x: *x, y: *y, bar: None }));
+    }
+
+    /// Its points without the gaps between its parts.
+    pub fn values(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(|point| !(point.x.is_nan() && point.y.is_nan()))
+    }
+
     /// With bars of ± one standard uncertainty.
     pub fn with_std(mut self, std: &[f64]) -> Self {
         for (point, std) in self.points.iter_mut().zip(std) {
@@ -154,7 +170,7 @@ impl Plot {
         }
         let mut rows = Vec::new();
         for series in &self.series {
-            for point in &series.points {
+            for point in series.values() {
                 let mut row = vec![series.name.as_str().into(), point.x.into(), point.y.into()];
                 if bars {
                     row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
@@ -168,7 +184,7 @@ impl Plot {
     /// How many points are missing or have no place on a logarithmic axis, as a sentence.
     pub fn undrawn(&self) -> Option<String> {
         let lost = |value: f64, log: bool| !value.is_finite() || (log && value <= 0.0);
-        let points = self.series.iter().flat_map(|series| &series.points);
+        let points = self.series.iter().flat_map(Series::values);
         let count = points.filter(|point| lost(point.x, self.x.log) || lost(point.y, self.y.log)).count();
         let log = if self.x.log || self.y.log { ", or not above zero on a logarithmic axis" } else { "" };
         (count > 0).then(|| format!("Not drawn: {count} points that are missing or not finite{log}."))

@@ -1,0 +1,217 @@
+//! Directions of sensors and coils.
+
+use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, ScaleResult};
+
+use super::axes_map;
+use super::common_words::{cells, counted};
+use crate::plot::{Dimension, Mark, Plot, Series};
+use crate::{Cell, Section, Table, number};
+
+pub fn section(document: &Document) -> Option<Section> {
+    let axes = document.calibration.as_ref()?.axes.as_ref()?;
+    let mut section = Section::new("axes", "Directions");
+    section.warnings.extend(axes.findings.iter().cloned());
+    if let Some(fit) = &axes.fit {
+        let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: p = {}", number::probability(p)));
+        section.words.push(format!(
+            "{} in {}, {}: rank {} of {}. Residuals {} nT rms, noise of a reading {} nT ({}){}. A 95 % interval is ± {} standard \
+             uncertainties.",
+            counted(fit.readings, "reading"),
+            counted(axes.orientations.len(), "orientation"),
+            fit.method,
+            fit.rank,
+            fit.unknowns,
+            number::significant(fit.rms_nt, 4),
+            number::significant(fit.noise_nt, 4),
+            fit.noise_source,
+            chi.unwrap_or_default(),
+            number::significant(fit.coverage_factor_95, 3)
+        ));
+    }
+    let sets = [("sensors", "SEN", &axes.sensors), ("coils", "GEO", &axes.coils)];
+    for (of, frame, directions) in sets {
+        let Some(directions) = directions else { continue };
+        section.table(cosines(of, frame, directions));
+        section.table(angles(of, directions));
+        axes_map::maps(&format!("axes-{of}"), of, directions).into_iter().for_each(|plot| section.plot(plot));
+    }
+    residuals(&mut section, axes);
+    fields(&mut section, axes);
+    orientations(&mut section, axes);
+    (!section.is_empty()).then_some(section)
+}
+
+fn cosines(of: &str, frame: &str, directions: &AxesDirections) -> Table {
+    let mut table = Table::new(
+        format!("Directions of the {of} in {frame}"),
+        [
+            ("axis", ""),
+            ("x", ""),
+            ("y", ""),
+            ("z", ""),
+            ("largest standard uncertainty", "arcsec"),
+            ("off nominal", "arcsec"),
+        ],
+    );
+    for axis in Axis::ALL {
+        let Some(vector) = axes_map::direction(directions, axis) else { continue };
+        let [x, y, z] = vector.map(|cosine| Cell::Text(number::fixed(cosine, 8)));
+        let std = directions.std_arcsec.as_ref().and_then(|std: &OneOrEach| std.get(axis));
+        let off = directions.off_nominal_arcsec.as_ref().and_then(|off| off.get(axis));
+        table.row([axis.letter().into(), x, y, z, std.into(), off.into()]);
+    }
+    table
+}
+
+fn angles(of: &str, directions: &AxesDirections) -> Table {
+    let mut table = Table::new(
+        format!("Non-orthogonality of the {of}: 90° less the angle between two axes"),
+        [("axes", ""), ("angle", "arcsec")],
+    );
+    for (pair, angle) in directions.non_orthogonality_arcsec.iter().flatten() {
+        table.row([pair.as_str().into(), angle.into()]);
+    }
+    table
+}
+
+fn residuals(section: &mut Section, axes: &AxesCalibration) {
+    let Some(readings) = &axes.readings else { return };
+    let mut plot = Plot::new(
+        "axes-residuals",
+        "Residuals of the readings, orientation by orientation",
+        Dimension::linear("reading", ""),
+        Dimension::linear("reading less prediction", "nT"),
+    );
+    for axis in Axis::ALL {
+        let rows = || (0..readings.residual_nt.len()).filter(|row| readings.sensor.get(*row) == Some(&axis));
+        let x: Vec<f64> = rows().map(|row| (row + 1) as f64).collect();
+        let y: Vec<f64> = rows().map(|row| readings.residual_nt[row]).collect();
+        if !x.is_empty() {
+            plot.push(Series::new(format!("sensor {axis}"), Mark::Points, axis.index(), &x, &y));
+        }
+    }
+    section.plot(plot);
+    let mut doubtful = Table::new(
+        "Readings that do not belong to the rest",
+        [
+            ("recording", ""),
+            ("orientation", ""),
+            ("row", ""),
+            ("coil", ""),
+            ("sensor", ""),
+            ("from what the others predict", "nT"),
+            ("t", ""),
+            ("p", ""),
+        ],
+    );
+    for one in &axes.doubtful {
+        doubtful.row([
+            one.recording.as_str().into(),
+            one.orientation.into(),
+            one.row.into(),
+            one.coil.letter().into(),
+            one.sensor.letter().into(),
+            one.leave_one_out_nt.into(),
+            one.t.into(),
+            Cell::Probability(one.p_adjusted),
+        ]);
+    }
+    section.table(doubtful);
+}
+
+fn fields(section: &mut Section, axes: &AxesCalibration) {
+    let mut table = Table::new(
+        "Fields that were found beside the directions",
+        [("what", ""), ("x", "nT"), ("y", "nT"), ("z", "nT")],
+    );
+    for (what, each) in [
+        ("left without drive, GEO", &axes.residual_field_nt),
+        ("to be added to each sensor's offset", &axes.offsets_nt),
+    ] {
+        if each.is_some() {
+            let [x, y, z] = cells(each.as_ref());
+            table.row([what.into(), x, y, z]);
+        }
+    }
+    section.table(table);
+    if let Some(scales) = &axes.scales {
+        section.say(scales.verdict.clone());
+        let mut table = Table::new(
+            "Scales, left free and held against the calibration",
+            [
+                ("scale", ""),
+                ("fitted", ""),
+                ("calibration's own standard uncertainty", ""),
+                ("distance from 1", "std"),
+                ("p", ""),
+            ],
+        );
+        let mut row = |name: String, scale: &ScaleResult| {
+            table.row([
+                name.into(),
+                Cell::Uncertain { value: scale.value, std: scale.std },
+                scale.calibration_std.into(),
+                scale.sigmas.into(),
+                scale.p_value.map_or(Cell::Empty, Cell::Probability),
+            ]);
+        };
+        scales.sensors.iter().for_each(|(axis, scale)| row(format!("sensor {axis}"), scale));
+        scales.coils.iter().for_each(|(axis, scale)| row(format!("coil {axis}"), scale));
+        row("common".into(), &scales.common);
+        section.table(table);
+    }
+}
+
+fn orientations(section: &mut Section, axes: &AxesCalibration) {
+    let mut table = Table::new(
+        "Orientations: the small rotation about the SEN axes by which each was corrected",
+        [
+            ("recordings", ""),
+            ("readings", ""),
+            ("rms", "nT"),
+            ("about x", "arcsec"),
+            ("about y", "arcsec"),
+            ("about z", "arcsec"),
+            ("moved to the nearest rotation by", "arcsec"),
+        ],
+    );
+    for one in &axes.orientations {
+        let [x, y, z] = cells(one.correction_arcsec.as_ref());
+        table.row([
+            one.recordings.join(", ").into(),
+            one.readings.into(),
+            one.rms_nt.into(),
+            x,
+            y,
+            z,
+            one.orthogonalised_by_arcsec.into(),
+        ]);
+    }
+    section.table(table);
+    let mut phases = Table::new(
+        "Phases against an AC drive (negative: the reading lags)",
+        [("sensor", ""), ("drive", "Hz"), ("phase", "rad"), ("p", ""), ("as a delay", "s")],
+    );
+    for one in &axes.phases {
+        phases.row([
+            one.sensor.letter().into(),
+            one.drive_hz.into(),
+            (&one.phase_rad).into(),
+            Cell::Probability(one.p_value),
+            one.delay_s.into(),
+        ]);
+    }
+    section.table(phases);
+    let mut assumptions = Table::new(
+        "What the recordings did not show and was assumed, with what it does to a direction",
+        [("assumed", ""), ("for each nT", "arcsec"), ("for each arcsec", "arcsec")],
+    );
+    for one in &axes.assumptions {
+        assumptions.row([
+            one.assumed.as_str().into(),
+            one.arcsec_per_nt.into(),
+            one.arcsec_per_arcsec.into(),
+        ]);
+    }
+    section.table(assumptions);
+}
