@@ -10,6 +10,8 @@ use crate::{Cell, Header, Item, Page, Section, Table, number};
 const STYLE: &str = include_str!("style.css");
 /// A table with more rows is folded.
 const FOLDED: usize = 12;
+/// A row's name that is longer may be broken.
+const SHORT: usize = 28;
 /// A plot with more rows has them in its data alone.
 const IN_TABLE: usize = 200;
 
@@ -111,10 +113,10 @@ fn table(out: &mut String, table: &Table) {
 }
 
 fn grid(out: &mut String, table: &Table, caption: &str) {
-    out.push_str("<div class=\"scroll\"><table>\n");
     if !caption.is_empty() {
-        let _ = writeln!(out, "<caption>{caption}</caption>");
+        let _ = writeln!(out, "<p class=\"caption\">{caption}</p>");
     }
+    let _ = writeln!(out, "<div class=\"scroll\"><table aria-label=\"{}\">", escape(&table.caption));
     out.push_str("<thead><tr>");
     for Header { name, unit } in &table.headers {
         let _ = write!(out, "<th scope=\"col\">{}", escape(name));
@@ -128,7 +130,9 @@ fn grid(out: &mut String, table: &Table, caption: &str) {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {
             let text = escape(&number::cell(cell));
-            let class = if matches!(cell, Cell::Text(_)) { "" } else { " class=\"number\"" };
+            let words = matches!(cell, Cell::Text(_));
+            let whole = !words || (column == 0 && text.chars().count() <= SHORT);
+            let class = if whole { " class=\"number\"" } else { "" };
             let _ = match column {
                 0 => write!(out, "<th scope=\"row\"{class}>{text}</th>"),
                 _ => write!(out, "<td{class}>{text}</td>"),

@@ -9,6 +9,7 @@ pub fn cell(cell: &Cell) -> String {
         Cell::Text(text) => text.clone(),
         Cell::Count(count) => count.to_string(),
         Cell::Number(number) => bare(*number),
+        Cell::Figures(number, figures) => significant(*number, *figures),
         Cell::Uncertain { value, std } => uncertain(*value, *std),
         Cell::Probability(p) => probability(*p),
     }

@@ -71,8 +71,10 @@ pub enum Cell {
     Text(String),
     /// A count.
     Count(usize),
-    /// A number without an uncertainty.
+    /// A number without an uncertainty, to six figures.
     Number(f64),
+    /// A number of which so many figures are enough: an rms, a standard uncertainty, a bound.
+    Figures(f64, usize),
     /// A value with its standard uncertainty.
     Uncertain {
         /// The value.
@@ -90,8 +92,12 @@ impl Section {
         Self { id: id.into(), title: title.into(), ..Self::default() }
     }
 
-    /// Adds a table, unless it has no rows.
-    pub fn table(&mut self, table: Table) {
+    /// Adds a table without the columns that are empty throughout, unless it has no rows.
+    pub fn table(&mut self, mut table: Table) {
+        let filled = |column: usize| table.rows.iter().any(|row| !matches!(row[column], Cell::Empty));
+        let kept: Vec<bool> = (0..table.headers.len()).map(filled).collect();
+        retain(&mut table.headers, &kept);
+        table.rows.iter_mut().for_each(|row| retain(row, &kept));
         if !table.rows.is_empty() {
             self.items.push(Item::Table(table));
         }
@@ -104,6 +110,18 @@ impl Section {
         }
     }
 
+    /// Adds the plots of several sensors, the first of each, then the second of each, and so on.
+    pub fn plots_side_by_side(&mut self, of_each: Vec<Vec<Plot>>) {
+        let mut of_each: Vec<_> = of_each.into_iter().map(Vec::into_iter).collect();
+        loop {
+            let row: Vec<Plot> = of_each.iter_mut().filter_map(Iterator::next).collect();
+            if row.is_empty() {
+                return;
+            }
+            row.into_iter().for_each(|plot| self.plot(plot));
+        }
+    }
+
     /// Adds a paragraph.
     pub fn say(&mut self, words: impl Into<String>) {
         self.items.push(Item::Words(words.into()));
@@ -113,6 +131,11 @@ impl Section {
     pub fn is_empty(&self) -> bool {
         self.items.is_empty() && self.words.is_empty() && self.warnings.is_empty()
     }
+}
+
+fn retain<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    all.retain(|_| kept.next().copied().unwrap_or(true));
 }
 
 impl Table {

@@ -1,12 +1,13 @@
 use std::fmt::Write;
 
 use super::scale::Scale;
+use super::ticks::Tick;
 use super::{Mark, Plot, Point, Series};
 use crate::html::escape;
 
-/// Size of a drawing, and of a map.
-const SIZE: [f64; 2] = [460.0, 290.0];
-const MAP: [f64; 2] = [400.0, 400.0];
+/// Size of a drawing; a map is as high as it must be.
+const WIDTH: f64 = 400.0;
+const HEIGHT: f64 = 270.0;
 /// Room above for the vertical axis's label, right, and below for the horizontal axis.
 const ABOVE: f64 = 24.0;
 const RIGHT: f64 = 16.0;
@@ -24,29 +25,26 @@ pub fn svg(plot: &Plot) -> String {
     let (Some(mut x), Some(mut y)) = (Scale::over(xs, plot.x.log), Scale::over(ys, plot.y.log)) else {
         return "<p class=\"nothing\">No value that can be drawn.</p>".into();
     };
-    let [width, height] = if plot.map { MAP } else { SIZE };
     if plot.map {
         square(&mut x, &mut y);
     }
     let ticks = y.ticks(6);
     let longest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
     let left = 12.0 + CHARACTER * longest as f64;
-    let [right, bottom] = [width - RIGHT, height - BELOW];
-    let bottom = if plot.map { ABOVE + right - left } else { bottom };
+    let right = WIDTH - RIGHT;
+    let bottom = if plot.map { ABOVE + right - left } else { HEIGHT - BELOW };
     let height = bottom + BELOW;
     let (x, y) = (x.at([left, right]), y.at([bottom, ABOVE]));
     let id = &plot.id;
     let mut out = format!(
-        "<svg viewBox=\"0 0 {width} {height:.0}\" role=\"img\" aria-labelledby=\"{id}-title\">\
+        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-labelledby=\"{id}-title\">\
          <title id=\"{id}-title\">{}</title>\
          <clipPath id=\"{id}-clip\"><rect x=\"{left:.1}\" y=\"{ABOVE}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
         escape(&plot.title),
         right - left,
         bottom - ABOVE
     );
-    let longest = x.ticks(5).iter().map(|tick| tick.label.chars().count()).max().unwrap_or(1).max(3);
-    let across = (((right - left) / (CHARACTER * longest as f64 + 14.0)) as usize).clamp(2, 7);
-    for tick in x.ticks(across) {
+    for tick in spaced(&x) {
         if let Some(at) = x.place(tick.at) {
             let kind = if tick.label.is_empty() { "minor" } else { "grid" };
             let _ = write!(out, "<path class=\"{kind}\" d=\"M{at:.1} {ABOVE}V{bottom:.1}\"/>");
@@ -105,6 +103,16 @@ pub fn swatch(series: &Series) -> String {
     }
     out.push_str("</g></svg>");
     out
+}
+
+/// As many marks along x as have room for their labels.
+fn spaced(x: &Scale) -> Vec<Tick> {
+    let room = x.places[1] - x.places[0];
+    let width = |tick: &Tick| {
+        if tick.label.is_empty() { 0.0 } else { CHARACTER * tick.label.chars().count() as f64 + 12.0 }
+    };
+    let fits = |ticks: &Vec<Tick>| ticks.iter().map(width).sum::<f64>() <= room;
+    (2..=7).rev().map(|wanted| x.ticks(wanted)).find(fits).unwrap_or_else(|| x.ticks(1))
 }
 
 /// Makes one step along x as long as one along y, on a square.

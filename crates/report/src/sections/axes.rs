@@ -58,7 +58,7 @@ fn cosines(of: &str, frame: &str, directions: &AxesDirections) -> Table {
         let [x, y, z] = vector.map(|cosine| Cell::Text(number::fixed(cosine, 8)));
         let std = directions.std_arcsec.as_ref().and_then(|std: &OneOrEach| std.get(axis));
         let off = directions.off_nominal_arcsec.as_ref().and_then(|off| off.get(axis));
-        table.row([axis.letter().into(), x, y, z, std.into(), off.into()]);
+        table.row([axis.letter().into(), x, y, z, std.map(|std| Cell::Figures(std, 2)).into(), off.into()]);
     }
     table
 }
@@ -111,8 +111,8 @@ fn residuals(section: &mut Section, axes: &AxesCalibration) {
             one.row.into(),
             one.coil.letter().into(),
             one.sensor.letter().into(),
-            one.leave_one_out_nt.into(),
-            one.t.into(),
+            Cell::Figures(one.leave_one_out_nt, 4),
+            Cell::Figures(one.t, 3),
             Cell::Probability(one.p_adjusted),
         ]);
     }
@@ -150,8 +150,8 @@ fn fields(section: &mut Section, axes: &AxesCalibration) {
             table.row([
                 name.into(),
                 Cell::Uncertain { value: scale.value, std: scale.std },
-                scale.calibration_std.into(),
-                scale.sigmas.into(),
+                Cell::Figures(scale.calibration_std, 2),
+                scale.sigmas.map(|sigmas| Cell::Figures(sigmas, 2)).into(),
                 scale.p_value.map_or(Cell::Empty, Cell::Probability),
             ]);
         };
@@ -180,11 +180,11 @@ fn orientations(section: &mut Section, axes: &AxesCalibration) {
         table.row([
             one.recordings.join(", ").into(),
             one.readings.into(),
-            one.rms_nt.into(),
+            Cell::Figures(one.rms_nt, 3),
             x,
             y,
             z,
-            one.orthogonalised_by_arcsec.into(),
+            Cell::Figures(one.orthogonalised_by_arcsec, 2),
         ]);
     }
     section.table(table);
@@ -198,7 +198,7 @@ fn orientations(section: &mut Section, axes: &AxesCalibration) {
             one.drive_hz.into(),
             (&one.phase_rad).into(),
             Cell::Probability(one.p_value),
-            one.delay_s.into(),
+            Cell::Figures(one.delay_s, 3),
         ]);
     }
     section.table(phases);
@@ -206,11 +206,12 @@ fn orientations(section: &mut Section, axes: &AxesCalibration) {
         "What the recordings did not show and was assumed, with what it does to a direction",
         [("assumed", ""), ("for each nT", "arcsec"), ("for each arcsec", "arcsec")],
     );
+    let figures = |number: Option<f64>| number.map_or(Cell::Empty, |number| Cell::Figures(number, 2));
     for one in &axes.assumptions {
         assumptions.row([
             one.assumed.as_str().into(),
-            one.arcsec_per_nt.into(),
-            one.arcsec_per_arcsec.into(),
+            figures(one.arcsec_per_nt),
+            figures(one.arcsec_per_arcsec),
         ]);
     }
     section.table(assumptions);

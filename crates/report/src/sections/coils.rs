@@ -44,7 +44,7 @@ pub fn section(document: &Document) -> Option<Section> {
             coil.constant_nt_per_a.as_ref().into(),
             coil.offset_nt.as_ref().into(),
             fit.map(|fit| fit.model.clone()).into(),
-            fit.map(|fit| fit.rms_nt).into(),
+            fit.map(|fit| Cell::Figures(fit.rms_nt, 3)).into(),
             fit.and_then(|fit| fit.lack_of_fit).map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
         ]);
         let Some(fit) = fit else { continue };
@@ -53,12 +53,12 @@ pub fn section(document: &Document) -> Option<Section> {
         let [k, b0] = ["constant_nt_per_a", "offset_nt"].map(part);
         budget.row([
             name.as_str().into(),
-            k.map(|k| k.type_a).into(),
-            k.map(|k| k.type_b).into(),
-            b0.map(|b0| b0.type_a).into(),
-            b0.map(|b0| b0.type_b).into(),
+            k.map(|k| Cell::Figures(k.type_a, 2)).into(),
+            k.map(|k| Cell::Figures(k.type_b, 2)).into(),
+            b0.map(|b0| Cell::Figures(b0.type_a, 2)).into(),
+            b0.map(|b0| Cell::Figures(b0.type_b, 2)).into(),
             fit.readings.into(),
-            fit.coverage_factor_95.into(),
+            Cell::Figures(fit.coverage_factor_95, 3),
         ]);
         departures::add(&mut looked_for, &name, &fit.departures);
         let residuals = &fit.residuals;

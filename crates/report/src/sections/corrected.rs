@@ -41,14 +41,16 @@ pub fn section(document: &Document) -> Option<Section> {
             let std = recording.axis_column(&format!("{quantity}_std"), axis, "nt").unwrap_or_default();
             let [low, high] = ends(field);
             let [small, large] = ends(std);
+            let [small, large] =
+                [small, large].map(|std| std.map_or(Cell::Empty, |std| Cell::Figures(std, 2)));
             table.row([
                 recording.id.as_str().into(),
                 (*frame).into(),
                 axis.letter().into(),
                 field.iter().filter(|value| value.is_finite()).count().into(),
                 recording.rows().into(),
-                low,
-                high,
+                low.into(),
+                high.into(),
                 small,
                 large,
             ]);
@@ -100,10 +102,10 @@ fn plot(recording: &Recording, quantity: &str, frame: &str, axis: Axis) -> Optio
 }
 
 /// Lowest and highest of a column.
-fn ends(column: &[f64]) -> [Cell; 2] {
+fn ends(column: &[f64]) -> [Option<f64>; 2] {
     let finite = column.iter().filter(|value| value.is_finite()).map(|value| [*value, *value]);
     match finite.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) {
-        Some([low, high]) => [low.into(), high.into()],
-        None => [Cell::Empty, Cell::Empty],
+        Some([low, high]) => [Some(low), Some(high)],
+        None => [None, None],
     }
 }

@@ -46,8 +46,8 @@ pub fn section(document: &Document) -> Option<Section> {
             name.as_str().into(),
             fit.difference.map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
             fit.significance.map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
-            held_out.map(|held_out| held_out.before_nt).into(),
-            held_out.map(|held_out| held_out.after_nt).into(),
+            held_out.map(|held_out| Cell::Figures(held_out.before_nt, 3)).into(),
+            held_out.map(|held_out| Cell::Figures(held_out.after_nt, 3)).into(),
             held_out.map(|held_out| held_out.readings).into(),
         ]);
         for one in &fit.misalignments {
@@ -59,11 +59,11 @@ pub fn section(document: &Document) -> Option<Section> {
             ]);
         }
         departures::add(&mut looked_for, &name, &fit.departures);
-        plots.extend(levels(axis, fit));
+        plots.push(levels(axis, fit).into());
     }
     section.table(table);
     section.table(tests);
-    plots.into_iter().for_each(|plot| section.plot(plot));
+    section.plots_side_by_side(plots);
     section.table(leaning);
     section.table(looked_for);
     (!section.items.is_empty()).then_some(section)

@@ -117,7 +117,7 @@ fn effects(diagnosis: &Diagnosis) -> Table {
                 value.into(),
                 unit.into(),
                 Cell::Probability(effect.p_adjusted),
-                effect.held_out_gain_nt.into(),
+                Cell::Figures(effect.held_out_gain_nt, 3),
                 number::fixed(effect.visible_fraction, 3).into(),
             ]);
         }
@@ -174,7 +174,7 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
             number::significant(fit.rms_refitted_nt, 4)
         ));
         let figures = |name: String, figures: [f64; 5]| -> [Cell; 6] {
-            let [a, b, c, d, e] = figures.map(|figure| Cell::Text(number::significant(figure, 4)));
+            let [a, b, c, d, e] = figures.map(|figure| Cell::Figures(figure, 4));
             [name.into(), a, b, c, d, e]
         };
         rms.row(figures(
@@ -219,12 +219,13 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         "Shares of the excess of the squared residual over the noise",
         [("by", ""), ("part", ""), ("from", ""), ("to", ""), ("share", "")],
     );
+    let figures = |end: Option<f64>| end.map_or(Cell::Empty, |end| Cell::Figures(end, 4));
     for one in &diagnosis.energy {
         energy.row([
             one.by.as_str().into(),
             one.part.clone().into(),
-            one.range.map(|[from, _]| from).into(),
-            one.range.map(|[_, to]| to).into(),
+            figures(one.range.map(|[from, _]| from)),
+            figures(one.range.map(|[_, to]| to)),
             number::fixed(one.share, 3).into(),
         ]);
     }
@@ -247,7 +248,7 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
                 one.effect.replace('_', " ").into(),
                 one.target.clone().into(),
                 name.into(),
-                Cell::Text(number::significant(*size, 2)),
+                Cell::Figures(*size, 2),
                 unit.into(),
                 number::fixed(one.visible_fraction, 3).into(),
             ]);

@@ -64,6 +64,7 @@ fn matrix(found: &DifferentialCalibration) -> Table {
             found.covariance_order.as_ref()?.iter().position(|key| *key == format!("matrix[{i}][{j}]"))?;
         found.covariance.as_ref()?.get(place)?.get(place).copied()
     };
+    let figures = |std: Option<f64>| std.map_or(Cell::Empty, |std| Cell::Figures(std, 2));
     for test in Axis::ALL {
         for reference in Axis::ALL {
             let (i, j) = (reference.index(), test.index());
@@ -75,9 +76,9 @@ fn matrix(found: &DifferentialCalibration) -> Table {
                 format!("reference {reference} to test {test}").into(),
                 whole,
                 element.map(|element| element.least_squares).into(),
-                element.map(|element| element.std_independent).into(),
-                element.and_then(|element| element.std_newey_west).into(),
-                element.map(|element| element.std_noise).into(),
+                figures(element.map(|element| element.std_independent)),
+                figures(element.and_then(|element| element.std_newey_west)),
+                figures(element.map(|element| element.std_noise)),
             ]);
         }
     }
@@ -179,7 +180,7 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
         table.row([
             axis.letter().into(),
             found.offset_nt.as_ref().and_then(|offset| offset.get(axis)).into(),
-            one.rms_nt.into(),
+            Cell::Figures(one.rms_nt, 3),
             (&one.white_rms_nt).into(),
             (&one.density_at_1hz_nt_per_sqrt_hz).into(),
             (&one.flicker_exponent).into(),
@@ -209,9 +210,9 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
                 axis.letter().into(),
                 span.into(),
                 (&change.drift_nt).into(),
-                change.noise_rms_nt.into(),
-                from.into(),
-                to.into(),
+                Cell::Figures(change.noise_rms_nt, 2),
+                Cell::Figures(from, 3),
+                Cell::Figures(to, 3),
                 if change.extrapolated { "yes" } else { "no" }.into(),
             ]);
         }
@@ -257,8 +258,8 @@ fn reference_noise(section: &mut Section, fit: &DifferentialFit) {
             place.as_str().into(),
             Cell::Uncertain { value: one.pulled, std: one.pulled_std },
             one.corrected.as_ref().into(),
-            one.largest_pull.into(),
-            one.largest_pull_over_std.into(),
+            Cell::Figures(one.largest_pull, 2),
+            Cell::Figures(one.largest_pull_over_std, 2),
         ]);
     }
     if !noise.ascribed.is_empty() {
@@ -345,7 +346,7 @@ fn fourteen(section: &mut Section, fourteen: &FourteenParameters) {
         angles.row([
             name.replace('_', " ").into(),
             Cell::Text(number::fixed(angle.value_deg, 6)),
-            angle.std_arcsec.into(),
+            Cell::Figures(angle.std_arcsec, 2),
             angle.off_nominal_arcsec.into(),
         ]);
     }

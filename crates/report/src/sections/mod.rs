@@ -21,6 +21,7 @@ mod recordings;
 mod sensors;
 mod stated;
 mod temperature;
+mod temperature_loops;
 
 use common::Document;
 use std::collections::HashSet;

@@ -60,16 +60,21 @@ pub fn section(document: &Document) -> Option<Section> {
                 one.recording.as_str().into(),
                 one.samples.into(),
                 one.rate_hz.into(),
-                one.mean_nt.into(),
-                one.rms_nt.into(),
+                Cell::Figures(one.mean_nt, 4),
+                Cell::Figures(one.rms_nt, 3),
                 (&one.white_rms_nt).into(),
-                one.code_nt.into(),
+                one.code_nt.map(|code| Cell::Figures(code, 3)).into(),
                 one.measured.as_str().into(),
             ]);
         }
         for one in &noise.bands {
             let [from, to] = one.band_hz;
-            bands.row([name.as_str().into(), from.into(), to.into(), (&one.flicker_rms_nt).into()]);
+            bands.row([
+                name.as_str().into(),
+                Cell::Figures(from, 3),
+                Cell::Figures(to, 3),
+                (&one.flicker_rms_nt).into(),
+            ]);
         }
         add_lines(&mut lines, &noise.lines);
         plots.push(spectrum(axis, noise));

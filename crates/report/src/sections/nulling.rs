@@ -4,7 +4,7 @@ use common::{Axis, Document, SpectralLine};
 
 use super::common_words::cells;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Section, Table};
+use crate::{Cell, Section, Table};
 
 pub fn section(document: &Document) -> Option<Section> {
     let nulling = document.calibration.as_ref()?.nulling.as_ref()?;
@@ -58,7 +58,15 @@ pub fn section(document: &Document) -> Option<Section> {
         for one in &spectra.expected {
             let [x, y, z] = cells(Some(&one.rms_nt));
             let [from, to] = one.band_hz;
-            expected.row([site.as_str().into(), one.length_s.into(), from.into(), to.into(), x, y, z]);
+            expected.row([
+                site.as_str().into(),
+                one.length_s.into(),
+                Cell::Figures(from, 3),
+                Cell::Figures(to, 3),
+                x,
+                y,
+                z,
+            ]);
         }
         add_lines(&mut lines, &spectra.lines);
         for one in &spectra.series {
@@ -68,9 +76,9 @@ pub fn section(document: &Document) -> Option<Section> {
                 one.recording.as_str().into(),
                 one.rate_hz.into(),
                 one.segments.into(),
-                one.freedom.into(),
-                from.into(),
-                to.into(),
+                Cell::Figures(one.freedom, 3),
+                Cell::Figures(from, 3),
+                Cell::Figures(to, 3),
             ]);
         }
         for [from, to] in &spectra.gaps_hz {
@@ -102,7 +110,7 @@ pub fn add_lines(table: &mut Table, lines: &[SpectralLine]) {
             line.recording.as_str().into(),
             line.sensor.as_str().into(),
             line.frequency_hz.into(),
-            line.amplitude_nt.into(),
+            Cell::Figures(line.amplitude_nt, 3),
             line.name.clone().into(),
         ]);
     }

@@ -44,7 +44,7 @@ pub fn section(document: &Document) -> Option<Section> {
             sensor.offset_nt.as_ref().into(),
             fit.map(|fit| fit.model.clone()).into(),
             fit.map(|fit| fit.readings).into(),
-            fit.map(|fit| fit.noise.rms_nt).into(),
+            fit.map(|fit| Cell::Figures(fit.noise.rms_nt, 3)).into(),
             p(fit.and_then(|fit| fit.normality)),
             p(fit.and_then(|fit| fit.runs)),
         ]);
@@ -55,8 +55,8 @@ pub fn section(document: &Document) -> Option<Section> {
             budgets.row([
                 name.as_str().into(),
                 words.into(),
-                budget.type_a.into(),
-                budget.type_b.into(),
+                Cell::Figures(budget.type_a, 2),
+                Cell::Figures(budget.type_b, 2),
                 unit.into(),
             ]);
         }
@@ -128,7 +128,7 @@ fn reversals<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a
                 one.shield_drift_nt_per_s.as_ref().into(),
                 one.pairs.used.iter().filter(|used| **used).count().into(),
                 one.pairs.used.len().into(),
-                reversal.imperfect_turn.bound_nt.into(),
+                Cell::Figures(reversal.imperfect_turn.bound_nt, 2),
             ]);
             offsets.extend(&one.pairs.offset_nt);
         }
@@ -161,8 +161,8 @@ fn error_budget<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, 
                 format!("sensor {axis}").into(),
                 one.field_nt.into(),
                 one.warmer_k.into(),
-                one.standard_nt.into(),
-                one.worst_case_nt.into(),
+                Cell::Figures(one.standard_nt, 2),
+                Cell::Figures(one.worst_case_nt, 2),
                 terms.join("; ").into(),
             ]);
         }

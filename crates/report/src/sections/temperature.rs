@@ -1,11 +1,10 @@
-//! Sensitivity and offset against temperature: coefficients, and the loops of the runs.
+//! What temperatures do to sensitivity and offset: the coefficients.
 
-use common::{Axis, Document, TemperatureFit, TemperatureLevels, TemperatureOfPart};
+use common::{Document, TemperatureOfPart};
 
 use super::common_words::led;
-use super::departures;
-use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table, number};
+use super::{departures, temperature_loops};
+use crate::{Cell, Section, Table};
 
 pub fn section(document: &Document) -> Option<Section> {
     let calibration = document.calibration.as_ref()?;
@@ -40,6 +39,10 @@ pub fn section(document: &Document) -> Option<Section> {
             ("differences between the sensors, p", ""),
         ],
     );
+    let mut lags = Table::new(
+        "Lag behind the temperature",
+        [("sensor", ""), ("temperature of", ""), ("lag", "s"), ("what the readings say", "")],
+    );
     let mut looked_for = departures::table("sensor");
     let mut plots = Vec::new();
     for (axis, sensor) in sensors.iter() {
@@ -55,14 +58,12 @@ pub fn section(document: &Document) -> Option<Section> {
                 part.three_point.get("sensitivity_ppm_per_k").into(),
                 part.three_point.get("offset_nt_per_k").into(),
             ]);
-            let lag = part
-                .lag_s
-                .as_ref()
-                .map(|lag| format!(" ({} s)", number::cell(&lag.into())))
-                .unwrap_or_default();
-            if !part.lag.is_empty() {
-                section.words.push(format!("Lag of {name} behind its {what}: {}{lag}.", part.lag));
-            }
+            lags.row([
+                name.as_str().into(),
+                what.into(),
+                part.lag_s.as_ref().into(),
+                part.lag.as_str().into(),
+            ]);
             for (quantity, temperature) in &part.extrema_c {
                 turning.row([
                     name.as_str().into(),
@@ -74,7 +75,7 @@ pub fn section(document: &Document) -> Option<Section> {
             }
         }
         departures::add(&mut looked_for, &name, &fit.departures);
-        plots.extend(loops(axis, fit));
+        plots.push(temperature_loops::plots(axis, fit));
     }
     for common in &calibration.common_extrema {
         turning.row([
@@ -86,9 +87,10 @@ pub fn section(document: &Document) -> Option<Section> {
         ]);
     }
     section.table(slopes);
-    plots.into_iter().for_each(|plot| section.plot(plot));
+    section.plots_side_by_side(plots);
     section.table(three_point);
     section.table(turning);
+    section.table(lags);
     section.table(looked_for);
     (!section.items.is_empty()).then_some(section)
 }
@@ -107,88 +109,4 @@ fn row(name: &str, what: &str, part: &TemperatureOfPart) -> [Cell; 10] {
         part.range_c[0].into(),
         part.range_c[1].into(),
     ]
-}
-
-/// k and O of each run against the temperature that moved in it.
-fn loops(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
-    let levels = &fit.levels;
-    let mut plots = Vec::new();
-    for (number, recording) in fit.recordings.iter().enumerate() {
-        let rows: Vec<usize> =
-            (0..levels.recording.len()).filter(|row| levels.recording[*row] == number).collect();
-        let Some(first) = rows.first() else { continue };
-        let (what, temperature) = moved(levels, &rows);
-        let of = |column: &[f64]| -> Vec<f64> {
-            rows.iter().filter_map(|row| column.get(*row).copied()).collect()
-        };
-        let temperature = of(temperature);
-        let branch: Vec<i8> = rows.iter().map(|row| levels.branch[*row]).collect();
-        let k0 = levels.sensitivity[*first];
-        let ppm = |value: f64| 1e6 * (value / k0 - 1.0);
-        let k: Vec<f64> = of(&levels.sensitivity).into_iter().map(ppm).collect();
-        let k_std: Vec<f64> = of(&levels.sensitivity_std).into_iter().map(|std| 1e6 * std / k0).collect();
-        let id = |quantity: &str| format!("temperature-{axis}-{}-{quantity}", number + 1);
-        let x = || Dimension::linear(format!("temperature of the {what}"), "°C");
-        plots.push(branches(
-            Plot::new(
-                id("sensitivity"),
-                format!("Sensor {axis}: sensitivity, {recording}"),
-                x(),
-                Dimension::linear("k from the first", "ppm"),
-            ),
-            axis,
-            &branch,
-            [&temperature, &k, &k_std],
-        ));
-        plots.push(branches(
-            Plot::new(
-                id("offset"),
-                format!("Sensor {axis}: offset, {recording}"),
-                x(),
-                Dimension::linear("offset", "nT"),
-            ),
-            axis,
-            &branch,
-            [&temperature, &of(&levels.offset_nt), &of(&levels.offset_std_nt)],
-        ));
-    }
-    plots
-}
-
-/// The thermometer that moved more, with its column.
-fn moved<'a>(levels: &'a TemperatureLevels, rows: &[usize]) -> (&'static str, &'a [f64]) {
-    let span = |column: &[f64]| {
-        let values = rows.iter().filter_map(|row| column.get(*row)).filter(|value| value.is_finite());
-        let ends = values.map(|value| [*value, *value]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-        ends.map_or(0.0, |[low, high]| high - low)
-    };
-    if span(&levels.electronics_temperature_c) > span(&levels.sensor_temperature_c) {
-        ("electronics", &levels.electronics_temperature_c)
-    } else {
-        ("sensor", &levels.sensor_temperature_c)
-    }
-}
-
-/// Rising and falling temperature as series, over the line in the order of the run.
-fn branches(mut plot: Plot, axis: Axis, branch: &[i8], [x, y, std]: [&[f64]; 3]) -> Plot {
-    plot.push(Series::new("in the order taken", Mark::Dashes, 5, x, y));
-    for (name, style, wanted) in [
-        ("first", 3, 0),
-        ("temperature had risen", axis.index(), 1),
-        ("temperature had fallen", (axis.index() + 1) % 3, -1),
-    ] {
-        let of = |column: &[f64]| -> Vec<f64> {
-            column
-                .iter()
-                .zip(branch)
-                .filter(|(_, branch)| **branch == wanted)
-                .map(|(value, _)| *value)
-                .collect()
-        };
-        let (x, y, std) = (of(x), of(y), of(std));
-        if !x.is_empty() {
-            plot.push(Series::new(name, Mark::Points, style, &x, &y).with_std(&std));
-        }
-    }
-    plot
 }
