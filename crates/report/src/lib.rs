@@ -20,10 +20,10 @@ use common::Document;
 /// What is asked of the report.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
+    /// SHA-256 of the document's text, in hexadecimal, to be stated on the page.
+    pub document_sha256: Option<String>,
     /// Hold the document against this specification.
     pub spec: Option<certificate::Spec>,
-    /// SHA-256 of the document's text, in hexadecimal, for the certificate.
-    pub document_sha256: Option<String>,
 }
 
 /// The page of a document.
@@ -32,7 +32,7 @@ pub struct Options {
 ///
 /// Where the certificate cannot be made; a document without content gives a page that says so.
 pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
-    let mut page = sections::page(document);
+    let mut page = sections::page(document, options.document_sha256.as_deref());
     if let Some(spec) = &options.spec {
         page.sections.insert(0, certificate::section(document, spec, options.document_sha256.as_deref())?);
     }

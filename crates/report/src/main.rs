@@ -44,7 +44,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         options.spec = Some(Spec::parse(&input.text).map_err(|error| input.locate(error))?);
     }
     let input = Input::read(cli.io.file.as_deref())?;
-    options.document_sha256 = options.spec.as_ref().map(|_| input.sha256());
+    options.document_sha256 = Some(input.sha256());
     let document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
     let page = report::run(&document, &options).map_err(|error| input.locate(error.into()))?;
     let render = if cli.text { text::render } else { html::render };
