@@ -83,7 +83,7 @@ impl Budget {
             if reached < asked_nt {
                 along_nt[axis.index()] = reached;
                 let gap = format!(
-                    "calibrated up to {reached:.0} nT; `sensor_sensitivity` up to {asked_nt:.0} nT would show the rest"
+                    "calibrated up to {reached:.0} nT (`sensor_sensitivity` up to {asked_nt:.0} nT would show the rest)"
                 );
                 gaps.add(axis, &gap);
             }
@@ -92,7 +92,7 @@ impl Budget {
                 across.map(|fields| fields.iter().fold(0.0, |most: f64, field| most.max(field.abs())));
             if let Some(across) = across.filter(|across| *across < asked_nt) {
                 range_nt = range_nt.min(across);
-                gaps.add(axis, &format!("fields across went up to {across:.0} nT; `cross_field` up to {asked_nt:.0} nT would show the rest"));
+                gaps.add(axis, &format!("fields across went up to {across:.0} nT (`cross_field` up to {asked_nt:.0} nT would show the rest)"));
             }
         }
         let ends = |part: Part| {
@@ -133,8 +133,8 @@ impl Budget {
                 }
             }
         }
-        let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(_, error, place)| {
-            (error.bias, error.std(), words(&error, &place))
+        let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, place)| {
+            (error.bias, error.std(), words(size, &error, &place))
         });
         Found { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
     }
@@ -173,7 +173,7 @@ impl Budget {
     }
 }
 
-fn words(error: &ErrorAt, place: &Place) -> String {
+fn words(size: f64, error: &ErrorAt, place: &Place) -> String {
     let [x, y, z] = [0, 1, 2].map(|row| place.field[row]);
     let [sensor, electronics] = place.warmer;
     let largest: Vec<String> = error
@@ -184,7 +184,7 @@ fn words(error: &ErrorAt, place: &Place) -> String {
         .map(|(name, std)| format!("{name} {std:.3}"))
         .collect();
     format!(
-        "largest with a field of ({x:.0}, {y:.0}, {z:.0}) nT, the sensors {sensor:+.1} K and the electronics {electronics:+.1} K from the \
+        "|e| + k u = {size:.2} nT, with a field of ({x:.0}, {y:.0}, {z:.0}) nT, the sensors {sensor:+.1} K and the electronics {electronics:+.1} K from the \
          reference; most from {}",
         largest.join(", ")
     )

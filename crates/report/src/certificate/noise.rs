@@ -36,10 +36,8 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
             ))
         })?;
     let spectrum = Spectrum::of(noise, fastest);
-    let rms = spectrum.rms(band);
-    let figure = |spectrum: &Spectrum| spectrum.rms(band) * peak(2.0 * spectrum.crossings_hz(band) * over_s);
-    let value = if rms > 0.0 { figure(&spectrum) } else { 0.0 };
-    let std = spectrum.moved().iter().map(|moved| (figure(moved) - value).abs()).sum();
+    let value = spectrum.zero_to_peak(band, over_s);
+    let changes = spectrum.moved().map(|moved| (moved.zero_to_peak(band, over_s) - value).abs());
     let mut gaps = Vec::new();
     if noise.goodness_p < UNLIKE_BELOW {
         gaps.push(format!(
@@ -47,14 +45,19 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
             noise.goodness_p
         ));
     }
+    let longest =
+        noise.series.iter().map(|series| series.samples as f64 / series.rate_hz).fold(0.0, f64::max);
+    if longest * band[0] < 1.0 {
+        gaps.push(format!("the longest series of {longest:.0} s shows nothing of {} Hz", band[0]));
+    }
     let lines = noise.lines.iter().filter(|line| line.recording == fastest.recording);
     let inside = lines.filter(|line| (band[0]..=band[1]).contains(&line.frequency_hz));
     gaps.extend(inside.map(|line| {
         format!("a line of {:.3} nT at {:.3} Hz is not in the figure", line.amplitude_nt, line.frequency_hz)
     }));
-    let often = spectrum.crossings_hz(band);
+    let (rms, often) = (spectrum.rms(band), spectrum.crossings_hz(band));
     let how = if rms > 0.0 {
-        let exceeded = rms * (2.0 * (2.0 * often * over_s / -(0.95f64.ln())).ln()).sqrt();
+        let exceeded = rms * (2.0 * (2.0 * often * over_s / -(0.95f64.ln())).ln()).max(0.0).sqrt();
         format!(
             "{rms:.4} nT rms, {often:.1} crossings a second, peak {:.2} times the rms; one record in twenty exceeds {exceeded:.3} nT",
             value / rms
@@ -62,7 +65,7 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
     } else {
         "no noise was found".into()
     };
-    Ok(Found { of: sensor_name(axis), value, std, gaps, how })
+    Ok(Found { of: sensor_name(axis), value, std: changes.iter().sum(), gaps, how })
 }
 
 /// Expected largest departure from zero, in either direction, of Gaussian noise of unit rms with n independent chances to
@@ -101,6 +104,12 @@ impl Spectrum {
         }
     }
 
+    /// σ g, nT.
+    fn zero_to_peak(&self, band: [f64; 2], over_s: f64) -> f64 {
+        let rms = self.rms(band);
+        if rms > 0.0 { rms * peak(2.0 * self.crossings_hz(band) * over_s) } else { 0.0 }
+    }
+
     /// √∫ P df, nT.
     fn rms(&self, band: [f64; 2]) -> f64 {
         self.moment(0, band).sqrt()
@@ -132,5 +141,72 @@ impl Spectrum {
         moved[1].exponent[0] += self.exponent[1];
         moved[2].white[0] += self.white[1];
         moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::Value;
+
+    /// Cases of `fixtures/reference/certificate.py`: the spectrum, band, duration, and what SciPy gives.
+    fn cases() -> Vec<(Spectrum, [f64; 2], f64, Value)> {
+        let text = testkit::read_fixture("reference/certificate.json");
+        let reference: Value = serde_json::from_str(&text).expect("JSON");
+        let cases = reference["noise"].as_array().expect("cases").clone();
+        let of = |case: Value| {
+            let number = |key: &str| case[key].as_f64().expect("a number");
+            let band = [0, 1].map(|end| case["band_hz"][end].as_f64().expect("a frequency"));
+            let spectrum = Spectrum {
+                amplitude: [number("amplitude"), 0.05 * number("amplitude")],
+                exponent: [number("exponent"), 0.03],
+                white: [number("white"), 0.02 * number("white")],
+                step_s: number("step_s"),
+            };
+            (spectrum, band, number("over_s"), case)
+        };
+        cases.into_iter().map(of).collect()
+    }
+
+    #[test]
+    fn rms_and_zero_to_peak_are_those_of_scipy() {
+        for (spectrum, band, over_s, case) in cases() {
+            let number = |key: &str| case[key].as_f64().expect("a number");
+            assert!((spectrum.rms(band) / number("rms_nt") - 1.0).abs() < 1e-10, "{case}");
+            // Peaks come in clumps where low frequencies are strong; the formula takes them one by one and is a little high.
+            let by = spectrum.zero_to_peak(band, over_s) / number("zero_to_peak_nt") - 1.0;
+            let chance = 3.0 * number("error_of_mean_nt") / number("zero_to_peak_nt");
+            println!("{by:+.4} ± {:.4}", chance / 3.0);
+            assert!((-chance..0.02 + chance).contains(&by), "{by:+.4}: {case}");
+        }
+    }
+
+    /// Over parameters that move together in any sense, the figure moves by no more than u, and in one sense by u.
+    #[test]
+    fn the_uncertainty_bounds_every_correlation() {
+        for (spectrum, band, over_s, case) in cases() {
+            let value = spectrum.zero_to_peak(band, over_s);
+            let std: f64 =
+                spectrum.moved().iter().map(|moved| (moved.zero_to_peak(band, over_s) - value).abs()).sum();
+            let moved = |signs: [f64; 3]| {
+                let mut all = spectrum;
+                all.amplitude[0] += signs[0] * all.amplitude[1];
+                all.exponent[0] += signs[1] * all.exponent[1];
+                all.white[0] += signs[2] * all.white[1];
+                (all.zero_to_peak(band, over_s) - value).abs()
+            };
+            let all = (0..8).map(|k| [k & 1, k >> 1 & 1, k >> 2].map(|sign| f64::from(2 * sign - 1)));
+            let most = all.map(moved).fold(0.0, f64::max);
+            assert!((most / std - 1.0).abs() < 0.05, "{most} beside {std}: {case}");
+        }
+    }
+
+    #[test]
+    fn the_peak_of_one_chance_and_of_many() {
+        // n → 0: ∫ n exp(−m²/2) dm = n √(π/2).
+        assert!((peak(1e-6) / 1e-6 - (std::f64::consts::PI / 2.0).sqrt()).abs() < 1e-5);
+        // Davenport's expansion, good to 0.3 % for many: √(2 ln n) + γ/√(2 ln n).
+        let root = (2.0 * 1e6f64.ln()).sqrt();
+        assert!((peak(1e6) / (root + 0.577_215_664_9 / root) - 1.0).abs() < 3e-3);
     }
 }

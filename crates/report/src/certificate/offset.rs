@@ -31,7 +31,9 @@ fn one(document: &Document, requirement: &Requirement, axis: Axis) -> Shown {
         }
     }
     if !parts.is_empty() {
-        let coefficients = Coefficients::of(document, axis).ok_or_else(|| {
+        let coefficients = Coefficients::of(document, axis);
+        let coefficients = coefficients.filter(|known| parts.iter().all(|(part, _)| known.has(*part)));
+        let coefficients = coefficients.ok_or_else(|| {
             missing(
                 "there are no coefficients of temperature; sensorcal finds them from a `temperature_run`"
                     .into(),
@@ -115,7 +117,7 @@ pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
     let days = drift.dates.time_d.last().copied().unwrap_or(0.0);
     let gap = (days < SPAN * years * YEAR_D).then(|| {
         format!(
-            "offsets were followed over {days:.0} days of {:.0}; go on with `offset_drift`",
+            "offsets were followed over {days:.0} days of {:.0} (go on with `offset_drift`)",
             years * YEAR_D
         )
     });

@@ -25,8 +25,8 @@ fn one_range(document: &Document, axis: Axis) -> Shown {
     let (value, gaps, how) = match stands {
         Some(field) => (field, Vec::new(), format!("the output stands from {field:.0} nT on")),
         None => {
-            let gap = "no larger field was applied, in which the output might stand still; `sensor_sensitivity` up to the limit \
-                       would show it";
+            let gap = "no larger field was applied, in which the output might stand still (`sensor_sensitivity` up to the \
+                       limit would show it)";
             (
                 below.min(above),
                 vec![gap.to_string()],
@@ -120,7 +120,7 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
         of: sensor_name(axis),
         value: fastest.drive_hz,
         std: 0.0,
-        gaps: vec!["no faster drive was recorded; `axes_orientation` with a `conditions.drive_hz` up to the limit would show it".into()],
+        gaps: vec!["no faster drive was recorded (`axes_orientation` with a `conditions.drive_hz` up to the limit would show it)".into()],
         how: format!("follows a drive of {} Hz", fastest.drive_hz),
     })
 }

@@ -86,8 +86,8 @@ pub fn asked(
         (Some(Temperatures::Range([low, high])), Some([coldest, warmest])) => {
             let gap = (low < coldest || high > warmest).then(|| {
                 format!(
-                    "the {word} was calibrated from {coldest} to {warmest} degC and not from {low} to {high} degC; a \
-                     `temperature_run` as wide would show the rest"
+                    "the {word} was calibrated from {coldest} to {warmest} degC and not from {low} to {high} degC (a \
+                     `temperature_run` as wide would show the rest)"
                 )
             });
             ([low.clamp(coldest, warmest), high.clamp(coldest, warmest)], gap)
@@ -138,6 +138,16 @@ impl Coefficients {
             covariance: fit.covariance.clone(),
             widened: normal_std(1.0, fit.noise.coverage_factor_95),
         })
+    }
+
+    /// Whether what a part's temperature does was found.
+    pub fn has(&self, part: Part) -> bool {
+        self.effects().any(|effect| part.effects().contains(&effect))
+    }
+
+    /// The catalogue's names of the effects, once for each parameter.
+    pub fn effects(&self) -> impl Iterator<Item = &str> {
+        self.names.iter().map(|name| name.split_once('.').map_or(name.as_str(), |(effect, _)| effect))
     }
 
     /// What reading `field_nt` changes by when the parts are so much warmer (K), with its standard uncertainty, nT:

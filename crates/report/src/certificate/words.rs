@@ -2,7 +2,7 @@ use common::Document;
 
 use super::verdict::{Found, Missing, Rule, Side, Verdict};
 use super::{ID, Judged, Kind, Requirement, Spec, judge};
-use crate::number::{bare, fixed, uncertain};
+use crate::number::{bare, uncertain};
 use crate::{Cell, Error, Item, Section, Table};
 
 /// The certificate: its first sentence counts the verdicts. `document_sha256` is that of the document's text, where it is known.
@@ -30,12 +30,12 @@ pub fn section(document: &Document, spec: &Spec, document_sha256: Option<&str>) 
     for one in &judged {
         let side = one.requirement.kind.side();
         let found = decisive(one);
-        let margin = found.map(|found| three_figures(rule.margin(side, one.requirement.limit, found)));
+        let margin = found.map(|found| rule.margin(side, one.requirement.limit, found));
         table.row([
             Cell::from(titled(one.requirement)),
             Cell::from(limit(one.requirement)),
             found.map(value).into(),
-            margin.unwrap_or_default(),
+            margin.map(|margin| Cell::Figures(margin, 3)).into(),
             Cell::from(one.requirement.kind.unit()),
             Cell::from(one.verdict.word()),
         ]);
@@ -109,12 +109,6 @@ fn value(found: &Found) -> Cell {
     }
 }
 
-/// A margin to three figures.
-fn three_figures(margin: f64) -> Cell {
-    let figures = 2 - margin.abs().max(1e-12).log10().floor() as i32;
-    Cell::Text(fixed(margin, figures.clamp(0, 9)))
-}
-
 fn failure(one: &Judged<'_>) -> String {
     let requirement = one.requirement;
     let unit = requirement.kind.unit();
@@ -128,7 +122,7 @@ fn failure(one: &Judged<'_>) -> String {
 fn decision(rule: Rule) -> String {
     format!(
         "Guard band of k standard uncertainties u (JCGM 106:2012, 8.3; ILAC-G8:09/2019), k = {:.3} where a value can miss its limit on one side, {:.3} \
-         where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more, for each sensor by itself. \
+         where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more where errors are normal, for each sensor by itself. \
          Pass: |value| + k u is within the limit. Fail: |value| − k u is beyond it. Not shown: neither, or the document lacks what is needed. \
          A limit that must be exceeded is read the other way round. The margin is what is left to the limit after k u. A value that is \
          \"at least\" so large can fail a limit from above, and pass one from below, and no more. Of several sensors the worst decides; it is the one in the table.",
@@ -207,7 +201,10 @@ fn method(requirement: &Requirement) -> String {
         Kind::OffsetStabilityNt => {
             let warm = requirement.sensor_temperature_c.is_some() || requirement.electronics_temperature_c.is_some();
             let warm = warm.then_some("over the temperatures, from that at the reference");
-            let years = requirement.years.map(|years| format!("within {} years", bare(years)));
+            let years = requirement.years.map(|years| match years {
+                1.0 => "in a year".to_string(),
+                years => format!("in {} years", bare(years)),
+            });
             let over: Vec<&str> = warm.into_iter().chain(years.as_deref()).collect();
             format!("largest change of the offset {}", over.join(", and "))
         }

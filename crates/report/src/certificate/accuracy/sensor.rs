@@ -114,26 +114,45 @@ impl Sensor {
         } else {
             [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity].map(|kind| looked_for(kind).unwrap_or(0.0))
         };
-        let warm = [requirement.sensor_temperature_c, requirement.electronics_temperature_c];
         let temperature = Coefficients::of(document, axis);
-        if warm.iter().any(Option::is_some) && temperature.is_none() {
-            gaps.add(axis, "what temperatures do is not known; `temperature_run` would show it");
+        let warm = [
+            (Part::Sensor, requirement.sensor_temperature_c.is_some()),
+            (Part::Electronics, requirement.electronics_temperature_c.is_some()),
+        ];
+        for (part, _) in warm.into_iter().filter(|(_, asked)| *asked) {
+            if !temperature.as_ref().is_some_and(|known| known.has(part)) {
+                let word = part.word();
+                gaps.add(
+                    axis,
+                    &format!(
+                        "what the {word}'s temperature does is not known (`temperature_run` would show it)"
+                    ),
+                );
+            }
+        }
+        for effect in temperature.iter().flat_map(Coefficients::effects) {
+            if !effects.iter().any(|adopted| adopted.effect == effect) {
+                gaps.add(
+                    axis,
+                    &format!("the model lacks `{effect}`, so that the field is not corrected for it"),
+                );
+            }
         }
         let turn = turn_per_k(document, axis).map(|pair| pair.map(|angle| angle.std().unwrap_or(0.0)));
-        if warm[0].is_some() && turn.is_none() {
+        if warm[0].1 && turn.is_none() {
             gaps.add(
                 axis,
-                "whether the axis turns with temperature is not known; `axes_orientation` at several temperatures would show it",
+                "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
             );
         }
         let across =
             found.cross_field.as_ref().map(|fit| Across::of(fit, of_model(Kind::CrossField).is_some()));
         if across.is_none() {
-            gaps.add(axis, "what fields across do is not known; `cross_field` would show it");
+            gaps.add(axis, "what fields across do is not known (`cross_field` would show it)");
         }
         let noise = found.noise.as_ref();
         if noise.is_none() {
-            gaps.add(axis, "the noise is not known; `sensor_noise` would show it");
+            gaps.add(axis, "the noise is not known (`sensor_noise` would show it)");
         }
         let noise = noise.map_or(0.0, |noise| {
             let flicker = noise.bands.first().map_or(0.0, |band| band.flicker_rms_nt.value());
@@ -142,7 +161,7 @@ impl Sensor {
         let code = codes_nt(document, axis).into_iter().flatten().reduce(f64::max);
         let moved = requirement.years.map(|years| match &found.drift {
             Some(found) => drift(found, years),
-            None => Err("how the offset drifts is not known; `offset_drift` would show it".into()),
+            None => Err("how the offset drifts is not known (`offset_drift` would show it)".into()),
         });
         let moved = match moved {
             Some(Ok(mut moved)) => {
