@@ -9,7 +9,7 @@ pub fn cell(cell: &Cell) -> String {
         Cell::Text(text) => text.clone(),
         Cell::Count(count) => count.to_string(),
         Cell::Number(number) => bare(*number),
-        Cell::Figures(number, figures) => significant(*number, *figures),
+        Cell::Figures(number, digits) => figures(*number, *digits),
         Cell::Uncertain { value, std } => uncertain(*value, *std),
         Cell::Probability(p) => probability(*p),
     }
@@ -20,18 +20,29 @@ pub fn bare(value: f64) -> String {
     significant(value, 6)
 }
 
-/// A number to so many significant digits, without the zeros at its end.
-pub fn significant(value: f64, digits: usize) -> String {
+/// A number to so many significant digits.
+pub fn figures(value: f64, digits: usize) -> String {
     if !value.is_finite() {
         return missing(value).into();
     }
+    if value == 0.0 {
+        return "0".into();
+    }
     let power = exponent(value, digits);
-    let plain = (-4..7).contains(&power);
-    let decimals = digits as i32 - 1 - if plain { power } else { 0 };
-    let mantissa = if plain { value } else { value / 10f64.powi(power) };
-    let text = fixed(mantissa, decimals);
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    if plain { text.into() } else { format!("{text}{}", times_ten_to(power)) }
+    if (-4..7).contains(&power) {
+        return fixed(value, digits as i32 - 1 - power);
+    }
+    format!("{}{}", fixed(value / 10f64.powi(power), digits as i32 - 1), times_ten_to(power))
+}
+
+/// The same without zeros at the end.
+pub fn significant(value: f64, digits: usize) -> String {
+    let text = figures(value, digits);
+    let (mantissa, power) = text.split_at(text.find('·').unwrap_or(text.len()));
+    if !mantissa.contains('.') {
+        return text;
+    }
+    format!("{}{power}", mantissa.trim_end_matches('0').trim_end_matches('.'))
 }
 
 /// A value with its standard uncertainty: that to two figures, the value to the same decimal.
@@ -128,7 +139,9 @@ mod tests {
         assert_eq!(bare(0.0), "0");
         assert_eq!(bare(-50000.0), "−50000");
         assert_eq!(bare(0.123456789), "0.123457");
-        assert_eq!(bare(9.999999e-5), "0.0001");
+        assert_eq!(bare(9.9999999e-5), "0.0001");
+        assert_eq!((figures(0.2, 2), figures(0.0, 2)), ("0.20".into(), "0".into()));
+        assert_eq!((figures(3.04e-9, 2), figures(1234.5, 2)), ("3.0·10⁻⁹".into(), "1200".into()));
         assert_eq!(bare(2.5e-9), "2.5·10⁻⁹");
         assert_eq!(bare(12345678.0), "1.23457·10⁷");
         assert_eq!(probability(0.02449), "0.024");

@@ -27,7 +27,7 @@ pub fn render(page: &Page) -> String {
                     let _ = writeln!(out, "\n{}", plain(heading));
                 }
                 Item::Words(words) => {
-                    let _ = writeln!(out, "{}", plain(words));
+                    let _ = writeln!(out, "\n{}", plain(words));
                 }
                 Item::Table(table) => self::table(&mut out, table),
                 Item::Plot(plot) => self::plot(&mut out, plot),

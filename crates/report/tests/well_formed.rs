@@ -94,7 +94,7 @@ fn a_hostile_document_is_shown_as_it_is() {
         "instrument": {"name": "<img src=x onerror=alert(2)>"},
         "recordings": [
             {"id": "a b", "procedure": "free_run", "columns": {"time_s": [0, 1, 2], "sensor_x_nt": [null, null, null], "sensor_y_nt": [5, 5, 5]}},
-            {"id": "a_b", "procedure": "<i>", "columns": {"time_s": [null, null, null], "</svg><script>_nt": [1e308, -1e308, 0]}},
+            {"id": "a_b", "procedure": "<i>", "columns": {"time_s": [0, 1, 2], "</svg><script>_nt": [1e308, -1e308, 0], "b_v": [null, 2, 1e300]}},
             {"id": "''\"><p>", "procedure": "free_run", "table": "x.csv"},
             {"id": "…", "procedure": "free_run", "columns": {"one": [1]}}],
         "diagnosis": [{"verdict": "unexplained", "series": [{"column": "x<y", "along": "time_s", "x": [0, 1], "before_nt": [1e-300, 2e-300], "after_nt": [1]}]}],

@@ -15,13 +15,16 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The scale that holds the values, with a little air; None without a value that it can hold.
+    /// The scale that holds the values, with a little air; None without a value that it can hold, or where they are too far apart for a number.
     pub fn over(values: impl Iterator<Item = f64>, log: bool) -> Option<Self> {
         let possible = values.filter(|value| value.is_finite() && (!log || *value > 0.0));
         let [low, high] =
             possible.map(|value| [value, value]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])?;
         let [low, high] = if log { [low.log10(), high.log10()] } else { [low, high] };
         let span = high - low;
+        if !span.is_finite() {
+            return None;
+        }
         let air = if span > 1e-12 * high.abs().max(low.abs()) { 0.05 * span } else { air_around(high, log) };
         let [low, high] = [low - air, high + air];
         let [low, high] = if log { [10f64.powf(low), 10f64.powf(high)] } else { [low, high] };

@@ -46,38 +46,19 @@ pub fn svg(plot: &Plot) -> String {
     );
     for tick in spaced(&x) {
         if let Some(at) = x.place(tick.at) {
-            let kind = if tick.label.is_empty() { "minor" } else { "grid" };
-            let _ = write!(out, "<path class=\"{kind}\" d=\"M{at:.1} {ABOVE}V{bottom:.1}\"/>");
-            let _ = write!(
-                out,
-                "<text class=\"x\" x=\"{at:.1}\" y=\"{:.1}\">{}</text>",
-                bottom + 17.0,
-                tick.label
-            );
+            line(&mut out, &tick, &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
+            label(&mut out, "x", at, bottom + 17.0, &tick.label);
         }
     }
     for tick in ticks {
         if let Some(at) = y.place(tick.at) {
-            let kind = if tick.label.is_empty() { "minor" } else { "grid" };
-            let _ = write!(out, "<path class=\"{kind}\" d=\"M{left:.1} {at:.1}H{right:.1}\"/>");
-            let _ = write!(
-                out,
-                "<text class=\"y\" x=\"{:.1}\" y=\"{:.1}\">{}</text>",
-                left - 6.0,
-                at + 4.0,
-                tick.label
-            );
+            line(&mut out, &tick, &format!("M{left:.1} {at:.1}H{right:.1}"));
+            label(&mut out, "y", left - 6.0, at + 4.0, &tick.label);
         }
     }
     let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
-    let middle = (left + right) / 2.0;
-    let _ = write!(out, "<text class=\"label\" x=\"2\" y=\"13\">{}</text>", escape(&plot.y.text()));
-    let _ = write!(
-        out,
-        "<text class=\"label x\" x=\"{middle:.1}\" y=\"{:.1}\">{}</text>",
-        bottom + 36.0,
-        escape(&plot.x.text())
-    );
+    label(&mut out, "label", 2.0, 13.0, &plot.y.text());
+    label(&mut out, "label x", (left + right) / 2.0, bottom + 36.0, &plot.x.text());
     let _ = write!(out, "<g clip-path=\"url(#{id}-clip)\">");
     let marked = plot.series.len() > 1;
     for series in &plot.series {
@@ -103,6 +84,17 @@ pub fn swatch(series: &Series) -> String {
     }
     out.push_str("</g></svg>");
     out
+}
+
+/// The line of a mark across the drawing; a minor one has no label.
+fn line(out: &mut String, tick: &Tick, d: &str) {
+    path(out, if tick.label.is_empty() { "minor" } else { "grid" }, d);
+}
+
+fn label(out: &mut String, class: &str, x: f64, y: f64, text: &str) {
+    if !text.is_empty() {
+        let _ = write!(out, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(text));
+    }
 }
 
 /// As many marks along x as have room for their labels.

@@ -3,7 +3,7 @@
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, ScaleResult};
 
 use super::axes_map;
-use super::common_words::{cells, counted};
+use super::common_words::{cells, counted, sentence};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
@@ -135,7 +135,7 @@ fn fields(section: &mut Section, axes: &AxesCalibration) {
     }
     section.table(table);
     if let Some(scales) = &axes.scales {
-        section.say(scales.verdict.clone());
+        section.say(sentence(&scales.verdict));
         let mut table = Table::new(
             "Scales, left free and held against the calibration",
             [

@@ -9,6 +9,19 @@ pub fn counted(count: usize, of: &str) -> String {
     if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
 }
 
+/// Words of a stage as a sentence.
+pub fn sentence(words: &str) -> String {
+    let mut letters = words.trim().chars();
+    let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
+    let end = if words.ends_with(['.', '!', '?']) { "" } else { "." };
+    format!("{first}{}{end}", letters.as_str())
+}
+
+/// A number to three significant digits: the end of a band, the width of a code.
+pub fn rounded(value: f64) -> f64 {
+    format!("{value:.2e}").parse().unwrap_or(value)
+}
+
 /// For links: lower case letters, digits and single hyphens.
 pub fn slug(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
@@ -33,7 +46,7 @@ pub fn key(name: &str) -> (String, String) {
         .find(|first| parts[*first..].iter().all(|part| in_unit(part)))
         .unwrap_or(parts.len());
     let words = parts[..first].join(" ");
-    if !parts.get(first).is_some_and(|part| symbol(part).is_some()) {
+    if parts.get(first).is_none_or(|part| symbol(part).is_none()) {
         return (parts.join(" "), String::new());
     }
     let mut unit = String::new();

@@ -56,12 +56,16 @@ pub fn section(document: &Document) -> Option<Section> {
             ]);
         }
         if let Some(flags) = recording.column("field_flags") {
-            let flagged = flags.iter().filter(|flags| **flags != 0.0).count();
-            if flagged > 0 {
+            let bits = (0..32).map(|bit| 1u32 << bit);
+            let count = |bit: u32| flags.iter().filter(|flags| (**flags as u32) & bit != 0).count();
+            let counts = bits.map(|bit| (bit, count(bit))).filter(|(_, count)| *count > 0);
+            let counts: Vec<String> =
+                counts.map(|(bit, count)| format!("{bit} in {}", counted(count, "row"))).collect();
+            if !counts.is_empty() {
                 section.warnings.push(format!(
-                    "{}: {} flagged in `field_flags`; `correct` says what each flag means",
+                    "{}: flagged in `field_flags`: {}; the page of `correct` says what each flag means",
                     recording.id,
-                    counted(flagged, "row")
+                    counts.join(", ")
                 ));
             }
         }

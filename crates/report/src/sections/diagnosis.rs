@@ -3,7 +3,7 @@
 use common::{Diagnosis, Document, ExplainedEffect, ResidualSeries, Verdict};
 
 use super::clock::Clock;
-use super::common_words::{key, slug};
+use super::common_words::{key, rounded, sentence, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
@@ -36,7 +36,7 @@ fn verdict(section: &mut Section, diagnosis: &Diagnosis) {
         Verdict::Unexplained => "Unexplained: there is structure that no effect explains.",
     });
     if !diagnosis.reasons.is_empty() {
-        section.say(format!("{}.", diagnosis.reasons.join("; ")));
+        section.say(sentence(&diagnosis.reasons.join("; ")));
     }
     if !diagnosis.ambiguity.is_empty() {
         let sets: Vec<String> = diagnosis.ambiguity.iter().map(|set| set.join(" with ")).collect();
@@ -46,7 +46,7 @@ fn verdict(section: &mut Section, diagnosis: &Diagnosis) {
         section.warnings.push(format!("What is left is not noise alone: {}", remaining.structure));
     }
     if let Some(next) = &diagnosis.next_experiment {
-        section.say(format!("What would tell: {next}."));
+        section.say(sentence(&format!("what would tell: {next}")));
     }
     let mut table = Table::new(
         "Where it shows",
@@ -219,7 +219,7 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         "Shares of the excess of the squared residual over the noise",
         [("by", ""), ("part", ""), ("from", ""), ("to", ""), ("share", "")],
     );
-    let figures = |end: Option<f64>| end.map_or(Cell::Empty, |end| Cell::Figures(end, 4));
+    let figures = |end: Option<f64>| end.map_or(Cell::Empty, |end| Cell::Number(rounded(end)));
     for one in &diagnosis.energy {
         energy.row([
             one.by.as_str().into(),

@@ -6,7 +6,7 @@ use common::{
 };
 
 use super::clock::Clock;
-use super::common_words::counted;
+use super::common_words::{counted, sentence};
 use super::differential_matrix;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
@@ -23,7 +23,7 @@ pub fn section(document: &Document) -> Option<Section> {
             number::bare(fit.step_s),
             fit.recordings.join(", "),
             fit.missing,
-            fit.quoted
+            sentence(&fit.quoted)
         ));
         section.warnings.extend(fit.findings.iter().cloned());
         if let (Some(matrix), [id]) = (&found.matrix, fit.recordings.as_slice()) {
@@ -263,7 +263,7 @@ fn reference_noise(section: &mut Section, fit: &DifferentialFit) {
         ]);
     }
     if !noise.ascribed.is_empty() {
-        section.say(noise.ascribed.clone());
+        section.say(sentence(&noise.ascribed));
     }
     section.table(table);
 }

@@ -51,16 +51,16 @@ const PARTS: [Part; 16] = [
     history::section,
 ];
 
-/// The page of a document, without its certificate.
-pub fn page(document: &Document) -> Page {
+/// The page of a document whose text has this hash, without its certificate.
+pub fn page(document: &Document, sha256: Option<&str>) -> Page {
     let mut sections: Vec<Section> = PARTS.iter().filter_map(|part| part(document)).collect();
     tell_apart(&mut sections);
     let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
     let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
-    Page { title, summary: summary(document, &sections), sections }
+    Page { title, summary: summary(document, &sections, sha256), sections }
 }
 
-fn summary(document: &Document, sections: &[Section]) -> Vec<String> {
+fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
     let mut summary = Vec::new();
     if sections.is_empty() {
         summary.push(
@@ -94,6 +94,7 @@ fn summary(document: &Document, sections: &[Section]) -> Vec<String> {
          interval is called so."
             .into(),
     );
+    summary.extend(sha256.map(|hash| format!("SHA-256 of the document: {hash}")));
     summary
 }
 

@@ -2,7 +2,7 @@
 
 use common::{AllanDeviation, Axis, Document, Quantity, SensorNoise};
 
-use super::common_words::led;
+use super::common_words::{led, rounded};
 use super::nulling::{add_lines, lines_table};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
@@ -63,7 +63,7 @@ pub fn section(document: &Document) -> Option<Section> {
                 Cell::Figures(one.mean_nt, 4),
                 Cell::Figures(one.rms_nt, 3),
                 (&one.white_rms_nt).into(),
-                one.code_nt.map(|code| Cell::Figures(code, 3)).into(),
+                one.code_nt.map(|code| Cell::Number(rounded(code))).into(),
                 one.measured.as_str().into(),
             ]);
         }
@@ -71,8 +71,8 @@ pub fn section(document: &Document) -> Option<Section> {
             let [from, to] = one.band_hz;
             bands.row([
                 name.as_str().into(),
-                Cell::Figures(from, 3),
-                Cell::Figures(to, 3),
+                Cell::Number(rounded(from)),
+                Cell::Number(rounded(to)),
                 (&one.flicker_rms_nt).into(),
             ]);
         }

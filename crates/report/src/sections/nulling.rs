@@ -2,7 +2,7 @@
 
 use common::{Axis, Document, SpectralLine};
 
-use super::common_words::cells;
+use super::common_words::{cells, rounded};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
@@ -61,8 +61,8 @@ pub fn section(document: &Document) -> Option<Section> {
             expected.row([
                 site.as_str().into(),
                 one.length_s.into(),
-                Cell::Figures(from, 3),
-                Cell::Figures(to, 3),
+                Cell::Number(rounded(from)),
+                Cell::Number(rounded(to)),
                 x,
                 y,
                 z,
@@ -77,8 +77,8 @@ pub fn section(document: &Document) -> Option<Section> {
                 one.rate_hz.into(),
                 one.segments.into(),
                 Cell::Figures(one.freedom, 3),
-                Cell::Figures(from, 3),
-                Cell::Figures(to, 3),
+                Cell::Number(rounded(from)),
+                Cell::Number(rounded(to)),
             ]);
         }
         for [from, to] in &spectra.gaps_hz {

@@ -54,7 +54,7 @@ pub fn plots(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
             let y_label = if unit == "ppm" { "k from the first" } else { "offset" };
             let plot = Plot::new(
                 format!("temperature-{axis}-{}-{id}", number + 1),
-                format!("Sensor {axis}: {title}"),
+                format!("Sensor {axis}: {title}, {what}"),
                 Dimension::linear(format!("temperature of the {what}"), "°C"),
                 Dimension::linear(y_label, unit),
             );
