@@ -115,6 +115,13 @@ fn square(path: &str, covariance: &[Vec<f64>], order: &[String]) -> Result<(), c
     ))
 }
 
+/// What is shown of each sensor that the instrument has.
+fn each_sensor(document: &Document, one: impl Fn(Axis) -> Shown) -> Vec<Shown> {
+    let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.as_ref());
+    let has = |axis: &Axis| stated.is_none_or(|sensors| sensors.is_empty() || sensors.contains(axis));
+    Axis::ALL.into_iter().filter(has).map(one).collect()
+}
+
 /// A sensor as people read it.
 fn sensor_name(axis: Axis) -> String {
     format!("sensor {axis}")

@@ -1,5 +1,6 @@
 //! The error of a corrected field, as a budget over a whole sphere of fields.
 
+mod across;
 mod sensor;
 
 use common::{Axis, Document};
@@ -10,7 +11,7 @@ use super::range::calibrated_nt;
 use super::temperature::{Part, asked};
 use super::verdict::{Found, Missing, Rule, Shown};
 use super::{Kind, Requirement};
-use sensor::{Place, Sensor};
+use sensor::{Case, Sensor};
 
 /// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
 const DIRECTIONS: usize = 2000;
@@ -22,8 +23,8 @@ const DIRECTIONS: usize = 2000;
 /// elements of m_i, c = Σ_i |W_ji u_c(b_i)| the coil constants' part, which sensors calibrated in one coil have in common. The terms of δb_i are those
 /// of [`sensor::Sensor`]; JCGM 100, with terms that are independent of one another where the document has no covariance.
 ///
-/// All terms grow with the field, so that the sphere's surface is enough. Fields beyond those that the sensors were calibrated in are
-/// left out, and named.
+/// Along each diameter of the sphere every term is largest at one of its ends (a cubic bend less its line: over the whole sphere), so
+/// that the surface is enough. Fields beyond those that the sensors were calibrated in are left out, and named.
 pub fn accuracy(document: &Document, requirement: &Requirement, rule: Rule) -> Vec<Shown> {
     let budget = match Budget::of(document, requirement) {
         Ok(budget) => budget,
@@ -40,19 +41,19 @@ struct Budget {
     /// Largest field, and the largest along each sensor, nT.
     range_nt: f64,
     along_nt: [f64; 3],
-    /// Temperatures less the reference, K, for sensor and electronics.
+    /// Temperatures less the reference, K, for sensor and electronics: the ends of the ranges, half the way to them, and none.
     warmer: Vec<[f64; 2]>,
     gaps: Vec<String>,
 }
 
-/// The error of a component at one place.
-struct ErrorAt {
+/// The error of a component in one case.
+struct ComponentError {
     bias: f64,
     /// Standard uncertainty of each term.
     terms: Vec<(&'static str, f64)>,
 }
 
-impl ErrorAt {
+impl ComponentError {
     fn std(&self) -> f64 {
         self.terms.iter().map(|(_, std)| std * std).sum::<f64>().sqrt()
     }
@@ -104,7 +105,7 @@ impl Budget {
             for axis in Axis::ALL.into_iter().filter(|_| range.is_some()) {
                 match asked(document, axis, part, range) {
                     Ok(covered) => {
-                        warmer.extend(covered.warmer());
+                        warmer.extend(covered.warmer().into_iter().flat_map(|end| [0.5 * end, end]));
                         covered.gap.into_iter().for_each(|gap| gaps.add(axis, &gap));
                     }
                     Err(why) => gaps.add(axis, &why),
@@ -122,19 +123,19 @@ impl Budget {
 
     /// Where |e| + k u of a component is largest.
     fn worst(&self, axis: Axis, factor: f64) -> Found {
-        let mut worst: Option<(f64, ErrorAt, Place)> = None;
+        let mut worst: Option<(f64, ComponentError, Case)> = None;
         for field in directions().map(|direction| self.within(direction)) {
             for warmer in &self.warmer {
-                let place = Place { field, warmer: *warmer };
-                let error = self.error(axis, &place);
+                let case = Case { field, warmer: *warmer };
+                let error = self.error(axis, &case);
                 let size = error.bias.abs() + factor * error.std();
                 if worst.as_ref().is_none_or(|(most, ..)| size > *most) {
-                    worst = Some((size, error, place));
+                    worst = Some((size, error, case));
                 }
             }
         }
-        let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, place)| {
-            (error.bias, error.std(), words(size, &error, &place))
+        let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, case)| {
+            (error.bias, error.std(), words(size, &error, &case))
         });
         Found { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
     }
@@ -146,18 +147,18 @@ impl Budget {
         direction * limits.fold(self.range_nt, f64::min)
     }
 
-    fn error(&self, axis: Axis, place: &Place) -> ErrorAt {
+    fn error(&self, axis: Axis, case: &Case) -> ComponentError {
         let mut bias = 0.0;
         let mut common = 0.0;
         let mut terms: Vec<(&'static str, f64)> = Vec::new();
         let mut weights = [Vector3::zeros(); 3];
         for sensor in Axis::ALL {
             let weight = self.inverse[(axis.index(), sensor.index())];
-            let along = self.directions.column(sensor).dot(&place.field);
-            let own = self.sensors[sensor.index()].error(along, sensor, place);
+            let along = self.directions.column(sensor).dot(&case.field);
+            let own = self.sensors[sensor.index()].error(along, sensor, case);
             bias += weight * own.bias;
             common += (weight * own.common).abs();
-            weights[sensor.index()] = place.field * weight;
+            weights[sensor.index()] = case.field * weight;
             for (name, std) in own.terms {
                 let size = weight * std;
                 match terms.iter_mut().find(|(known, _)| *known == name) {
@@ -169,13 +170,13 @@ impl Budget {
         terms.push(("coil constants (common)", common));
         terms.push(("directions", self.directions.variance(&weights).sqrt()));
         terms.sort_by(|a, b| b.1.total_cmp(&a.1));
-        ErrorAt { bias, terms }
+        ComponentError { bias, terms }
     }
 }
 
-fn words(size: f64, error: &ErrorAt, place: &Place) -> String {
-    let [x, y, z] = [0, 1, 2].map(|row| place.field[row]);
-    let [sensor, electronics] = place.warmer;
+fn words(size: f64, error: &ComponentError, case: &Case) -> String {
+    let [x, y, z] = [0, 1, 2].map(|row| case.field[row]);
+    let [sensor, electronics] = case.warmer;
     let largest: Vec<String> = error
         .terms
         .iter()

@@ -5,7 +5,7 @@ use physics::frames::{ARCSEC, angle, matrix};
 use super::directions::Directions;
 use super::temperature::{Part, asked};
 use super::verdict::{Found, Missing, Shown};
-use super::{Requirement, sensor_name};
+use super::{Requirement, each_sensor, sensor_name};
 
 const PAIRS: [(Axis, Axis); 3] = [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)];
 
@@ -79,7 +79,7 @@ fn each_direction(document: &Document, one: impl Fn(&Directions, Axis) -> (f64, 
 /// How far a sensor turns between the reference and the farther end of the temperatures, arcsec: √(a² + b²) |ΔT|, with a and b
 /// of `axis_temperature` in the model. u is the larger of u(a) and u(b), times |ΔT|.
 pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<Shown> {
-    let one = |axis: Axis| {
+    each_sensor(document, |axis: Axis| {
         let missing = |why: String| Missing { of: sensor_name(axis), why };
         let [a, b] = turn_per_k(document, axis).ok_or_else(|| {
             missing(
@@ -90,16 +90,17 @@ pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<S
         })?;
         let range = asked(document, axis, Part::Sensor, requirement.sensor_temperature_c).map_err(missing)?;
         let far = range.warmer().map(f64::abs).into_iter().fold(0.0, f64::max);
-        let std = |quantity: &Quantity| quantity.std().unwrap_or(0.0);
+        let std = a.std().zip(b.std()).map(|(a, b)| a.max(b));
+        let std = std
+            .ok_or_else(|| missing("`axis_temperature` of the model has no uncertainty; state one".into()))?;
         Ok(Found {
             of: sensor_name(axis),
             value: a.value().hypot(b.value()) * far,
-            std: std(a).max(std(b)) * far,
-            gaps: Vec::new(),
+            std: std * far,
+            gaps: range.gap.into_iter().collect(),
             how: format!("{far:.1} K from the reference"),
         })
-    };
-    Axis::ALL.map(one).into()
+    })
 }
 
 /// The parameters of `axis_temperature` of a sensor, arcsec/K.

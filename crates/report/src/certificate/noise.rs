@@ -1,7 +1,7 @@
 use common::{Axis, Document, SensorNoise};
 
 use super::verdict::{Found, Missing, Shown};
-use super::{Requirement, sensor_name};
+use super::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability the spectrum is not of the form that is integrated.
 const UNLIKE_BELOW: f64 = 0.001;
@@ -15,7 +15,7 @@ const BOUND: f64 = 1.645;
 /// Bell Syst. Tech. J. 23, 282). u(σ g) adds the sizes of the changes by u(A), u(α) and u(w): no correlation makes it larger.
 pub fn zero_to_peak(document: &Document, requirement: &Requirement) -> Vec<Shown> {
     let (Some(band), Some(over_s)) = (requirement.band_hz, requirement.over_s) else { return Vec::new() };
-    Axis::ALL.map(|axis| one(document, axis, band, over_s)).into()
+    each_sensor(document, |axis| one(document, axis, band, over_s))
 }
 
 fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {

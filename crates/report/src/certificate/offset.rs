@@ -2,7 +2,7 @@ use common::{Axis, Document, OffsetDrift, Quantity};
 
 use super::temperature::{Coefficients, Part, asked};
 use super::verdict::{Found, Missing, Shown, normal_std};
-use super::{Requirement, sensor_name};
+use super::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability a yearly term is more than chance.
 const YEARLY_BELOW: f64 = 0.01;
@@ -13,7 +13,7 @@ const YEAR_D: f64 = 365.25;
 /// Largest change of an offset, nT: over the temperatures |Σ_parts c ΔT + q ΔT²| at the worst of their ends and
 /// turning points; over the years what [`drift`] gives; both added, with u² the sum of both squares (JCGM 100).
 pub fn stability(document: &Document, requirement: &Requirement) -> Vec<Shown> {
-    Axis::ALL.map(|axis| one(document, requirement, axis)).into()
+    each_sensor(document, |axis| one(document, requirement, axis))
 }
 
 fn one(document: &Document, requirement: &Requirement, axis: Axis) -> Shown {
@@ -104,9 +104,11 @@ pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
         .as_ref()
         .ok_or("the offsets show no trend: at least five dates of `offset_drift` are needed")?;
     let widened = normal_std(1.0, drift.coverage_factor_95);
-    let mut std = trend.std().unwrap_or(0.0) * widened * years;
+    let own =
+        trend.std().ok_or("the trend of the offsets has no uncertainty; sensorcal gives one")? * widened;
+    let mut std = own * years;
     let mut size = trend.value().abs() * years;
-    let mut how = format!("{:+.3} ± {:.3} nT a year", trend.value(), trend.std().unwrap_or(0.0) * widened);
+    let mut how = format!("{:+.3} ± {own:.3} nT a year", trend.value());
     if let Some(annual) = drift.annual.as_ref().filter(|annual| annual.p_value < YEARLY_BELOW) {
         let of = |quantity: &Quantity| quantity.std().unwrap_or(0.0);
         let own = of(&annual.cosine_nt).max(of(&annual.sine_nt)) * widened;

@@ -1,41 +1,42 @@
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
-use super::sensor_name;
 use super::verdict::{Found, Missing, Shown, normal_std};
+use super::{each_sensor, sensor_name};
 
 /// Declared and found widths of a code that differ by more than this share are told.
 const UNLIKE: f64 = 0.05;
 
-/// The largest field that a sensor was seen to follow in both directions, nT; where its output stands, the field at which that
+/// The largest field that a sensor was seen to follow in either direction, nT; where its output stands, the field at which that
 /// begins. u = B u(k)/k, the coil's constant included.
 pub fn range(document: &Document) -> Vec<Shown> {
-    Axis::ALL.map(|axis| one_range(document, axis)).into()
+    let ends = [(0, "below zero"), (1, "above zero")];
+    ends.into_iter().flat_map(|end| each_sensor(document, |axis| one_range(document, axis, end))).collect()
 }
 
-fn one_range(document: &Document, axis: Axis) -> Shown {
-    let missing = || Missing {
-        of: sensor_name(axis),
-        why: "it was not calibrated in a coil; `sensor_sensitivity` up to the limit would show it".into(),
+fn one_range(document: &Document, axis: Axis, (end, side): (usize, &str)) -> Shown {
+    let of = format!("{} {side}", sensor_name(axis));
+    let missing = |why: &str| Missing { of: of.clone(), why: why.into() };
+    let fit = sensor(document, axis).and_then(|sensor| sensor.sensitivity.as_ref());
+    let followed = fit.and_then(|fit| followed(fit));
+    let (Some(fit), Some(followed)) = (fit, followed) else {
+        return Err(missing(
+            "it was not calibrated in a coil; `sensor_sensitivity` up to the limit would show it",
+        ));
     };
-    let sensor = sensor(document, axis).ok_or_else(missing)?;
-    let fit = sensor.sensitivity.as_ref().ok_or_else(missing)?;
-    let [below, above] = followed(fit).ok_or_else(missing)?;
-    let stands = fit.saturation.as_ref().map_or([None, None], |saturation| saturation.fields_nt);
-    let stands = stands.into_iter().flatten().map(f64::abs).reduce(f64::min);
+    let relative = sensor(document, axis).and_then(relative_std);
+    let relative =
+        relative.ok_or_else(|| missing("its sensitivity has no uncertainty; sensorcal gives one"))?;
+    let stands = fit.saturation.as_ref().and_then(|saturation| saturation.fields_nt[end]);
     let (value, gaps, how) = match stands {
-        Some(field) => (field, Vec::new(), format!("the output stands from {field:.0} nT on")),
+        Some(field) => (field.abs(), Vec::new(), "from there on the output stands"),
         None => {
             let gap = "no larger field was applied, in which the output might stand still (`sensor_sensitivity` up to the \
                        limit would show it)";
-            (
-                below.min(above),
-                vec![gap.to_string()],
-                format!("follows the field from -{below:.0} to {above:.0} nT"),
-            )
+            (followed[end], vec![gap.to_string()], "the largest field that was applied")
         }
     };
-    let std = value * relative_std(sensor) * normal_std(1.0, fit.noise.coverage_factor_95);
-    Ok(Found { of: sensor_name(axis), value, std, gaps, how })
+    let std = value * relative * normal_std(1.0, fit.noise.coverage_factor_95);
+    Ok(Found { of, value, std, gaps, how: how.into() })
 }
 
 /// The largest fields of either sign that a sensor followed in its calibration, as magnitudes, nT.
@@ -50,9 +51,10 @@ pub fn calibrated_nt(sensor: &SensorCalibration) -> Option<f64> {
     followed(sensor.sensitivity.as_ref()?).map(|[below, above]| below.min(above))
 }
 
-/// Width of a code, nT: the larger of the declared one (times k) and of those that the noise recordings show. u = width u(k)/k.
+/// Width of a code, nT: the larger of the declared one (times k) and of those that the noise recordings show. u = width u(k)/k;
+/// the number of volts of a code is taken as it is.
 pub fn resolution(document: &Document) -> Vec<Shown> {
-    Axis::ALL.map(|axis| one_resolution(document, axis)).into()
+    each_sensor(document, |axis| one_resolution(document, axis))
 }
 
 fn one_resolution(document: &Document, axis: Axis) -> Shown {
@@ -72,7 +74,7 @@ fn one_resolution(document: &Document, axis: Axis) -> Shown {
             return Err(Missing { of: sensor_name(axis), why: why.into() });
         }
     };
-    let std = value * sensor(document, axis).map_or(0.0, relative_std);
+    let std = value * sensor(document, axis).and_then(relative_std).unwrap_or(0.0);
     Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
 }
 
@@ -93,7 +95,7 @@ pub fn codes_nt(document: &Document, axis: Axis) -> [Option<f64>; 2] {
 /// The frequency up to which a sensor follows the field, Hz: 1/(2π τ) with τ of `loop_bandwidth` in the model,
 /// u = f u(τ)/τ; else the highest drive of an AC run that it was seen to follow.
 pub fn bandwidth(document: &Document) -> Vec<Shown> {
-    Axis::ALL.map(|axis| one_bandwidth(document, axis)).into()
+    each_sensor(document, |axis| one_bandwidth(document, axis))
 }
 
 fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
@@ -106,7 +108,10 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
         .filter(|lag| lag.value() > 0.0);
     if let Some(lag) = lag {
         let value = 1.0 / (std::f64::consts::TAU * lag.value());
-        let std = value * lag.std().unwrap_or(0.0) / lag.value();
+        let std = lag.std().map(|std| value * std / lag.value()).ok_or_else(|| Missing {
+            of: sensor_name(axis),
+            why: "`loop_bandwidth` of the model has no uncertainty; state one".into(),
+        })?;
         let how = format!("the loop follows with a lag of {:.3} ms", lag.value() * 1e3);
         return Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how });
     }
@@ -129,8 +134,8 @@ fn sensor(document: &Document, axis: Axis) -> Option<&SensorCalibration> {
     document.calibration.as_ref()?.sensor(axis)
 }
 
-/// u(k)/k.
-fn relative_std(sensor: &SensorCalibration) -> f64 {
-    let stated = sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref());
-    stated.and_then(|k| k.relative_std()).unwrap_or(0.0)
+/// u(k)/k, where it is stated.
+fn relative_std(sensor: &SensorCalibration) -> Option<f64> {
+    let k = sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref())?;
+    k.std().map(|std| std / k.value().abs())
 }

@@ -130,9 +130,7 @@ impl Coefficients {
             }
         };
         let values: Option<Vec<f64>> = fit.covariance_order.iter().map(value).collect();
-        let square = fit.covariance.len() == fit.covariance_order.len()
-            && fit.covariance.iter().all(|row| row.len() == fit.covariance_order.len());
-        square.then_some(Self {
+        Some(Self {
             values: values?,
             names: fit.covariance_order.clone(),
             covariance: fit.covariance.clone(),

@@ -55,8 +55,9 @@ fn head(document: &Document, spec: &Spec, sha256: Option<&str>, judged: &[Judged
     let count = |verdict: Verdict| judged.iter().filter(|one| one.verdict == verdict).count();
     let source = spec.source.as_ref().map_or(String::new(), |source| format!(" ({source})"));
     let mut words = vec![format!(
-        "{} requirements: {} pass, {} fail, {} not shown.",
+        "{} requirement{}: {} pass, {} fail, {} not shown.",
         judged.len(),
+        if judged.len() == 1 { "" } else { "s" },
         count(Verdict::Pass),
         count(Verdict::Fail),
         count(Verdict::NotShown)
@@ -125,7 +126,7 @@ fn decision(rule: Rule) -> String {
          where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more where errors are normal, for each sensor by itself. \
          Pass: |value| + k u is within the limit. Fail: |value| − k u is beyond it. Not shown: neither, or the document lacks what is needed. \
          A limit that must be exceeded is read the other way round. The margin is what is left to the limit after k u. A value that is \
-         \"at least\" so large can fail a limit from above, and pass one from below, and no more. Of several sensors the worst decides; it is the one in the table.",
+         \"at least\" so large can fail a limit from above, and pass one from below, and no more. Of several sensors or directions the worst decides; it is the one in the table.",
         rule.factor(Side::Below),
         rule.factor(Side::Within),
         100.0 * rule.probability()
@@ -185,7 +186,7 @@ fn method(requirement: &Requirement) -> String {
         }
         Kind::AxesFromNominalArcsec => "angle between a sensor and its nominal direction".into(),
         Kind::AxesOverTemperatureArcsec => "turn between the reference temperature and the farther end of the range".into(),
-        Kind::RangeNt => "largest field that a sensor followed in both directions in its calibration".into(),
+        Kind::RangeNt => "largest field that a sensor followed in its calibration, in either direction".into(),
         Kind::ResolutionNt => "width of a code of the converter".into(),
         Kind::BandwidthHz => "frequency up to which a sensor follows the field".into(),
         Kind::NoiseZeroToPeakNt => {

@@ -1,4 +1,4 @@
-use common::{Axis, CrossFieldFit, Document, Quantity, SensorCalibration};
+use common::{AdoptedEffect, Axis, Document, Quantity, SensorCalibration};
 use nalgebra::Vector3;
 use physics::Kind;
 use physics::frames::ARCSEC;
@@ -10,6 +10,7 @@ use super::super::range::{calibrated_nt, codes_nt};
 use super::super::temperature::{Coefficients, Part};
 use super::super::verdict::normal_std;
 use super::Gaps;
+use super::across::Across;
 
 /// The field at which the catalogue gives nonlinearity and fields across, nT.
 const FULL_NT: f64 = 50_000.0;
@@ -28,7 +29,7 @@ const KNOWN: [Kind; 9] = [
 ];
 
 /// A field and temperatures.
-pub struct Place {
+pub struct Case {
     /// The field in SEN, nT.
     pub field: Vector3<f64>,
     /// Sensor and electronics less their reference, K.
@@ -83,37 +84,9 @@ impl Sensor {
         let k = found.sensitivity_nt_per_v.as_ref().or(found.sensitivity_nt_per_nt.as_ref())?;
         let offset = found.offset_nt.as_ref()?;
         let (covariance, common_k) = constants(document, axis, found, k, offset)?;
-        let effects: Vec<_> = document
-            .model
-            .iter()
-            .flat_map(|model| &model.effects)
-            .filter(|effect| effect.recording.is_none() && effect.sensor.is_none_or(|sensor| sensor == axis))
-            .collect();
-        for effect in &effects {
-            let local = Kind::named(&effect.effect).is_some_and(|kind| {
-                use physics::Place::{Electronics, Logger, Sensor};
-                [Sensor, Electronics, Logger].contains(&kind.place()) && !KNOWN.contains(&kind)
-            });
-            if local {
-                gaps.add(axis, &format!("the budget has no term for `{}` of the model", effect.effect));
-            }
-        }
-        let of_model = |kind: Kind| effects.iter().find(|effect| effect.effect == kind.name());
-        let bent = [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity].map(|kind| {
-            of_model(kind).and_then(|effect| effect.parameters.get("departure_nt")).and_then(Quantity::std)
-        });
-        let looked_for = |kind: Kind| {
-            let departures = &found.sensitivity.as_ref()?.departures;
-            let departure = departures.iter().find(|departure| departure.departure == kind.name())?;
-            let size = departure.parameter.get("departure_nt")?;
-            Some(size.value().hypot(size.std().unwrap_or(0.0)))
-        };
-        let corrected = bent.iter().any(Option::is_some);
-        let nonlinearity = if corrected {
-            bent.map(|std| std.unwrap_or(0.0))
-        } else {
-            [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity].map(|kind| looked_for(kind).unwrap_or(0.0))
-        };
+        let effects = effects(document, axis, gaps);
+        let modelled = |kind: Kind| effects.iter().find(|effect| effect.effect == kind.name()).copied();
+        let (nonlinearity, nonlinearity_over_nt) = nonlinearity(found, modelled);
         let temperature = Coefficients::of(document, axis);
         let warm = [
             (Part::Sensor, requirement.sensor_temperature_c.is_some()),
@@ -121,13 +94,8 @@ impl Sensor {
         ];
         for (part, _) in warm.into_iter().filter(|(_, asked)| *asked) {
             if !temperature.as_ref().is_some_and(|known| known.has(part)) {
-                let word = part.word();
-                gaps.add(
-                    axis,
-                    &format!(
-                        "what the {word}'s temperature does is not known (`temperature_run` would show it)"
-                    ),
-                );
+                let what = format!("what the {}'s temperature does is not known", part.word());
+                gaps.add(axis, &format!("{what} (`temperature_run` would show it)"));
             }
         }
         for effect in temperature.iter().flat_map(Coefficients::effects) {
@@ -139,41 +107,33 @@ impl Sensor {
             }
         }
         let turn = turn_per_k(document, axis).map(|pair| pair.map(|angle| angle.std().unwrap_or(0.0)));
-        if warm[0].1 && turn.is_none() {
-            gaps.add(
-                axis,
-                "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
-            );
-        }
-        let across =
-            found.cross_field.as_ref().map(|fit| Across::of(fit, of_model(Kind::CrossField).is_some()));
-        if across.is_none() {
-            gaps.add(axis, "what fields across do is not known (`cross_field` would show it)");
-        }
+        let cross = found.cross_field.as_ref();
+        let across = cross.map(|fit| Across::of(fit, modelled(Kind::CrossField).is_some()));
         let noise = found.noise.as_ref();
-        if noise.is_none() {
-            gaps.add(axis, "the noise is not known (`sensor_noise` would show it)");
-        }
-        let noise = noise.map_or(0.0, |noise| {
-            let flicker = noise.bands.first().map_or(0.0, |band| band.flicker_rms_nt.value());
-            flicker.hypot(noise.white_rms_nt.value())
-        });
-        let code = codes_nt(document, axis).into_iter().flatten().reduce(f64::max);
-        let moved = requirement.years.map(|years| match &found.drift {
-            Some(found) => drift(found, years),
-            None => Err("how the offset drifts is not known (`offset_drift` would show it)".into()),
-        });
-        let moved = match moved {
-            Some(Ok(mut moved)) => {
-                moved.gap.take().into_iter().for_each(|gap| gaps.add(axis, &gap));
-                Some(moved)
-            }
-            Some(Err(why)) => {
-                gaps.add(axis, &why);
-                None
-            }
-            None => None,
+        let drift = requirement.years.zip(found.drift.as_ref()).map(|(years, found)| drift(found, years));
+        let (drift, undetermined) = match drift.transpose() {
+            Ok(drift) => (drift, None),
+            Err(why) => (None, Some(why)),
         };
+        for (lacks, what) in [
+            (
+                warm[0].1 && turn.is_none(),
+                "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
+            ),
+            (across.is_none(), "what fields across do is not known (`cross_field` would show it)"),
+            (noise.is_none(), "the noise is not known (`sensor_noise` would show it)"),
+            (
+                requirement.years.is_some() && found.drift.is_none(),
+                "how the offset drifts is not known (`offset_drift` would show it)",
+            ),
+        ] {
+            if lacks {
+                gaps.add(axis, what);
+            }
+        }
+        let unsure = drift.as_ref().and_then(|drift| drift.gap.as_ref()).or(undetermined.as_ref());
+        unsure.into_iter().for_each(|gap| gaps.add(axis, gap));
+        let code = codes_nt(document, axis).into_iter().flatten().reduce(f64::max);
         let reversal = found.reversal.as_ref();
         Some(Self {
             sensitivity: k.value(),
@@ -181,25 +141,28 @@ impl Sensor {
             covariance,
             common_k,
             nonlinearity,
-            nonlinearity_over_nt: if corrected { None } else { calibrated_nt(found) },
+            nonlinearity_over_nt,
             temperature,
             turn,
             across,
-            noise,
+            noise: noise.map_or(0.0, |noise| {
+                let flicker = noise.bands.first().map_or(0.0, |band| band.flicker_rms_nt.value());
+                flicker.hypot(noise.white_rms_nt.value())
+            }),
             rounding: code.map_or(0.0, |code| code / 12f64.sqrt()),
-            drift: moved,
+            drift,
             reversal: reversal.map_or(0.0, |reversal| reversal.imperfect_turn.bound_nt / 3f64.sqrt()),
         })
     }
 
     /// The error with a field along the sensor of `along` nT.
-    pub fn error(&self, along: f64, axis: Axis, place: &Place) -> SensorError {
+    pub fn error(&self, along: f64, axis: Axis, case: &Case) -> SensorError {
         let reading = (along - self.offset) / self.sensitivity;
         let [[kk, ko], [_, oo]] = self.covariance;
-        let [u, v] = [1, 2].map(|on| place.field[(axis.index() + on) % 3]);
+        let [u, v] = [1, 2].map(|on| case.field[(axis.index() + on) % 3]);
         let share = along / FULL_NT;
         let line = self.nonlinearity_over_nt.map_or(0.0, |over| 0.6 * (over / FULL_NT).powi(2) * share);
-        let [of_sensor, of_electronics] = place.warmer;
+        let [of_sensor, of_electronics] = case.warmer;
         let warmer = [(Part::Sensor, of_sensor), (Part::Electronics, of_electronics)];
         let turned = self.turn.map_or(0.0, |[a, b]| (a * u).hypot(b * v) * of_sensor.abs() * ARCSEC);
         let terms = vec![
@@ -222,6 +185,47 @@ impl Sensor {
         let bias = self.drift.as_ref().map_or(0.0, |drift| drift.value);
         SensorError { bias, common: reading.abs() * self.common_k, terms }
     }
+}
+
+/// The effects of the model that act on a sensor. Those without a term, or without an uncertainty, are named.
+fn effects<'a>(document: &'a Document, axis: Axis, gaps: &mut Gaps) -> Vec<&'a AdoptedEffect> {
+    use physics::Place::{Electronics, Logger, Sensor};
+    let all = document.model.iter().flat_map(|model| &model.effects);
+    let own = all.filter(|effect| {
+        let local = Kind::named(&effect.effect)
+            .is_some_and(|kind| [Sensor, Electronics, Logger].contains(&kind.place()));
+        local && effect.recording.is_none() && effect.sensor.is_none_or(|sensor| sensor == axis)
+    });
+    let own: Vec<&AdoptedEffect> = own.collect();
+    for effect in &own {
+        let name = &effect.effect;
+        if !KNOWN.iter().any(|kind| kind.name() == name) {
+            gaps.add(axis, &format!("the budget has no term for `{name}` of the model"));
+        } else if effect.parameters.values().any(|parameter| parameter.std().is_none()) {
+            gaps.add(axis, &format!("`{name}` of the model has no uncertainty"));
+        }
+    }
+    own
+}
+
+/// Size of what is left of a quadratic and a cubic nonlinearity at 50 000 nT, nT; and the field over which the line was fitted that has taken
+/// a cubic's share, where none was found.
+fn nonlinearity<'a>(
+    found: &SensorCalibration,
+    modelled: impl Fn(Kind) -> Option<&'a AdoptedEffect>,
+) -> ([f64; 2], Option<f64>) {
+    let kinds = [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity];
+    if kinds.iter().any(|kind| modelled(*kind).is_some()) {
+        let std = |kind: Kind| modelled(kind).and_then(|effect| effect.parameters.get("departure_nt")?.std());
+        return (kinds.map(|kind| std(kind).unwrap_or(0.0)), None);
+    }
+    let looked_for = |kind: Kind| {
+        let departures = &found.sensitivity.as_ref()?.departures;
+        let departure = departures.iter().find(|departure| departure.departure == kind.name())?;
+        let size = departure.parameter.get("departure_nt")?;
+        Some(size.value().hypot(size.std().unwrap_or(0.0)))
+    };
+    (kinds.map(|kind| looked_for(kind).unwrap_or(0.0)), calibrated_nt(found))
 }
 
 /// Covariance of k and O without the part of u(k) that comes from the coil, and that part. What axescal adds to an offset has
@@ -252,57 +256,4 @@ fn constants(
     let square = widened * widened;
     let own = (std_k * std_k - common * common).max(0.0);
     Some(([[own * square, joint * square], [joint * square, std_o * std_o * square]], common * widened))
-}
-
-/// Parameters of the fields across, in the order of [`shapes`].
-const PARAMETERS: [&str; 5] = [
-    "offset.first_nt",
-    "offset.second_nt",
-    "offset.mixed_nt",
-    "sensitivity.first_nt",
-    "sensitivity.second_nt",
-];
-
-/// Change of the reading for each nT of the parameters; b along and u, v across in units of 50 000 nT.
-fn shapes(b: f64, u: f64, v: f64) -> [f64; 5] {
-    [u * u, v * v, u * v, b * u, b * v]
-}
-
-/// What fields across do.
-struct Across {
-    /// Covariance of the parameters, nT².
-    covariance: [[f64; 5]; 5],
-    /// Their values where they are not corrected, nT.
-    left: [f64; 5],
-}
-
-impl Across {
-    fn of(fit: &CrossFieldFit, corrected: bool) -> Self {
-        let widened = normal_std(1.0, fit.noise.coverage_factor_95).powi(2);
-        let value = |name: &str| {
-            let (group, key) = name.split_once('.').unwrap_or((name, ""));
-            let of = if group == "offset" { &fit.offset } else { &fit.sensitivity };
-            (of.get(key).map(Quantity::value), of.values().map(|size| size.value().abs()).fold(0.0, f64::max))
-        };
-        let places = PARAMETERS.map(|name| fit.covariance_order.iter().position(|key| key == name));
-        let mut covariance = [[0.0; 5]; 5];
-        for (a, row) in covariance.iter_mut().enumerate() {
-            for (b, entry) in row.iter_mut().enumerate() {
-                let found = places[a].zip(places[b]).and_then(|(a, b)| fit.covariance.get(a)?.get(b));
-                *entry = found.map_or(0.0, |found| found * widened);
-            }
-            if places[a].is_none() {
-                row[a] = value(PARAMETERS[a]).1.powi(2);
-            }
-        }
-        let left = PARAMETERS.map(|name| if corrected { 0.0 } else { value(name).0.unwrap_or(0.0) });
-        Self { covariance, left }
-    }
-
-    fn std(&self, b: f64, u: f64, v: f64) -> f64 {
-        let by = shapes(b, u, v);
-        let entries = (0..25).map(|k| by[k / 5] * self.covariance[k / 5][k % 5] * by[k % 5]);
-        let left: f64 = by.iter().zip(&self.left).map(|(by, left)| by * left).sum();
-        (entries.sum::<f64>().max(0.0) + left * left).sqrt()
-    }
 }
