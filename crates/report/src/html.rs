@@ -10,7 +10,7 @@ use crate::{Cell, Header, Item, Page, Section, Table, number};
 const STYLE: &str = include_str!("style.css");
 /// A table with more rows is folded.
 const FOLDED: usize = 12;
-/// A row's name that is longer may be broken.
+/// Words in a cell that are longer may be broken.
 const SHORT: usize = 28;
 /// A plot with more rows has them in its data alone.
 const IN_TABLE: usize = 200;
@@ -130,9 +130,8 @@ fn grid(out: &mut String, table: &Table, caption: &str) {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {
             let text = escape(&number::cell(cell));
-            let words = matches!(cell, Cell::Text(_));
-            let whole = !words || (column == 0 && text.chars().count() <= SHORT);
-            let class = if whole { " class=\"number\"" } else { "" };
+            let broken = matches!(cell, Cell::Text(_)) && text.chars().count() > SHORT;
+            let class = if broken { "" } else { " class=\"whole\"" };
             let _ = match column {
                 0 => write!(out, "<th scope=\"row\"{class}>{text}</th>"),
                 _ => write!(out, "<td{class}>{text}</td>"),

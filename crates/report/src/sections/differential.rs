@@ -1,13 +1,11 @@
 //! One magnetometer against another: matrix, difference, drift, noise, the fourteen parameters.
 
 use common::{
-    Axis, DifferenceAxis, DifferentialCalibration, DifferentialFit, Document, DriftForm, EventInstrument,
-    EventKind, FourteenParameters, Matrix3x3, Recording,
+    Axis, DifferentialCalibration, DifferentialFit, Document, DriftForm, EventInstrument, EventKind,
 };
 
-use super::clock::Clock;
 use super::common_words::{counted, sentence};
-use super::differential_matrix;
+use super::{difference, differential_matrix, fourteen};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
@@ -28,8 +26,8 @@ pub fn section(document: &Document) -> Option<Section> {
         section.warnings.extend(fit.findings.iter().cloned());
         if let (Some(matrix), [id]) = (&found.matrix, fit.recordings.as_slice()) {
             let recording = document.recordings.iter().find(|recording| recording.id == *id);
-            let difference = |axis| difference(recording?, matrix, axis, fit.axes.get(axis));
-            Axis::ALL.into_iter().filter_map(difference).for_each(|plot| section.plot(plot));
+            let plot = |axis| difference::plot(recording?, matrix, axis, fit.axes.get(axis));
+            Axis::ALL.into_iter().filter_map(plot).for_each(|plot| section.plot(plot));
         }
         axes(&mut section, found, fit);
         section.plot(allan(fit));
@@ -40,8 +38,8 @@ pub fn section(document: &Document) -> Option<Section> {
         clock(&mut section, fit);
         kept_out(&mut section, fit);
     }
-    if let Some(fourteen) = &found.fourteen {
-        self::fourteen(&mut section, fourteen);
+    if let Some(parameters) = &found.fourteen {
+        fourteen::tables(&mut section, parameters);
     }
     (!section.items.is_empty()).then_some(section)
 }
@@ -83,60 +81,6 @@ fn matrix(found: &DifferentialCalibration) -> Table {
         }
     }
     table
-}
-
-/// d less its mean as it was recorded, with the fitted drift.
-fn difference(
-    recording: &Recording,
-    matrix: &Matrix3x3,
-    test: Axis,
-    found: Option<&DifferenceAxis>,
-) -> Option<Plot> {
-    let time_s = recording.column("time_s")?;
-    let reading = recording.axis_column("test", test, "nt")?;
-    let mut d = reading.to_vec();
-    for reference in Axis::ALL {
-        let column = recording.axis_column("reference", reference, "nt")?;
-        d.iter_mut().zip(column).for_each(|(d, r)| *d -= r * matrix[reference.index()][test.index()]);
-    }
-    let mean = mean(&d);
-    d.iter_mut().for_each(|d| *d -= mean);
-    let clock = Clock::of(time_s);
-    let times = clock.times(time_s);
-    let mut plot = Plot::new(
-        format!("difference-{test}"),
-        format!("Difference d along test axis {test}, less its mean"),
-        Dimension::linear("time", clock.unit),
-        Dimension::linear("T − R η less its mean", "nT"),
-    )
-    .note("As recorded, readings that were kept out included.");
-    plot.push(Series::new("difference", Mark::Points, test.index(), &times, &d));
-    if let Some(found) = found {
-        let first = time_s.iter().copied().find(|time| time.is_finite())?;
-        let drift: Vec<f64> = time_s.iter().map(|time| drift(found, time - first)).collect();
-        let level = self::mean(&drift);
-        let drift: Vec<f64> = drift.iter().map(|drift| drift - level).collect();
-        plot.push(Series::new("fitted drift", Mark::Dashes, 5, &times, &drift));
-    }
-    Some(plot)
-}
-
-/// The straight drift of the fit, or both parts where an exponential one is demanded.
-fn drift(found: &DifferenceAxis, time_s: f64) -> f64 {
-    let days = time_s / 86_400.0;
-    match &found.drift.joint {
-        Some(joint) if matches!(found.drift.demanded, DriftForm::Exponential | DriftForm::Both) => {
-            joint.straight_nt_per_day.value() * days
-                + joint.amplitude_nt.value() * (-time_s / joint.time_constant_s.value()).exp()
-        }
-        _ => found.drift.straight_nt_per_day.value() * days,
-    }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    let finite = values.iter().filter(|value| value.is_finite());
-    let count = finite.clone().count();
-    finite.sum::<f64>() / count as f64
 }
 
 fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &DifferentialFit) {
@@ -323,49 +267,4 @@ fn kept_out(section: &mut Section, fit: &DifferentialFit) {
         gaps.row([gap.from_s.into(), gap.to_s.into(), gap.samples.into()]);
     }
     section.table(gaps);
-}
-
-fn fourteen(section: &mut Section, fourteen: &FourteenParameters) {
-    let assumed =
-        if fourteen.assumed { "; nobody stated them: taken as orthogonal, with equal scales" } else { "" };
-    let known = match fourteen.known {
-        common::Magnetometer::Reference => "reference",
-        common::Magnetometer::Test => "test instrument",
-    };
-    section.say(format!("The fourteen parameters, five of the {known} known{assumed}."));
-    let mut angles = Table::new(
-        "Angles of the axes",
-        [
-            ("angle", ""),
-            ("value", "deg"),
-            ("standard uncertainty", "arcsec"),
-            ("from where it is meant", "arcsec"),
-        ],
-    );
-    for (name, angle) in &fourteen.angles {
-        angles.row([
-            name.replace('_', " ").into(),
-            Cell::Text(number::fixed(angle.value_deg, 6)),
-            Cell::Figures(angle.std_arcsec, 2),
-            angle.off_nominal_arcsec.into(),
-        ]);
-    }
-    section.table(angles);
-    let mut ratios = Table::new("Ratios of scale factors, reading per nT", [("ratio", ""), ("value", "")]);
-    for (name, ratio) in &fourteen.ratios {
-        ratios.row([name.replace('_', " over ").into(), ratio.into()]);
-    }
-    section.table(ratios);
-    let mut orthogonality = Table::new(
-        "90° less the angle between two axes",
-        [("axes", ""), ("reference", "arcsec"), ("test", "arcsec")],
-    );
-    for (pair, angle) in &fourteen.reference_non_orthogonality_arcsec {
-        orthogonality.row([
-            pair.as_str().into(),
-            angle.into(),
-            fourteen.test_non_orthogonality_arcsec.get(pair).into(),
-        ]);
-    }
-    section.table(orthogonality);
 }
