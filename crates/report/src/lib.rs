@@ -34,7 +34,7 @@ pub struct Options {
 pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
     let mut page = sections::page(document, options.document_sha256.as_deref());
     if let Some(spec) = &options.spec {
-        page.sections.insert(0, certificate::section(document, spec, options.document_sha256.as_deref())?);
+        page.sections.insert(0, certificate::section(document, spec)?);
     }
     Ok(page)
 }

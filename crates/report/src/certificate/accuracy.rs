@@ -80,13 +80,19 @@ impl Budget {
                          `sensor_offset_reversal`")
             })?;
             sensors.push(sensor);
-            let reached = calibrated_nt(found).unwrap_or(0.0);
-            if reached < asked_nt {
-                along_nt[axis.index()] = reached;
-                let gap = format!(
-                    "calibrated up to {reached:.0} nT (`sensor_sensitivity` up to {asked_nt:.0} nT would show the rest)"
-                );
-                gaps.add(axis, &gap);
+            match calibrated_nt(found) {
+                Some(reached) if reached < asked_nt => {
+                    along_nt[axis.index()] = reached;
+                    let gap = format!(
+                        "calibrated up to {reached:.0} nT (`sensor_sensitivity` up to {asked_nt:.0} nT would show the rest)"
+                    );
+                    gaps.add(axis, &gap);
+                }
+                Some(_) => {}
+                None => gaps.add(
+                    axis,
+                    "in which fields it was calibrated is not known (`sensor_sensitivity` would show it)",
+                ),
             }
             let across = found.cross_field.as_ref().map(|fit| &fit.levels.across_nt);
             let across =

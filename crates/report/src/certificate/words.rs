@@ -5,16 +5,16 @@ use super::{ID, Judged, Kind, Requirement, Spec, judge};
 use crate::number::{bare, uncertain};
 use crate::{Cell, Error, Item, Section, Table};
 
-/// The certificate: its first sentence counts the verdicts. `document_sha256` is that of the document's text, where it is known.
+/// The certificate: its first sentence counts the verdicts.
 ///
 /// # Errors
 ///
 /// Those of [`judge`].
-pub fn section(document: &Document, spec: &Spec, document_sha256: Option<&str>) -> Result<Section, Error> {
+pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     let rule = Rule { factor: spec.guard_factor };
     let judged = judge(document, spec)?;
     let mut section = Section::new(ID, format!("Certificate: {}", spec.title));
-    section.words = head(document, spec, document_sha256, &judged);
+    section.words = head(document, spec, &judged);
     section.warnings = judged.iter().filter(|one| one.verdict == Verdict::Fail).map(failure).collect();
     let mut table = Table::new(
         "Requirements",
@@ -51,33 +51,23 @@ pub fn section(document: &Document, spec: &Spec, document_sha256: Option<&str>) 
     Ok(section)
 }
 
-fn head(document: &Document, spec: &Spec, sha256: Option<&str>, judged: &[Judged<'_>]) -> Vec<String> {
+fn head(document: &Document, spec: &Spec, judged: &[Judged<'_>]) -> Vec<String> {
     let count = |verdict: Verdict| judged.iter().filter(|one| one.verdict == verdict).count();
     let source = spec.source.as_ref().map_or(String::new(), |source| format!(" ({source})"));
-    let mut words = vec![format!(
-        "{} requirement{}: {} pass, {} fail, {} not shown.",
-        judged.len(),
-        if judged.len() == 1 { "" } else { "s" },
-        count(Verdict::Pass),
-        count(Verdict::Fail),
-        count(Verdict::NotShown)
-    )];
-    words.push(format!("Specification: {}{source}.", spec.title));
     let instrument = document.instrument.as_ref().and_then(|instrument| instrument.name.as_deref());
-    words.push(format!("Instrument: {}.", instrument.unwrap_or("the document gives it no name")));
-    if let Some(title) = &document.title {
-        words.push(format!("Document: {title}."));
-    }
-    if let Some(sha256) = sha256 {
-        words.push(format!("SHA-256 of the document: {sha256}."));
-    }
-    let stages: Vec<String> =
-        document.history.iter().map(|entry| format!("{} {}", entry.stage, entry.version)).collect();
-    let history = if stages.is_empty() { "of no stage".into() } else { stages.join(", ") };
-    words.push(format!(
-        "It carries the history {history}. No clock is in this certificate: the same document and specification give the same bytes."
-    ));
-    words
+    vec![
+        format!(
+            "{} requirement{}: {} pass, {} fail, {} not shown.",
+            judged.len(),
+            if judged.len() == 1 { "" } else { "s" },
+            count(Verdict::Pass),
+            count(Verdict::Fail),
+            count(Verdict::NotShown)
+        ),
+        format!("Specification: {}{source}.", spec.title),
+        format!("Instrument: {}.", instrument.unwrap_or("the document gives it no name")),
+        "No clock is in this certificate: the same document and specification give the same bytes.".into(),
+    ]
 }
 
 /// Title with its source.
