@@ -5,12 +5,15 @@ use report::{Item, Options, Page, html, text};
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 use std::collections::HashSet;
 
-const CASES: [&str; 12] = [
+const CASES: [&str; 15] = [
     "coilcal/every-procedure",
     "coilcal/uneven",
     "sensorcal/small",
     "axescal/magsat",
     "axescal/one-sensor",
+    "axescal/table-4-free-scales",
+    "diffmag/pieces",
+    "simulate/every-procedure",
     "axescal/magsat-known-coils",
     "diffmag/turned-pair",
     "diagnose/warm",

@@ -1,19 +1,29 @@
 //! Directions of sensors and coils.
 
-use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, ScaleResult};
+use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairComparison, ScaleResult};
 
 use super::axes_map;
 use super::common_words::{cells, counted, sentence};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table, number};
+use crate::{Cell, Item, Section, Table, number};
 
 pub fn section(document: &Document) -> Option<Section> {
     let axes = document.calibration.as_ref()?.axes.as_ref()?;
     let mut section = Section::new("axes", "Directions");
+    all(&mut section, "axes", axes);
+    if let Some(subset) = &axes.subset {
+        section.items.push(Item::Heading("From one sensor or one coil alone".into()));
+        all(&mut section, "axes-alone", subset);
+    }
+    (!section.is_empty()).then_some(section)
+}
+
+/// Everything that was found; ids of plots begin with `id`.
+fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
     section.warnings.extend(axes.findings.iter().cloned());
     if let Some(fit) = &axes.fit {
         let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: p = {}", number::probability(p)));
-        section.words.push(format!(
+        section.say(format!(
             "{} in {}, {}: rank {} of {}. Residuals {} nT rms, noise of a reading {} nT ({}){}. A 95 % interval is ± {} standard \
              uncertainties.",
             counted(fit.readings, "reading"),
@@ -28,17 +38,34 @@ pub fn section(document: &Document) -> Option<Section> {
             number::significant(fit.coverage_factor_95, 3)
         ));
     }
-    let sets = [("sensors", "SEN", &axes.sensors), ("coils", "GEO", &axes.coils)];
-    for (of, frame, directions) in sets {
+    for (of, frame, directions) in [("sensors", "SEN", &axes.sensors), ("coils", "GEO", &axes.coils)] {
         let Some(directions) = directions else { continue };
         section.table(cosines(of, frame, directions));
         section.table(angles(of, directions));
-        axes_map::maps(&format!("axes-{of}"), of, directions).into_iter().for_each(|plot| section.plot(plot));
+        axes_map::maps(&format!("{id}-{of}"), of, directions).into_iter().for_each(|plot| section.plot(plot));
     }
-    residuals(&mut section, axes);
-    fields(&mut section, axes);
-    orientations(&mut section, axes);
-    (!section.is_empty()).then_some(section)
+    if let Some(pair) = &axes.pair {
+        section.table(unconstrained(pair));
+    }
+    residuals(section, id, axes);
+    fields(section, axes);
+    orientations(section, axes);
+}
+
+/// The report's unconstrained solution of one sensor and one coil.
+fn unconstrained(pair: &PairComparison) -> Table {
+    let mut table = Table::new(
+        "Without holding the vectors to unit length (minimum norm), and how far their directions are from those above",
+        [("vector", ""), ("x", ""), ("y", ""), ("z", ""), ("difference", "arcsec")],
+    );
+    for (name, vector, difference) in [
+        (format!("sensor {}", pair.sensor), pair.unconstrained_sensor, pair.sensor_difference_arcsec),
+        (format!("coil {}", pair.coil), pair.unconstrained_coil, pair.coil_difference_arcsec),
+    ] {
+        let [x, y, z] = vector.map(|component| Cell::Text(number::fixed(component, 8)));
+        table.row([name.into(), x, y, z, Cell::Figures(difference, 3)]);
+    }
+    table
 }
 
 fn cosines(of: &str, frame: &str, directions: &AxesDirections) -> Table {
@@ -74,10 +101,10 @@ fn angles(of: &str, directions: &AxesDirections) -> Table {
     table
 }
 
-fn residuals(section: &mut Section, axes: &AxesCalibration) {
+fn residuals(section: &mut Section, id: &str, axes: &AxesCalibration) {
     let Some(readings) = &axes.readings else { return };
     let mut plot = Plot::new(
-        "axes-residuals",
+        format!("{id}-residuals"),
         "Residuals of the readings, orientation by orientation",
         Dimension::linear("reading", ""),
         Dimension::linear("reading less prediction", "nT"),

@@ -25,11 +25,11 @@ pub fn plot(
     let times = clock.times(time_s);
     let mut plot = Plot::new(
         format!("difference-{test}"),
-        format!("Difference d along test axis {test}, less its mean"),
+        format!("Difference along test axis {test}"),
         Dimension::linear("time", clock.unit),
-        Dimension::linear("T − R η less its mean", "nT"),
+        Dimension::linear("d less its mean", "nT"),
     )
-    .note("As recorded, readings that were kept out included.");
+    .note("d = T − R η as recorded, readings that were kept out included.");
     plot.push(Series::new("difference", Mark::Points, test.index(), &times, &d));
     if let Some(found) = found {
         let first = time_s.iter().copied().find(|time| time.is_finite())?;

@@ -5,7 +5,7 @@ use common::{
 };
 
 use super::common_words::{counted, sentence};
-use super::{difference, differential_matrix, fourteen};
+use super::{difference, differential_matrix, fourteen, instruments};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
@@ -34,7 +34,8 @@ pub fn section(document: &Document) -> Option<Section> {
         if let Some(matrix) = &found.matrix {
             differential_matrix::stability(&mut section, fit, matrix);
         }
-        reference_noise(&mut section, fit);
+        instruments::octaves(&mut section, fit);
+        instruments::noise(&mut section, fit);
         clock(&mut section, fit);
         kept_out(&mut section, fit);
     }
@@ -188,28 +189,6 @@ fn allan(fit: &DifferentialFit) -> Plot {
         );
     }
     plot
-}
-
-fn reference_noise(section: &mut Section, fit: &DifferentialFit) {
-    let Some(noise) = &fit.reference_noise else { return };
-    section.warnings.extend(noise.findings.iter().cloned());
-    let mut table = Table::new(
-        "What noise of the reference does to each element",
-        [("element", ""), ("pulled", ""), ("corrected", ""), ("largest pull", ""), ("over its std", "")],
-    );
-    for (place, one) in &noise.elements {
-        table.row([
-            place.as_str().into(),
-            Cell::Uncertain { value: one.pulled, std: one.pulled_std },
-            one.corrected.as_ref().into(),
-            Cell::Figures(one.largest_pull, 2),
-            Cell::Figures(one.largest_pull_over_std, 2),
-        ]);
-    }
-    if !noise.ascribed.is_empty() {
-        section.say(sentence(&noise.ascribed));
-    }
-    section.table(table);
 }
 
 fn clock(section: &mut Section, fit: &DifferentialFit) {

@@ -16,6 +16,7 @@ mod drift;
 mod fourteen;
 mod gradient;
 mod history;
+mod instruments;
 mod model;
 mod noise;
 mod nulling;

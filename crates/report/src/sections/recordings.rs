@@ -103,7 +103,9 @@ fn is_read(document: &Document, recording: &Recording) -> bool {
         procedure::OFFSET_DRIFT => sensor(|sensor| sensor.drift.is_some()),
         procedure::TEMPERATURE_RUN => sensor(|sensor| sensor.temperature.is_some()),
         procedure::CROSS_FIELD => sensor(|sensor| sensor.cross_field.is_some()),
-        procedure::AXES_ORIENTATION => calibration.axes.as_ref().is_some_and(|axes| axes.fit.is_some()),
+        procedure::AXES_ORIENTATION => {
+            calibration.axes.as_ref().is_some_and(|axes| axes.fit.is_some() || axes.subset.is_some())
+        }
         procedure::DIFFERENTIAL => calibration.differential.as_ref().is_some_and(|found| found.fit.is_some()),
         _ => false,
     }
