@@ -32,20 +32,17 @@ pub struct Options {
 ///
 /// Where the certificate cannot be made; a document without content gives a page that says so.
 pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
-    let mut page = sections::page(document, options.document_sha256.as_deref());
-    if let Some(spec) = &options.spec {
-        page.sections.insert(0, certificate::section(document, spec)?);
-    }
-    Ok(page)
+    let certificate = options.spec.as_ref().map(|spec| certificate::section(document, spec)).transpose()?;
+    Ok(sections::page(document, certificate, options.document_sha256.as_deref()))
 }
 
 /// What people are told.
 pub fn summary(page: &Page) -> String {
     let plots = page.sections.iter().flat_map(|section| &section.items);
     let plots = plots.filter(|item| matches!(item, Item::Plot(_))).count();
-    let warnings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
+    let findings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
     let certificate = page.sections.iter().find(|section| section.id == certificate::ID);
     let verdicts = certificate.and_then(|section| section.words.first());
     let verdicts = verdicts.map_or(String::new(), |words| format!("\n  certificate: {words}"));
-    format!("report: {} sections, {plots} plots, {warnings} warnings{verdicts}", page.sections.len())
+    format!("report: {} sections, {plots} plots, {findings} findings{verdicts}", page.sections.len())
 }

@@ -68,7 +68,7 @@ pub fn uncertain(value: f64, std: f64) -> String {
 
 /// A probability to two figures.
 pub fn probability(p: f64) -> String {
-    if p == 0.0 { "below what a double can hold".into() } else { significant(p, 2) }
+    if p == 0.0 { "below 10⁻³⁰⁰".into() } else { significant(p, 2) }
 }
 
 /// A number to so many decimals; below zero they count tens, hundreds, ….

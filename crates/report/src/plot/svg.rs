@@ -37,9 +37,9 @@ pub fn svg(plot: &Plot) -> String {
     let (x, y) = (x.at([left, right]), y.at([bottom, ABOVE]));
     let id = &plot.id;
     let mut out = format!(
-        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-labelledby=\"{id}-title\">\
-         <title id=\"{id}-title\">{}</title>\
-         <clipPath id=\"{id}-clip\"><rect x=\"{left:.1}\" y=\"{ABOVE}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
+        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-labelledby=\"{id}_title\">\
+         <title id=\"{id}_title\">{}</title>\
+         <clipPath id=\"{id}_clip\"><rect x=\"{left:.1}\" y=\"{ABOVE}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
         escape(&plot.title),
         right - left,
         bottom - ABOVE
@@ -57,9 +57,9 @@ pub fn svg(plot: &Plot) -> String {
         }
     }
     let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
-    label(&mut out, "label", 2.0, 13.0, &plot.y.text());
-    label(&mut out, "label x", (left + right) / 2.0, bottom + 36.0, &plot.x.text());
-    let _ = write!(out, "<g clip-path=\"url(#{id}-clip)\">");
+    label(&mut out, "label", 2.0, 13.0, &shortened(plot.y.text()));
+    label(&mut out, "label x", (left + right) / 2.0, bottom + 36.0, &shortened(plot.x.text()));
+    let _ = write!(out, "<g clip-path=\"url(#{id}_clip)\">");
     let marked = plot.series.len() > 1;
     for series in &plot.series {
         out.push_str(&drawn(series, &x, &y, marked));
@@ -70,17 +70,19 @@ pub fn svg(plot: &Plot) -> String {
 
 /// The sign of a series in the legend.
 pub fn swatch(series: &Series) -> String {
-    let mut d = String::new();
-    let class = format!("s{}", series.style % STYLES);
-    let mut out =
-        format!("<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"{class}\">");
-    if series.mark != Mark::Points {
-        let kind = if series.mark == Mark::Line { "line" } else { "dashes" };
-        let _ = write!(out, "<path class=\"{kind}\" d=\"M1 7H25\"/>");
+    let mut out = format!(
+        "<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"s{}\">",
+        series.style % STYLES
+    );
+    match series.mark {
+        Mark::Points => {}
+        Mark::Line => path(&mut out, "line", "M1 7H25"),
+        Mark::Dashes => path(&mut out, "dashes", "M1 7H25"),
     }
     if series.mark != Mark::Dashes {
+        let mut d = String::new();
         shape(&mut d, series.style, [13.0, 7.0], 3.6);
-        let _ = write!(out, "<path class=\"points\" d=\"{d}\"/>");
+        path(&mut out, "points", &d);
     }
     out.push_str("</g></svg>");
     out
@@ -94,6 +96,15 @@ fn line(out: &mut String, tick: &Tick, d: &str) {
 fn label(out: &mut String, class: &str, x: f64, y: f64, text: &str) {
     if !text.is_empty() {
         let _ = write!(out, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(text));
+    }
+}
+
+/// A label that the drawing has room for.
+fn shortened(text: String) -> String {
+    const MOST: usize = 44;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
     }
 }
 
@@ -233,4 +244,53 @@ fn shape(d: &mut String, style: usize, [x, y]: [f64; 2], r: f64) {
             -2.0 * r
         ),
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::Dimension;
+
+    fn plot(series: Series) -> Plot {
+        let mut plot = Plot::new("p", "P", Dimension::log("f", "Hz"), Dimension::log("P", "nT²/Hz"));
+        plot.push(series);
+        plot
+    }
+
+    /// The paths of a class.
+    fn paths<'a>(svg: &'a str, class: &str) -> Vec<&'a str> {
+        let start = format!("<path class=\"{class}\" d=\"");
+        svg.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
+    }
+
+    #[test]
+    fn a_gap_parts_a_line_and_what_has_no_place_is_left_out() {
+        let mut series = Series::new("s", Mark::Line, 0, &[1.0, 10.0], &[1.0, 2.0]);
+        series.append(&[20.0, 30.0, 40.0], &[3.0, -1.0, 4.0]);
+        let svg = svg(&plot(series));
+        let lines = paths(&svg, "line");
+        assert_eq!(lines.len(), 1);
+        assert_eq!((lines[0].matches('M').count(), lines[0].matches('L').count()), (3, 1), "{}", lines[0]);
+    }
+
+    #[test]
+    fn a_bar_to_below_zero_ends_at_the_foot_of_a_logarithmic_axis() {
+        let series =
+            Series::new("s", Mark::Points, 0, &[1.0, 2.0], &[1.0, 10.0]).between(&[-1.0, 5.0], &[2.0, 20.0]);
+        let svg = svg(&plot(series));
+        let foot = HEIGHT - BELOW;
+        assert!(paths(&svg, "bars")[0].contains(&format!(" {foot:.1}V")), "{svg}");
+    }
+
+    #[test]
+    fn a_map_has_the_same_length_of_a_step_both_ways() {
+        let mut plot = Plot::new("p", "P", Dimension::linear("x", ""), Dimension::linear("y", ""));
+        plot.map = true;
+        plot.push(Series::new("s", Mark::Line, 0, &[0.0, 3.0, 0.0], &[0.0, 0.0, 1.0]));
+        let svg = svg(&plot);
+        let places: Vec<f64> =
+            paths(&svg, "line")[0].split(['M', 'L', ' ']).filter_map(|number| number.parse().ok()).collect();
+        let [x0, y0, x1, _, _, y2] = places[..] else { panic!("{places:?}") };
+        assert!(((x1 - x0) - 3.0 * (y0 - y2)).abs() < 0.3, "{places:?}");
+    }
 }

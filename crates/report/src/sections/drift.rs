@@ -47,7 +47,7 @@ pub fn section(document: &Document) -> Option<Section> {
             drift.temperature_nt_per_k.as_ref().into(),
         ]);
         for (noise, trend) in &drift.trend_by_noise_nt_per_year {
-            let weight = drift.noise.get(noise).map_or(Cell::Empty, |weight| Cell::Probability(*weight));
+            let weight = drift.noise.get(noise).map_or(Cell::Empty, |weight| Cell::Figures(*weight, 2));
             trends.row([name.as_str().into(), noise.replace('_', " ").into(), trend.into(), weight]);
         }
         plots.push(plot(axis, drift));

@@ -29,7 +29,7 @@ mod temperature_loops;
 use common::Document;
 use std::collections::HashSet;
 
-use crate::{Item, Page, Section};
+use crate::{Item, Page, Section, certificate};
 
 /// How a part of a document is shown; None where the document does not have it.
 type Part = fn(&Document) -> Option<Section>;
@@ -54,9 +54,10 @@ const PARTS: [Part; 16] = [
     history::section,
 ];
 
-/// The page of a document whose text has this hash, without its certificate.
-pub fn page(document: &Document, sha256: Option<&str>) -> Page {
-    let mut sections: Vec<Section> = PARTS.iter().filter_map(|part| part(document)).collect();
+/// The page of a document whose text has this hash, its certificate first.
+pub fn page(document: &Document, certificate: Option<Section>, sha256: Option<&str>) -> Page {
+    let parts = PARTS.iter().filter_map(|part| part(document));
+    let mut sections: Vec<Section> = certificate.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
     let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
     let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
@@ -65,7 +66,7 @@ pub fn page(document: &Document, sha256: Option<&str>) -> Page {
 
 fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
     let mut summary = Vec::new();
-    if sections.is_empty() {
+    if sections.iter().all(|section| section.id == certificate::ID) {
         summary.push(
             "There is nothing in this document: no recording, no calibration, no diagnosis. A document is begun by `ingest` from \
              files of a logger, or by `simulate`; the calibrating programs then add to it."
