@@ -113,7 +113,7 @@ fn failure(one: &Judged<'_>) -> String {
 fn decision(rule: Rule) -> String {
     format!(
         "Guard band of k standard uncertainties u (JCGM 106:2012, 8.3; ILAC-G8:09/2019), k = {:.3} where a value can miss its limit on one side, {:.3} \
-         where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more where errors are normal, for each sensor by itself. \
+         where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more where errors are normal and u is right, for each sensor by itself. \
          Pass: |value| + k u is within the limit. Fail: |value| − k u is beyond it. Not shown: neither, or the document lacks what is needed. \
          A limit that must be exceeded is read the other way round. The margin is what is left to the limit after k u. A value that is \
          \"at least\" so large can fail a limit from above, and pass one from below, and no more. Of several sensors or directions the worst decides; it is the one in the table.",
