@@ -14,7 +14,6 @@ mod temperature;
 mod verdict;
 mod words;
 
-pub use noise::peak;
 pub use spec::{Calibrated, Kind, Requirement, Spec, Temperatures};
 pub use verdict::{Found, Missing, Rule, Shown, Side, Verdict};
 pub use words::section;

@@ -70,7 +70,7 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
 
 /// Expected largest departure from zero, in either direction, of Gaussian noise of unit rms with n independent chances to
 /// exceed: g = ∫ (1 − exp(−n exp(−m²/2))) dm from 0 (Davenport 1964, Proc. Inst. Civ. Eng. 28, 187, without his expansion).
-pub fn peak(chances: f64) -> f64 {
+fn peak(chances: f64) -> f64 {
     let (top, steps) = (12.0, 1200);
     let width = top / steps as f64;
     let exceeded = |m: f64| -(-chances * (-0.5 * m * m).exp()).exp_m1();
