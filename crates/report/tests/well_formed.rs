@@ -53,7 +53,7 @@ fn check(case: &str, page: &Page) -> String {
     for figure in &figures {
         let id = figure.attribute("id").expect("an id");
         let path = |node: &Node<'_, '_>| {
-            named(node, "path") && matches!(node.attribute("class"), Some("points" | "line"))
+            named(node, "path") && matches!(node.attribute("class"), Some("points" | "line" | "dashes"))
         };
         let nothing = figure.descendants().any(|node| node.attribute("class") == Some("nothing"));
         assert!(nothing || figure.descendants().any(|node| path(&node)), "{case}: {id} is not drawn");

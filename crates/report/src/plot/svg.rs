@@ -11,7 +11,7 @@ const HEIGHT: f64 = 270.0;
 /// Room above for the vertical axis's label, right, and below for the horizontal axis.
 const ABOVE: f64 = 24.0;
 const RIGHT: f64 = 16.0;
-const BELOW: f64 = 42.0;
+const BELOW: f64 = 44.0;
 /// Width of a character of a tick's label.
 const CHARACTER: f64 = 7.4;
 /// Number of colours and of shapes.
@@ -47,7 +47,7 @@ pub fn svg(plot: &Plot) -> String {
     for tick in spaced(&x) {
         if let Some(at) = x.place(tick.at) {
             line(&mut out, &tick, &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
-            label(&mut out, "x", at, bottom + 17.0, &tick.label);
+            label(&mut out, "x", at, bottom + 20.0, &tick.label);
         }
     }
     for tick in ticks {
@@ -58,7 +58,7 @@ pub fn svg(plot: &Plot) -> String {
     }
     let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
     label(&mut out, "label", 2.0, 13.0, &shortened(plot.y.text()));
-    label(&mut out, "label x", (left + right) / 2.0, bottom + 36.0, &shortened(plot.x.text()));
+    label(&mut out, "label x", (left + right) / 2.0, bottom + 38.0, &shortened(plot.x.text()));
     let _ = write!(out, "<g clip-path=\"url(#{id}_clip)\">");
     let marked = plot.series.len() > 1;
     for series in &plot.series {
