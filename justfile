@@ -51,3 +51,7 @@ install prefix="$HOME/.local":
 demo:
     cargo build --release
     ./target/release/simulate campaign fixtures/plans/magsat-axes.json | ./target/release/axescal > result.json
+
+# The report's pages in headless Chromium, in both themes and on a phone's width (Debian: apt-get install chromium)
+browser:
+    cargo test -p report --test browser -- --ignored

@@ -27,7 +27,7 @@ fn commands(page: &str) -> Vec<String> {
 fn commands_of_the_pages() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    for other in ["simulate", "ingest", "coilcal", "sensorcal", "diffmag", "diagnose", "correct"] {
+    for other in ["simulate", "ingest", "coilcal", "sensorcal", "diffmag", "diagnose", "correct", "report"] {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -35,7 +35,7 @@ fn commands_of_the_pages() {
     symlink(binaries, folder.path().join("target/release")).expect("a link");
     symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
     let mut run = 0;
-    let stages = ["simulate", "ingest", "coilcal", "sensorcal", "axescal", "diffmag", "diagnose", "correct"]
+    let stages = ["simulate", "ingest", "coilcal", "sensorcal", "axescal", "diffmag", "diagnose", "correct", "report"]
         .map(|stage| format!("docs/{stage}.md"));
     for page in ["README.md".to_string(), "docs/document.md".into()].into_iter().chain(stages) {
         for block in commands(&fs::read_to_string(root.join(&page)).expect("a page")) {

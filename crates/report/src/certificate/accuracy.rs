@@ -1,0 +1,236 @@
+//! The error of a corrected field, as a budget over a whole sphere of fields.
+
+mod across;
+mod sensor;
+
+use common::{Axis, Document};
+use nalgebra::{Matrix3, Vector3};
+
+use super::directions::Directions;
+use super::range::calibrated_nt;
+use super::temperature::{Part, asked};
+use super::verdict::{Found, Missing, Rule, Shown};
+use super::{Kind, Requirement};
+use sensor::{Case, Sensor};
+
+/// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
+const DIRECTIONS: usize = 2000;
+
+/// Error of a component of the corrected field in SEN, nT, at the field, the temperatures and the time where |e| + k u is largest.
+///
+/// With W = (μᵀ)⁻¹ and b_i = m_i · B, the field is W b, and what it errs by is Σ_i W_ji δb_i − Σ_i W_ji (δm_i · B). e is what is known and
+/// not corrected (the drift of the offsets since the calibration); u² = Σ_i W_ji² u²(δb_i) + gᵀ C g + c², g = W_ji B for the
+/// elements of m_i, c = Σ_i |W_ji u_c(b_i)| the coil constants' part, which sensors calibrated in one coil have in common. The terms of δb_i are those
+/// of [`sensor::Sensor`]; JCGM 100, with terms that are independent of one another where the document has no covariance.
+///
+/// Along each diameter of the sphere every term is largest at one of its ends (a cubic bend less its line: over the whole sphere), so
+/// that the surface is enough. Fields beyond those that the sensors were calibrated in are left out, and named.
+pub fn accuracy(document: &Document, requirement: &Requirement, rule: Rule) -> Vec<Shown> {
+    let budget = match Budget::of(document, requirement) {
+        Ok(budget) => budget,
+        Err(missing) => return vec![Err(missing)],
+    };
+    let factor = rule.factor(Kind::AbsoluteAccuracyNt.side());
+    Axis::ALL.map(|axis| Ok(budget.worst(axis, factor))).into()
+}
+
+struct Budget {
+    directions: Directions,
+    inverse: Matrix3<f64>,
+    sensors: [Sensor; 3],
+    /// Largest field, and the largest along each sensor, nT.
+    range_nt: f64,
+    along_nt: [f64; 3],
+    /// Temperatures less the reference, K, for sensor and electronics: the ends of the ranges, half the way to them, and none.
+    warmer: Vec<[f64; 2]>,
+    gaps: Vec<String>,
+}
+
+/// The error of a component in one case.
+struct ComponentError {
+    bias: f64,
+    /// Standard uncertainty of each term.
+    terms: Vec<(&'static str, f64)>,
+}
+
+impl ComponentError {
+    fn std(&self) -> f64 {
+        self.terms.iter().map(|(_, std)| std * std).sum::<f64>().sqrt()
+    }
+}
+
+impl Budget {
+    fn of(document: &Document, requirement: &Requirement) -> Result<Self, Missing> {
+        let missing = |why: &str| Missing { of: "field".into(), why: why.into() };
+        let directions = Directions::of(document).map_err(missing)?;
+        let inverse = directions.mu.transpose().try_inverse();
+        let inverse =
+            inverse.ok_or_else(|| missing("the sensors lie in a plane; such axes give no field"))?;
+        let mut gaps = Gaps::default();
+        let mut sensors = Vec::new();
+        let asked_nt = requirement.range_nt.unwrap_or(0.0);
+        let mut range_nt = asked_nt;
+        let mut along_nt = [asked_nt; 3];
+        for axis in Axis::ALL {
+            let found = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+            let found = found.ok_or_else(|| missing("the sensors were not calibrated; sensorcal does it"))?;
+            let sensor = Sensor::of(document, requirement, axis, found, &mut gaps);
+            let sensor = sensor.ok_or_else(|| {
+                missing("a sensor's sensitivity or offset has no uncertainty; sensorcal finds both from `sensor_sensitivity` and \
+                         `sensor_offset_reversal`")
+            })?;
+            sensors.push(sensor);
+            match calibrated_nt(found) {
+                Some(reached) if reached < asked_nt => {
+                    along_nt[axis.index()] = reached;
+                    let gap = format!(
+                        "calibrated up to {reached:.0} nT (`sensor_sensitivity` up to {asked_nt:.0} nT would show the rest)"
+                    );
+                    gaps.add(axis, &gap);
+                }
+                Some(_) => {}
+                None => gaps.add(
+                    axis,
+                    "in which fields it was calibrated is not known (`sensor_sensitivity` would show it)",
+                ),
+            }
+            let across = found.cross_field.as_ref().map(|fit| &fit.levels.across_nt);
+            let across =
+                across.map(|fields| fields.iter().fold(0.0, |most: f64, field| most.max(field.abs())));
+            if let Some(across) = across.filter(|across| *across < asked_nt) {
+                range_nt = range_nt.min(across);
+                gaps.add(axis, &format!("fields across went up to {across:.0} nT (`cross_field` up to {asked_nt:.0} nT would show the rest)"));
+            }
+        }
+        let ends = |part: Part| {
+            let range = match part {
+                Part::Sensor => requirement.sensor_temperature_c,
+                Part::Electronics => requirement.electronics_temperature_c,
+            };
+            let mut warmer = vec![0.0];
+            for axis in Axis::ALL.into_iter().filter(|_| range.is_some()) {
+                match asked(document, axis, part, range) {
+                    Ok(covered) => {
+                        warmer.extend(covered.warmer().into_iter().flat_map(|end| [0.5 * end, end]));
+                        covered.gap.into_iter().for_each(|gap| gaps.add(axis, &gap));
+                    }
+                    Err(why) => gaps.add(axis, &why),
+                }
+            }
+            warmer.sort_by(f64::total_cmp);
+            warmer.dedup();
+            warmer
+        };
+        let [of_sensor, of_electronics] = [Part::Sensor, Part::Electronics].map(ends);
+        let warmer = of_sensor.iter().flat_map(|s| of_electronics.iter().map(|e| [*s, *e])).collect();
+        let sensors = sensors.try_into().map_err(|_| missing("three sensors are needed"))?;
+        Ok(Self { directions, inverse, sensors, range_nt, along_nt, warmer, gaps: gaps.sentences() })
+    }
+
+    /// Where |e| + k u of a component is largest.
+    fn worst(&self, axis: Axis, factor: f64) -> Found {
+        let mut worst: Option<(f64, ComponentError, Case)> = None;
+        for field in directions().map(|direction| self.within(direction)) {
+            for warmer in &self.warmer {
+                let case = Case { field, warmer: *warmer };
+                let error = self.error(axis, &case);
+                let size = error.bias.abs() + factor * error.std();
+                if worst.as_ref().is_none_or(|(most, ..)| size > *most) {
+                    worst = Some((size, error, case));
+                }
+            }
+        }
+        let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, case)| {
+            (error.bias, error.std(), words(size, &error, &case))
+        });
+        Found { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
+    }
+
+    /// The field in a direction: as large as asked, or as the sensors were calibrated in.
+    fn within(&self, direction: Vector3<f64>) -> Vector3<f64> {
+        let along = self.directions.mu.transpose() * direction;
+        let limits = (0..3).map(|i| self.along_nt[i] / along[i].abs().max(f64::MIN_POSITIVE));
+        direction * limits.fold(self.range_nt, f64::min)
+    }
+
+    fn error(&self, axis: Axis, case: &Case) -> ComponentError {
+        let mut bias = 0.0;
+        let mut common = 0.0;
+        let mut terms: Vec<(&'static str, f64)> = Vec::new();
+        let mut weights = [Vector3::zeros(); 3];
+        for sensor in Axis::ALL {
+            let weight = self.inverse[(axis.index(), sensor.index())];
+            let along = self.directions.column(sensor).dot(&case.field);
+            let own = self.sensors[sensor.index()].error(along, sensor, case);
+            bias += weight * own.bias;
+            common += (weight * own.common).abs();
+            weights[sensor.index()] = case.field * weight;
+            for (name, std) in own.terms {
+                let size = weight * std;
+                match terms.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, sum)) => *sum = sum.hypot(size),
+                    None => terms.push((name, size.abs())),
+                }
+            }
+        }
+        terms.push(("coil constants (common)", common));
+        terms.push(("directions", self.directions.variance(&weights).sqrt()));
+        terms.sort_by(|a, b| b.1.total_cmp(&a.1));
+        ComponentError { bias, terms }
+    }
+}
+
+fn words(size: f64, error: &ComponentError, case: &Case) -> String {
+    let [x, y, z] = [0, 1, 2].map(|row| case.field[row]);
+    let [sensor, electronics] = case.warmer;
+    let largest: Vec<String> = error
+        .terms
+        .iter()
+        .take(4)
+        .filter(|(_, std)| *std > 0.0)
+        .map(|(name, std)| format!("{name} {std:.3}"))
+        .collect();
+    format!(
+        "|e| + k u = {size:.2} nT, with a field of ({x:.0}, {y:.0}, {z:.0}) nT, the sensors {sensor:+.1} K and the electronics {electronics:+.1} K from the \
+         reference; most from {}",
+        largest.join(", ")
+    )
+}
+
+/// What is not in the budget, with the sensors of which that holds.
+#[derive(Default)]
+struct Gaps(Vec<(String, Vec<Axis>)>);
+
+impl Gaps {
+    fn add(&mut self, axis: Axis, why: &str) {
+        match self.0.iter_mut().find(|(known, _)| known == why) {
+            Some((_, axes)) if axes.contains(&axis) => {}
+            Some((_, axes)) => axes.push(axis),
+            None => self.0.push((why.into(), vec![axis])),
+        }
+    }
+
+    fn sentences(self) -> Vec<String> {
+        let sentence = |(why, axes): (String, Vec<Axis>)| match axes.as_slice() {
+            [axis] => format!("sensor {axis}: {why}"),
+            axes => {
+                let names: Vec<&str> = axes.iter().map(|axis| axis.letter()).collect();
+                format!("sensors {}: {why}", names.join(", "))
+            }
+        };
+        self.0.into_iter().map(sentence).collect()
+    }
+}
+
+/// Directions evenly over the sphere (a Fibonacci lattice), and both senses of each axis of SEN.
+fn directions() -> impl Iterator<Item = Vector3<f64>> {
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let lattice = (0..DIRECTIONS).map(move |number| {
+        let z = 1.0 - (2.0 * number as f64 + 1.0) / DIRECTIONS as f64;
+        let (sine, cosine) = (golden * number as f64).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        Vector3::new(across * cosine, across * sine, z)
+    });
+    let axes = (0..3).flat_map(|axis| [Vector3::ith(axis, 1.0), Vector3::ith(axis, -1.0)]);
+    axes.chain(lattice)
+}

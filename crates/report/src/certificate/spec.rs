@@ -1,0 +1,265 @@
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use common::{Error, Matrix3x3};
+
+/// What an instrument must do, and how it is decided whether it does.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spec {
+    /// Format version, 1.
+    pub fluxcal: u64,
+    /// Its name.
+    pub title: String,
+    /// Where it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Guard band in standard uncertainties, for a limit that can be missed on one side: 1.645 is 95 %.
+    #[serde(default = "one_sided_95")]
+    #[schemars(range(min = 0.0))]
+    pub guard_factor: f64,
+    /// The requirements, in the order of the certificate.
+    pub requirements: Vec<Requirement>,
+}
+
+fn one_sided_95() -> f64 {
+    1.645
+}
+
+/// One requirement. Which conditions belong to it depends on its kind; others are refused.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Requirement {
+    /// What is required.
+    pub kind: Kind,
+    /// The limit, in the unit at the end of the kind's name.
+    pub limit: f64,
+    /// The requirement in a few words.
+    pub title: String,
+    /// Where it stands.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<String>,
+    /// Lowest and highest frequency, Hz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_hz: Option<[f64; 2]>,
+    /// How long it is measured, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub over_s: Option<f64>,
+    /// Temperatures of the sensors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sensor_temperature_c: Option<Temperatures>,
+    /// Temperatures of the electronics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub electronics_temperature_c: Option<Temperatures>,
+    /// How long after the calibration it must hold, years of 365.25 days.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub years: Option<f64>,
+    /// Largest magnitude of the field, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub range_nt: Option<f64>,
+    /// Directions that the sensors must have: columns = vectors in SEN, of any length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_matrix: Option<Matrix3x3>,
+    /// Standard uncertainty of each of these directions, arcsec.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nominal_std_arcsec: Option<f64>,
+}
+
+/// What can be required; the unit of the limit ends the name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Kind {
+    /// How far the angle between two sensors may be from 90°.
+    OrthogonalityDeg,
+    /// Standard uncertainty of the directions of the sensors.
+    AxesArcsec,
+    /// How far a sensor may be turned from `nominal_matrix`.
+    AxesFromNominalArcsec,
+    /// How far a sensor may turn over `sensor_temperature_c`.
+    AxesOverTemperatureArcsec,
+    /// The field that each sensor reads at least, of either sign.
+    RangeNt,
+    /// Width of a code.
+    ResolutionNt,
+    /// The frequency up to which a sensor follows the field at least.
+    BandwidthHz,
+    /// Zero to peak of the noise of a sensor in `band_hz` over `over_s`.
+    NoiseZeroToPeakNt,
+    /// How far an offset may change over temperatures, `years`, or both.
+    OffsetStabilityNt,
+    /// Error of a component of the corrected field in SEN, up to `range_nt`, over temperatures and `years` where they are given.
+    AbsoluteAccuracyNt,
+}
+
+/// A range of temperatures, degC.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "[lowest, highest] in degC, or \"calibrated\"")]
+pub enum Temperatures {
+    /// Lowest and highest.
+    Range([f64; 2]),
+    /// Those of the calibration.
+    Word(Calibrated),
+}
+
+/// The word for what the calibration went through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Calibrated {
+    /// The range of the temperature run.
+    Calibrated,
+}
+
+/// Whether a condition belongs to a kind.
+#[derive(Clone, Copy, PartialEq)]
+enum Belongs {
+    No,
+    May,
+    Must,
+}
+
+impl Kind {
+    /// The kind as it is written.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::OrthogonalityDeg => "orthogonality_deg",
+            Kind::AxesArcsec => "axes_arcsec",
+            Kind::AxesFromNominalArcsec => "axes_from_nominal_arcsec",
+            Kind::AxesOverTemperatureArcsec => "axes_over_temperature_arcsec",
+            Kind::RangeNt => "range_nt",
+            Kind::ResolutionNt => "resolution_nt",
+            Kind::BandwidthHz => "bandwidth_hz",
+            Kind::NoiseZeroToPeakNt => "noise_zero_to_peak_nt",
+            Kind::OffsetStabilityNt => "offset_stability_nt",
+            Kind::AbsoluteAccuracyNt => "absolute_accuracy_nt",
+        }
+    }
+
+    /// The unit of limit and value.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Kind::OrthogonalityDeg => "deg",
+            Kind::AxesArcsec | Kind::AxesFromNominalArcsec | Kind::AxesOverTemperatureArcsec => "arcsec",
+            Kind::BandwidthHz => "Hz",
+            _ => "nT",
+        }
+    }
+
+    fn belongs(self, condition: &str) -> Belongs {
+        use Belongs::{May, Must, No};
+        match (self, condition) {
+            (Kind::NoiseZeroToPeakNt, "band_hz" | "over_s") => Must,
+            (Kind::AxesOverTemperatureArcsec, "sensor_temperature_c") => Must,
+            (Kind::AbsoluteAccuracyNt, "range_nt") => Must,
+            (Kind::AxesFromNominalArcsec, "nominal_matrix" | "nominal_std_arcsec") => May,
+            (
+                Kind::OffsetStabilityNt | Kind::AbsoluteAccuracyNt,
+                "sensor_temperature_c" | "electronics_temperature_c" | "years",
+            ) => May,
+            _ => No,
+        }
+    }
+}
+
+impl Spec {
+    /// Reads and checks a specification.
+    ///
+    /// # Errors
+    ///
+    /// What is no specification or cannot be followed, with its JSON path.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let spec: Spec = common::parse(text)?;
+        if spec.requirements.is_empty() {
+            return Err(Error::document("requirements", "none", "at least one requirement"));
+        }
+        if !(spec.guard_factor.is_finite() && spec.guard_factor >= 0.0) {
+            let expected = "a factor of zero or more; 1.645 is 95 % on one side";
+            return Err(Error::document("guard_factor", spec.guard_factor.to_string(), expected));
+        }
+        for (index, requirement) in spec.requirements.iter().enumerate() {
+            requirement.check(&format!("requirements[{index}]"))?;
+        }
+        Ok(spec)
+    }
+}
+
+impl Requirement {
+    fn check(&self, path: &str) -> Result<(), Error> {
+        let refused = |key: &str, found: String, expected: &str| {
+            Err(Error::document(format!("{path}.{key}"), found, expected))
+        };
+        let kind = self.kind.name();
+        let given = [
+            ("band_hz", self.band_hz.is_some()),
+            ("over_s", self.over_s.is_some()),
+            ("sensor_temperature_c", self.sensor_temperature_c.is_some()),
+            ("electronics_temperature_c", self.electronics_temperature_c.is_some()),
+            ("years", self.years.is_some()),
+            ("range_nt", self.range_nt.is_some()),
+            ("nominal_matrix", self.nominal_matrix.is_some()),
+            ("nominal_std_arcsec", self.nominal_std_arcsec.is_some()),
+        ];
+        for (key, given) in given {
+            match (self.kind.belongs(key), given) {
+                (Belongs::No, true) => {
+                    let expected = format!("no such key in `{kind}`; take it out, or is another kind meant?");
+                    return refused(key, "a condition".into(), &expected);
+                }
+                (Belongs::Must, false) => {
+                    return Err(Error::document(
+                        path,
+                        format!("`{kind}` without `{key}`"),
+                        format!("`{key}`, which it needs"),
+                    ));
+                }
+                _ => {}
+            }
+        }
+        let above_zero = |value: f64| value.is_finite() && value > 0.0;
+        for (key, value) in [
+            ("limit", Some(self.limit)),
+            ("over_s", self.over_s),
+            ("years", self.years),
+            ("range_nt", self.range_nt),
+        ] {
+            if let Some(value) = value.filter(|value| !above_zero(*value)) {
+                return refused(key, value.to_string(), "a number above zero");
+            }
+        }
+        if let Some([low, high]) = self.band_hz.filter(|[low, high]| !(above_zero(*low) && low < high)) {
+            return refused("band_hz", format!("{low} to {high}"), "[lowest, highest], both above zero");
+        }
+        for (key, range) in [
+            ("sensor_temperature_c", self.sensor_temperature_c),
+            ("electronics_temperature_c", self.electronics_temperature_c),
+        ] {
+            if let Some(Temperatures::Range([low, high])) = range
+                && !(low.is_finite() && low <= high)
+            {
+                return refused(key, format!("{low} to {high}"), "[lowest, highest] in degC");
+            }
+        }
+        if self.nominal_std_arcsec.is_some_and(|std| !(std.is_finite() && std >= 0.0)) {
+            return refused("nominal_std_arcsec", "less than zero".into(), "arcseconds of zero or more");
+        }
+        if self.nominal_matrix.is_some_and(|matrix| (0..3).any(|j| matrix.iter().all(|row| row[j] == 0.0))) {
+            return refused(
+                "nominal_matrix",
+                "a column of zeros".into(),
+                "three columns with a direction each",
+            );
+        }
+        let asks = [
+            self.sensor_temperature_c.is_some(),
+            self.electronics_temperature_c.is_some(),
+            self.years.is_some(),
+        ];
+        if self.kind == Kind::OffsetStabilityNt && !asks.contains(&true) {
+            return Err(Error::document(
+                path,
+                format!("`{kind}` with neither temperatures nor years"),
+                "`sensor_temperature_c`, `electronics_temperature_c` or `years`: over what the offset must be stable",
+            ));
+        }
+        Ok(())
+    }
+}

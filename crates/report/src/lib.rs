@@ -1,0 +1,48 @@
+//! Any document as one page: what each stage found, in words, tables and plots.
+//!
+//! A [`Page`] is made of the document by [`run`] and knows nothing of how it is shown; [`html`] and [`text`] write it. Each part of
+//! a document has its file below `sections`. What the document does not hold is not computed here.
+
+pub mod certificate;
+mod error;
+pub mod html;
+mod number;
+mod page;
+pub mod plot;
+mod sections;
+pub mod text;
+
+pub use error::Error;
+pub use page::{Cell, Header, Item, Page, Section, Table};
+
+use common::Document;
+
+/// What is asked of the report.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// SHA-256 of the document's text, in hexadecimal, to be stated on the page.
+    pub document_sha256: Option<String>,
+    /// Hold the document against this specification.
+    pub spec: Option<certificate::Spec>,
+}
+
+/// The page of a document.
+///
+/// # Errors
+///
+/// Where the certificate cannot be made; a document without content gives a page that says so.
+pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
+    let certificate = options.spec.as_ref().map(|spec| certificate::section(document, spec)).transpose()?;
+    Ok(sections::page(document, certificate, options.document_sha256.as_deref()))
+}
+
+/// What people are told.
+pub fn summary(page: &Page) -> String {
+    let plots = page.sections.iter().flat_map(|section| &section.items);
+    let plots = plots.filter(|item| matches!(item, Item::Plot(_))).count();
+    let findings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
+    let certificate = page.sections.iter().find(|section| section.id == certificate::ID);
+    let verdicts = certificate.and_then(|section| section.words.first());
+    let verdicts = verdicts.map_or(String::new(), |words| format!("\n  certificate: {words}"));
+    format!("report: {} sections, {plots} plots, {findings} findings{verdicts}", page.sections.len())
+}

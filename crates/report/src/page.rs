@@ -1,0 +1,192 @@
+use common::Quantity;
+
+use crate::plot::Plot;
+
+/// A page before it is written as HTML or text.
+#[derive(Clone, Debug, Default)]
+pub struct Page {
+    /// Its title.
+    pub title: String,
+    /// What it is about and what stands out, a sentence each.
+    pub summary: Vec<String>,
+    /// The sections in their order.
+    pub sections: Vec<Section>,
+}
+
+/// What one stage found, or one part of it.
+#[derive(Clone, Debug, Default)]
+pub struct Section {
+    /// For links: lower case letters, digits and hyphens, unique within the page.
+    pub id: String,
+    /// Its title.
+    pub title: String,
+    /// Sentences at its head.
+    pub words: Vec<String>,
+    /// What looks wrong, a sentence each.
+    pub warnings: Vec<String>,
+    /// Tables, plots and words in their order; neighbouring plots stand side by side.
+    pub items: Vec<Item>,
+}
+
+/// One part of a section.
+#[derive(Clone, Debug)]
+pub enum Item {
+    /// A heading with what follows it.
+    Heading(String),
+    /// A paragraph.
+    Words(String),
+    /// A table.
+    Table(Table),
+    /// A plot.
+    Plot(Plot),
+}
+
+/// A table; every row has as many cells as there are headers.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// What it holds.
+    pub caption: String,
+    /// The columns' names.
+    pub headers: Vec<Header>,
+    /// The rows.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// Name of a column.
+#[derive(Clone, Debug, Default)]
+pub struct Header {
+    /// What stands in it.
+    pub name: String,
+    /// Its unit; empty where it has none.
+    pub unit: String,
+}
+
+/// One cell of a table.
+#[derive(Clone, Debug, Default)]
+pub enum Cell {
+    /// Nothing is known here.
+    #[default]
+    Empty,
+    /// Words.
+    Text(String),
+    /// A count.
+    Count(usize),
+    /// A number without an uncertainty, to six figures.
+    Number(f64),
+    /// A number of which so many figures are enough: an rms, a standard uncertainty, a bound.
+    Figures(f64, usize),
+    /// A value with its standard uncertainty.
+    Uncertain {
+        /// The value.
+        value: f64,
+        /// Its standard uncertainty.
+        std: f64,
+    },
+    /// A probability.
+    Probability(f64),
+}
+
+impl Section {
+    /// A section without content as yet.
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
+        Self { id: id.into(), title: title.into(), ..Self::default() }
+    }
+
+    /// Adds a table without the columns that are empty throughout, unless it has no rows.
+    pub fn table(&mut self, mut table: Table) {
+        let filled = |column: usize| table.rows.iter().any(|row| !matches!(row[column], Cell::Empty));
+        let kept: Vec<bool> = (0..table.headers.len()).map(filled).collect();
+        retain(&mut table.headers, &kept);
+        table.rows.iter_mut().for_each(|row| retain(row, &kept));
+        if !table.rows.is_empty() {
+            self.items.push(Item::Table(table));
+        }
+    }
+
+    /// Adds a plot, unless there is nothing to draw.
+    pub fn plot(&mut self, plot: Plot) {
+        if plot.series.iter().any(|series| !series.points.is_empty()) {
+            self.items.push(Item::Plot(plot));
+        }
+    }
+
+    /// Adds the plots of several sensors, the first of each, then the second of each, and so on.
+    pub fn plots_side_by_side(&mut self, of_each: Vec<Vec<Plot>>) {
+        let mut of_each: Vec<_> = of_each.into_iter().map(Vec::into_iter).collect();
+        loop {
+            let row: Vec<Plot> = of_each.iter_mut().filter_map(Iterator::next).collect();
+            if row.is_empty() {
+                return;
+            }
+            row.into_iter().for_each(|plot| self.plot(plot));
+        }
+    }
+
+    /// Adds a paragraph.
+    pub fn say(&mut self, words: impl Into<String>) {
+        self.items.push(Item::Words(words.into()));
+    }
+
+    /// Whether it has nothing to show.
+    pub fn is_empty(&self) -> bool {
+        self.items.is_empty() && self.words.is_empty() && self.warnings.is_empty()
+    }
+}
+
+fn retain<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    all.retain(|_| kept.next().copied().unwrap_or(true));
+}
+
+impl Table {
+    /// A table without rows as yet; each header is a name with its unit.
+    pub fn new<const N: usize>(caption: impl Into<String>, headers: [(&str, &str); N]) -> Self {
+        let header = |(name, unit): (&str, &str)| Header { name: name.into(), unit: unit.into() };
+        Self { caption: caption.into(), headers: headers.map(header).into(), rows: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn row<const N: usize>(&mut self, cells: [Cell; N]) {
+        debug_assert_eq!(N, self.headers.len(), "{}", self.caption);
+        self.rows.push(cells.into());
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Cell::Text(text.into())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Cell::Text(text)
+    }
+}
+
+impl From<usize> for Cell {
+    fn from(count: usize) -> Self {
+        Cell::Count(count)
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Cell::Number(number)
+    }
+}
+
+impl From<&Quantity> for Cell {
+    fn from(quantity: &Quantity) -> Self {
+        match quantity.std() {
+            Some(std) => Cell::Uncertain { value: quantity.value(), std },
+            None => Cell::Number(quantity.value()),
+        }
+    }
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(cell: Option<T>) -> Self {
+        cell.map(Into::into).unwrap_or_default()
+    }
+}

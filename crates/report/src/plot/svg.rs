@@ -1,0 +1,296 @@
+use std::fmt::Write;
+
+use super::scale::Scale;
+use super::ticks::Tick;
+use super::{Mark, Plot, Point, Series};
+use crate::html::escape;
+
+/// Size of a drawing; a map is as high as it must be.
+const WIDTH: f64 = 400.0;
+const HEIGHT: f64 = 270.0;
+/// Room above for the vertical axis's label, right, and below for the horizontal axis.
+const ABOVE: f64 = 24.0;
+const RIGHT: f64 = 16.0;
+const BELOW: f64 = 44.0;
+/// Width of a character of a tick's label.
+const CHARACTER: f64 = 7.4;
+/// Number of colours and of shapes.
+pub const STYLES: usize = 6;
+
+/// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be drawn: a sentence.
+pub fn svg(plot: &Plot) -> String {
+    let points = || plot.series.iter().flat_map(|series| &series.points);
+    let xs = points().map(|point| point.x);
+    let ys = points().flat_map(|point| [point.y].into_iter().chain(point.bar.into_iter().flatten()));
+    let (Some(mut x), Some(mut y)) = (Scale::over(xs, plot.x.log), Scale::over(ys, plot.y.log)) else {
+        return "<p class=\"nothing\">No value that can be drawn.</p>".into();
+    };
+    if plot.map {
+        square(&mut x, &mut y);
+    }
+    let ticks = y.ticks(6);
+    let longest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
+    let left = 12.0 + CHARACTER * longest as f64;
+    let right = WIDTH - RIGHT;
+    let bottom = if plot.map { ABOVE + right - left } else { HEIGHT - BELOW };
+    let height = bottom + BELOW;
+    let (x, y) = (x.at([left, right]), y.at([bottom, ABOVE]));
+    let id = &plot.id;
+    let mut out = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {height:.0}\" role=\"img\" aria-labelledby=\"{id}_title\">\
+         <title id=\"{id}_title\">{}</title>\
+         <clipPath id=\"{id}_clip\"><rect x=\"{left:.1}\" y=\"{ABOVE}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
+        escape(&plot.title),
+        right - left,
+        bottom - ABOVE
+    );
+    for tick in spaced(&x) {
+        if let Some(at) = x.place(tick.at) {
+            line(&mut out, &tick, &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
+            label(&mut out, "x", at, bottom + 20.0, &tick.label);
+        }
+    }
+    for tick in ticks {
+        if let Some(at) = y.place(tick.at) {
+            line(&mut out, &tick, &format!("M{left:.1} {at:.1}H{right:.1}"));
+            label(&mut out, "y", left - 6.0, at + 4.0, &tick.label);
+        }
+    }
+    let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
+    label(&mut out, "label", 2.0, 13.0, &shortened(plot.y.text()));
+    label(&mut out, "label x", (left + right) / 2.0, bottom + 38.0, &shortened(plot.x.text()));
+    let _ = write!(out, "<g clip-path=\"url(#{id}_clip)\">");
+    let marked = plot.series.len() > 1;
+    for series in &plot.series {
+        out.push_str(&drawn(series, &x, &y, marked));
+    }
+    out.push_str("</g></svg>");
+    out
+}
+
+/// The sign of a series in the legend.
+pub fn swatch(series: &Series) -> String {
+    let mut out = format!(
+        "<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"s{}\">",
+        series.style % STYLES
+    );
+    match series.mark {
+        Mark::Points => {}
+        Mark::Line => path(&mut out, "line", "M1 7H25"),
+        Mark::Dashes => path(&mut out, "dashes", "M1 7H25"),
+    }
+    if series.mark != Mark::Dashes {
+        let mut d = String::new();
+        shape(&mut d, series.style, [13.0, 7.0], 3.6);
+        path(&mut out, "points", &d);
+    }
+    out.push_str("</g></svg>");
+    out
+}
+
+/// The line of a mark across the drawing; a minor one has no label.
+fn line(out: &mut String, tick: &Tick, d: &str) {
+    path(out, if tick.label.is_empty() { "minor" } else { "grid" }, d);
+}
+
+fn label(out: &mut String, class: &str, x: f64, y: f64, text: &str) {
+    if !text.is_empty() {
+        let _ = write!(out, "<text class=\"{class}\" x=\"{x:.1}\" y=\"{y:.1}\">{}</text>", escape(text));
+    }
+}
+
+/// A label that the drawing has room for.
+fn shortened(text: String) -> String {
+    const MOST: usize = 44;
+    match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text,
+    }
+}
+
+/// As many marks along x as have room for their labels.
+fn spaced(x: &Scale) -> Vec<Tick> {
+    let room = x.places[1] - x.places[0];
+    let width = |tick: &Tick| {
+        if tick.label.is_empty() { 0.0 } else { CHARACTER * tick.label.chars().count() as f64 + 12.0 }
+    };
+    let fits = |ticks: &Vec<Tick>| ticks.iter().map(width).sum::<f64>() <= room;
+    (2..=7).rev().map(|wanted| x.ticks(wanted)).find(fits).unwrap_or_else(|| x.ticks(1))
+}
+
+/// Makes one step along x as long as one along y, on a square.
+fn square(x: &mut Scale, y: &mut Scale) {
+    let half = (x.high - x.low).max(y.high - y.low) / 2.0;
+    for scale in [x, y] {
+        let middle = (scale.low + scale.high) / 2.0;
+        (scale.low, scale.high) = (middle - half, middle + half);
+    }
+}
+
+fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
+    let place = |point: &Point| Some([x.place(point.x)?, y.place(point.y)?]);
+    let mut out = format!("<g class=\"s{}\">", series.style % STYLES);
+    match series.mark {
+        Mark::Points => {
+            let radius = match series.points.len() {
+                0..=60 => 3.4,
+                61..=300 => 2.4,
+                _ => 1.6,
+            };
+            let mut bars = String::new();
+            let mut shapes = String::new();
+            for point in &series.points {
+                let Some(at) = place(point) else { continue };
+                shape(&mut shapes, series.style, at, radius);
+                if let Some([low, high]) = ends(point, y) {
+                    let _ = write!(bars, "M{:.1} {low:.1}V{high:.1}", at[0]);
+                }
+            }
+            path(&mut out, "bars", &bars);
+            path(&mut out, "points", &shapes);
+        }
+        Mark::Line | Mark::Dashes => {
+            path(&mut out, "band", &band(series, x, y));
+            let mut line = String::new();
+            let mut open = false;
+            for point in &series.points {
+                match place(point) {
+                    Some([px, py]) => {
+                        let _ = write!(line, "{}{px:.1} {py:.1}", if open { "L" } else { "M" });
+                        open = true;
+                    }
+                    None => open = false,
+                }
+            }
+            path(&mut out, if series.mark == Mark::Line { "line" } else { "dashes" }, &line);
+            if marked && series.mark == Mark::Line {
+                path(&mut out, "points", &signs(series, place));
+            }
+        }
+    }
+    out.push_str("</g>");
+    out
+}
+
+/// A few shapes along a line, so that lines are told apart without colour.
+fn signs(series: &Series, place: impl Fn(&Point) -> Option<[f64; 2]>) -> String {
+    let mut shapes = String::new();
+    let stride = (series.points.len() / 7).max(1);
+    for point in series.points.iter().skip(stride / 2).step_by(stride) {
+        if let Some(at) = place(point) {
+            shape(&mut shapes, series.style, at, 3.0);
+        }
+    }
+    shapes
+}
+
+/// The ends of a bar; a lower end that has no place on a logarithmic axis is at its foot.
+fn ends(point: &Point, y: &Scale) -> Option<[f64; 2]> {
+    let [low, high] = point.bar?;
+    let high = y.place(high)?;
+    let low = if low.is_nan() { return None } else { y.place(low).unwrap_or(y.places[0]) };
+    Some([low, high])
+}
+
+fn band(series: &Series, x: &Scale, y: &Scale) -> String {
+    let ends: Vec<[f64; 3]> = series
+        .points
+        .iter()
+        .filter_map(|point| {
+            let [low, high] = ends(point, y)?;
+            Some([x.place(point.x)?, low, high])
+        })
+        .collect();
+    let there = ends.iter().map(|[x, _, high]| [*x, *high]);
+    let back = ends.iter().rev().map(|[x, low, _]| [*x, *low]);
+    let mut d = String::new();
+    for [px, py] in there.chain(back) {
+        let _ = write!(d, "{}{px:.1} {py:.1}", if d.is_empty() { "M" } else { "L" });
+    }
+    d
+}
+
+fn path(out: &mut String, class: &str, d: &str) {
+    if !d.is_empty() {
+        let _ = write!(out, "<path class=\"{class}\" d=\"{d}\"/>");
+    }
+}
+
+/// Circle, square, triangle, diamond, plus and cross.
+fn shape(d: &mut String, style: usize, [x, y]: [f64; 2], r: f64) {
+    let _ = match style % STYLES {
+        0 => write!(d, "M{:.1} {y:.1}a{r} {r} 0 1 0 {:.1} 0a{r} {r} 0 1 0 {:.1} 0", x - r, 2.0 * r, -2.0 * r),
+        1 => {
+            let r = 0.9 * r;
+            write!(d, "M{:.1} {:.1}h{:.1}v{:.1}h{:.1}z", x - r, y - r, 2.0 * r, 2.0 * r, -2.0 * r)
+        }
+        2 => {
+            write!(d, "M{x:.1} {:.1}l{:.1} {:.1}h{:.1}z", y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r)
+        }
+        3 => {
+            let r = 1.25 * r;
+            write!(d, "M{x:.1} {:.1}l{r:.1} {r:.1}l{:.1} {r:.1}l{:.1} {:.1}z", y - r, -r, -r, -r)
+        }
+        4 => write!(d, "M{:.1} {y:.1}h{:.1}M{x:.1} {:.1}v{:.1}", x - r, 2.0 * r, y - r, 2.0 * r),
+        _ => write!(
+            d,
+            "M{:.1} {:.1}l{:.1} {:.1}m{:.1} 0l{:.1} {:.1}",
+            x - r,
+            y - r,
+            2.0 * r,
+            2.0 * r,
+            -2.0 * r,
+            2.0 * r,
+            -2.0 * r
+        ),
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::Dimension;
+
+    fn plot(series: Series) -> Plot {
+        let mut plot = Plot::new("p", "P", Dimension::log("f", "Hz"), Dimension::log("P", "nT²/Hz"));
+        plot.push(series);
+        plot
+    }
+
+    /// The paths of a class.
+    fn paths<'a>(svg: &'a str, class: &str) -> Vec<&'a str> {
+        let start = format!("<path class=\"{class}\" d=\"");
+        svg.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
+    }
+
+    #[test]
+    fn a_gap_parts_a_line_and_what_has_no_place_is_left_out() {
+        let mut series = Series::new("s", Mark::Line, 0, &[1.0, 10.0], &[1.0, 2.0]);
+        series.append(&[20.0, 30.0, 40.0], &[3.0, -1.0, 4.0]);
+        let svg = svg(&plot(series));
+        let lines = paths(&svg, "line");
+        assert_eq!(lines.len(), 1);
+        assert_eq!((lines[0].matches('M').count(), lines[0].matches('L').count()), (3, 1), "{}", lines[0]);
+    }
+
+    #[test]
+    fn a_bar_to_below_zero_ends_at_the_foot_of_a_logarithmic_axis() {
+        let series =
+            Series::new("s", Mark::Points, 0, &[1.0, 2.0], &[1.0, 10.0]).between(&[-1.0, 5.0], &[2.0, 20.0]);
+        let svg = svg(&plot(series));
+        let foot = HEIGHT - BELOW;
+        assert!(paths(&svg, "bars")[0].contains(&format!(" {foot:.1}V")), "{svg}");
+    }
+
+    #[test]
+    fn a_map_has_the_same_length_of_a_step_both_ways() {
+        let mut plot = Plot::new("p", "P", Dimension::linear("x", ""), Dimension::linear("y", ""));
+        plot.map = true;
+        plot.push(Series::new("s", Mark::Line, 0, &[0.0, 3.0, 0.0], &[0.0, 0.0, 1.0]));
+        let svg = svg(&plot);
+        let places: Vec<f64> =
+            paths(&svg, "line")[0].split(['M', 'L', ' ']).filter_map(|number| number.parse().ok()).collect();
+        let [x0, y0, x1, _, _, y2] = places[..] else { panic!("{places:?}") };
+        assert!(((x1 - x0) - 3.0 * (y0 - y2)).abs() < 0.3, "{places:?}");
+    }
+}

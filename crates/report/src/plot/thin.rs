@@ -1,0 +1,71 @@
+use std::collections::HashMap;
+
+use super::{Plot, Point, Series};
+
+/// Columns of a drawing in which the lowest and the highest point stand for all.
+const COLUMNS: usize = 400;
+
+/// The plot with its long series thinned, and a sentence where that was done: of each 1/400 of the width the lowest and the
+/// highest point remain, so that no excursion is lost.
+pub fn thinned(mut plot: Plot) -> (Plot, Option<String>) {
+    let rows: usize = plot.series.iter().map(|series| series.points.len()).sum();
+    let log = plot.x.log;
+    for series in &mut plot.series {
+        thin(series, log);
+    }
+    let kept: usize = plot.series.iter().map(|series| series.points.len()).sum();
+    let note = (kept < rows).then(|| {
+        format!(
+            "Of {rows} rows {kept} are drawn and in the data: the lowest and the highest of each 1/{COLUMNS} of the width."
+        )
+    });
+    (plot, note)
+}
+
+fn thin(series: &mut Series, log: bool) {
+    if series.points.len() <= 2 * COLUMNS {
+        return;
+    }
+    let along = |point: &Point| if log { point.x.log10() } else { point.x };
+    let drawn = |point: &Point| along(point).is_finite() && point.y.is_finite();
+    let ends = series.points.iter().filter(|point| drawn(point)).map(along);
+    let Some([low, high]) = ends.map(|x| [x, x]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) else {
+        return;
+    };
+    let mut columns: HashMap<usize, [usize; 2]> = HashMap::new();
+    for (row, point) in series.points.iter().enumerate().filter(|(_, point)| drawn(point)) {
+        let column = ((along(point) - low) / (high - low) * COLUMNS as f64) as usize;
+        let extremes = columns.entry(column.min(COLUMNS - 1)).or_insert([row, row]);
+        if point.y < series.points[extremes[0]].y {
+            extremes[0] = row;
+        }
+        if point.y > series.points[extremes[1]].y {
+            extremes[1] = row;
+        }
+    }
+    let mut rows: Vec<usize> = columns.into_values().flatten().collect();
+    rows.sort_unstable();
+    rows.dedup();
+    series.points = rows.into_iter().map(|row| series.points[row]).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plot::{Dimension, Mark};
+
+    #[test]
+    fn an_excursion_survives_and_a_short_series_is_left() {
+        let x: Vec<f64> = (0..100_000).map(f64::from).collect();
+        let mut y: Vec<f64> = x.iter().map(|x| (x / 500.0).sin()).collect();
+        y[54_321] = 40.0;
+        let mut plot = Plot::new("p", "P", Dimension::linear("t", "s"), Dimension::linear("B", "nT"));
+        plot.push(Series::new("long", Mark::Line, 0, &x, &y));
+        plot.push(Series::new("short", Mark::Line, 1, &[1.0, 2.0], &[3.0, f64::NAN]));
+        let (plot, note) = thinned(plot);
+        assert!(plot.series[0].points.len() <= 2 * COLUMNS);
+        assert!(plot.series[0].points.iter().any(|point| point.x == 54_321.0 && point.y == 40.0));
+        assert_eq!(plot.series[1].points.len(), 2);
+        assert!(note.expect("a note").starts_with("Of 100002 rows "));
+    }
+}

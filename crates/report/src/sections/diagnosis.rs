@@ -1,0 +1,258 @@
+//! What the model left out: each diagnosis with its residuals before and after.
+
+use common::{Diagnosis, Document, ExplainedEffect, ResidualSeries, Verdict};
+
+use super::clock::Clock;
+use super::common_words::{key, rounded, sentence, slug};
+use crate::plot::{Dimension, Mark, Plot, Series};
+use crate::{Cell, Section, Table, number};
+
+pub fn section(document: &Document) -> Option<Section> {
+    let all = document.diagnosis.as_ref().filter(|all| !all.is_empty())?;
+    let mut section = Section::new("diagnosis", "Diagnosis");
+    for (index, diagnosis) in all.iter().enumerate() {
+        if all.len() > 1 {
+            section.items.push(crate::Item::Heading(format!("Diagnosis {} of {}", index + 1, all.len())));
+        }
+        verdict(&mut section, diagnosis);
+        for effect in &diagnosis.effects {
+            effect_words(&mut section, effect);
+        }
+        section.table(effects(diagnosis));
+        for (number, series) in diagnosis.series.iter().enumerate() {
+            section.plot(residuals(&format!("{}-{}", index + 1, number + 1), series, diagnosis));
+        }
+        tables(&mut section, diagnosis);
+    }
+    Some(section)
+}
+
+fn verdict(section: &mut Section, diagnosis: &Diagnosis) {
+    section.say(match diagnosis.verdict {
+        Verdict::Agrees => "Agrees: the recordings are met to the noise.",
+        Verdict::Explained => "Explained: named effects explain the difference, and nothing else is left.",
+        Verdict::PartlyExplained => "Partly explained: named effects explain a part of the difference.",
+        Verdict::Ambiguous => "Ambiguous: several effects explain the difference equally well.",
+        Verdict::Unexplained => "Unexplained: there is structure that no effect explains.",
+    });
+    if !diagnosis.reasons.is_empty() {
+        section.say(sentence(&diagnosis.reasons.join("; ")));
+    }
+    if !diagnosis.ambiguity.is_empty() {
+        let sets: Vec<String> = diagnosis.ambiguity.iter().map(|set| set.join(" with ")).collect();
+        section.say(format!("These do equally well: {}.", sets.join("; or ")));
+    }
+    if let Some(remaining) = diagnosis.remaining.as_ref().filter(|remaining| !remaining.white) {
+        section.warnings.push(format!("What is left is not noise alone: {}", remaining.structure));
+    }
+    if let Some(next) = &diagnosis.next_experiment {
+        section.say(sentence(&format!("what would tell: {next}")));
+    }
+    let mut table = Table::new(
+        "Where it shows",
+        [
+            ("place", ""),
+            ("sensors", ""),
+            ("frame", ""),
+            ("follows", ""),
+            ("share of the energy", ""),
+            ("what", ""),
+        ],
+    );
+    for place in &diagnosis.places {
+        let sensors: Vec<&str> = place.sensors.iter().map(|axis| axis.letter()).collect();
+        table.row([
+            place.place.clone().into(),
+            sensors.join(", ").into(),
+            place.frame.clone().into(),
+            place.covariates.join(", ").into(),
+            place.energy_share.map(|share| number::fixed(share, 3)).into(),
+            place.description.as_str().into(),
+        ]);
+    }
+    section.table(table);
+}
+
+fn effect_words(section: &mut Section, effect: &ExplainedEffect) {
+    let mut words = format!("{}: {}", named(effect), effect.physics);
+    if !effect.equation.is_empty() {
+        words.push_str(&format!(" Equation: {}.", effect.equation));
+    }
+    if !effect.source.is_empty() {
+        words.push_str(&format!(" Source: {}.", effect.source));
+    }
+    section.say(words);
+}
+
+fn named(effect: &ExplainedEffect) -> String {
+    let targets = [
+        effect.sensor.map(|axis| format!("sensor {axis}")),
+        effect.coil.map(|axis| format!("coil {axis}")),
+        effect.column.clone(),
+    ];
+    let targets: Vec<String> = targets.into_iter().flatten().collect();
+    let name = effect.effect.replace('_', " ");
+    if targets.is_empty() { name } else { format!("{name}, {}", targets.join(", ")) }
+}
+
+fn effects(diagnosis: &Diagnosis) -> Table {
+    let mut table = Table::new(
+        "Effects",
+        [
+            ("effect", ""),
+            ("parameter", ""),
+            ("value", ""),
+            ("unit", ""),
+            ("p", ""),
+            ("gain on readings left out", "nT"),
+            ("visible", ""),
+        ],
+    );
+    for effect in &diagnosis.effects {
+        for (name, value) in &effect.parameters {
+            let (name, unit) = key(name);
+            table.row([
+                named(effect).into(),
+                name.into(),
+                value.into(),
+                unit.into(),
+                Cell::Probability(effect.p_adjusted),
+                Cell::Figures(effect.held_out_gain_nt, 3),
+                number::fixed(effect.visible_fraction, 3).into(),
+            ]);
+        }
+    }
+    table
+}
+
+fn residuals(id: &str, series: &ResidualSeries, diagnosis: &Diagnosis) -> Plot {
+    let times = series.along == "time_s";
+    let clock = Clock::of(if times { &series.x } else { &[] });
+    let (along, unit) = key(&series.along);
+    let unit = if times { clock.unit.into() } else { unit };
+    let x = if times { clock.times(&series.x) } else { series.x.clone() };
+    let of = series.recording.as_ref().map_or("all recordings".into(), |id| id.clone());
+    let (column, _) = key(&series.column);
+    let mut plot = Plot::new(
+        format!("residual-{id}-{}", slug(&series.along)),
+        format!("Residual of {column} against {along}, {of}"),
+        Dimension::linear(along, unit),
+        Dimension::linear("residual", "nT"),
+    );
+    let mut note = match series.readings {
+        0 | 1 => "Each point is a reading.".to_string(),
+        readings => format!("Each point is the mean of {readings} readings."),
+    };
+    if let Some(fit) = &diagnosis.fit {
+        note.push_str(&format!(
+            " Noise of a reading: {} nT ({}).",
+            number::significant(fit.noise_floor_nt, 3),
+            fit.noise_source
+        ));
+    }
+    plot = plot.note(note);
+    plot.push(Series::new("before: as it came", Mark::Points, 1, &x, &series.before_nt));
+    plot.push(Series::new("after: with what was found", Mark::Points, 0, &x, &series.after_nt));
+    plot
+}
+
+fn tables(section: &mut Section, diagnosis: &Diagnosis) {
+    let mut rms = Table::new(
+        "Rms of the residuals",
+        [
+            ("recording, column", ""),
+            ("before", "nT"),
+            ("after", "nT"),
+            ("left out, before", "nT"),
+            ("left out, after", "nT"),
+            ("noise", "nT"),
+        ],
+    );
+    if let Some(fit) = &diagnosis.fit {
+        section.say(format!(
+            "Calibration fitted again, without any effect: {} nT rms.",
+            number::significant(fit.rms_refitted_nt, 4)
+        ));
+        let figures = |name: String, figures: [f64; 5]| -> [Cell; 6] {
+            let [a, b, c, d, e] = figures.map(|figure| Cell::Figures(figure, 4));
+            [name.into(), a, b, c, d, e]
+        };
+        rms.row(figures(
+            "all".into(),
+            [
+                fit.rms_before_nt,
+                fit.rms_after_nt,
+                fit.held_out_before_nt,
+                fit.held_out_after_nt,
+                fit.noise_floor_nt,
+            ],
+        ));
+        for one in &fit.by_recording {
+            rms.row(figures(
+                format!("{}, {}", one.recording, one.column),
+                [
+                    one.rms_before_nt,
+                    one.rms_after_nt,
+                    one.held_out_before_nt,
+                    one.held_out_after_nt,
+                    one.noise_floor_nt,
+                ],
+            ));
+        }
+    }
+    section.table(rms);
+    let mut rivals = Table::new(
+        "What else was considered, and why it lost",
+        [("effect", ""), ("rival", ""), ("why not", "")],
+    );
+    for effect in &diagnosis.effects {
+        for rival in &effect.rivals {
+            rivals.row([
+                named(effect).into(),
+                rival.effect.replace('_', " ").into(),
+                rival.why_not.as_str().into(),
+            ]);
+        }
+    }
+    section.table(rivals);
+    let mut energy = Table::new(
+        "Shares of the excess of the squared residual over the noise",
+        [("by", ""), ("part", ""), ("from", ""), ("to", ""), ("share", "")],
+    );
+    let figures = |end: Option<f64>| end.map_or(Cell::Empty, |end| Cell::Number(rounded(end)));
+    for one in &diagnosis.energy {
+        energy.row([
+            one.by.as_str().into(),
+            one.part.clone().into(),
+            figures(one.range.map(|[from, _]| from)),
+            figures(one.range.map(|[_, to]| to)),
+            number::fixed(one.share, 3).into(),
+        ]);
+    }
+    section.table(energy);
+    let mut shifts =
+        Table::new("How far the calibration moved", [("parameter", ""), ("shift", ""), ("unit", "")]);
+    for one in &diagnosis.base_shift {
+        let (parameter, unit) = key(&one.parameter);
+        shifts.row([parameter.into(), (&one.shift).into(), unit.into()]);
+    }
+    section.table(shifts);
+    let mut detectable = Table::new(
+        "The smallest effect that these recordings would have shown, nine times in ten",
+        [("effect", ""), ("of", ""), ("parameter", ""), ("smallest", ""), ("unit", ""), ("visible", "")],
+    );
+    for one in &diagnosis.detectable {
+        for (name, size) in &one.smallest {
+            let (name, unit) = key(name);
+            detectable.row([
+                one.effect.replace('_', " ").into(),
+                one.target.clone().into(),
+                name.into(),
+                Cell::Figures(*size, 2),
+                unit.into(),
+                number::fixed(one.visible_fraction, 3).into(),
+            ]);
+        }
+    }
+    section.table(detectable);
+}

@@ -1,0 +1,117 @@
+//! The sections of the page, one file for each part of a document.
+
+mod axes;
+mod axes_map;
+mod clock;
+mod coils;
+mod common_words;
+mod corrected;
+mod cross_field;
+mod departures;
+mod diagnosis;
+mod difference;
+mod differential;
+mod differential_matrix;
+mod drift;
+mod fourteen;
+mod gradient;
+mod history;
+mod instruments;
+mod model;
+mod noise;
+mod nulling;
+mod recordings;
+mod sensors;
+mod stated;
+mod temperature;
+mod temperature_loops;
+
+use common::Document;
+use std::collections::HashSet;
+
+use crate::{Item, Page, Section, certificate};
+
+/// How a part of a document is shown; None where the document does not have it.
+type Part = fn(&Document) -> Option<Section>;
+
+/// The parts in the order of the page.
+const PARTS: [Part; 16] = [
+    stated::section,
+    coils::section,
+    gradient::section,
+    nulling::section,
+    sensors::section,
+    noise::section,
+    drift::section,
+    temperature::section,
+    cross_field::section,
+    axes::section,
+    differential::section,
+    diagnosis::section,
+    model::section,
+    corrected::section,
+    recordings::section,
+    history::section,
+];
+
+/// The page of a document whose text has this hash, its certificate first.
+pub fn page(document: &Document, certificate: Option<Section>, sha256: Option<&str>) -> Page {
+    let parts = PARTS.iter().filter_map(|part| part(document));
+    let mut sections: Vec<Section> = certificate.into_iter().chain(parts).collect();
+    tell_apart(&mut sections);
+    let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
+    let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
+    Page { title, summary: summary(document, &sections, sha256), sections }
+}
+
+fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
+    let mut summary = Vec::new();
+    if sections.iter().all(|section| section.id == certificate::ID) {
+        summary.push(
+            "There is nothing in this document: no recording, no calibration, no diagnosis. A document is begun by `ingest` from \
+             files of a logger, or by `simulate`; the calibrating programs then add to it."
+                .into(),
+        );
+        return summary;
+    }
+    let rows: usize = document.recordings.iter().map(common::Recording::rows).sum();
+    let stages: Vec<&str> = document.history.iter().map(|entry| entry.stage.as_str()).collect();
+    let been =
+        if stages.is_empty() { String::new() } else { format!(" It went through {}.", stages.join(", ")) };
+    summary.push(format!(
+        "The document holds {} with {}.{been}",
+        common_words::counted(document.recordings.len(), "recording"),
+        common_words::counted(rows, "row")
+    ));
+    let warned: Vec<&Section> = sections.iter().filter(|section| !section.warnings.is_empty()).collect();
+    let warnings = warned.iter().map(|section| section.warnings.len()).sum();
+    if warnings > 0 {
+        let titles: Vec<&str> = warned.iter().map(|section| section.title.as_str()).collect();
+        summary.push(format!(
+            "{} to read, marked △, under: {}.",
+            common_words::counted(warnings, "finding"),
+            titles.join(", ")
+        ));
+    }
+    summary.push(
+        "Each ± is one standard uncertainty, to two figures, and so is a bar in a plot unless its note says otherwise. What is a 95 % \
+         interval is called so."
+            .into(),
+    );
+    summary.extend(sha256.map(|hash| format!("SHA-256 of the document: {hash}")));
+    summary
+}
+
+/// Ids of recordings may come to the same id of a plot; the later ones are numbered.
+fn tell_apart(sections: &mut [Section]) {
+    let mut seen = HashSet::new();
+    for item in sections.iter_mut().flat_map(|section| &mut section.items) {
+        let Item::Plot(plot) = item else { continue };
+        let first = plot.id.clone();
+        let mut number = 1;
+        while !seen.insert(plot.id.clone()) {
+            number += 1;
+            plot.id = format!("{first}-{number}");
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! A page as text, for the terminal.
+
+use std::fmt::Write;
+
+use crate::plot::Plot;
+use crate::{Cell, Item, Page, Table, number};
+
+/// The page as text.
+pub fn render(page: &Page) -> String {
+    let mut out = String::new();
+    underlined(&mut out, &page.title, '=');
+    for words in &page.summary {
+        let _ = writeln!(out, "{}", plain(words));
+    }
+    for section in &page.sections {
+        out.push('\n');
+        underlined(&mut out, &section.title, '-');
+        for words in &section.words {
+            let _ = writeln!(out, "{}", plain(words));
+        }
+        for warning in &section.warnings {
+            let _ = writeln!(out, "! {}", plain(warning));
+        }
+        for item in &section.items {
+            match item {
+                Item::Heading(heading) => {
+                    let _ = writeln!(out, "\n{}", plain(heading));
+                }
+                Item::Words(words) => {
+                    let _ = writeln!(out, "\n{}", plain(words));
+                }
+                Item::Table(table) => self::table(&mut out, table),
+                Item::Plot(plot) => self::plot(&mut out, plot),
+            }
+        }
+    }
+    out
+}
+
+/// Without the control characters by which a document could move a terminal's cursor.
+fn plain(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+fn underlined(out: &mut String, title: &str, line: char) {
+    let title = plain(title);
+    let _ = writeln!(out, "{title}\n{}", line.to_string().repeat(title.chars().count()));
+}
+
+fn table(out: &mut String, table: &Table) {
+    let header = |header: &crate::Header| {
+        let unit = if header.unit.is_empty() { String::new() } else { format!(", {}", header.unit) };
+        plain(&format!("{}{unit}", header.name))
+    };
+    let heads = table.headers.iter().map(header).collect::<Vec<_>>();
+    let rows: Vec<Vec<String>> =
+        table.rows.iter().map(|row| row.iter().map(|cell| plain(&number::cell(cell))).collect()).collect();
+    let width = |column: usize| {
+        let cells = rows.iter().filter_map(|row| row.get(column)).chain(heads.get(column));
+        cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let words = |column: usize| table.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Text(_))));
+    let columns: Vec<(usize, bool)> = (0..heads.len()).map(|column| (width(column), words(column))).collect();
+    let line = |cells: &[String]| {
+        let pad = |(cell, (width, words)): (&String, &(usize, bool))| {
+            let gap = " ".repeat(width - cell.chars().count());
+            if *words { format!("{cell}{gap}") } else { format!("{gap}{cell}") }
+        };
+        let cells: Vec<String> = cells.iter().zip(&columns).map(pad).collect();
+        format!("  {}", cells.join("  ")).trim_end().to_string()
+    };
+    let _ = writeln!(out, "\n{}\n{}", plain(&table.caption), line(&heads));
+    for row in &rows {
+        let _ = writeln!(out, "{}", line(row));
+    }
+}
+
+/// A plot cannot be shown here: how many points each series has, and from where to where they go.
+fn plot(out: &mut String, plot: &Plot) {
+    let _ = writeln!(out, "\n{} (a plot on the page)", plain(&plot.title));
+    for series in &plot.series {
+        let span = |values: &mut dyn Iterator<Item = f64>| {
+            let ends = values.filter(|value| value.is_finite()).map(|value| [value, value]);
+            let ends = ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
+            ends.map_or("nothing".to_string(), |[low, high]| {
+                format!("{} to {}", number::significant(low, 4), number::significant(high, 4))
+            })
+        };
+        let x = span(&mut series.points.iter().map(|point| point.x));
+        let y = span(&mut series.points.iter().map(|point| point.y));
+        let _ = writeln!(
+            out,
+            "  {}: {} points, {} {x}, {} {y}",
+            plain(&series.name),
+            series.points.len(),
+            plain(&plot.x.text()),
+            plain(&plot.y.text())
+        );
+    }
+}

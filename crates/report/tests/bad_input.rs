@@ -1,0 +1,25 @@
+//! Every document of `fixtures/bad/report` brings its message and exit code, and no page.
+
+use std::fs;
+
+const REPORT: &str = env!("CARGO_BIN_EXE_report");
+
+#[test]
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad/report", REPORT) >= 4);
+}
+
+#[test]
+fn a_fault_leaves_the_page_of_before() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let page = folder.path().join("report.html");
+    fs::write(&page, "before").expect("written");
+    let path = page.to_str().expect("UTF-8");
+    let run = testkit::run(REPORT, &["-o", path], "{\"fluxcal\": 2}");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert_eq!(fs::read_to_string(&page).expect("there"), "before");
+    let run = testkit::run(REPORT, &["-o", path, "absent.json"], "");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.starts_with("report: absent.json: cannot be read"), "{}", run.stderr);
+    assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+}

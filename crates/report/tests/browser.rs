@@ -1,0 +1,130 @@
+//! Pages in headless Chromium: no console errors, every plot drawn, nothing that overlaps or hangs out, in both themes and on a
+//! phone's width. Needs the browser: `just browser`.
+
+use common::Document;
+use report::certificate::Spec;
+use report::{Options, html};
+use serde::Deserialize;
+use std::collections::HashMap;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const CASES: [&str; 8] = [
+    "coilcal/every-procedure/expected.json",
+    "sensorcal/small/expected.json",
+    "axescal/magsat/expected.json",
+    "diffmag/turned-pair/expected.json",
+    "diagnose/warm/expected.json",
+    "correct/flight/expected.json",
+    "ingest/logger/expected.json",
+    "specs/calibrated/input.json",
+];
+
+/// Widths of a desk and of a phone, CSS pixels.
+const WIDTHS: [u32; 2] = [1280, 390];
+
+/// Looks at the page and tells the page around it what is wrong, and how many plots there are.
+const CHECK: &str = r#"<script>
+const wrong = [];
+const root = document.documentElement;
+if (root.scrollWidth > window.innerWidth) wrong.push("the page is " + root.scrollWidth + " wide in " + window.innerWidth);
+const overlap = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+const drawings = document.querySelectorAll("figure > svg");
+for (const drawing of drawings) {
+  const id = drawing.parentElement.id;
+  const box = drawing.getBoundingClientRect();
+  const marks = [...drawing.querySelectorAll(".points, .line, .dashes")].map(mark => mark.getBoundingClientRect());
+  if (!marks.some(mark => mark.width > 0 && mark.height > 0)) wrong.push(id + ": nothing is drawn");
+  const texts = [...drawing.querySelectorAll("text")];
+  const places = texts.map(text => text.getBoundingClientRect());
+  places.forEach((place, i) => {
+    if (place.left < box.left - 1 || place.right > box.right + 1 || place.bottom > box.bottom + 1 || place.top < box.top - 1)
+      wrong.push(id + ": \"" + texts[i].textContent + "\" hangs out");
+    if (place.height < 10) wrong.push(id + ": \"" + texts[i].textContent + "\" is " + place.height + " px high");
+    for (let j = 0; j < i; j++)
+      if (overlap(place, places[j])) wrong.push(id + ": \"" + texts[i].textContent + "\" over \"" + texts[j].textContent + "\"");
+  });
+}
+for (const item of document.querySelectorAll(".legend li"))
+  if (item.getBoundingClientRect().right > item.closest("figure").getBoundingClientRect().right + 1)
+    wrong.push(item.closest("figure").id + ": the legend hangs out");
+const paper = getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number);
+const theme = paper[0] + paper[1] + paper[2] > 380 ? "light" : "dark";
+const page = location.pathname.split("/").pop();
+parent.postMessage({ page, width: window.innerWidth, theme, drawings: drawings.length, wrong }, "*");
+</script></body>"#;
+
+/// What one page told.
+#[derive(Deserialize)]
+struct Seen {
+    page: String,
+    width: u32,
+    theme: String,
+    drawings: usize,
+    wrong: Vec<String>,
+}
+
+#[test]
+#[ignore = "needs Chromium: just browser"]
+fn pages_in_a_browser() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut drawings = HashMap::new();
+    let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
+    let options = Options { spec: Some(spec), ..Options::default() };
+    let texts = CASES.map(testkit::read_fixture).into_iter().chain([r#"{"fluxcal": 1}"#.to_string()]);
+    for (number, text) in texts.enumerate() {
+        let document = Document::parse(&text).expect("a document");
+        let page = html::render(&report::run(&document, &options).expect("a page"));
+        let name =
+            CASES.get(number).map_or("empty.html".into(), |case| format!("{}.html", case.replace('/', "-")));
+        fs::write(folder.path().join(&name), page.replace("</body>", CHECK)).expect("written");
+        drawings.insert(name, page.matches("<figure").count());
+    }
+    assert!(drawings.values().filter(|count| **count > 1).count() >= 7, "{drawings:?}");
+    let mut wrong = Vec::new();
+    for theme in ["light", "dark"] {
+        let (all, console) = open(folder.path(), drawings.keys(), theme);
+        assert_eq!(all.len(), WIDTHS.len() * drawings.len(), "{console:?}");
+        wrong.extend(console);
+        for seen in all {
+            let Seen { page, width, .. } = &seen;
+            assert!(WIDTHS.contains(width) && seen.theme == theme, "{page}: {width} px, {}", seen.theme);
+            assert_eq!(seen.drawings, drawings[page], "plots of {page}");
+            wrong.extend(seen.wrong.iter().map(|one| format!("{page}, {width} px, {theme}: {one}")));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Opens the pages in frames of each width, since a window cannot be as narrow as a phone: what each told, and the console.
+fn open<'a>(folder: &Path, pages: impl Iterator<Item = &'a String>, theme: &str) -> (Vec<Seen>, Vec<String>) {
+    let frame = |page: &String| {
+        WIDTHS.map(|width| {
+            format!("<iframe src='{page}' width='{width}' height='900' style='border:0'></iframe>")
+        })
+    };
+    let frames: Vec<String> = pages.flat_map(frame).collect();
+    let all = format!(
+        "<!DOCTYPE html><meta name='color-scheme' content='light dark'><title></title><script>\
+         const all = []; onmessage = told => {{ all.push(told.data); document.title = JSON.stringify(all); }};\
+         </script>{}",
+        frames.concat()
+    );
+    fs::write(folder.join("all.html"), all).expect("written");
+    let output = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"])
+        .args(["--virtual-time-budget=20000", "--dump-dom"])
+        .arg(format!("--blink-settings=preferredColorScheme={}", u8::from(theme == "light")))
+        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+        .arg(format!("file://{}", folder.join("all.html").display()))
+        .output()
+        .unwrap_or_else(|error| panic!("chromium: {error}; install it: apt-get install chromium"));
+    let dom = String::from_utf8_lossy(&output.stdout);
+    let title =
+        dom.split_once("<title>").and_then(|(_, rest)| rest.split_once("</title>")).expect("a title").0;
+    let title = title.replace("&lt;", "<").replace("&gt;", ">").replace("&amp;", "&");
+    let seen = serde_json::from_str(&title).unwrap_or_else(|error| panic!("{title}: {error}"));
+    let console = String::from_utf8_lossy(&output.stderr);
+    (seen, console.lines().filter(|line| line.contains("CONSOLE")).map(str::to_string).collect())
+}
