@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use crate::Error;
 use crate::dependence::Follows;
+use crate::magnitude;
 use crate::observed::{Observed, Reader};
 
 /// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the field, and only the sum
@@ -97,6 +98,14 @@ pub struct State {
     pub columns: Vec<Column>,
 }
 
+/// What is predicted of a run at a state.
+struct Seen {
+    basic: Basic,
+    prediction: Prediction,
+    /// By each parameter; None for those of an effect that does not act there.
+    derivatives: Vec<Option<Prediction>>,
+}
+
 /// The recordings with what is unknown of them.
 #[derive(Debug)]
 pub struct Model<'a> {
@@ -149,8 +158,11 @@ impl<'a> Model<'a> {
             state = model.with(&state, effect);
         }
         let jacobian = model.base_columns(&state)?;
-        let felt: Vec<usize> =
+        let mut felt: Vec<usize> =
             (0..model.unknowns.len()).filter(|k| jacobian[*k].iter().any(|value| *value != 0.0)).collect();
+        if model.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude) {
+            model.without_common_turn(&jacobian, &mut felt)?;
+        }
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
@@ -163,9 +175,31 @@ impl<'a> Model<'a> {
         Ok((model, state))
     }
 
+    /// Takes turns of sensors out of the unknowns until none is said by the others, the last sensors' first: of magnitudes alone a turn
+    /// of all sensors together shows nowhere.
+    fn without_common_turn(&self, jacobian: &[Vec<f64>], felt: &mut Vec<usize>) -> Result<(), Error> {
+        loop {
+            let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
+            let turns =
+                |at: &usize| matches!(self.unknowns[felt[*at]], Unknown::Chain(Parameter::SensorTurn(..), _));
+            let Some(last) = undetermined(&columns)?.into_iter().rfind(turns) else { return Ok(()) };
+            felt.remove(last);
+        }
+    }
+
     /// A state with one effect more.
     pub fn with(&self, state: &State, effect: EffectInstance) -> State {
-        let acts = (0..self.observed.runs.len()).map(|run| self.can_act(run, &effect)).collect();
+        let acts = self.acts(&effect);
+        self.with_acting(state, effect, acts)
+    }
+
+    /// In which runs an effect acts, whatever its sizes and shapes.
+    pub fn acts(&self, effect: &EffectInstance) -> Vec<bool> {
+        (0..self.observed.runs.len()).map(|run| self.can_act(run, effect)).collect()
+    }
+
+    /// A state with one effect more, which acts in some runs.
+    pub fn with_acting(&self, state: &State, effect: EffectInstance, acts: Vec<bool>) -> State {
         let mut next = state.clone();
         next.effects.push(effect);
         next.acts.push(acts);
@@ -196,15 +230,33 @@ impl<'a> Model<'a> {
         state.effects.iter().enumerate().flat_map(of).collect()
     }
 
+    /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its standard uncertainty.
+    pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
+        let base = self.priors.iter().zip(&state.base).enumerate();
+        let base = base.filter_map(|(k, (prior, value))| prior.map(|std| (k, *value, std)));
+        base.chain(self.known_of_effects(state)).collect()
+    }
+
+    /// The same of effects. Of a series of harmonics recordings determine only sums; each term is known to be of a plausible size.
+    pub fn known_of_effects(&self, state: &State) -> Vec<(usize, f64, f64)> {
+        let series = |(k, (effect, parameter)): (usize, (usize, usize))| {
+            let effect = &state.effects[effect];
+            let info = &effect.kind.parameters()[parameter];
+            (effect.kind == Kind::SunThermoelectricHarmonics)
+                .then(|| (self.unknowns.len() + k, effect.parameters[parameter], info.high))
+        };
+        self.free(state).into_iter().enumerate().filter_map(series).collect()
+    }
+
     /// Observed less predicted, nT, over all channels.
     pub fn residual(&self, state: &State) -> Result<Vec<f64>, Error> {
         let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
-                let (prediction, _) = self.predict(state, run, &[])?;
+                let seen = self.predict(state, run, &[])?;
                 let mut part = Vec::new();
                 for channel in self.observed.channels_of(run) {
-                    let predicted = channel.predicted(&prediction);
+                    let predicted = channel.predicted(&seen.basic, &seen.prediction);
                     part.extend(channel.readings.iter().zip(predicted).map(|(y, p)| channel.to_nt * y - p));
                 }
                 Ok(part)
@@ -270,12 +322,14 @@ impl<'a> Model<'a> {
         let parts: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
-                let (prediction, derivatives) = self.predict(state, run, parameters)?;
+                let Seen { basic, prediction, derivatives } = self.predict(state, run, parameters)?;
                 let stack = |derivative: &Option<Prediction>| {
                     let mut part = Vec::new();
                     for channel in self.observed.channels_of(run) {
                         match derivative {
-                            Some(derivative) => part.extend(channel.derivative(&prediction, derivative)),
+                            Some(derivative) => {
+                                part.extend(channel.derivative(&basic, &prediction, derivative));
+                            }
                             None => part.extend(std::iter::repeat_n(0.0, channel.rows.len())),
                         }
                     }
@@ -294,12 +348,9 @@ impl<'a> Model<'a> {
         let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
-                let (prediction, _) = self.predict(state, run, &[])?;
-                Ok(self
-                    .observed
-                    .channels_of(run)
-                    .flat_map(|channel| channel.predicted(&prediction))
-                    .collect())
+                let seen = self.predict(state, run, &[])?;
+                let channels = self.observed.channels_of(run);
+                Ok(channels.flat_map(|channel| channel.predicted(&seen.basic, &seen.prediction)).collect())
             })
             .collect::<Result<_, Error>>()?;
         Ok(parts.concat())
@@ -307,8 +358,13 @@ impl<'a> Model<'a> {
 
     /// What is predicted with one effect more, less what is predicted without, stacked.
     pub fn contribution(&self, state: &State, effect: &EffectInstance) -> Result<Vec<f64>, Error> {
-        let (without, with) = (self.residual(state)?, self.residual(&self.with(state, effect.clone()))?);
-        Ok(without.iter().zip(with).map(|(a, b)| a - b).collect())
+        self.change(state, &self.with(state, effect.clone()))
+    }
+
+    /// By how much what is predicted changes from one state to another, stacked.
+    pub fn change(&self, from: &State, to: &State) -> Result<Vec<f64>, Error> {
+        let (before, after) = (self.residual(from)?, self.residual(to)?);
+        Ok(before.iter().zip(after).map(|(a, b)| a - b).collect())
     }
 
     fn base_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
@@ -316,18 +372,19 @@ impl<'a> Model<'a> {
         let runs: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
-                let (prediction, derivatives) = self.predict(state, run, &parameters)?;
+                let Seen { basic, prediction, derivatives } = self.predict(state, run, &parameters)?;
                 let length: usize = self.observed.channels_of(run).map(|channel| channel.rows.len()).sum();
                 let stack = |derivative: &Prediction| -> Vec<f64> {
                     let channels = self.observed.channels_of(run);
-                    channels.flat_map(|channel| channel.derivative(&prediction, derivative)).collect()
+                    channels.flat_map(|channel| channel.derivative(&basic, &prediction, derivative)).collect()
                 };
                 let moved = |unknown: usize, step: f64| -> Result<Vec<f64>, Error> {
                     let values = |sign: f64| -> Result<Vec<f64>, Error> {
                         let mut state = state.clone();
                         state.base[unknown] += sign * step;
-                        let (prediction, _) = self.predict(&state, run, &[])?;
-                        Ok(self.observed.channels_of(run).flat_map(|c| c.predicted(&prediction)).collect())
+                        let seen = self.predict(&state, run, &[])?;
+                        let channels = self.observed.channels_of(run);
+                        Ok(channels.flat_map(|c| c.predicted(&seen.basic, &seen.prediction)).collect())
                     };
                     let (above, below) = (values(1.0)?, values(-1.0)?);
                     Ok(above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect())
@@ -442,16 +499,14 @@ impl<'a> Model<'a> {
         if rotation != Vector3::zeros() {
             context.orientation.rotation = frames::small_rotation(&rotation) * context.orientation.rotation;
         }
+        if !self.observed.runs[run].smooth.is_empty() {
+            context.ambient_nt = magnitude::ambient(&self.observed.runs[run], &basic, &context);
+        }
         (basic, context)
     }
 
-    /// Prediction of a run at a state, and its derivatives; none for the parameters of an effect that does not act there.
-    fn predict(
-        &self,
-        state: &State,
-        run: usize,
-        parameters: &[Parameter],
-    ) -> Result<(Prediction, Vec<Option<Prediction>>), Error> {
+    /// Prediction of a run at a state, and its derivatives.
+    fn predict(&self, state: &State, run: usize, parameters: &[Parameter]) -> Result<Seen, Error> {
         let (basic, context) = self.setting(state, run);
         let acting: Vec<usize> = (0..state.effects.len()).filter(|k| state.acts[*k][run]).collect();
         let effects: Vec<EffectInstance> = acting.iter().map(|k| state.effects[*k].clone()).collect();
@@ -466,16 +521,18 @@ impl<'a> Model<'a> {
             })
             .collect();
         let wanted: Vec<Parameter> = mapped.iter().flatten().copied().collect();
-        let (prediction, found) = physics::predict_with_jacobian(&basic, &effects, &context, &wanted)
-            .map_err(|error| Error::Document(error.at(&self.observed.runs[run].path)))?;
+        let failed = |error: physics::Error| Error::Document(error.at(&self.observed.runs[run].path));
+        let (prediction, found) =
+            physics::predict_with_jacobian(&basic, &effects, &context, &wanted).map_err(failed)?;
         let mut found = found.into_iter();
         let derivatives = mapped.iter().map(|m| m.as_ref().and_then(|_| found.next())).collect();
-        Ok((prediction, derivatives))
+        Ok(Seen { basic, prediction, derivatives })
     }
 
-    /// Whether any channel is of a sensor.
+    /// Whether any channel is of a sensor, or of all together.
     pub fn reads(&self, axis: Axis) -> bool {
-        self.observed.channels.iter().any(|channel| channel.reader == Reader::Sensor(axis))
+        let of = |reader: Reader| [Reader::Sensor(axis), Reader::Magnitude].contains(&reader);
+        self.observed.channels.iter().any(|channel| of(channel.reader))
     }
 
     /// Whether a coil is driven in any recording.

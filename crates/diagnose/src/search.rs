@@ -301,7 +301,7 @@ impl<'p> Searcher<'p> {
                 known if known.is_infinite() => with.cost,
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
             };
-            let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
+            let unknowns = with.determined - fit.determined + proposal.searched;
             let why_not = self.why_not(proposal, fit, &with, &held_out, look);
             Ok(Some(Refined {
                 p_adjusted: at_least_one(proposal.p, FAMILIES),
@@ -317,6 +317,7 @@ impl<'p> Searcher<'p> {
         let refined: Vec<Option<Refined>> = promising.par_iter().map(one).collect::<Result<_, Error>>()?;
         let mut all: Vec<Refined> = refined.into_iter().flatten().collect();
         rivals::without_needless_lags(fitter, &mut all);
+        rivals::without_mere_parts(&mut all);
         all.sort_by(|a, b| {
             a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
         });

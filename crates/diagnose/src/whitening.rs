@@ -1,13 +1,14 @@
 //! The noise of each channel, and with it the way to independent errors of variance one.
 
-use common::{Document, Noise, series::even_step_s};
+use common::{Axis, Document, Noise, series::even_step_s};
 use estimate::correlated::Whitening;
 use estimate::innovations::Innovations;
 use estimate::periodogram::periodogram;
 use estimate::stats::median;
 use estimate::whittle::{self, White};
 use faer::Mat;
-use physics::{EffectInstance, Kind};
+use nalgebra::Vector3;
+use physics::{EffectInstance, Kind, SensorConstants, Setting, Unit};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -203,8 +204,9 @@ fn declared(
         // Of two magnetometers the difference has the noise of both.
         Reader::Sensor(_) if run.differential() => return None,
         Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
+        Reader::Magnitude => of_magnitude(document, channel)?,
     };
-    let codes = code_nt(document, channel).powi(2) / 12.0;
+    let codes = code_nt(document, observed, channel).powi(2) / 12.0;
     let white = noise.white_rms_nt.unwrap_or(0.0);
     let variance = match width_nt(effects, channel) {
         Some(width) => about_a_code(white, width),
@@ -214,15 +216,54 @@ fn declared(
     (noise.white_rms_nt > Some(0.0)).then_some(noise)
 }
 
-/// Width of a code of a channel, nT.
-fn code_nt(document: &Document, channel: &Channel) -> f64 {
+/// The noise of a corrected vector's length and of the scalar magnetometer beside it: each sensor's counts by its mean share. The scalar
+/// magnetometer's is none where the document does not state it.
+fn of_magnitude(document: &Document, channel: &Channel) -> Option<Noise> {
+    let instrument = document.instrument.as_ref()?;
+    let scalar = document.facility.as_ref().and_then(|facility| facility.reference_std_nt).unwrap_or(0.0);
+    let mut all = Noise::default();
+    let (mut white, mut flicker, mut walk, mut most) = (scalar * scalar, 0.0, 0.0, 0.0);
+    for (axis, share) in Axis::ALL.into_iter().zip(mean_shares(channel)) {
+        let noise = instrument.noise_of(axis)?;
+        let own = share * noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+        white += share * noise.white_rms_nt.unwrap_or(0.0).powi(2);
+        walk += share * noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
+        flicker += own;
+        if own > most {
+            (most, all.flicker_exponent) = (own, noise.flicker_exponent);
+        }
+        if noise.relative_std > all.relative_std {
+            all.relative_std = noise.relative_std;
+        }
+    }
+    all.white_rms_nt = Some(white.sqrt());
+    all.flicker_nt2_per_hz_at_1hz = Some(flicker);
+    all.random_walk_nt_per_sqrt_s = Some(walk.sqrt());
+    Some(all)
+}
+
+/// Mean over the rows of each sensor's squared share in a magnitude.
+fn mean_shares(channel: &Channel) -> [f64; 3] {
+    let squares = channel.shares.iter().fold(Vector3::zeros(), |sum, share| sum + share.component_mul(share));
+    (squares / channel.rows.len().max(1) as f64).into()
+}
+
+/// Width of a code of a channel, nT; of a magnitude, of codes that would round as much as those of its sensors together.
+fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
     let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
+    let Setting { basic, context } = &observed.runs[channel.run].setting;
+    let code = match context.unit {
+        Unit::Volt if !observed.runs[channel.run].differential() => instrument.quantisation_v,
+        _ => instrument.quantisation_nt,
+    };
+    let code = code.unwrap_or(0.0);
     match channel.reader {
         Reader::Scalar => 0.0,
-        Reader::Sensor(_) if channel.column.ends_with("_v") => {
-            instrument.quantisation_v.unwrap_or(0.0) * channel.to_nt.abs()
+        Reader::Sensor(_) => code * channel.to_nt.abs(),
+        Reader::Magnitude => {
+            let of = |(sensor, share): (&SensorConstants<f64>, f64)| share * sensor.sensitivity.powi(2);
+            code * basic.sensors.iter().zip(mean_shares(channel)).map(of).sum::<f64>().sqrt()
         }
-        Reader::Sensor(_) => instrument.quantisation_nt.unwrap_or(0.0) * channel.to_nt.abs(),
     }
 }
 
@@ -285,7 +326,7 @@ fn estimate(
         .iter()
         .map(|channel| {
             let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
-            let least = (code_nt(document, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
+            let least = (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
             let variance = (sum / (count as f64 * share)).max(least);
             let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
             let step_s = observed.times(channel).and_then(|time| even_step_s(&time));
@@ -312,6 +353,7 @@ fn estimate(
 fn kind(channel: &Channel) -> String {
     match channel.reader {
         Reader::Scalar => "scalar".into(),
+        Reader::Magnitude => "magnitude".into(),
         Reader::Sensor(axis) => axis.to_string(),
     }
 }

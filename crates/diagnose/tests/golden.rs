@@ -15,5 +15,6 @@ fn golden() {
     let plain = Options::default;
     case("warm", "diagnose/warm/input.json", &plain());
     case("delay", "diagnose/delay/input.json", &plain());
+    case("orbit", "diagnose/orbit/input.json", &plain());
     case("warm-again", "diagnose/warm/expected.json", &plain());
 }
