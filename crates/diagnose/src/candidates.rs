@@ -236,19 +236,24 @@ fn make(
         None => vec![None],
     };
     let finite = infos.iter().all(|info| info.role != Role::Amplitude);
+    let mut first = template.clone();
+    if let (Some(at), Some(Some(value))) = (shape, grid.first()) {
+        first.parameters[at] = *value;
+    }
+    let acts = model.acts(&first);
+    if !acts.contains(&true) {
+        return Ok(None);
+    }
     let mut trials = Vec::new();
     for value in grid {
         let mut effect = template.clone();
         if let (Some(at), Some(value)) = (shape, value) {
             effect.parameters[at] = value;
         }
-        let with = model.with(state, effect.clone());
+        let with = model.with_acting(state, effect, acts.clone());
         let number = with.effects.len() - 1;
-        if !with.acts[number].contains(&true) {
-            return Ok(None);
-        }
         let columns = if finite {
-            vec![model.contribution(state, &effect)?]
+            vec![model.change(state, &with)?]
         } else {
             let amplitudes: Vec<Parameter> = (0..infos.len())
                 .filter(|k| infos[*k].role == Role::Amplitude)

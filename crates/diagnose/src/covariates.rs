@@ -16,6 +16,19 @@ pub fn across(other: Axis) -> String {
     format!("the field across it ({other})")
 }
 
+/// What is known of the Sun.
+const SUN: [&str; 6] =
+    ["sun_azimuth_rad", "sun_azimuth_deg", "sun_elevation_rad", "sun_elevation_deg", "sunlit", "eclipse"];
+
+/// What an effect's contribution follows, of what was recorded of the Sun no more than that.
+pub fn recorded(model: &Model<'_>, effect: &EffectInstance) -> Vec<String> {
+    let there = |name: &String| {
+        let mut runs = model.observed.runs.iter();
+        !SUN.contains(&name.as_str()) || runs.any(|run| run.setting.context.optional(name).is_some())
+    };
+    of(effect).into_iter().filter(there).collect()
+}
+
 /// What an effect's contribution follows.
 pub fn of(effect: &EffectInstance) -> Vec<String> {
     let needs = effect.kind.about().needs;
@@ -35,6 +48,9 @@ pub fn of(effect: &EffectInstance) -> Vec<String> {
         (_, Some(axis)) if on_coil(effect) => names.push(format!("coil_{axis}_a")),
         (kind, Some(_)) if names.is_empty() && needs.is_empty() && kind.place() != Place::Environment => {
             names.push(ALONG.into());
+        }
+        (Kind::SunThermoelectric | Kind::SunThermoelectricHarmonics, _) => {
+            names = SUN.map(str::to_string).to_vec();
         }
         (Kind::Hysteresis | Kind::Perming | Kind::SensitivityAgeing, _) => names.push(ALONG.into()),
         (kind, _) if kind.name().starts_with("sensitivity_") => names.push(ALONG.into()),

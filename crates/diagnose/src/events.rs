@@ -94,7 +94,8 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
         let [one, lasting] = departures.lengths();
         let rows = channel.rows.len();
-        let timed = observed.runs[channel.run].time_s.is_some();
+        let timed =
+            observed.runs[channel.run].time_s.is_some() && matches!(channel.reader, Reader::Sensor(_));
         let later: Vec<usize> = later(fitter, number).collect();
         let mut sum = (0.0, vec![0.0; basis.ncols()]);
         let mut after = (0.0, 0.0, vec![0.0; basis.ncols()]);

@@ -38,6 +38,8 @@ pub struct Fit {
     pub covariance: Mat<f64>,
     /// Rank.
     pub rank: usize,
+    /// Unknowns that the readings determined: of one that was known beforehand, the share of its variance that they took away.
+    pub determined: f64,
     /// Σ of the squared whitened residuals.
     pub cost: f64,
 }
@@ -56,8 +58,7 @@ impl Fitter<'_, '_> {
     fn white(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), Error> {
         let residual = self.model.residual(state)?;
         let mut white = self.noise.whiten(&self.model.observed, &residual);
-        let known = self.model.priors.iter().zip(&state.base);
-        white.extend(known.filter_map(|(prior, value)| prior.map(|std| -value / std)));
+        white.extend(self.model.known(state).iter().map(|(_, value, std)| -value / std));
         Ok((residual, white))
     }
 
@@ -65,12 +66,11 @@ impl Fitter<'_, '_> {
     pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
         let raw = self.model.jacobian(state)?;
         let white = self.noise.whiten_all(&self.model.observed, &raw);
-        let known: Vec<(usize, f64)> =
-            self.model.priors.iter().enumerate().filter_map(|(k, prior)| prior.map(|std| (k, std))).collect();
+        let known = self.model.known(state);
         let rows = self.model.observed.rows;
         Ok(Mat::from_fn(rows + known.len(), white.len(), |i, j| match i.checked_sub(rows) {
             None => white[j][i],
-            Some(prior) if known[prior].0 == j => 1.0 / known[prior].1,
+            Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
             Some(_) => 0.0,
         }))
     }
@@ -108,7 +108,10 @@ impl Fitter<'_, '_> {
                 let all: Vec<usize> = (0..jacobian.ncols()).collect();
                 let gain = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
                 let (covariance, rank) = (gain.covariance, gain.rank);
-                return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
+                let known = self.model.known_of_effects(&state);
+                let kept: f64 = known.iter().map(|(k, _, std)| covariance[(*k, *k)] / (std * std)).sum();
+                let determined = rank as f64 - kept;
+                return Ok(Fit { state, residual, white, jacobian, covariance, rank, determined, cost });
             }
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }

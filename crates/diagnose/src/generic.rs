@@ -17,6 +17,17 @@ const POWERS: usize = 8;
 /// Lags of a dependence, as shares of the recording's length.
 const LAGS: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.1];
 
+/// Columns that effects know, of which smooth functions are taken too.
+const ANGLES_AND_TEMPERATURES: [&str; 7] = [
+    "sensor_temperature_c",
+    "electronics_temperature_c",
+    "coil_temperature_c",
+    "sun_azimuth_rad",
+    "sun_azimuth_deg",
+    "sun_elevation_rad",
+    "sun_elevation_deg",
+];
+
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Vec<f64>>)>);
 
@@ -33,6 +44,7 @@ pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
             "attitude_",
             "tilt_",
             "sun",
+            "eclipse",
             "field_",
         ];
         quantities.iter().any(|prefix| name.starts_with(prefix))
@@ -68,12 +80,10 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
             let name = if other == axis { ALONG.to_string() } else { across(other) };
             all.extend(powers(model, axis, name, |run| Some(values(run))));
         }
-        let thermometers = ["sensor_temperature_c", "electronics_temperature_c", "coil_temperature_c"];
-        let known = thermometers.iter().map(|name| (*name).to_string());
-        for name in known {
+        for name in ANGLES_AND_TEMPERATURES {
             let column =
-                |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
-            all.extend(powers(model, axis, name.clone(), column));
+                |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
+            all.extend(powers(model, axis, name.into(), column));
         }
         for name in housekeeping(model) {
             let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
@@ -138,15 +148,20 @@ fn powers(
     Some((What::Smooth { covariate, axis }, vec![(None, columns)]))
 }
 
-/// A column that is something in the channels of one sensor and zero in all others.
+/// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all others.
 fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Vec<f64> {
     let observed = &model.observed;
     let mut column = Vec::with_capacity(observed.rows);
     for channel in &observed.channels {
-        if channel.reader == Reader::Sensor(axis) {
-            column.extend(values(&observed.runs[channel.run], channel));
-        } else {
-            column.extend(std::iter::repeat_n(0.0, channel.rows.len()));
+        match channel.reader {
+            Reader::Sensor(own) if own == axis => column.extend(values(&observed.runs[channel.run], channel)),
+            Reader::Magnitude => {
+                let values = values(&observed.runs[channel.run], channel);
+                column.extend(
+                    values.iter().enumerate().map(|(k, value)| value * channel.shares[k][axis.index()]),
+                );
+            }
+            _ => column.extend(std::iter::repeat_n(0.0, channel.rows.len())),
         }
     }
     column

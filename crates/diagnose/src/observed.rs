@@ -1,10 +1,11 @@
-//! What was read, as channels: one sensor, or the scalar magnetometer, in one recording.
+//! What was read, as channels: one sensor, the scalar magnetometer, or the length of the corrected vector, in one recording.
 
 use common::{Axis, Document, Recording, procedure};
 use nalgebra::Vector3;
-use physics::{Prediction, References, Setting, Unit};
+use physics::{Basic, Prediction, References, Setting, Unit};
 
 use crate::Error;
+use crate::magnitude;
 
 /// Fewest readings of a channel.
 const FEWEST: usize = 3;
@@ -16,6 +17,8 @@ pub enum Reader {
     Sensor(Axis),
     /// A scalar magnetometer in the coils.
     Scalar,
+    /// All sensors: the length of the corrected vector, held against a scalar magnetometer beside them.
+    Magnitude,
 }
 
 /// Readings of one sensor, or of the scalar magnetometer, in one recording.
@@ -35,6 +38,10 @@ pub struct Channel {
     pub to_nt: f64,
     /// Where its rows begin in the stack of all channels.
     pub at: usize,
+    /// Of a magnitude: what the three sensors read in each of the rows, in the unit of the recording.
+    pub vectors: Vec<Vector3<f64>>,
+    /// Of a magnitude: its derivative in each of the rows by the reading of each sensor as field.
+    pub shares: Vec<Vector3<f64>>,
 }
 
 impl Channel {
@@ -43,33 +50,38 @@ impl Channel {
         self.at..self.at + self.rows.len()
     }
 
-    /// The sensor that read it.
+    /// The one sensor that read it.
     pub fn axis(&self) -> Option<Axis> {
         match self.reader {
             Reader::Sensor(axis) => Some(axis),
-            Reader::Scalar => None,
+            Reader::Scalar | Reader::Magnitude => None,
         }
     }
 
     /// What is predicted of it, nT, at its rows.
-    pub fn predicted(&self, prediction: &Prediction) -> Vec<f64> {
-        let value = |row: &usize| match self.reader {
-            Reader::Sensor(axis) => self.to_nt * prediction.readings[*row][axis.index()],
-            Reader::Scalar => prediction.field_geo[*row].norm(),
-        };
-        self.rows.iter().map(value).collect()
+    pub fn predicted(&self, basic: &Basic, prediction: &Prediction) -> Vec<f64> {
+        let rows = self.rows.iter();
+        match self.reader {
+            Reader::Sensor(axis) => {
+                rows.map(|row| self.to_nt * prediction.readings[*row][axis.index()]).collect()
+            }
+            Reader::Scalar => rows.map(|row| prediction.field_geo[*row].norm()).collect(),
+            Reader::Magnitude => magnitude::predicted(self, basic, prediction),
+        }
     }
 
     /// The derivative of that, from the prediction and its derivative.
-    pub fn derivative(&self, prediction: &Prediction, derivative: &Prediction) -> Vec<f64> {
-        let value = |row: &usize| match self.reader {
-            Reader::Sensor(axis) => self.to_nt * derivative.readings[*row][axis.index()],
-            Reader::Scalar => {
-                let along: Vector3<f64> = prediction.field_geo[*row].normalize();
-                along.dot(&derivative.field_geo[*row])
+    pub fn derivative(&self, basic: &Basic, prediction: &Prediction, derivative: &Prediction) -> Vec<f64> {
+        let rows = self.rows.iter();
+        match self.reader {
+            Reader::Sensor(axis) => {
+                rows.map(|row| self.to_nt * derivative.readings[*row][axis.index()]).collect()
             }
-        };
-        self.rows.iter().map(value).collect()
+            Reader::Scalar => rows
+                .map(|row| prediction.field_geo[*row].normalize().dot(&derivative.field_geo[*row]))
+                .collect(),
+            Reader::Magnitude => magnitude::derivative(self, basic, prediction, derivative),
+        }
     }
 }
 
@@ -84,6 +96,8 @@ pub struct Run<'a> {
     pub setting: Setting<'a>,
     /// The times, where all are there and do not run backwards.
     pub time_s: Option<&'a [f64]>,
+    /// Of a magnitude: the readings of the three sensors, smooth, in each row of the recording; else empty.
+    pub smooth: Vec<Vector3<f64>>,
 }
 
 impl Run<'_> {
@@ -142,8 +156,14 @@ impl<'a> Observed<'a> {
                 observed.notes.push(what);
             }
             let time_s = times.ok();
-            let run = Run { recording, path, setting, time_s };
-            observed.add(run)?;
+            let run = Run { recording, path, setting, time_s, smooth: Vec::new() };
+            if magnitude::alone(&run) {
+                observed.notes.push(magnitude::unseen(&recording.id));
+                observed.runs.push(run);
+                observed.add_magnitude()?;
+            } else {
+                observed.add(run)?;
+            }
         }
         if observed.channels.is_empty() { Err(Error::Nothing) } else { Ok(observed) }
     }
@@ -175,8 +195,10 @@ impl<'a> Observed<'a> {
                 readings: Vec::new(),
                 to_nt,
                 at: self.rows,
+                vectors: Vec::new(),
+                shares: Vec::new(),
             };
-            let predicted = whole.predicted(&prediction);
+            let predicted = whole.predicted(basic, &prediction);
             let rows: Vec<usize> = (0..values.len())
                 .filter(|row| values[*row].is_finite() && predicted[*row].is_finite())
                 .collect();
@@ -188,6 +210,22 @@ impl<'a> Observed<'a> {
             self.channels.push(Channel { rows, readings, ..whole });
         }
         self.runs.push(run);
+        Ok(())
+    }
+
+    /// Adds the magnitude of the last run.
+    fn add_magnitude(&mut self) -> Result<(), Error> {
+        let at = self.runs.len() - 1;
+        let found = magnitude::channel(&mut self.runs[at], at, self.rows)?;
+        if let Some(channel) = found.filter(|channel| channel.rows.len() >= FEWEST) {
+            self.rows += channel.rows.len();
+            self.channels.push(channel);
+        }
+        let run = &mut self.runs[at];
+        if !run.smooth.is_empty() {
+            run.setting.context.ambient_nt =
+                magnitude::ambient(run, &run.setting.basic, &run.setting.context);
+        }
         Ok(())
     }
 

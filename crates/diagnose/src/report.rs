@@ -94,7 +94,7 @@ pub fn report(
     let guilty = guilty::guilty(model, &places);
     let fields = covariates::fields(model, &outcome.fit.state)?;
     let energy =
-        if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields) };
+        if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields)? };
     let ambiguity = equal
         .iter()
         .flat_map(|found| std::iter::once(&found.refined.proposal.name).chain(&found.rivals.equal))

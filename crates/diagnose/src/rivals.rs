@@ -68,6 +68,30 @@ fn without_lag(kind: Kind) -> Option<Kind> {
     }
 }
 
+/// Sets aside effects of which a fuller form explains more than its further unknowns would by chance: what a part of it leaves would be
+/// given other names.
+pub fn without_mere_parts(all: &mut [Refined]) {
+    let of = |refined: &Refined| match &refined.proposal.addition {
+        Addition::Effect(effect) if refined.why_not.is_none() => Some(effect.kind),
+        _ => None,
+    };
+    let full: Vec<(Kind, f64, f64)> =
+        all.iter().filter_map(|refined| Some((of(refined)?, refined.deviance, refined.unknowns))).collect();
+    for refined in all.iter_mut() {
+        let Some(fuller) = of(refined).and_then(fuller_form) else { continue };
+        let Some((_, deviance, unknowns)) = full.iter().find(|(kind, ..)| *kind == fuller) else { continue };
+        let (better, more) = (refined.deviance - deviance, unknowns - refined.unknowns);
+        if more > 0.0 && better > chi_squared_quantile(1.0 - NEEDED, more) {
+            refined.why_not = Some(Fault::Idle(format!("{} explains more of the same", fuller.name())));
+        }
+    }
+}
+
+/// The effect of which another is a part.
+fn fuller_form(kind: Kind) -> Option<Kind> {
+    (kind == Kind::SunThermoelectric).then_some(Kind::SunThermoelectricHarmonics)
+}
+
 /// What the others of a list say against its first.
 #[derive(Clone, Debug, Default)]
 pub struct Rivals {
@@ -122,7 +146,9 @@ fn holds(fitter: &Fitter<'_, '_>, rival: &Refined, effect: &Refined) -> Result<b
     let own = fitter.jacobian(&effect.fit.state)?;
     let theirs = &rival.fit.jacobian;
     let width = theirs.ncols();
-    let columns: Vec<Vec<f64>> = (0..own.ncols()).map(|j| own.col_as_slice(j).to_vec()).collect();
+    // Without what is known of each beforehand: they have other unknowns.
+    let rows = fitter.model.observed.rows;
+    let columns: Vec<Vec<f64>> = (0..own.ncols()).map(|j| own.col_as_slice(j)[..rows].to_vec()).collect();
     let first: Vec<usize> = (0..width).collect();
     let screen = Screen::of(&fitter.products(theirs, &columns, &rival.fit.white)).given(&first)?;
     let base = fitter.model.unknowns.len();

@@ -1,32 +1,30 @@
-//! The search: which candidates explain what is left, how sure that is, and which fit equally well.
+//! The search: which candidates explain what is left, and how sure that is.
+
+mod refine;
+
+pub use refine::{Fault, Refined};
 
 use estimate::screen::{Chance, Screen, Search};
 use faer::Mat;
 use noise::Stream;
-use physics::{EffectInstance, Kind, Role};
-use rayon::prelude::*;
+use physics::{EffectInstance, Role};
+use std::sync::Arc;
 
 use crate::Error;
 use crate::candidates::{Candidate, Pool, What, named};
 use crate::codes;
-use crate::dependence::{self, Follows};
+use crate::dependence::Follows;
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
 use crate::model::{Column, State};
-use crate::rivals;
 use crate::whitening::NoiseModel;
-use std::sync::Arc;
 
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
 const FAMILIES: f64 = 5.0;
-/// Candidates that are refined at each step.
-const REFINED: usize = 8;
-/// A size may be beyond its plausible range by this factor.
-const BEYOND: f64 = 3.0;
 
 /// What comes into the model.
 #[derive(Clone, Debug)]
@@ -52,50 +50,6 @@ pub struct Proposal {
     pub searched: f64,
     /// Whether it touches few rows, so that rows left out say nothing.
     pub local: bool,
-}
-
-/// A proposal fitted together with all else.
-#[derive(Clone, Debug)]
-pub struct Refined {
-    /// The proposal.
-    pub proposal: Proposal,
-    /// Probability by chance, all families.
-    pub p_adjusted: f64,
-    /// The fit with it.
-    pub fit: Fit,
-    /// Unknowns that it brings.
-    pub unknowns: f64,
-    /// Deviance: −2 ln likelihood up to a constant.
-    pub deviance: f64,
-    /// Σ of squares of rows left out by part: without it less with it.
-    pub held_out: Vec<f64>,
-    /// Why it is not taken; None where it may be.
-    pub why_not: Option<Fault>,
-}
-
-/// Why something is not taken.
-#[derive(Clone, Debug)]
-pub enum Fault {
-    /// It adds nothing that a simpler effect does not say, or does not fit.
-    Idle(String),
-    /// It fits, with a size that is not plausible: whatever fits worse is no answer either.
-    Implausible(String),
-}
-
-impl Fault {
-    /// In words.
-    pub fn words(&self) -> &str {
-        match self {
-            Fault::Idle(words) | Fault::Implausible(words) => words,
-        }
-    }
-}
-
-impl Refined {
-    /// Bayes' information criterion: deviance and ln n for each unknown.
-    pub fn criterion(&self) -> f64 {
-        self.deviance + self.unknowns * (self.fit.white.len() as f64).ln()
-    }
 }
 
 /// Structure that smooth functions find.
@@ -275,110 +229,6 @@ impl<'p> Searcher<'p> {
         let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
         structures.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         Ok(Look { rest, proposals, structures, line, least_p })
-    }
-
-    /// The most promising proposals fitted together with all else, the best first.
-    pub fn refine(&self, fitter: &Fitter<'_, '_>, fit: &Fit, look: &Look) -> Result<Vec<Refined>, Error> {
-        let before = fitter.held_out(fit)?;
-        let one = |proposal: &Proposal| -> Result<Option<Refined>, Error> {
-            let state = match &proposal.addition {
-                Addition::Effect(effect) => fitter.model.with(&fit.state, effect.clone()),
-                Addition::Column(column) => {
-                    let mut state = fit.state.clone();
-                    state.columns.push(dependence::with_lag(fitter, fit, column)?);
-                    state
-                }
-            };
-            let Ok(with) = fitter.refine(&state) else { return Ok(None) };
-            let with = if proposal.local { events::settled_in_time(fitter, with)? } else { with };
-            let held_out: Vec<f64> = before
-                .parts
-                .iter()
-                .zip(fitter.held_out(&with)?.parts)
-                .map(|(before, after)| before - after)
-                .collect();
-            let deviance = match fitter.noise.known {
-                known if known.is_infinite() => with.cost,
-                known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
-            };
-            let unknowns = with.rank as f64 - fit.rank as f64 + proposal.searched;
-            let why_not = self.why_not(proposal, fit, &with, &held_out, look);
-            Ok(Some(Refined {
-                p_adjusted: at_least_one(proposal.p, FAMILIES),
-                proposal: proposal.clone(),
-                fit: with,
-                unknowns,
-                deviance,
-                held_out,
-                why_not,
-            }))
-        };
-        let promising = &look.proposals[..look.proposals.len().min(REFINED)];
-        let refined: Vec<Option<Refined>> = promising.par_iter().map(one).collect::<Result<_, Error>>()?;
-        let mut all: Vec<Refined> = refined.into_iter().flatten().collect();
-        rivals::without_needless_lags(fitter, &mut all);
-        all.sort_by(|a, b| {
-            a.why_not.is_some().cmp(&b.why_not.is_some()).then(a.criterion().total_cmp(&b.criterion()))
-        });
-        Ok(all)
-    }
-
-    /// Why a refined proposal cannot be taken: sizes that are not plausible, shapes that ran away, rows left out that are not met.
-    fn why_not(
-        &self,
-        proposal: &Proposal,
-        before: &Fit,
-        with: &Fit,
-        held_out: &[f64],
-        look: &Look,
-    ) -> Option<Fault> {
-        let idle = |words: String| Some(Fault::Idle(words));
-        let gain = before.cost - with.cost;
-        let rank = with.rank.saturating_sub(before.rank);
-        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if [Kind::Quantisation, Kind::Dropout].contains(&e.kind));
-        if (rank == 0 && !unfitted) || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
-            return idle("it does not fit once everything is fitted together".into());
-        }
-        if let Addition::Effect(effect) = &proposal.addition {
-            let found = with.state.effects.last()?;
-            for (info, value) in effect.kind.parameters().iter().zip(&found.parameters) {
-                let beyond = match info.role {
-                    Role::Amplitude => value.abs() > BEYOND * info.high,
-                    Role::Shape => *value > BEYOND * info.high || *value < info.low / BEYOND,
-                    Role::Epoch => false,
-                };
-                if beyond {
-                    let words = format!("{} would have to be {value:.3e}, which is not plausible", info.name);
-                    let amplitude = info.role == Role::Amplitude;
-                    return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
-                }
-            }
-            let candidate = self
-                .pool
-                .candidates
-                .iter()
-                .find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
-            let shape = found.kind.parameters().iter().position(|info| info.role == Role::Shape);
-            if let (Some(candidate), Some(at)) = (candidate.filter(|c| !c.finite), shape) {
-                let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
-                let (low, high) =
-                    tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
-                let name = found.kind.parameters()[at].name;
-                if found.parameters[at] < 0.9 * low {
-                    return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
-                }
-                if found.parameters[at] > 1.1 * high {
-                    return idle(format!(
-                        "{name} runs beyond what the recording spans, where a simpler effect says the same"
-                    ));
-                }
-            }
-        }
-        let total: f64 = held_out.iter().sum();
-        if !proposal.local && total <= 0.0 {
-            return idle("it does not predict readings that were left out".into());
-        }
-        None
     }
 }
 

@@ -7,6 +7,7 @@
 use physics::{Acts, EffectInstance, Kind, Place};
 
 use crate::candidates::What;
+use crate::covariates;
 use crate::search::{Addition, Look};
 use crate::{Found, Stage};
 
@@ -49,6 +50,7 @@ fn same(addition: &Addition, left: &What) -> bool {
 fn follows(effect: &EffectInstance, covariate: &str) -> bool {
     if effect.column.as_deref() == Some(covariate)
         || effect.kind.about().needs.contains(&covariate) && covariate != "time_s"
+        || covariates::of(effect).iter().any(|name| name == covariate)
     {
         return true;
     }

@@ -3,6 +3,9 @@
 use common::{Diagnosis, Document, Quantity};
 use std::fmt::Write;
 
+/// Most parameters of an effect that are said.
+const PARAMETERS: usize = 12;
+
 /// What was found, with ± and units.
 pub fn summary(document: &Document) -> String {
     let mut text = String::new();
@@ -33,9 +36,15 @@ fn one(text: &mut String, entry: &Diagnosis) {
             target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
         let _ =
             writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, chance(effect.p_adjusted));
-        let parameters: Vec<String> =
-            effect.parameters.iter().map(|(name, value)| format!("{name} = {}", plus_minus(value))).collect();
-        let _ = writeln!(text, "    {}", parameters.join(", "));
+        let parameters: Vec<String> = effect
+            .parameters
+            .iter()
+            .take(PARAMETERS)
+            .map(|(name, value)| format!("{name} = {}", plus_minus(value)))
+            .collect();
+        let more = effect.parameters.len() - parameters.len();
+        let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
+        let _ = writeln!(text, "    {}{more}", parameters.join(", "));
         for rival in &effect.rivals {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }

@@ -15,6 +15,7 @@ fn golden() {
     let plain = Options::default;
     case("warm", "diagnose/warm/input.json", &plain());
     case("delay", "diagnose/delay/input.json", &plain());
+    case("orbit", "diagnose/orbit/input.json", &plain());
     case("warm-again", "diagnose/warm/expected.json", &plain());
 }
 

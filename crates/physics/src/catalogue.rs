@@ -84,6 +84,7 @@ catalogue![
     ReactionWheel,
     ReactionWheelHarmonic,
     SunThermoelectric,
+    SunThermoelectricHarmonics,
     PillarGradient,
     InductionDifference,
     PillarTilt,

@@ -1,14 +1,14 @@
 //! `report`: any document as one page.
 
 use clap::Parser;
-use common::Document;
 use common::pipe::{self, Input, Io, Program};
+use common::{Document, beside, manual, procedure};
 use report::certificate::Spec;
 use report::{Options, html, text};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "report", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program { name: "report", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
 
 /// One page that shows what each stage found: words, tables, plots, and the data of each plot
 #[derive(Parser)]
@@ -33,7 +33,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = manual::parse::<Cli>();
     pipe::finish(PROGRAM, run(&cli))
 }
 
@@ -45,7 +45,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     }
     let input = Input::read(cli.io.file.as_deref())?;
     options.document_sha256 = Some(input.sha256());
-    let document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
+    let mut document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
+    beside::read(&mut document, cli.io.folder(), PROGRAM.takes).map_err(|error| input.locate(error))?;
     let page = report::run(&document, &options).map_err(|error| input.locate(error.into()))?;
     let render = if cli.text { text::render } else { html::render };
     pipe::write(cli.io.output.as_deref(), &render(&page))?;

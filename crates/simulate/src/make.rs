@@ -163,7 +163,7 @@ impl World<'_> {
     fn effects_in(&self, recording: &Recording) -> Vec<EffectInstance> {
         let aboard = |effect: &&EffectInstance| {
             let column = match effect.kind {
-                Kind::SunThermoelectric => Some("sun_azimuth_rad"),
+                Kind::SunThermoelectric | Kind::SunThermoelectricHarmonics => Some("sun_azimuth_rad"),
                 _ => effect.column.as_deref(),
             };
             column.is_none_or(|column| holds(recording, column))

@@ -4,11 +4,11 @@ use common::{EnergyShare, series::even_step_s};
 use nalgebra::Vector3;
 
 use super::guilty::Guilty;
-use crate::Outcome;
 use crate::covariates;
 use crate::matched::power_along;
 use crate::model::Model;
 use crate::observed::Channel;
+use crate::{Error, Outcome};
 
 /// Regions of equal numbers of readings along time and covariates.
 const REGIONS: usize = 5;
@@ -17,17 +17,22 @@ const BAND: f64 = 4.0;
 /// Fewest readings of a channel that have a spectrum.
 const SPECTRUM: usize = 24;
 
-/// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and covariate.
+/// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and covariate: of what is left when all
+/// that was found is taken out of the final fit, its calibration kept. A calibration fitted without it would have spread it over all rows.
 pub(super) fn energy(
     model: &Model<'_>,
     outcome: &Outcome,
     guilty: &Guilty,
     fields: &[Vec<Vector3<f64>>],
-) -> Vec<EnergyShare> {
+) -> Result<Vec<EnergyShare>, Error> {
     let observed = &model.observed;
-    let rest = &outcome.first.rest;
-    let noise = rest.scale() * rest.freedom / outcome.base.white.len() as f64;
-    let excess = |row: usize| outcome.base.white[row].powi(2) - noise;
+    let mut without = outcome.fit.state.clone();
+    without.effects.truncate(outcome.base.state.effects.len());
+    without.columns.truncate(outcome.base.state.columns.len());
+    let white = outcome.noise.whiten(observed, &model.residual(&without)?);
+    let rest = &outcome.last.rest;
+    let noise = rest.scale() * rest.freedom / outcome.fit.white.len() as f64;
+    let excess = |row: usize| white[row].powi(2) - noise;
     let of_channel = |channel: &Channel| channel.range().map(excess).sum::<f64>();
     let mut all = Vec::new();
     let sums = |key: &dyn Fn(&Channel) -> String| -> Vec<(Part, f64)> {
@@ -57,12 +62,12 @@ pub(super) fn energy(
         Some(run.time_s?.iter().map(|time| time + run.setting.context.clock_s).collect())
     };
     all.extend(shares("time_s", regions(along(&on_clock))));
-    all.extend(shares("band_hz", bands(model, channels(), &outcome.base.white, noise)));
+    all.extend(shares("band_hz", bands(model, channels(), &white, noise)));
     for name in &guilty.covariates {
         let values = |channel: &Channel| covariates::values(model, fields, channel.run, channel.axis(), name);
         all.extend(shares(name, regions(along(&values))));
     }
-    all
+    Ok(all)
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +92,7 @@ fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
     parts.into_iter().map(share).collect()
 }
 
-/// Readings in the order of a covariate, in regions of equal numbers.
+/// Readings in the order of a covariate: a region for each value where there are few, else regions of equal numbers.
 fn regions(mut points: Vec<(f64, f64)>) -> Vec<(Part, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let constant = points.first().zip(points.last()).is_none_or(|(first, last)| first.0 == last.0);
@@ -97,6 +102,10 @@ fn regions(mut points: Vec<(f64, f64)>) -> Vec<(Part, f64)> {
     let region = |some: &[(f64, f64)]| {
         (Part::Region([some[0].0, some[some.len() - 1].0]), some.iter().map(|(_, excess)| excess).sum())
     };
+    let each: Vec<(Part, f64)> = points.chunk_by(|a, b| a.0 == b.0).map(region).take(REGIONS + 1).collect();
+    if each.len() <= REGIONS {
+        return each;
+    }
     points.chunks(points.len().div_ceil(REGIONS)).map(region).collect()
 }
 

@@ -42,7 +42,7 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
         place: Some(effect.kind.place().word().into()),
         sensors,
         frame: Some(frame.into()),
-        covariates: covariates::of(effect),
+        covariates: covariates::recorded(model, effect),
         energy_share,
         recordings: runs.filter(|(_, acts)| **acts).map(|(run, _)| run.recording.id.clone()).collect(),
         time_s: moment.map(|at| [effect.parameters[at]; 2]),

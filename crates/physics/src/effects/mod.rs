@@ -15,6 +15,7 @@ mod lines;
 mod nonlinearity;
 mod sites;
 mod spacecraft;
+mod sun;
 mod surroundings;
 mod temperature;
 mod time;
@@ -33,7 +34,8 @@ pub use leakage::NullingLeakage;
 pub use lines::{Mains, TractionPower};
 pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
 pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};
-pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent, SunThermoelectric};
+pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent};
+pub use sun::{SunThermoelectric, SunThermoelectricHarmonics};
 pub use surroundings::{VehiclePass, WorkingHours};
 pub use temperature::{
     OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, OffsetTemperature, OffsetTemperatureLag,

@@ -1,0 +1,125 @@
+//! Recordings in a field of which nothing is known but its length: what the sensors read, corrected, is held against a scalar
+//! magnetometer beside them.
+//!
+//! The residual is |B| − F, B the corrected vector in SEN and F the scalar reading. The chain is run forwards in a field S that is close to B:
+//! the smooth readings, corrected by the basic chain. It predicts p, and B = S + (μᵀ)⁻¹ k (y − p), y the readings and k the sensitivities:
+//! exact for the basic chain, and with effects one Newton step from a field that is off by what they do. Whatever moves the readings moves
+//! |B| by its projection on S. A turn of all sensors together does not move it, nor, in first order, does anything across the field.
+//! S is smooth so that what follows the field's rate does not follow the noise of the readings themselves.
+
+use common::{Axis, procedure};
+use nalgebra::{Matrix3, Vector3};
+use physics::{Basic, Context, Prediction};
+
+use crate::Error;
+use crate::observed::{Channel, Reader, Run};
+use crate::smooth::smooth;
+
+/// The column of the scalar magnetometer.
+const COLUMN: &str = "reference_nt";
+
+/// Whether a recording has the length of its field and nothing else of it: no drive, and no field around.
+pub fn alone(run: &Run<'_>) -> bool {
+    let recording = run.recording;
+    let given = |axis: Axis| {
+        let name = format!("ambient_{axis}_nt");
+        recording.column(&name).is_some() || recording.conditions.extra.contains_key(&name)
+    };
+    recording.procedure == procedure::FREE_RUN
+        && recording.column(COLUMN).is_some()
+        && !run.setting.context.in_coils
+        && !Axis::ALL.into_iter().any(given)
+}
+
+/// What such a recording cannot show, in words.
+pub fn unseen(recording: &str) -> String {
+    format!(
+        "of \"{recording}\", which is held against the field's magnitude alone, a turn of all sensors together and whatever a disturbance \
+         does across the field: that takes the field's direction, from the attitude and a model of the field"
+    )
+}
+
+/// The magnitude of run number `run`, whose rows begin at `at` in the stack; the run then has its smooth readings. None where a sensor
+/// was not read.
+pub fn channel(of: &mut Run<'_>, run: usize, at: usize) -> Result<Option<Channel>, Error> {
+    let unit = of.setting.context.unit.suffix();
+    let columns = Axis::ALL.map(|axis| of.recording.axis_column("sensor", axis, unit));
+    let ([Some(x), Some(y), Some(z)], Some(reference)) = (columns, of.recording.column(COLUMN)) else {
+        return Ok(None);
+    };
+    if of.setting.basic.mu.try_inverse().is_none() {
+        let error = physics::Error::InOnePlane { recording: of.recording.id.clone() };
+        return Err(Error::Document(error.at(&of.path)));
+    }
+    let readings: Vec<Vector3<f64>> =
+        x.iter().zip(y).zip(z).map(|((x, y), z)| Vector3::new(*x, *y, *z)).collect();
+    let rows: Vec<usize> = (0..readings.len())
+        .filter(|row| reference[*row].is_finite() && readings[*row].iter().all(|value| value.is_finite()))
+        .collect();
+    of.smooth = match of.time_s {
+        Some(time) => smooth(time, &readings),
+        None => readings.clone(),
+    };
+    let mix = unmix(&of.setting.basic).transpose();
+    let shares =
+        rows.iter().map(|row| mix * field(&of.setting.basic, &of.smooth[*row]).normalize()).collect();
+    Ok(Some(Channel {
+        run,
+        reader: Reader::Magnitude,
+        column: COLUMN.into(),
+        readings: rows.iter().map(|row| reference[*row]).collect(),
+        to_nt: 1.0,
+        at,
+        vectors: rows.iter().map(|row| readings[*row]).collect(),
+        shares,
+        rows,
+    }))
+}
+
+/// What readings mean by the basic chain, SEN, nT.
+fn field(basic: &Basic, readings: &Vector3<f64>) -> Vector3<f64> {
+    let along = |i: usize| basic.sensors[i].sensitivity * readings[i] + basic.sensors[i].offset_nt;
+    unmix(basic) * Vector3::from_fn(|i, _| along(i))
+}
+
+/// S, the field that a run's smooth readings mean, in GEO as the context has it.
+pub fn ambient(run: &Run<'_>, basic: &Basic, context: &Context<'_>) -> Vec<Vector3<f64>> {
+    let smooth = run.smooth.iter().enumerate();
+    smooth.map(|(row, readings)| context.rotation(row).transpose() * field(basic, readings)).collect()
+}
+
+/// (μᵀ)⁻¹: from what is along the sensors to SEN.
+fn unmix(basic: &Basic) -> Matrix3<f64> {
+    basic.mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity)
+}
+
+/// B in SEN at a channel's rows, nT.
+fn corrected(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<Vector3<f64>> {
+    let unmix = unmix(basic);
+    let of = |(row, y): (&usize, &Vector3<f64>)| {
+        let missed = y - prediction.readings[*row];
+        prediction.field_sen[*row] + unmix * Vector3::from_fn(|i, _| basic.sensors[i].sensitivity * missed[i])
+    };
+    channel.rows.iter().zip(&channel.vectors).map(of).collect()
+}
+
+/// F − (|B| − F): as far below the scalar reading as the corrected vector is longer, nT.
+pub fn predicted(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<f64> {
+    let corrected = corrected(channel, basic, prediction);
+    corrected.iter().zip(&channel.readings).map(|(b, reference)| 2.0 * reference - b.norm()).collect()
+}
+
+/// The derivative of that: b · (μᵀ)⁻¹ k ∂p.
+pub fn derivative(
+    channel: &Channel,
+    basic: &Basic,
+    prediction: &Prediction,
+    derivative: &Prediction,
+) -> Vec<f64> {
+    let mix = unmix(basic).transpose();
+    let of = |row: &usize| {
+        let along = mix * prediction.field_sen[*row].normalize();
+        (0..3).map(|i| along[i] * basic.sensors[i].sensitivity * derivative.readings[*row][i]).sum()
+    };
+    channel.rows.iter().map(of).collect()
+}

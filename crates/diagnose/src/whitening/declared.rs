@@ -1,0 +1,199 @@
+//! The noise of each channel: as the document declares it, or as a residual shows it.
+
+use common::{Axis, Document, Noise, series::even_step_s};
+use estimate::periodogram::periodogram;
+use estimate::whittle::{self, White};
+use nalgebra::Vector3;
+use physics::{EffectInstance, Kind, SensorConstants, Setting, Unit};
+use std::collections::BTreeMap;
+
+use crate::Error;
+use crate::observed::{Channel, Observed, Reader};
+
+/// Fewest readings of an even series that a spectrum is fitted to.
+const SPECTRUM_FROM: usize = 64;
+/// Fewest readings of a sensor that give its white noise by themselves.
+const ALONE_FROM: usize = 40;
+
+/// The declared noise of a channel, its codes included.
+pub(super) fn declared(
+    document: &Document,
+    observed: &Observed<'_>,
+    effects: &[EffectInstance],
+    channel: &Channel,
+) -> Option<Noise> {
+    let run = &observed.runs[channel.run];
+    let mut noise = match channel.reader {
+        Reader::Scalar => {
+            let std = document.facility.as_ref()?.reference_std_nt?;
+            Noise { white_rms_nt: Some(std), ..Noise::default() }
+        }
+        // Of two magnetometers the difference has the noise of both.
+        Reader::Sensor(_) if run.differential() => return None,
+        Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
+        Reader::Magnitude => of_magnitude(document, channel)?,
+    };
+    let codes = code_nt(document, observed, channel).powi(2) / 12.0;
+    let white = noise.white_rms_nt.unwrap_or(0.0);
+    let variance = match width_nt(effects, channel) {
+        Some(width) => about_a_code(white, width),
+        None => white * white,
+    };
+    noise.white_rms_nt = Some((variance + codes).sqrt());
+    (noise.white_rms_nt > Some(0.0)).then_some(noise)
+}
+
+/// The noise of a corrected vector's length and of the scalar magnetometer beside it: each sensor's counts by its mean share. The scalar
+/// magnetometer's is none where the document does not state it.
+fn of_magnitude(document: &Document, channel: &Channel) -> Option<Noise> {
+    let instrument = document.instrument.as_ref()?;
+    let scalar = document.facility.as_ref().and_then(|facility| facility.reference_std_nt).unwrap_or(0.0);
+    let mut all = Noise::default();
+    let (mut white, mut flicker, mut walk, mut most) = (scalar * scalar, 0.0, 0.0, 0.0);
+    for (axis, share) in Axis::ALL.into_iter().zip(mean_shares(channel)) {
+        let noise = instrument.noise_of(axis)?;
+        let own = share * noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+        white += share * noise.white_rms_nt.unwrap_or(0.0).powi(2);
+        walk += share * noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
+        flicker += own;
+        if own > most {
+            (most, all.flicker_exponent) = (own, noise.flicker_exponent);
+        }
+        if noise.relative_std > all.relative_std {
+            all.relative_std = noise.relative_std;
+        }
+    }
+    all.white_rms_nt = Some(white.sqrt());
+    all.flicker_nt2_per_hz_at_1hz = Some(flicker);
+    all.random_walk_nt_per_sqrt_s = Some(walk.sqrt());
+    Some(all)
+}
+
+/// Mean over the rows of each sensor's squared share in a magnitude.
+fn mean_shares(channel: &Channel) -> [f64; 3] {
+    let squares = channel.shares.iter().fold(Vector3::zeros(), |sum, share| sum + share.component_mul(share));
+    (squares / channel.rows.len().max(1) as f64).into()
+}
+
+/// Width of a code of a channel, nT; of a magnitude, of codes that would round as much as those of its sensors together.
+fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
+    let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
+    let Setting { basic, context } = &observed.runs[channel.run].setting;
+    let code = match context.unit {
+        Unit::Volt if !observed.runs[channel.run].differential() => instrument.quantisation_v,
+        _ => instrument.quantisation_nt,
+    };
+    let code = code.unwrap_or(0.0);
+    match channel.reader {
+        Reader::Scalar => 0.0,
+        Reader::Sensor(_) => code * channel.to_nt.abs(),
+        Reader::Magnitude => {
+            let of = |(sensor, share): (&SensorConstants<f64>, f64)| share * sensor.sensitivity.powi(2);
+            code * basic.sensors.iter().zip(mean_shares(channel)).map(of).sum::<f64>().sqrt()
+        }
+    }
+}
+
+/// Width of the codes that an effect gives a channel, nT.
+fn width_nt(effects: &[EffectInstance], channel: &Channel) -> Option<f64> {
+    let Reader::Sensor(axis) = channel.reader else { return None };
+    effects
+        .iter()
+        .find(|effect| effect.kind == Kind::Quantisation && effect.axis == Some(axis))
+        .map(|effect| effect.parameters[0])
+}
+
+/// Variance of a reading about the code of its field, nT²: noise before the converter takes fields close to an edge to the next code.
+///
+/// E[(q round(u + n/q) − q round(u))²] over u even in a code: q² E[m² + (2m + 1)(t − m)], t = |n|/q, m = ⌊t⌋. For fine codes it is
+/// σ² + q²/6, for coarse ones q σ √(2/π).
+fn about_a_code(std: f64, width: f64) -> f64 {
+    const STEPS: usize = 2000;
+    const FARTHEST: f64 = 8.0;
+    let step = FARTHEST / STEPS as f64;
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for z in (0..STEPS).map(|k| (k as f64 + 0.5) * step) {
+        let weight = (-0.5 * z * z).exp();
+        let t = z * std / width;
+        let m = t.floor();
+        sum += weight * (m * m + (2.0 * m + 1.0) * (t - m));
+        weights += weight;
+    }
+    width * width * sum / weights
+}
+
+/// 1/(2 u²) for the largest relative uncertainty u that is stated of a declared noise.
+pub(super) fn known_freedom(declared: &[Option<Noise>]) -> f64 {
+    if declared.iter().any(Option::is_none) {
+        return 0.0;
+    }
+    let relative = declared.iter().flatten().filter_map(|noise| noise.relative_std).fold(0.0, f64::max);
+    if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
+}
+
+/// Noise as a residual shows it: the spectrum of an even series, else white noise of each kind of channel.
+pub(super) fn estimate(
+    document: &Document,
+    observed: &Observed<'_>,
+    residual: &[f64],
+    used: f64,
+) -> Result<Vec<Noise>, Error> {
+    let share = (1.0 - used / observed.rows as f64).max(0.05);
+    let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
+    let (mut whole, mut readings) = (0.0, 0);
+    for channel in &observed.channels {
+        let sum: f64 = residual[channel.range()].iter().map(|r| r * r).sum();
+        let entry = sums.entry(kind(channel)).or_default();
+        *entry = (entry.0 + sum, entry.1 + channel.rows.len());
+        (whole, readings) = (whole + sum, readings + channel.rows.len());
+    }
+    let alone = sums.values().all(|(_, count)| *count >= ALONE_FROM);
+    observed
+        .channels
+        .iter()
+        .map(|channel| {
+            let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
+            let least = (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
+            let variance = (sum / (count as f64 * share)).max(least);
+            let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
+            let step_s = observed.times(channel).and_then(|time| even_step_s(&time));
+            let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
+                return Ok(white);
+            };
+            let spectrum = periodogram(&residual[channel.range()], step_s);
+            let fit = spectrum.and_then(|spectrum| whittle::fit_with(&[spectrum], White::PerReading));
+            let Ok(fit) = fit else { return Ok(white) };
+            if fit.amplitude.value <= 0.0 {
+                return Ok(white);
+            }
+            Ok(Noise {
+                white_rms_nt: Some(fit.white_variances[0].max(1e-6 * variance).sqrt()),
+                flicker_nt2_per_hz_at_1hz: Some(fit.amplitude.value),
+                flicker_exponent: Some(fit.exponent.value.min(2.0)),
+                ..Noise::default()
+            })
+        })
+        .collect()
+}
+
+/// Channels that share their white noise.
+fn kind(channel: &Channel) -> String {
+    match channel.reader {
+        Reader::Scalar => "scalar".into(),
+        Reader::Magnitude => "magnitude".into(),
+        Reader::Sensor(axis) => axis.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_through_a_converter_has_both_limits() {
+        let fine = about_a_code(1.0, 0.01);
+        assert!((fine - (1.0 + 0.01 * 0.01 / 6.0)).abs() < 1e-4, "{fine}");
+        let coarse = about_a_code(1.0, 100.0) / (100.0 * (2.0 / std::f64::consts::PI).sqrt());
+        assert!((coarse - 1.0).abs() < 1e-4, "{coarse}");
+    }
+}

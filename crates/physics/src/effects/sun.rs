@@ -1,0 +1,242 @@
+//! What the Sun does to a spacecraft: a field in SEN that depends on its direction and vanishes in eclipse.
+
+use super::prelude::*;
+use std::borrow::Cow;
+
+/// The direction of the Sun row by row, and whether it shines.
+struct Sun<'a> {
+    azimuth: Cow<'a, [f64]>,
+    elevation: Option<Cow<'a, [f64]>>,
+    sunlit: Option<Cow<'a, [f64]>>,
+    eclipse: Option<Cow<'a, [f64]>>,
+}
+
+impl<'a> Sun<'a> {
+    fn of(context: &Context<'a>, who: &str) -> Result<Self, Error> {
+        let azimuth = context.angle("sun_azimuth");
+        Ok(Self {
+            azimuth: azimuth.ok_or_else(|| context.missing(who, "the column `sun_azimuth_rad`"))?,
+            elevation: context.angle("sun_elevation"),
+            sunlit: context.optional("sunlit"),
+            eclipse: context.optional("eclipse"),
+        })
+    }
+
+    /// 1 in the Sun, 0 in eclipse.
+    fn lit(&self, row: usize) -> f64 {
+        match (&self.sunlit, &self.eclipse) {
+            (Some(sunlit), _) => sunlit[row],
+            (None, Some(eclipse)) => 1.0 - eclipse[row],
+            (None, None) => 1.0,
+        }
+    }
+
+    /// Azimuth and elevation, rad.
+    fn direction(&self, row: usize) -> [f64; 2] {
+        [self.azimuth[row], self.elevation.as_ref().map_or(0.0, |angle| angle[row])]
+    }
+}
+
+/// ΔB = lit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el)) in SEN, from `sun_azimuth_rad` or `_deg`; with
+/// `sun_elevation_rad` or `_deg` and `sunlit` (1 in the Sun, 0 in eclipse) or `eclipse` (the other way round) where there are such
+/// columns, else el = 0 and lit = 1.
+pub struct SunThermoelectric;
+
+impl Effect for SunThermoelectric {
+    const ABOUT: About = About {
+        name: "sun_thermoelectric",
+        title: "thermoelectric currents driven by the Sun",
+        physics: "Sunlight warms one side of a metal structure, and currents between unlike metals flow that depend on \
+            the direction of the Sun and vanish in eclipse.",
+        equation: "dB_sen = sunlit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el))",
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
+            package, Earth Planets Space 68, 129",
+        place: Place::Spacecraft,
+        stage: Stage::Block,
+        acts: Acts::Everything,
+        parameters: &[
+            ParameterInfo::amplitude("x_lit_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("x_cosine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("x_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("x_up_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_lit_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_cosine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("y_up_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_lit_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_cosine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_sine_nt", 0.05, 20.0),
+            ParameterInfo::amplitude("z_up_nt", 0.05, 20.0),
+        ],
+        needs: &["sun_azimuth_rad"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let sun = Sun::of(around.context, Self::ABOUT.name)?;
+        for (row, field) in signal.iter_mut().enumerate() {
+            let lit = sun.lit(row);
+            let [azimuth, elevation] = sun.direction(row);
+            let (up, level) = elevation.sin_cos();
+            let (sine, cosine) = azimuth.sin_cos();
+            let seen = [lit, lit * level * cosine, lit * level * sine, lit * up];
+            for axis in 0..3 {
+                for (number, seen) in seen.iter().enumerate() {
+                    field[axis] += parameters[4 * axis + number] * *seen;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Highest degree of the harmonics.
+const DEGREE: usize = 4;
+/// Harmonics up to that degree.
+const HARMONICS: usize = (DEGREE + 1) * (DEGREE + 1);
+
+/// Coefficients of one component, by degree and order, a cosine before its sine; a higher degree is smaller.
+macro_rules! harmonics {
+    ($($axis:literal),+) => {
+        &[$(
+            ParameterInfo::amplitude(concat!($axis, "_00_nt"), 0.05, 20.0),
+            ParameterInfo::amplitude(concat!($axis, "_10_nt"), 0.05, 20.0),
+            ParameterInfo::amplitude(concat!($axis, "_c11_nt"), 0.05, 20.0),
+            ParameterInfo::amplitude(concat!($axis, "_s11_nt"), 0.05, 20.0),
+            ParameterInfo::amplitude(concat!($axis, "_20_nt"), 0.05, 10.0),
+            ParameterInfo::amplitude(concat!($axis, "_c21_nt"), 0.05, 10.0),
+            ParameterInfo::amplitude(concat!($axis, "_s21_nt"), 0.05, 10.0),
+            ParameterInfo::amplitude(concat!($axis, "_c22_nt"), 0.05, 10.0),
+            ParameterInfo::amplitude(concat!($axis, "_s22_nt"), 0.05, 10.0),
+            ParameterInfo::amplitude(concat!($axis, "_30_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c31_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s31_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c32_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s32_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c33_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s33_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_40_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c41_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s41_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c42_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s42_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c43_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s43_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_c44_nt"), 0.02, 5.0),
+            ParameterInfo::amplitude(concat!($axis, "_s44_nt"), 0.02, 5.0),
+        )+]
+    };
+}
+
+/// ΔB = lit Σ_nm P_nm(sin el) (c_nm cos m az + s_nm sin m az) in SEN to degree 4, each component with its own coefficients; columns as
+/// for [`SunThermoelectric`]. P_nm are Schmidt's, of which the squares over the sphere have the mean 1/(2n + 1).
+pub struct SunThermoelectricHarmonics;
+
+impl Effect for SunThermoelectricHarmonics {
+    const ABOUT: About = About {
+        name: "sun_thermoelectric_harmonics",
+        title: "field that the Sun drives, smooth in its direction",
+        physics: "What the Sun heats, and the currents that flow for it, depend on the shape of the spacecraft and its shadows: the \
+            field is a smooth function of the Sun's direction and vanishes in eclipse.",
+        equation: "dB_sen = sunlit sum_nm P_nm(sin el) (c_nm cos(m az) + s_nm sin(m az)), n = 0..4, P_nm after Schmidt",
+        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
+            package, Earth Planets Space 68, 129",
+        place: Place::Spacecraft,
+        stage: Stage::Block,
+        acts: Acts::Everything,
+        parameters: harmonics!("x", "y", "z"),
+        needs: &["sun_azimuth_rad"],
+        invertible: true,
+    };
+
+    fn apply<T: Real>(
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result<(), Error> {
+        let sun = Sun::of(around.context, Self::ABOUT.name)?;
+        for (row, field) in signal.iter_mut().enumerate() {
+            let lit = sun.lit(row);
+            let seen = harmonics_at(sun.direction(row));
+            for axis in 0..3 {
+                for (coefficient, seen) in parameters[HARMONICS * axis..].iter().zip(&seen) {
+                    field[axis] += *coefficient * (lit * *seen);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Schmidt's harmonics in the direction of an azimuth and an elevation, in the order of the parameters.
+fn harmonics_at([azimuth, elevation]: [f64; 2]) -> [f64; HARMONICS] {
+    let (up, level) = elevation.sin_cos();
+    // P_mm, then up in degree: √((n+m)(n−m)) P_nm = (2n − 1) sin el P_(n−1)m − √((n+m−1)(n−m−1)) P_(n−2)m.
+    let mut p = [[0.0; DEGREE + 1]; DEGREE + 1];
+    p[0][0] = 1.0;
+    for m in 0..=DEGREE {
+        if m > 0 {
+            let next = if m == 1 { 1.0 } else { ((2 * m - 1) as f64 / (2 * m) as f64).sqrt() };
+            p[m][m] = next * level * p[m - 1][m - 1];
+        }
+        for n in m + 1..=DEGREE {
+            let below = if n > m + 1 { p[n - 2][m] } else { 0.0 };
+            let root = |n: usize| (((n + m) * (n - m)) as f64).sqrt();
+            p[n][m] = ((2 * n - 1) as f64 * up * p[n - 1][m] - root(n - 1) * below) / root(n);
+        }
+    }
+    let mut all = [0.0; HARMONICS];
+    let mut at = 0;
+    for (n, p) in p.iter().enumerate() {
+        all[at] = p[0];
+        at += 1;
+        for (m, p) in p.iter().enumerate().take(n + 1).skip(1) {
+            let (sine, cosine) = (m as f64 * azimuth).sin_cos();
+            (all[at], all[at + 1]) = (p * cosine, p * sine);
+            at += 2;
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means over the sphere: Gauss-Legendre along sin(el), even steps along the azimuth; exact to degree 9.
+    #[test]
+    fn harmonics_are_orthogonal_with_the_squares_of_schmidt() {
+        let (a, b) = (
+            (5.0 + 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0,
+            (5.0 - 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0,
+        );
+        let (wa, wb) = ((322.0 - 13.0 * 70.0_f64.sqrt()) / 900.0, (322.0 + 13.0 * 70.0_f64.sqrt()) / 900.0);
+        let nodes = [(-a, wa), (-b, wb), (0.0, 128.0 / 225.0), (b, wb), (a, wa)];
+        let degree = |k: usize| (k as f64).sqrt().floor();
+        for i in 0..HARMONICS {
+            for j in 0..HARMONICS {
+                let mut mean = 0.0;
+                for (x, weight) in nodes {
+                    for step in 0..16 {
+                        let all =
+                            harmonics_at([std::f64::consts::TAU * f64::from(step) / 16.0, f64::asin(x)]);
+                        mean += 0.5 * weight / 16.0 * all[i] * all[j];
+                    }
+                }
+                let expected = if i == j { 1.0 / (2.0 * degree(i) + 1.0) } else { 0.0 };
+                assert!((mean - expected).abs() < 1e-12, "{i} {j}: {mean}");
+            }
+        }
+        // By hand, el = 30°, az = 90°: P_20 = (3 s² − 1)/2, P_22 = √3/2 c², P_33 = √(5/8) c³, its sine −1.
+        let all = harmonics_at([90.0_f64.to_radians(), 30.0_f64.to_radians()]);
+        let by_hand =
+            [(4, -0.125), (7, -0.75 * 0.75_f64.sqrt()), (15, -(5.0_f64 / 8.0).sqrt() * 0.75_f64.powf(1.5))];
+        for (at, value) in by_hand {
+            assert!((all[at] - value).abs() < 1e-12, "{at}: {}", all[at]);
+        }
+    }
+}
