@@ -4,8 +4,23 @@
 //! shares no line of physics, noise or estimation with the stages, and its physics is finer than the catalogue's. It writes documents of
 //! the public format, seals the truth, runs the programs as they are shipped, opens the truth and counts.
 
+pub mod ambiguous;
+pub mod base;
+pub mod case;
+pub mod document;
+pub mod draw;
+pub mod effect;
 mod error;
+pub mod finer;
+pub mod kinds;
+pub mod noise;
+pub mod outside;
 pub mod programs;
 pub mod real;
+pub mod scene;
+pub mod scenes;
+pub mod seal;
+pub mod sets;
+pub mod signal;
 
 pub use error::Error;

@@ -2,6 +2,9 @@
 
 use clap::{Parser, Subcommand};
 use common::pipe::{self, Program};
+use concealed::seal::Folder;
+use concealed::sets::Set;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "concealed", version: env!("CARGO_PKG_VERSION") };
@@ -16,6 +19,21 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Documents with something concealed, and the truth sealed beside them
+    Make {
+        /// What is concealed
+        #[arg(long, value_enum)]
+        set: Set,
+        /// The seed of the set
+        #[arg(long, default_value_t = 1)]
+        seed: u64,
+        /// How many; absent: a whole round of the set
+        #[arg(long)]
+        cases: Option<usize>,
+        /// The folder to write to
+        #[arg(short, long, value_name = "FOLDER")]
+        output: PathBuf,
+    },
     /// Recordings that somebody else made, through the stages
     Real(concealed::real::Arguments),
 }
@@ -26,6 +44,14 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     match &cli.command {
+        Command::Make { set, seed, cases, output } => {
+            let folder = Folder::at(output).map_err(common::Error::from)?;
+            let made = set.cases(*seed, cases.unwrap_or(set.round()));
+            folder.seal(&made).map_err(common::Error::from)?;
+            for (case, seal) in folder.stored().map_err(common::Error::from)? {
+                println!("{seal}  {case}");
+            }
+        }
         Command::Real(arguments) => concealed::real::run(arguments).map_err(common::Error::from)?,
     }
     Ok(())
