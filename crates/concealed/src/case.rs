@@ -50,7 +50,7 @@ pub struct Truth {
     pub scene: String,
     /// Readings in all.
     pub readings: usize,
-    /// Rms of the noise that was drawn, about its mean in each run and sensor, nT.
+    /// Rms of the noise that was drawn, nT.
     pub noise_nt: f64,
     /// What was concealed.
     pub effects: Vec<TrueEffect>,
@@ -153,7 +153,7 @@ pub fn make(
         readings.iter_mut().zip(&of_run).for_each(|(column, noise)| add(column, noise));
         drawn.push(of_run);
     }
-    let noise_nt = about_means(&drawn);
+    let noise_nt = rms_of_all(&drawn);
     let mut effects = Vec::new();
     let mut of_codes = Vec::new();
     for one in concealed {
@@ -229,13 +229,7 @@ fn add(column: &mut [f64], added: &[f64]) {
     column.iter_mut().zip(added).for_each(|(value, added)| *value += added);
 }
 
-/// Rms about the mean of each run and sensor.
-fn about_means(noise: &Readings) -> f64 {
-    let (mut squares, mut count) = (0.0, 0_usize);
-    for column in noise.iter().flatten() {
-        let mean = column.iter().sum::<f64>() / column.len().max(1) as f64;
-        squares += column.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
-        count += column.len();
-    }
-    (squares / count.max(1) as f64).sqrt()
+fn rms_of_all(noise: &Readings) -> f64 {
+    let all = || noise.iter().flatten().flatten();
+    (all().map(|v| v * v).sum::<f64>() / all().count().max(1) as f64).sqrt()
 }

@@ -15,12 +15,18 @@ pub mod finer;
 pub mod kinds;
 pub mod noise;
 pub mod outside;
+pub mod page;
 pub mod programs;
+pub mod prove;
 pub mod real;
 pub mod scene;
 pub mod scenes;
+pub mod score;
 pub mod seal;
 pub mod sets;
 pub mod signal;
+pub mod swarm;
+pub mod verdict;
+pub mod wilson;
 
 pub use error::Error;

@@ -34,6 +34,8 @@ enum Command {
         #[arg(short, long, value_name = "FOLDER")]
         output: PathBuf,
     },
+    /// Several hundred cases, made, sealed, diagnosed, opened and scored, on one page
+    Prove(concealed::prove::Arguments),
     /// Recordings that somebody else made, through the stages
     Real(concealed::real::Arguments),
 }
@@ -51,6 +53,10 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
             for (case, seal) in folder.stored().map_err(common::Error::from)? {
                 println!("{seal}  {case}");
             }
+        }
+        Command::Prove(arguments) => {
+            let score = concealed::prove::run(arguments).map_err(common::Error::from)?;
+            pipe::say(&concealed::prove::summary(&score));
         }
         Command::Real(arguments) => concealed::real::run(arguments).map_err(common::Error::from)?,
     }

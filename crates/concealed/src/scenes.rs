@@ -171,8 +171,9 @@ fn fast(kind: Kind, rows: usize, step: f64, draw: &mut Draw) -> Run {
             return held(draw.between(-1.0, 1.0));
         }
         let period = draw.between(18.0, 45.0) * step;
-        let second = (0.25, period / draw.between(1.6, 2.4), draw.between(0.0, TAU));
-        sines(vec![(draw.between(0.7, 1.0), period, draw.between(0.0, TAU)), second])
+        // Some hundred nT: more than that no supply drives at some Hz.
+        let second = (0.0025, period / draw.between(1.6, 2.4), draw.between(0.0, TAU));
+        sines(vec![(draw.between(0.006, 0.01), period, draw.between(0.0, TAU)), second])
     });
     let span = rows as f64 * step;
     let mut warm = |level: f64| over(level, wandering(draw, 0.05, [span, 4.0 * span], 2));

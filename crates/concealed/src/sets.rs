@@ -54,8 +54,8 @@ impl Set {
     /// Cases of a whole round: each kind at each strength once, each design once.
     pub fn round(self) -> usize {
         match self {
-            Set::Clean => 30,
-            Set::Old => 12,
+            Set::Clean => 50,
+            Set::Old => 10,
             Set::Single => kinds::ALL.len() * STRENGTHS.len(),
             Set::Pairs => 20,
             Set::Triples => 8,
@@ -121,7 +121,7 @@ fn single(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let strength = STRENGTHS[number % 3];
     let round = number / 3;
     let which: Single = kinds::ALL[round % kinds::ALL.len()];
-    let length = length_for(strength, round / kinds::ALL.len() + round + number);
+    let length = length_for(strength, round + round / kinds::ALL.len() + number % 3);
     let apart = (round + number).is_multiple_of(2);
     let campaign = scenes::campaign(which.scene, length, apart, which.step_s, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
