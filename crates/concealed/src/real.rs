@@ -5,12 +5,13 @@
 //! says so.
 
 mod affine;
+mod by_hand;
 mod page;
 mod plot;
 mod series;
-mod session;
 mod sets;
 mod split;
+mod stages;
 
 use clap::Args;
 use common::pipe;
@@ -21,8 +22,8 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::programs::Programs;
 use page::Page;
-use session::Session;
 pub use sets::{SETS, Set};
+use stages::Stages;
 
 /// What is asked of real recordings.
 #[derive(Args, Clone, Debug)]
@@ -68,9 +69,9 @@ pub fn section(
         let words = format!("no set of that name; expected one of {}", names.join(", "));
         return Err(Error::Common(common::Error::Request(words)));
     }
-    let session = Session::new(programs, data)?;
+    let stages = Stages::new(programs, data)?;
     let found = |set: &&Set| -> Result<Option<Page>, Error> {
-        if data.join(set.folder).is_dir() { (set.run)(&session).map(Some) } else { Ok(None) }
+        if data.join(set.folder).is_dir() { (set.run)(&stages).map(Some) } else { Ok(None) }
     };
     let pages = sets.par_iter().map(found).collect::<Result<Vec<_>, Error>>()?;
     let mut text = INTRODUCTION.to_string();

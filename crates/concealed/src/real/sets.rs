@@ -12,7 +12,7 @@ mod scalars;
 mod station;
 
 use super::page::Page;
-use super::session::Session;
+use super::stages::Stages;
 use crate::Error;
 
 /// One question to one set.
@@ -27,7 +27,7 @@ pub struct Set {
     /// Where the recordings come from.
     pub source: &'static str,
     /// Asks it.
-    pub run: fn(&Session) -> Result<Page, Error>,
+    pub run: fn(&Stages) -> Result<Page, Error>,
 }
 
 const MAGPY: &str = "Cobenzl, by the history of github.com/geomagpy/magpy (GPL-3 at that commit)";

@@ -6,8 +6,8 @@ use crate::Error;
 use crate::real::affine::{least_squares, rms_of_each};
 use crate::real::page::{Page, three};
 use crate::real::series::{Series, length};
-use crate::real::session::Session;
 use crate::real::split::Split;
+use crate::real::stages::Stages;
 
 const MAPPING: &str = include_str!("../../../../../fixtures/real/balloon-pair.json");
 /// Readings beyond it are faults of the logger: the Earth's field is 53 µT here, and steel on the ground made 89 µT of it.
@@ -39,9 +39,9 @@ fn columns(series: &Series, further: fn(&Series) -> Vec<Vec<f64>>) -> Vec<Vec<f6
 }
 
 /// Fits on the way into the cold, predicts the way back, by four explanations; then asks diagnose.
-pub fn run(session: &Session) -> Result<Page, Error> {
-    let file = session.file("mxl-balloon-2025-02-22a/flight_part1.csv")?;
-    let all = session.ingest(&[file], Some(MAPPING))?;
+pub fn run(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("mxl-balloon-2025-02-22a/flight_part1.csv")?;
+    let all = stages.ingest(&[file], Some(MAPPING))?;
     let (time, vectors) = (all.column("time_s").to_vec(), all.vectors("reference"));
     let wild = vectors.iter().filter(|vector| length(**vector) > WILD_NT).count();
     let flight = all.filter(|row| FLIGHT_S.contains(&time[row]) && length(vectors[row]) <= WILD_NT);
@@ -98,7 +98,7 @@ pub fn run(session: &Session) -> Result<Page, Error> {
          (150 nT each) in the fit, and more on the way back, so a line is not all of it."
     ));
     let answer =
-        session.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
+        stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {
         Ok(document) => page.diagnosis(&document),
         Err(words) => page.refused("diagnose", &words),

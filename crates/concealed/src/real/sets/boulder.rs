@@ -2,36 +2,36 @@
 
 use serde_json::json;
 
-use super::scalar::{self, Scalar};
+use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
 use crate::real::affine::{Affine, rms_of_each};
 use crate::real::page::{Page, plus_minus, three};
 use crate::real::series::{Series, length, mean, rms};
-use crate::real::session::Session;
 use crate::real::split::Split;
+use crate::real::stages::Stages;
 
 const DAY_S: f64 = 86_400.0;
 /// Standard uncertainty of the difference of two readings that are each printed to 0.01 nT.
 const PRINTED_NT: f64 = 0.0041;
 
 /// Readings as the fluxgate gave them (`reference_*_nt`) and as the observatory adjusted them (`test_*_nt`).
-fn both(session: &Session) -> Result<Series, Error> {
-    let read = |name: &str| session.ingest(&[session.file(&format!("usgs-bou-2016-01/{name}"))?], None);
+fn both(stages: &Stages) -> Result<Series, Error> {
+    let read = |name: &str| stages.ingest(&[stages.file(&format!("usgs-bou-2016-01/{name}"))?], None);
     let raw = read("BOU201601vmin.min")?.only(|name| name != "reference_nt").renamed("sensor", "reference");
     let adjusted = read("BOU201601adj.min")?.only(|name| name != "reference_nt").renamed("sensor", "test");
     Ok(raw.joined(&adjusted))
 }
 
 /// The observatory published raw and adjusted minutes: between them is one matrix, which diffmag must give back.
-pub fn published(session: &Session) -> Result<Page, Error> {
-    let split = Split::share(&both(session)?.complete(), 0.5);
+pub fn published(stages: &Stages) -> Result<Page, Error> {
+    let split = Split::share(&both(stages)?.complete(), 0.5);
     let mut page = Page::default();
     page.say(
         "The survey publishes the month of January 2016 twice: as the fluxgate gave it (H, E, Z), and adjusted to X, Y, Z by its own affine matrix from absolute \
          measurements. The second is made of the first, so `diffmag` must find that matrix, and nothing may be left but the rounding to 0.01 nT.",
     );
     let recording = split.fitted.recording("adjusted", "differential");
-    match session.stage("diffmag", &[], vec![recording], &json!({}))? {
+    match stages.stage("diffmag", &[], vec![recording], &json!({}))? {
         Err(words) => page.refused("diffmag", &words),
         Ok(document) => {
             let Some(found) = Affine::found(&document) else { return Ok(page) };
@@ -66,8 +66,8 @@ pub fn published(session: &Session) -> Result<Page, Error> {
 }
 
 /// Twenty days fitted, nine left out; beside the survey's own answer.
-pub fn month(session: &Session) -> Result<Page, Error> {
-    let read = |name: &str| session.ingest(&[session.file(&format!("usgs-bou-2016-01/{name}"))?], None);
+pub fn month(stages: &Stages) -> Result<Page, Error> {
+    let read = |name: &str| stages.ingest(&[stages.file(&format!("usgs-bou-2016-01/{name}"))?], None);
     let means = |series: Series| Split::at(&series.complete().means(600.0), 20.0 * DAY_S);
     let raw = means(read("BOU201601vmin.min")?);
     let mut page = Page::default();
@@ -78,9 +78,10 @@ pub fn month(session: &Session) -> Result<Page, Error> {
         left_out: raw.left_out,
         parts: ["1 to 20 January", "21 to 29 January"],
         offset_nt: [0.0; 3],
+        by_hand: PLANE,
         plot: Some("real-boulder-2016.svg"),
     };
-    scalar::study(session, &mut page, &scalar)?;
+    scalar::study(stages, &mut page, &scalar)?;
     let own = |part: &Series| -> Vec<f64> {
         let total = part.vectors("sensor").into_iter().map(length);
         total.zip(part.column("reference_nt")).map(|(total, reference)| total - reference).collect()
@@ -100,8 +101,8 @@ pub fn month(session: &Session) -> Result<Page, Error> {
 }
 
 /// Four days fitted, three with a storm left out.
-pub fn storm(session: &Session) -> Result<Page, Error> {
-    let series = session.ingest(&session.files("usgs-bou-2014-11", ".min")?, None)?;
+pub fn storm(stages: &Stages) -> Result<Page, Error> {
+    let series = stages.ingest(&stages.files("usgs-bou-2014-11", ".min")?, None)?;
     let split = Split::at(&series.complete().means(300.0), 4.0 * DAY_S);
     let mut page = Page::default();
     page.say(
@@ -113,9 +114,10 @@ pub fn storm(session: &Session) -> Result<Page, Error> {
         left_out: split.left_out,
         parts: ["1 to 4 November", "5 to 7 November"],
         offset_nt: [0.0; 3],
+        by_hand: PLANE,
         plot: Some("real-boulder-2014.svg"),
     };
-    scalar::study(session, &mut page, &scalar)?;
+    scalar::study(stages, &mut page, &scalar)?;
     page.undecided(UNDECIDED);
     Ok(page)
 }

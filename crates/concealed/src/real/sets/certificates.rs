@@ -5,7 +5,7 @@ use std::fs;
 
 use crate::Error;
 use crate::real::page::{Page, three};
-use crate::real::session::Session;
+use crate::real::stages::Stages;
 
 /// Field in which an angle is told as nT.
 const FIELD_NT: f64 = 50_000.0;
@@ -28,13 +28,13 @@ fn scale_nt_per_v(figures: &BTreeMap<String, f64>, axis: &str) -> Option<f64> {
 }
 
 /// Reads the four certificates.
-pub fn run(session: &Session) -> Result<Page, Error> {
+pub fn run(stages: &Stages) -> Result<Page, Error> {
     let mut page = Page::default();
     page.say(
         "No recordings: coil constants, angles and resistors as the makers measured them. The scale in nT/V is the coil's constant over the resistor; where a certificate prints it, the two are compared.",
     );
     let (mut scales, mut angles, mut largest) = (Vec::new(), Vec::new(), 0.0_f64);
-    for path in session.files("geonet-fge-constants", ".const.md")? {
+    for path in stages.files("geonet-fge-constants", ".const.md")? {
         let text = fs::read_to_string(&path).map_err(|source| Error::file(&path, "read", source))?;
         let figures = figures(&text);
         let name =
@@ -42,8 +42,9 @@ pub fn run(session: &Session) -> Result<Page, Error> {
         for axis in ["X", "Y", "Z"] {
             let Some(own) = scale_nt_per_v(&figures, axis) else { continue };
             let printed = figures.get(&format!("{axis}-scale"));
-            let apart =
-                printed.map_or("".into(), |printed| format!("{:+.2} %", 100.0 * (printed / own - 1.0)));
+            let apart = printed.map_or("".into(), |printed| {
+                format!("{:+.1}", (10.0 * (printed - own)).round() / 10.0 + 0.0)
+            });
             scales.push(vec![
                 format!("{name} {axis}"),
                 format!("{own:.1}"),
@@ -55,7 +56,7 @@ pub fn run(session: &Session) -> Result<Page, Error> {
         largest = all.iter().fold(largest, |largest, mrad| largest.max(mrad.abs()));
         angles.push(vec![name, all.iter().map(|mrad| format!("{mrad}")).collect::<Vec<_>>().join(", ")]);
     }
-    page.table(&["instrument", "coil over resistor, nT/V", "printed, nT/V", "apart"], &scales);
+    page.table(&["instrument", "coil over resistor, nT/V", "printed, nT/V", "apart, nT/V"], &scales);
     page.table(&["instrument", "ε0 to ε4, mrad"], &angles);
     page.say(format!(
         "The largest angle, {largest} mrad ({:.0}″), is {} nT in {} µT: what `axescal` and `diffmag` state to arcseconds is of this size in instruments of the best make.",

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::Error;
 use crate::real::page::{Page, plus_minus, three};
 use crate::real::series::{Series, mean, rms};
-use crate::real::session::Session;
+use crate::real::stages::Stages;
 
 const GRADIOMETER: &str = include_str!("../../../../../fixtures/ingest/real/gradiometer.json");
 /// Half of the stated 5 V from peak to peak over the stated 21.5 ohm, A.
@@ -30,9 +30,9 @@ fn drive(z: &[f64]) -> Vec<f64> {
 }
 
 /// A fluxgate in the laboratory's field beside a coil; the first row of the logger is known to be an artefact, and diagnose is not told.
-pub fn square_wave(session: &Session) -> Result<Page, Error> {
-    let file = session.file("tucan-coil-tests/squareCoil_F=0.1Hz_Resistor.csv")?;
-    let series = session.ingest(&[file], None)?;
+pub fn square_wave(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("tucan-coil-tests/squareCoil_F=0.1Hz_Resistor.csv")?;
+    let series = stages.ingest(&[file], None)?;
     let drive = drive(series.column("sensor_z_nt"));
     let step = |axis: &str, rows: std::ops::Range<usize>| {
         let values = series.column(&format!("sensor_{axis}_nt"));
@@ -72,7 +72,7 @@ pub fn square_wave(session: &Session) -> Result<Page, Error> {
         ("Without any noise declared:".to_string(), coil),
     ] {
         page.say(what);
-        match session.stage("diagnose", &[], vec![driven.recording("square", "free_run")], &given)? {
+        match stages.stage("diagnose", &[], vec![driven.recording("square", "free_run")], &given)? {
             Ok(document) => page.diagnosis(&document),
             Err(words) => page.refused("diagnose", &words),
         }
@@ -82,7 +82,7 @@ pub fn square_wave(session: &Session) -> Result<Page, Error> {
     let scalar = Series::default().with("coil_z_a", drive).with("reference_nt", total);
     let mut recording = scalar.recording("square", "coil_constant");
     recording["conditions"] = json!({"coil": "z"});
-    if let Err(words) = session.stage("coilcal", &[], vec![recording], &json!({}))? {
+    if let Err(words) = stages.stage("coilcal", &[], vec![recording], &json!({}))? {
         page.refused("coilcal", &words);
     }
     page.undecided(
@@ -93,10 +93,10 @@ pub fn square_wave(session: &Session) -> Result<Page, Error> {
 }
 
 /// An empty scan as the simulation against which another empty scan, and one with a foil, are held.
-pub fn gradiometer(session: &Session) -> Result<Page, Error> {
+pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
     let read = |name: &str| -> Result<Series, Error> {
-        let file = session.file(&format!("tucan-coil-tests/{name}.csv"))?;
-        let scan = session.ingest(&[file], Some(GRADIOMETER))?;
+        let file = stages.file(&format!("tucan-coil-tests/{name}.csv"))?;
+        let scan = stages.ingest(&[file], Some(GRADIOMETER))?;
         Ok(scan.only(|column| !column.starts_with("test")).renamed("reference", "sensor"))
     };
     let empty = read("2021-03-03_16-00-03-background-2")?;
@@ -119,7 +119,7 @@ pub fn gradiometer(session: &Session) -> Result<Page, Error> {
         page.say(format!("{what} rms of the difference x; y; z {} nT.", differences.join("; ")));
         let scan = scan.with("position_m", empty.column("position_m").to_vec());
         let recordings = |series: &Series| vec![series.recording("scan", "free_run")];
-        match session.against(recordings(&scan), recordings(&empty))? {
+        match stages.against(recordings(&scan), recordings(&empty))? {
             Ok(document) => page.diagnosis(&document),
             Err(words) => page.refused("diagnose", &words),
         }

@@ -7,7 +7,7 @@ use crate::real::affine::{Affine, mean_of_each, scatter_of_each};
 use crate::real::page::{Page, array, plus_minus, quantity, three};
 use crate::real::plot::{self, Line, Panel};
 use crate::real::series::Series;
-use crate::real::session::Session;
+use crate::real::stages::Stages;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -37,13 +37,13 @@ fn side_by_side(reference: &Series, test: &Series, late_s: f64) -> Series {
 }
 
 /// Runs diffmag and shows what its matrix leaves, in the fit and out of it; the document that it wrote, where it did.
-pub fn study(session: &Session, page: &mut Page, pair: &Pair) -> Result<Option<Value>, Error> {
+pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Value>, Error> {
     let recordings = vec![
         pair.reference.recording("reference", "differential"),
         pair.test.recording("test", "differential"),
     ];
     let arguments: &[&str] = if pair.correct_clock { &["--correct-clock"] } else { &[] };
-    let document = match session.stage("diffmag", arguments, recordings, &json!({}))? {
+    let document = match stages.stage("diffmag", arguments, recordings, &json!({}))? {
         Ok(document) => document,
         Err(words) => {
             page.refused("diffmag", &words);

@@ -4,8 +4,8 @@ use super::pair::{self, Pair};
 use crate::Error;
 use crate::real::page::Page;
 use crate::real::series::Series;
-use crate::real::session::Session;
 use crate::real::split::{Split, longest_part};
+use crate::real::stages::Stages;
 
 const DIDD: &str = include_str!("../../../../../fixtures/ingest/real/didd.json");
 const MESON_HALL: &str = include_str!("../../../../../fixtures/real/meson-hall-pair.json");
@@ -25,8 +25,8 @@ fn parts(reference: Series, test: Series, at_s: f64) -> [(Series, Series); 2] {
 }
 
 /// Conrad: sixteen hours fitted, eight left out.
-pub fn conrad(session: &Session) -> Result<Page, Error> {
-    let read = |name: &str| session.ingest(&[session.file(&format!("wic-conrad-2022-08/{name}"))?], None);
+pub fn conrad(stages: &Stages) -> Result<Page, Error> {
+    let read = |name: &str| stages.ingest(&[stages.file(&format!("wic-conrad-2022-08/{name}"))?], None);
     let reference = read("fge_s0252_2022-08-10_1s.csv")?.renamed("sensor", "reference");
     let test = read("lemi036_xyz_2022-08-10_1s.csv")?.renamed("sensor", "test");
     let [fitted, left_out] = parts(reference, test, 2.0 / 3.0 * DAY_S);
@@ -40,7 +40,7 @@ pub fn conrad(session: &Session) -> Result<Page, Error> {
         correct_clock: false,
         plot: Some("real-conrad.svg"),
     };
-    pair::study(session, &mut page, &pair)?;
+    pair::study(stages, &mut page, &pair)?;
     page.undecided(
         "which of the two is noisy (a third vector instrument would tell); whether the departure from right angles is the one's or the \
          other's; at periods of seconds anything about the matrix, because the LEMI's filter cuts there and the day was quiet; in z, \
@@ -50,10 +50,10 @@ pub fn conrad(session: &Session) -> Result<Page, Error> {
 }
 
 /// Cobenzl: eight days fitted, four left out, with the storm of the 9th and 10th among them.
-pub fn cobenzl(session: &Session) -> Result<Page, Error> {
+pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
     let folder = "wik-cobenzl-2011-09a";
-    let didd = session.ingest(&session.files(&format!("{folder}/didd"), ".WIK")?, Some(DIDD))?;
-    let lemi = session.ingest(&session.files(&format!("{folder}/lemi025"), ".min")?, None)?;
+    let didd = stages.ingest(&stages.files(&format!("{folder}/didd"), ".WIK")?, Some(DIDD))?;
+    let lemi = stages.ingest(&stages.files(&format!("{folder}/lemi025"), ".min")?, None)?;
     let reference = instrument(&didd, "sensor").renamed("sensor", "reference");
     let test = instrument(&lemi, "sensor").renamed("sensor", "test");
     let [fitted, left_out] = parts(reference, test, 8.0 * DAY_S);
@@ -70,7 +70,7 @@ pub fn cobenzl(session: &Session) -> Result<Page, Error> {
         correct_clock: true,
         plot: Some("real-cobenzl.svg"),
     };
-    pair::study(session, &mut page, &pair)?;
+    pair::study(stages, &mut page, &pair)?;
     page.undecided(
         "any dependence on temperature: the room's log stands at 21.0 °C for all twelve days, in steps of half a degree; which of the two \
          moved where the level of what was left out is not zero; whether trams or an instrument made the disturbances that one of them shows.",
@@ -79,9 +79,9 @@ pub fn cobenzl(session: &Session) -> Result<Page, Error> {
 }
 
 /// Meson Hall: two thirds of the longest stretch fitted.
-pub fn meson_hall(session: &Session) -> Result<Page, Error> {
-    let file = session.file("tucan-fluxgates-2019-08-09-quiet/online_data.csv")?;
-    let series = longest_part(&session.ingest_with(&[file], Some(MESON_HALL), &["--sort"])?, 30.0);
+pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("tucan-fluxgates-2019-08-09-quiet/online_data.csv")?;
+    let series = longest_part(&stages.ingest_with(&[file], Some(MESON_HALL), &["--sort"])?, 30.0);
     let split = Split::share(&series, 2.0 / 3.0);
     let mut page = Page::default();
     page.say("Fluxgates “3” (reference) and “4” (test), metres apart under a cyclotron; one reading a second for 17 minutes.");
@@ -95,7 +95,7 @@ pub fn meson_hall(session: &Session) -> Result<Page, Error> {
         correct_clock: false,
         plot: None,
     };
-    pair::study(session, &mut page, &pair)?;
+    pair::study(stages, &mut page, &pair)?;
     page.undecided(
         "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration. The set is here \
          because a program must not make it look good.",
@@ -104,9 +104,9 @@ pub fn meson_hall(session: &Session) -> Result<Page, Error> {
 }
 
 /// The quadrotor: the first half fitted.
-pub fn quadrotor(session: &Session) -> Result<Page, Error> {
-    let file = session.file("mxl-quadrotor-2021-04-23/test1_esti.csv")?;
-    let series = session.ingest(&[file], Some(QUADROTOR))?;
+pub fn quadrotor(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("mxl-quadrotor-2021-04-23/test1_esti.csv")?;
+    let series = stages.ingest(&[file], Some(QUADROTOR))?;
     let split = Split::share(&series, 0.5);
     let repeated = series.vectors("reference").windows(2).filter(|pair| pair[0] == pair[1]).count();
     let both = |series: &Series| {
@@ -130,7 +130,7 @@ pub fn quadrotor(session: &Session) -> Result<Page, Error> {
         correct_clock: true,
         plot: None,
     };
-    pair::study(session, &mut page, &pair)?;
+    pair::study(stages, &mut page, &pair)?;
     page.undecided(
         "whether the offsets are iron on the frame or the sensors' own (the frame turned as one piece); the clock's offset in seconds, because the \
          rate is only nominal; anything that follows temperature, which is not recorded fast enough.",

@@ -2,10 +2,11 @@
 
 use super::scalar::{self, Scalar};
 use crate::Error;
+use crate::real::by_hand::ellipsoid;
 use crate::real::page::Page;
 use crate::real::series::{Series, length, mean};
-use crate::real::session::Session;
 use crate::real::split::Split;
+use crate::real::stages::Stages;
 
 const MARG: &str = include_str!("../../../../../fixtures/ingest/real/marg.json");
 const PHONE: &str = include_str!("../../../../../fixtures/ingest/real/phone.json");
@@ -33,7 +34,7 @@ fn mean_size(series: &Series, centre: [f64; 3]) -> f64 {
 
 /// One run fitted, another left out.
 fn study(
-    session: &Session,
+    stages: &Stages,
     page: &mut Page,
     runs: [&Series; 2],
     parts: [&str; 2],
@@ -46,27 +47,33 @@ fn study(
         left_out: with_size(runs[1], size),
         parts,
         offset_nt: centre.map(|nt| -nt),
+        by_hand: ("an ellipsoid by plain least squares", ellipsoid),
         plot: None,
     };
-    scalar::study(session, page, &scalar)
+    scalar::study(stages, page, &scalar)
 }
 
 /// HMC5883L: the fuller sphere fitted, the other left out.
-pub fn marg(session: &Session) -> Result<Page, Error> {
+pub fn marg(stages: &Stages) -> Result<Page, Error> {
     let read = |name: &str| {
-        let file = session.file(&format!("marg-hmc5883l-sunsided/{name}"))?;
-        Ok::<_, Error>(session.ingest(&[file], Some(MARG))?.means_of_all(0.1))
+        let file = stages.file(&format!("marg-hmc5883l-sunsided/{name}"))?;
+        Ok::<_, Error>(stages.ingest(&[file], Some(MARG))?.means_of_all(0.1))
     };
     let mut page = Page::default();
     page.say(
         "Means of a tenth of a second. Nothing measured the size of the field: it is set to the mean that the readings have about the middle of their ranges, so that scales are relative. \
          Offsets as given are those middles.",
     );
+    let (full, partial) = (read("set2_full_sphere_mag.csv")?, read("set1_tilt_sphere_mag.csv")?);
+    let split = Split::share(&full, 0.6);
+    page.say("One run, its later part left out:");
+    study(stages, &mut page, [&split.fitted, &split.left_out], ["first 60 %", "last 40 %"], None)?;
+    page.say("One run fitted, another left out:");
     study(
-        session,
+        stages,
         &mut page,
-        [&read("set2_full_sphere_mag.csv")?, &read("set1_tilt_sphere_mag.csv")?],
-        ["the full sphere", "the partial sphere, another day"],
+        [&full, &partial],
+        ["the full sphere", "the partial sphere, another run"],
         None,
     )?;
     page.undecided(
@@ -76,10 +83,10 @@ pub fn marg(session: &Session) -> Result<Page, Error> {
 }
 
 /// Phone and VN-100, each in halves; then the runs with iron.
-pub fn phone(session: &Session) -> Result<Page, Error> {
+pub fn phone(stages: &Stages) -> Result<Page, Error> {
     let read = |name: &str, mapping: &str| {
-        let file = session.file(&format!("phone-vn100-rotations/{name}"))?;
-        let series = session.ingest(&[file], Some(mapping))?;
+        let file = stages.file(&format!("phone-vn100-rotations/{name}"))?;
+        let series = stages.ingest(&[file], Some(mapping))?;
         Ok::<_, Error>(series.only(|column| !column.starts_with("attitude")).means_of_all(0.2))
     };
     let mut page = Page::default();
@@ -95,7 +102,7 @@ pub fn phone(session: &Session) -> Result<Page, Error> {
         page.say(format!("{what}:"));
         let split = Split::share(&read(name, mapping)?, 0.6);
         study(
-            session,
+            stages,
             &mut page,
             [&split.fitted, &split.left_out],
             ["first 60 %", "last 40 %"],

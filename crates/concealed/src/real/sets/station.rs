@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::Error;
 use crate::real::page::{Page, three};
 use crate::real::series::{Series, mean, rms};
-use crate::real::session::Session;
+use crate::real::stages::Stages;
 
 const HAMSCI: &str = include_str!("../../../../../fixtures/ingest/real/hamsci.json");
 const MARG: &str = include_str!("../../../../../fixtures/ingest/real/marg.json");
@@ -29,8 +29,8 @@ fn spread(series: &Series, column: &str) -> f64 {
     rms(values.iter().map(|value| value - level))
 }
 
-fn ask(session: &Session, page: &mut Page, id: &str, series: &Series) -> Result<(), Error> {
-    match session.stage("diagnose", &[], vec![series.recording(id, "free_run")], &levels(series))? {
+fn ask(stages: &Stages, page: &mut Page, id: &str, series: &Series) -> Result<(), Error> {
+    match stages.stage("diagnose", &[], vec![series.recording(id, "free_run")], &levels(series))? {
         Ok(document) => page.diagnosis(&document),
         Err(words) => page.refused("diagnose", &words),
     }
@@ -38,9 +38,9 @@ fn ask(session: &Session, page: &mut Page, id: &str, series: &Series) -> Result<
 }
 
 /// W2NAF: sixteen hours before the storm, then the whole day.
-pub fn w2naf(session: &Session) -> Result<Page, Error> {
-    let file = session.file("hamsci-w2naf-2024-05-10/w2naf-20240510-runmag.csv")?;
-    let day = session.ingest(&[file], Some(HAMSCI))?.means(120.0);
+pub fn w2naf(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("hamsci-w2naf-2024-05-10/w2naf-20240510-runmag.csv")?;
+    let day = stages.ingest(&[file], Some(HAMSCI))?.means(120.0);
     let time = day.column("time_s").to_vec();
     let quiet = day.filter(|row| time[row] < 16.0 * 3600.0);
     let mut page = Page::default();
@@ -53,9 +53,9 @@ pub fn w2naf(session: &Session) -> Result<Page, Error> {
         three(spread(&quiet, "electronics_temperature_c")),
     ));
     page.say("The quiet hours:");
-    ask(session, &mut page, "quiet", &quiet)?;
+    ask(stages, &mut page, "quiet", &quiet)?;
     page.say("The whole day, with the storm:");
-    ask(session, &mut page, "day", &day)?;
+    ask(stages, &mut page, "day", &day)?;
     page.undecided(
         "a temperature coefficient of any size that an RM3100 may have: the daily variation of the field, the Sun and the temperature have one period, the sensor's temperature moved by \
          half a degree, and there is no second instrument. A name that stood here would be a guess; an observatory's data beside it, or a heater, would decide.",
@@ -64,10 +64,10 @@ pub fn w2naf(session: &Session) -> Result<Page, Error> {
 }
 
 /// HMC5883L at rest.
-pub fn marg(session: &Session) -> Result<Page, Error> {
-    let file = |name: &str| session.file(&format!("marg-hmc5883l-sunsided/{name}"));
-    let field = session.ingest(&[file("set2_static_10min_mag.csv")?], Some(MARG))?.means_of_all(1.0);
-    let thermometer = session
+pub fn marg(stages: &Stages) -> Result<Page, Error> {
+    let file = |name: &str| stages.file(&format!("marg-hmc5883l-sunsided/{name}"));
+    let field = stages.ingest(&[file("set2_static_10min_mag.csv")?], Some(MARG))?.means_of_all(1.0);
+    let thermometer = stages
         .ingest(&[file("set2_static_10min_temp_decim10.csv")?], Some(MARG_TEMPERATURE))?
         .means_of_all(1.0);
     let both = field.joined(&thermometer).complete();
@@ -80,7 +80,7 @@ pub fn marg(session: &Session) -> Result<Page, Error> {
         three(spread(&both, "sensor_y_nt")),
         three(spread(&both, "sensor_z_nt")),
     ));
-    ask(session, &mut page, "static", &both)?;
+    ask(stages, &mut page, "static", &both)?;
     page.undecided(
         "whether the first minutes' change is the chip that warms, the current of the board, or something moved indoors: the temperature only falls, with time, and nothing else measures the field.",
     );

@@ -15,14 +15,14 @@ pub type Answer = Result<Value, String>;
 
 /// The programs, the recordings, and a place for documents on their way.
 #[derive(Debug)]
-pub struct Session {
+pub struct Stages {
     programs: Programs,
     data: PathBuf,
     place: TempDir,
     documents: AtomicUsize,
 }
 
-impl Session {
+impl Stages {
     /// Programs with the folder of the recordings.
     pub fn new(programs: Programs, data: &Path) -> Result<Self, Error> {
         let place =
