@@ -16,6 +16,7 @@ pub mod kinds;
 pub mod noise;
 pub mod outside;
 pub mod page;
+pub mod pillar;
 pub mod programs;
 pub mod prove;
 pub mod real;

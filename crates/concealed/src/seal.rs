@@ -68,7 +68,12 @@ impl Folder {
 
     /// Runs diagnose on every document, those apart that this very program has answered. Gives the folder of the answers.
     pub fn diagnose(&self, programs: &Programs) -> Result<PathBuf, Error> {
-        let program = programs.program("diagnose")?;
+        self.answer("diagnose", programs)
+    }
+
+    /// The same with another program.
+    pub fn answer(&self, name: &str, programs: &Programs) -> Result<PathBuf, Error> {
+        let program = programs.program(name)?;
         let bytes = fs::read(&program).map_err(|source| Error::file(&program, "read", source))?;
         let answers = self.0.join(format!("answers-{}", &digest(&bytes)[..12]));
         fs::create_dir_all(&answers).map_err(|source| Error::file(&answers, "written", source))?;
@@ -78,7 +83,7 @@ impl Folder {
             if answered(&document, &answer)? {
                 return Ok(());
             }
-            programs.run("diagnose", &[], &document, &answer)
+            programs.run(name, &[], &document, &answer)
         })?;
         Ok(answers)
     }

@@ -158,8 +158,9 @@ fn classify(truth: &Truth, verdict: &str, claims: &[Vec<String>]) -> Class {
         match right {
             Some(which) => {
                 let effect = unmatched.remove(which);
+                // A set of right names alone is right, but where the point is that they cannot be told apart.
                 undecided |= !names.iter().all(|name| effect.accepted.contains(name));
-                undecided |= names.len() > 1;
+                undecided |= names.len() > 1 && truth.set == "ambiguous";
             }
             // A second name for what is named already, such as a second bit of the same converter.
             None if names.iter().all(|name| truth.effects.iter().any(|e| e.accepted.contains(name))) => {}
