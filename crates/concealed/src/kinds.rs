@@ -1,0 +1,73 @@
+//! What is concealed one at a time: for each the finer physics and the catalogue's name for it.
+
+mod craft;
+mod electronics;
+mod environment;
+mod facility;
+mod pair;
+mod sensor;
+
+use crate::draw::Draw;
+use crate::effect::Effect;
+use crate::scene::{Campaign, Kind};
+
+/// A kind of effect.
+#[derive(Clone, Copy)]
+pub struct Single {
+    /// Its name in scores: the catalogue's.
+    pub name: &'static str,
+    /// The recordings that show it.
+    pub scene: Kind,
+    /// Time from one row to the next, where it is not the scene's own.
+    pub step_s: Option<f64>,
+    /// Makes one.
+    pub make: fn(&Campaign, &mut Draw) -> Effect,
+}
+
+const fn single(name: &'static str, scene: Kind, make: fn(&Campaign, &mut Draw) -> Effect) -> Single {
+    Single { name, scene, step_s: None, make }
+}
+
+const fn stepped(mut single: Single, step_s: f64) -> Single {
+    single.step_s = Some(step_s);
+    single
+}
+
+/// All of them.
+pub const ALL: [Single; 30] = [
+    single("hysteresis", Kind::Coils, sensor::hysteresis),
+    single("offset_temperature", Kind::Coils, sensor::offset_temperature),
+    single("offset_temperature_lag", Kind::Coils, sensor::offset_temperature_lag),
+    single("sensitivity_temperature", Kind::Coils, sensor::sensitivity_temperature),
+    single("sensitivity_temperature_lag", Kind::Coils, sensor::sensitivity_temperature_lag),
+    single("axis_temperature", Kind::Coils, sensor::axis_temperature),
+    single("quadratic_nonlinearity", Kind::Coils, sensor::quadratic),
+    single("cubic_nonlinearity", Kind::Coils, sensor::cubic),
+    single("cross_field", Kind::Coils, sensor::cross_field),
+    single("cross_field_sensitivity", Kind::Coils, sensor::cross_field_sensitivity),
+    single("warm_up", Kind::Coils, electronics::warm_up),
+    single("offset_electronics_temperature", Kind::Coils, electronics::offset_temperature),
+    single("loop_bandwidth", Kind::Fast, electronics::second_order_loop),
+    single("differential_nonlinearity", Kind::Coils, electronics::wrong_bits),
+    single("quantisation", Kind::Coils, electronics::coarse_codes),
+    single("saturation", Kind::Coils, electronics::saturation),
+    single("clock_offset", Kind::Coils, electronics::clock_offset),
+    single("clock_rate", Kind::Coils, electronics::clock_rate),
+    single("reading_step", Kind::Coils, electronics::step),
+    single("spike", Kind::Coils, electronics::spike),
+    single("eddy_currents", Kind::Coils, facility::eddy_currents),
+    single("coil_heating", Kind::Coils, facility::coil_heating),
+    single("coil_temperature", Kind::Coils, facility::coil_temperature),
+    single("nulling_leakage", Kind::Site, facility::nulling),
+    single("mains", Kind::Held, environment::mains),
+    stepped(single("vehicle_pass", Kind::Site, environment::vehicle), 2.0),
+    stepped(single("working_hours", Kind::Site, environment::working_hours), 200.0),
+    single("stray_current", Kind::Craft, craft::stray_current),
+    single("sun_thermoelectric", Kind::Craft, craft::sun),
+    single("induction_difference", Kind::Pair, pair::induction),
+];
+
+/// Those that act in runs in coils, whose names can stand beside each other.
+pub fn in_coils() -> Vec<Single> {
+    ALL.into_iter().filter(|single| single.scene == Kind::Coils).collect()
+}

@@ -1,0 +1,63 @@
+//! Around the facility.
+
+use nalgebra::Vector3;
+
+use crate::draw::Draw;
+use crate::effect::{Effect, in_geo};
+use crate::finer::mains;
+use crate::scene::Campaign;
+
+fn direction(draw: &mut Draw) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| draw.normal()).normalize()
+}
+
+/// A cable's field under a wandering frequency, with a third harmonic, the three components not in phase.
+pub fn mains(_: &Campaign, draw: &mut Draw) -> Effect {
+    let (along, across) = (direction(draw), 0.4 * direction(draw));
+    let (departure, seed) = (draw.between(-0.05, 0.05), draw.below(1 << 20) as u64);
+    let act = in_geo(move |_, run, size| {
+        let phase = mains::phase(&run.times, departure, 0.02, 200.0, &mut Draw::new("grid", seed));
+        let field = |p: &f64| along * (p.sin() + 0.05 * (3.0 * p).sin()) + across * p.cos();
+        phase.iter().map(|p| size * field(p)).collect()
+    });
+    Effect::new("mains of a wandering frequency, with a third harmonic", vec!["mains".into()], act)
+}
+
+/// A magnetised car on a straight road: the field of a dipole at each moment.
+pub fn vehicle(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let run = &campaign.runs[0];
+    let at = run.times[(run.times.len() as f64 * draw.between(0.3, 0.7)) as usize];
+    let (distance, speed) = (draw.between(40.0, 90.0), draw.between(1.5, 3.0));
+    let (moment, height) = (direction(draw), draw.between(-2.0, 2.0));
+    let act = in_geo(move |_, run, size| {
+        let field = |t: &f64| {
+            let place = Vector3::new(speed * (t - at), distance, height);
+            let (r, n) = (place.norm(), place.normalize());
+            // A moment whose field at the nearest point is of the order of 1 nT.
+            (3.0 * n * n.dot(&moment) - moment) * size * (distance / r).powi(3)
+        };
+        run.times.iter().map(field).collect()
+    });
+    Effect::new("dipole on a straight road", vec!["vehicle_pass".into()], act)
+}
+
+/// Machines that are switched on from seven and off before five, by hand, and draw an uneven load.
+pub fn working_hours(_: &Campaign, draw: &mut Draw) -> Effect {
+    let (field, seed) = (direction(draw), draw.below(1 << 20) as u64);
+    let act = in_geo(move |_, run, size| {
+        let mut load = Draw::new("load", seed);
+        let late: Vec<[f64; 2]> =
+            (0..8).map(|_| [load.between(0.0, 300.0), load.between(0.0, 300.0)]).collect();
+        run.times
+            .iter()
+            .map(|t| {
+                // The campaign begins on a Thursday at midnight.
+                let (day, hour) = ((t / 86_400.0) as usize, t % 86_400.0);
+                let [on, off] = late[day % 8];
+                let works = day % 7 < 2 && hour >= 7.0 * 3600.0 + on && hour < 17.0 * 3600.0 - off;
+                field * if works { size * (1.0 + 0.03 * load.normal()) } else { 0.0 }
+            })
+            .collect()
+    });
+    Effect::new("machines switched by hand, their load uneven", vec!["working_hours".into()], act)
+}

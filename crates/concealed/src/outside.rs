@@ -1,0 +1,180 @@
+//! Plausible physics that the catalogue does not have: no name of the catalogue is right.
+
+use nalgebra::Vector3;
+
+use crate::draw::Draw;
+use crate::effect::{Act, Effect, in_geo, on_sensor};
+use crate::finer::ode;
+use crate::scene::{Campaign, Run};
+use crate::signal::wandering;
+
+/// What is outside, with its name in scores.
+pub type Outside = (&'static str, fn(&Campaign, &mut Draw) -> Effect);
+
+/// All of them, in runs in coils.
+pub const ALL: [Outside; 14] = [
+    ("contact that opens and closes", telegraph),
+    ("thermo-emf of a warming rate", warming_rate),
+    ("pick-up rectified by an amplifier", rectified_rate),
+    ("output stage with a dead zone", crossover),
+    ("gain that changes at a moment", gain_step),
+    ("compressor whose speed drifts", compressor),
+    ("magnetic aftereffect", aftereffect),
+    ("pressure that nobody recorded", pressure),
+    ("supply weaker in one direction", bipolar_supply),
+    ("product of the three fields", triple_product),
+    ("logger that stamps unevenly", jitter),
+    ("heater that nobody recorded", heater),
+    ("phase change of a glue", glue),
+    ("rate of a neighbour's field", neighbour_rate),
+];
+
+fn in_one(
+    physics: &'static str,
+    draw: &mut Draw,
+    of: impl Fn(&Campaign, &Run, usize, f64) -> Vec<f64> + Send + Sync + 'static,
+) -> Effect {
+    let sensor = draw.below(3);
+    let act: Act = on_sensor(sensor, move |campaign, run, _, size| of(campaign, run, sensor, size));
+    Effect::new(physics, Vec::new(), act).in_sensor(sensor)
+}
+
+/// Derivative by time over a second.
+fn rate(of: impl Fn(f64) -> f64, t: f64) -> f64 {
+    of(t + 0.5) - of(t - 0.5)
+}
+
+/// Two levels, thirty changes in a run on the average, at random.
+fn telegraph(_: &Campaign, draw: &mut Draw) -> Effect {
+    let seed = draw.below(1 << 20) as u64;
+    in_one("random telegraph of a bad contact", draw, move |_, run, _, size| {
+        let mut flips = Draw::new(&format!("flips/{}", run.id), seed);
+        let chance = 30.0 / run.times.len() as f64;
+        let mut closed = true;
+        let next = |_: &f64| {
+            closed ^= flips.between(0.0, 1.0) < chance;
+            if closed { size } else { -size }
+        };
+        run.times.iter().map(next).collect()
+    })
+}
+
+fn warming_rate(_: &Campaign, draw: &mut Draw) -> Effect {
+    in_one("offset in proportion to the rate of warming, a thermo-emf", draw, |_, run, _, size| {
+        run.times.iter().map(|t| 100.0 * size * rate(|t| run.temperatures[0](t), *t)).collect()
+    })
+}
+
+fn rectified_rate(_: &Campaign, draw: &mut Draw) -> Effect {
+    in_one("offset with the size of the field's rate", draw, |campaign, run, sensor, size| {
+        let field = |t: f64| run.along(&campaign.bench, sensor, t);
+        run.times.iter().map(|t| 1e-3 * size * rate(field, *t).abs()).collect()
+    })
+}
+
+fn crossover(_: &Campaign, draw: &mut Draw) -> Effect {
+    let width = draw.between(2000.0, 5000.0);
+    in_one("dead zone of an output stage about zero", draw, move |campaign, run, sensor, size| {
+        let field = |t: &f64| run.along(&campaign.bench, sensor, *t);
+        run.times.iter().map(|t| -size * (field(t) / width).tanh()).collect()
+    })
+}
+
+fn gain_step(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let run = &campaign.runs[1.min(campaign.runs.len() - 1)];
+    let at = run.times[(run.times.len() as f64 * draw.between(0.3, 0.7)) as usize];
+    in_one("sensitivity that changes at a moment", draw, move |campaign, run, sensor, size| {
+        let gain = |t: &f64| if *t < at { 0.0 } else { 3e-5 * size };
+        run.times.iter().map(|t| gain(t) * run.along(&campaign.bench, sensor, *t)).collect()
+    })
+}
+
+fn compressor(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let step = campaign.runs[0].step_s();
+    let (period, phase) = (step * draw.between(4.0, 9.0), draw.between(0.0, 6.0));
+    let speed = wandering(draw, 0.05, [30.0 * step, 120.0 * step], 3);
+    let loudness = wandering(draw, 0.4, [40.0 * step, 150.0 * step], 3);
+    in_one("hum of a compressor whose speed and load drift", draw, move |_, run, _, size| {
+        let mut turned = phase;
+        let mut at = run.times[0];
+        let next = |t: &f64| {
+            turned += std::f64::consts::TAU * (t - at) / period * (1.0 + speed(*t));
+            at = *t;
+            size * (1.0 + loudness(*t)) * turned.sin()
+        };
+        run.times.iter().map(next).collect()
+    })
+}
+
+/// Domain walls that go on creeping: relaxation times spread evenly over their logarithm.
+fn aftereffect(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let step = campaign.runs[0].step_s();
+    in_one("magnetic aftereffect, logarithmic in time", draw, move |campaign, run, sensor, size| {
+        let taus: [f64; 5] = std::array::from_fn(|k| step * 3.0_f64.powi(k as i32));
+        let field = |t: f64| (run.along(&campaign.bench, sensor, t) / 30_000.0).powi(3);
+        let from = run.times[0] - 20.0 * step;
+        let lags = ode::march(from, [field(from); 5], &run.times, 0.3 * step, |t, x| {
+            std::array::from_fn(|k| (field(t) - x[k]) / taus[k])
+        });
+        lags.iter().map(|x| size * x.iter().sum::<f64>() / 5.0).collect()
+    })
+}
+
+fn pressure(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let span = campaign.runs.last().and_then(|run| run.times.last()).copied().unwrap_or(1.0);
+    let course = wandering(draw, 1.0, [0.04 * span, 0.15 * span], 6);
+    in_one("offset with an unrecorded pressure", draw, move |_, run, _, size| {
+        run.times.iter().map(|t| size * course(*t)).collect()
+    })
+}
+
+fn bipolar_supply(_: &Campaign, draw: &mut Draw) -> Effect {
+    let coil = draw.below(3);
+    let act = in_geo(move |campaign, run, size| {
+        let current = |t: &f64| run.current(coil).map_or(0.0, |current| current(*t));
+        let unit: Vector3<f64> = campaign.bench.eta.column(coil).into();
+        run.times.iter().map(|t| unit * size * current(t).abs()).collect()
+    });
+    Effect::new("supply whose gain differs for the two directions of a coil's current", Vec::new(), act)
+}
+
+fn triple_product(_: &Campaign, draw: &mut Draw) -> Effect {
+    in_one("product of the three fields", draw, |campaign, run, _, size| {
+        let product =
+            |t: &f64| run.field_sen(&campaign.bench, *t).iter().map(|b| b / 25_000.0).product::<f64>();
+        run.times.iter().map(|t| size * product(t)).collect()
+    })
+}
+
+fn jitter(_: &Campaign, draw: &mut Draw) -> Effect {
+    let seed = draw.below(1 << 20) as u64;
+    in_one("readings at moments that are off at random", draw, move |campaign, run, sensor, size| {
+        let mut ticks = Draw::new(&format!("jitter/{}", run.id), seed);
+        let field = |t: f64| run.along(&campaign.bench, sensor, t);
+        run.times.iter().map(|t| field(t - 1e-3 * size * ticks.normal()) - field(*t)).collect()
+    })
+}
+
+fn heater(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let step = campaign.runs[0].step_s();
+    let (period, duty) = (step * draw.between(25.0, 60.0), draw.between(0.3, 0.5));
+    in_one("current of an unrecorded heater, on and off", draw, move |_, run, _, size| {
+        let on = |t: &f64| f64::from(u8::from((t / period).fract() < duty));
+        run.times.iter().map(|t| size * on(t)).collect()
+    })
+}
+
+fn glue(_: &Campaign, draw: &mut Draw) -> Effect {
+    let (at, width) = (draw.between(-2.5, 2.5), draw.between(0.5, 1.2));
+    in_one("offset that goes over at one temperature", draw, move |campaign, run, _, size| {
+        let warm = |t: &f64| run.temperatures[0](*t) - campaign.reference_c[0];
+        run.times.iter().map(|t| size * ((warm(t) - at) / width).tanh()).collect()
+    })
+}
+
+fn neighbour_rate(_: &Campaign, draw: &mut Draw) -> Effect {
+    in_one("crosstalk of a neighbour's rate", draw, |campaign, run, sensor, size| {
+        let field = |t: f64| run.along(&campaign.bench, (sensor + 1) % 3, t);
+        run.times.iter().map(|t| 1e-3 * size * rate(field, *t)).collect()
+    })
+}

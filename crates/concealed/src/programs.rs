@@ -1,0 +1,59 @@
+//! The programs under proof, run as they are shipped.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use crate::Error;
+
+/// Where the stages' programs are.
+#[derive(Clone, Debug)]
+pub struct Programs {
+    folder: PathBuf,
+}
+
+impl Programs {
+    /// In a folder; absent: beside the running program.
+    pub fn find(folder: Option<&Path>) -> Result<Self, Error> {
+        let folder = match folder {
+            Some(folder) => folder.to_path_buf(),
+            None => {
+                let own = std::env::current_exe().map_err(|e| Error::file("concealed", "read", e))?;
+                own.parent().map(Path::to_path_buf).unwrap_or_default()
+            }
+        };
+        Ok(Self { folder })
+    }
+
+    /// A program of that name; refused where it is not there.
+    pub fn program(&self, name: &str) -> Result<PathBuf, Error> {
+        let path = self.folder.join(name);
+        if path.is_file() {
+            return Ok(path);
+        }
+        Err(Error::Common(common::Error::Request(format!(
+            "no program {name} in {}; build it with cargo build --release, or say where it is with --programs",
+            self.folder.display()
+        ))))
+    }
+
+    /// Runs a stage on a document; the answer stands in `output`, whole or not at all.
+    pub fn run(&self, name: &str, arguments: &[&str], document: &Path, output: &Path) -> Result<(), Error> {
+        let program = self.program(name)?;
+        let run = Command::new(&program)
+            .args(arguments)
+            .arg("-q")
+            .arg(document)
+            .arg("-o")
+            .arg(output)
+            // Cases run side by side; the answer does not depend on the number of threads.
+            .env("RAYON_NUM_THREADS", "1")
+            .stdin(Stdio::null())
+            .output()
+            .map_err(|source| Error::file(&program, "read", source))?;
+        if run.status.success() {
+            return Ok(());
+        }
+        let words = String::from_utf8_lossy(&run.stderr).trim().to_string();
+        Err(Error::Program { program, document: document.into(), words })
+    }
+}

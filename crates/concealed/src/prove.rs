@@ -1,0 +1,140 @@
+//! The whole proof: make, seal, diagnose, open, score, write.
+
+use clap::Args;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::case::Case;
+use crate::page::{self, Besides};
+use crate::programs::Programs;
+use crate::score::Score;
+use crate::seal::{self, Folder};
+use crate::sets::Set;
+use crate::{pillar, swarm};
+
+/// The seed on which this crate was developed.
+const DEVELOPMENT: u64 = 1;
+
+/// What is asked of a proof.
+#[derive(Args, Clone, Debug)]
+pub struct Arguments {
+    /// Seed of the scored cases; development was on 1
+    #[arg(long, default_value_t = 1001)]
+    pub seed: u64,
+    /// Rounds of every set; one has each kind at each strength once
+    #[arg(long, default_value_t = 2)]
+    pub rounds: usize,
+    /// At most so many cases of a set
+    #[arg(long, value_name = "N")]
+    pub cases: Option<usize>,
+    /// Leave out the orbit and the observatory
+    #[arg(long)]
+    pub cases_only: bool,
+    /// Where documents, seals and answers are kept; what is there already is not diagnosed again
+    #[arg(long, value_name = "FOLDER", default_value = "target/concealed")]
+    pub folder: PathBuf,
+    /// Where the stages' programs are; absent: beside this one
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
+    /// The page to write
+    #[arg(short, long, value_name = "FILE", default_value = "docs/proof.md")]
+    pub output: PathBuf,
+}
+
+/// Makes, seals and diagnoses the cases, then opens and scores them.
+pub fn run(arguments: &Arguments) -> Result<Score, Error> {
+    let programs = Programs::find(arguments.programs.as_deref())?;
+    programs.program("diagnose")?;
+    let folder = Folder::at(&arguments.folder)?;
+    for set in Set::ALL {
+        let count = (set.round() * arguments.rounds).min(arguments.cases.unwrap_or(usize::MAX));
+        folder.seal(&set.cases(arguments.seed, count))?;
+    }
+    common::pipe::say(&format!("concealed: sealed, {}", folder.seal_of_all()?));
+    score(arguments)
+}
+
+/// Scores a folder of sealed cases, those that have no answer yet diagnosed first, and writes the page.
+pub fn score(arguments: &Arguments) -> Result<Score, Error> {
+    let programs = Programs::find(arguments.programs.as_deref())?;
+    let folder = Folder::at(&arguments.folder)?;
+    let answers = folder.diagnose(&programs)?;
+    let score = Score::of(&folder, &answers)?;
+    let seeds: BTreeSet<u64> = score.outcomes.iter().map(|outcome| outcome.truth.seed).collect();
+    let seeds: Vec<String> = seeds.iter().map(u64::to_string).collect();
+    let seeds = format!(
+        "This crate was developed on seed {DEVELOPMENT}, with the programs as they were: no threshold of `diagnose` was set by these cases. \
+         Scored here: seed {}.",
+        seeds.join(" and ")
+    );
+    let campaign = |of: fn(u64, &Path, &Programs) -> Result<String, Error>| {
+        let wanted = !arguments.cases_only;
+        wanted.then(|| of(arguments.seed, &arguments.folder, &programs)).transpose()
+    };
+    let besides = Besides { seeds: &seeds, swarm: campaign(flown)?, pillar: campaign(compared)? };
+    common::pipe::write(Some(&arguments.output), &page::of(&score, &besides))?;
+    Ok(score)
+}
+
+/// What is asked of one of the two campaigns.
+#[derive(Args, Clone, Debug)]
+pub struct Campaign {
+    /// Its seed
+    #[arg(long, default_value_t = 1001)]
+    pub seed: u64,
+    /// Where document, seal and answer are kept
+    #[arg(long, value_name = "FOLDER", default_value = "target/concealed")]
+    pub folder: PathBuf,
+    /// Where the stages' programs are; absent: beside this one
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
+}
+
+/// The orbit: sealed, diagnosed, in words.
+pub fn swarm(arguments: &Campaign) -> Result<String, Error> {
+    flown(arguments.seed, &arguments.folder, &Programs::find(arguments.programs.as_deref())?)
+}
+
+/// The observatory: sealed, compared, diagnosed, in words.
+pub fn pillar(arguments: &Campaign) -> Result<String, Error> {
+    compared(arguments.seed, &arguments.folder, &Programs::find(arguments.programs.as_deref())?)
+}
+
+fn flown(seed: u64, folder: &Path, programs: &Programs) -> Result<String, Error> {
+    let folder = Folder::at(&folder.join("swarm"))?;
+    let flight = swarm::flight(seed);
+    folder.seal(std::slice::from_ref(&flight.case))?;
+    // A program that does not take a scalar magnetometer without coils refuses the document.
+    let answer = match folder.diagnose(programs) {
+        Ok(answers) => Some(seal::parsed(&answers.join(format!("{}.json", flight.case.truth.case)))?),
+        Err(Error::Program { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    Ok(swarm::section(&flight, answer.as_ref()))
+}
+
+fn compared(seed: u64, folder: &Path, programs: &Programs) -> Result<String, Error> {
+    let first = Folder::at(&folder.join("pillar"))?;
+    let case = pillar::month(seed);
+    first.seal(std::slice::from_ref(&case))?;
+    let compared = first.answer("diffmag", programs)?.join(format!("{}.json", case.truth.case));
+    let compared = seal::parsed(&compared)?;
+    let second = Folder::at(&folder.join("pillar-compared"))?;
+    let truth = case.truth.clone();
+    second.seal(&[Case { document: pillar::thinned(compared.clone()), truth }])?;
+    let answers = second.diagnose(programs)?;
+    let sealed = &second.stored()?[&case.truth.case];
+    let truth = second.open(&case.truth.case, sealed)?;
+    let answer = seal::parsed(&answers.join(format!("{}.json", truth.case)))?;
+    Ok(pillar::section(&truth, &compared, &answer))
+}
+
+/// The goals in a few lines, for people.
+pub fn summary(score: &Score) -> String {
+    let line = |goal: crate::score::Goal| {
+        format!("  {}: {} (wanted: {}): {}\n", goal.what, goal.found.words(), goal.wanted(), goal.verdict())
+    };
+    let lines: String = score.goals().into_iter().map(line).collect();
+    format!("concealed: {} cases\n{lines}", score.outcomes.len())
+}

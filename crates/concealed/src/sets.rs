@@ -1,0 +1,169 @@
+//! The sets of cases, each from its seed.
+
+use rayon::prelude::*;
+use sha2::{Digest, Sha256};
+
+use crate::ambiguous;
+use crate::case::{self, Case, Concealed, Labels};
+use crate::draw::Draw;
+use crate::kinds::{self, Single};
+use crate::outside;
+use crate::scene::Kind;
+use crate::scenes::{self, Length};
+
+/// What is concealed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Set {
+    /// Nothing.
+    Clean,
+    /// Nothing, in noise that did not begin with the recordings, as documents would have it, but long before.
+    Old,
+    /// One effect, at three strengths.
+    Single,
+    /// Two effects at once.
+    Pairs,
+    /// Three effects at once.
+    Triples,
+    /// One effect that the recordings cannot tell from another.
+    Ambiguous,
+    /// Physics that the catalogue does not have.
+    Outside,
+}
+
+/// Times the noise.
+pub const STRENGTHS: [f64; 3] = [3.0, 1.0, 0.3];
+
+impl Set {
+    /// All of them.
+    pub const ALL: [Set; 7] =
+        [Set::Clean, Set::Old, Set::Single, Set::Pairs, Set::Triples, Set::Ambiguous, Set::Outside];
+
+    /// Its name.
+    pub fn word(self) -> &'static str {
+        match self {
+            Set::Clean => "clean",
+            Set::Old => "old",
+            Set::Single => "single",
+            Set::Pairs => "pairs",
+            Set::Triples => "triples",
+            Set::Ambiguous => "ambiguous",
+            Set::Outside => "outside",
+        }
+    }
+
+    /// Cases of a whole round: each kind at each strength once, each design once.
+    pub fn round(self) -> usize {
+        match self {
+            Set::Clean => 50,
+            Set::Old => 10,
+            Set::Single => kinds::ALL.len() * STRENGTHS.len(),
+            Set::Pairs => 20,
+            Set::Triples => 8,
+            Set::Ambiguous => 2 * ambiguous::ALL.len(),
+            Set::Outside => 2 * outside::ALL.len(),
+        }
+    }
+
+    /// The first `count` cases of a seed, the same however many there are.
+    pub fn cases(self, seed: u64, count: usize) -> Vec<Case> {
+        (0..count).into_par_iter().map(|number| self.case(seed, number)).collect()
+    }
+
+    fn case(self, seed: u64, number: usize) -> Case {
+        let mut draw = Draw::new(&format!("{}/{number}", self.word()), seed);
+        match self {
+            Set::Clean | Set::Old => clean(self, seed, number, &mut draw),
+            Set::Single => single(seed, number, &mut draw),
+            Set::Pairs => several(self, 2, seed, number, &mut draw),
+            Set::Triples => several(self, 3, seed, number, &mut draw),
+            Set::Ambiguous => undecided(seed, number, &mut draw),
+            Set::Outside => beyond(seed, number, &mut draw),
+        }
+    }
+
+    fn labels(self, seed: u64, number: usize, strength: f64, length: Length) -> Labels {
+        Labels {
+            // Documents and files bear this name, which says nothing of what is in them.
+            case: neutral(&format!("{}/{seed}/{number}", self.word())),
+            set: self.word().into(),
+            seed,
+            number,
+            strength,
+            length: length.word(),
+            old_noise: self == Set::Old,
+        }
+    }
+}
+
+/// A name that says nothing.
+pub fn neutral(of: &str) -> String {
+    Sha256::digest(of.as_bytes()).iter().take(5).map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What is as weak as a third of the noise is looked for in the longer recordings alone.
+fn length_for(strength: f64, number: usize) -> Length {
+    if strength < 1.0 { [Length::Medium, Length::Long][number % 2] } else { Length::ALL[number % 3] }
+}
+
+fn clean(set: Set, seed: u64, number: usize, draw: &mut Draw) -> Case {
+    let kinds =
+        [Kind::Coils, Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair, Kind::Fast];
+    let length = Length::ALL[number % 3];
+    let campaign =
+        scenes::campaign(kinds[number % kinds.len()], length, number.is_multiple_of(2), None, draw);
+    let step_s = campaign.runs[0].step_s();
+    let noise = if set == Set::Old { case::flicker(draw) } else { case::noise_of(draw, step_s) };
+    case::make(&campaign, noise, Vec::new(), set.labels(seed, number, 0.0, length), draw)
+}
+
+fn single(seed: u64, number: usize, draw: &mut Draw) -> Case {
+    // Kinds go slowest, so that the first cases have every strength.
+    let strength = STRENGTHS[number % 3];
+    let round = number / 3;
+    let which: Single = kinds::ALL[round % kinds::ALL.len()];
+    let length = length_for(strength, round + round / kinds::ALL.len() + number % 3);
+    let apart = (round + number).is_multiple_of(2);
+    let campaign = scenes::campaign(which.scene, length, apart, which.step_s, draw);
+    let noise = case::noise_of(draw, campaign.runs[0].step_s());
+    let concealed = Concealed { name: which.name.into(), effect: (which.make)(&campaign, draw), strength };
+    case::make(&campaign, noise, vec![concealed], Set::Single.labels(seed, number, strength, length), draw)
+}
+
+/// Several unlike effects in runs in coils, each one to three times the noise.
+fn several(set: Set, count: usize, seed: u64, number: usize, draw: &mut Draw) -> Case {
+    let length = [Length::Medium, Length::Long][number % 2];
+    let campaign = scenes::campaign(Kind::Coils, length, number % 4 < 2, None, draw);
+    let noise = case::noise_of(draw, campaign.runs[0].step_s());
+    let mut kinds = kinds::in_coils();
+    let mut concealed = Vec::new();
+    while concealed.len() < count {
+        let which = kinds.swap_remove(draw.below(kinds.len()));
+        let strength = draw.between(1.0, 3.0);
+        concealed.push(Concealed {
+            name: which.name.into(),
+            effect: (which.make)(&campaign, draw),
+            strength,
+        });
+    }
+    case::make(&campaign, noise, concealed, set.labels(seed, number, 2.0, length), draw)
+}
+
+fn undecided(seed: u64, number: usize, draw: &mut Draw) -> Case {
+    let (name, design) = ambiguous::ALL[number % ambiguous::ALL.len()];
+    let length = Length::ALL[(number / ambiguous::ALL.len()) % 3];
+    let strength = [3.0, 1.0][number / ambiguous::ALL.len() % 2];
+    let (campaign, effect) = design(length, draw);
+    let noise = case::noise_of(draw, campaign.runs[0].step_s());
+    let concealed = Concealed { name: name.into(), effect, strength };
+    case::make(&campaign, noise, vec![concealed], Set::Ambiguous.labels(seed, number, strength, length), draw)
+}
+
+fn beyond(seed: u64, number: usize, draw: &mut Draw) -> Case {
+    let (name, make) = outside::ALL[number % outside::ALL.len()];
+    let round = number / outside::ALL.len();
+    let (length, strength) = (Length::ALL[(number + round) % 3], [3.0, 1.0][round % 2]);
+    let campaign = scenes::campaign(Kind::Coils, length, number.is_multiple_of(2), None, draw);
+    let noise = case::noise_of(draw, campaign.runs[0].step_s());
+    let concealed = Concealed { name: name.into(), effect: make(&campaign, draw), strength };
+    case::make(&campaign, noise, vec![concealed], Set::Outside.labels(seed, number, strength, length), draw)
+}

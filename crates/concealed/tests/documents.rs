@@ -1,0 +1,40 @@
+//! Documents that anybody could have written, and that tell nothing.
+
+use common::Document;
+use concealed::sets::Set;
+
+#[test]
+fn every_set_writes_documents_of_the_public_format_that_tell_nothing() {
+    for set in Set::ALL {
+        for case in set.cases(7, 3) {
+            let text = case.document.to_string();
+            let document = Document::parse(&text).unwrap_or_else(|error| panic!("{}: {error}", set.word()));
+            assert!(document.model.is_none() && document.diagnosis.is_none());
+            let told = case.truth.effects.iter().flat_map(|effect| &effect.accepted);
+            for word in told.map(|name| name.split(' ').next().unwrap_or(name)).chain([set.word()]) {
+                // As a name of its own: columns and the noise's keys have units behind them.
+                let tells = [format!("\"{word}\""), format!("{word} "), format!("{word}-")];
+                assert!(tells.iter().all(|told| !text.contains(told)), "{} tells {word}", case.truth.case);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_writes_the_same_bytes_and_another_does_not() {
+    let text = |seed: u64, count: usize| {
+        let case = Set::Single.cases(seed, count).swap_remove(1);
+        (case.document.to_string(), serde_json::to_string(&case.truth).expect("JSON"))
+    };
+    assert_eq!(text(5, 2), text(5, 4));
+    assert_ne!(text(5, 2), text(6, 2));
+}
+
+/// What is left of an effect beside a fresh calibration is what the case was to have.
+#[test]
+fn effects_have_the_stated_size() {
+    for case in Set::Single.cases(3, 9) {
+        let left = case.truth.effects[0].left_nt / case.truth.noise_nt;
+        assert!((left / case.truth.strength - 1.0).abs() < 0.1, "{}: {left}", case.truth.effects[0].name);
+    }
+}

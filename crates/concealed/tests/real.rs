@@ -1,0 +1,64 @@
+//! Real recordings, where the folder with them is there (`FLUXCAL_DATA`, or `../shared/data` beside the repository), and the programs
+//! beside this one are built.
+
+use concealed::programs::Programs;
+use concealed::real;
+use std::path::{Path, PathBuf};
+
+fn data() -> Option<PathBuf> {
+    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var("FLUXCAL_DATA").map_or(beside, PathBuf::from);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    println!("skipped: no folder of recordings");
+    None
+}
+
+fn programs() -> Option<Programs> {
+    let beside = Path::new(env!("CARGO_BIN_EXE_concealed")).parent().expect("a folder");
+    let programs = Programs::find(Some(beside)).expect("a folder");
+    if let Some(missing) = ["ingest", "diffmag"].iter().find(|name| programs.program(name).is_err()) {
+        println!("skipped: {missing} is not built; cargo build --workspace makes it");
+        return None;
+    }
+    Some(programs)
+}
+
+#[test]
+fn a_missing_folder_is_said_for_every_set() {
+    let nowhere = tempfile::tempdir().expect("a folder");
+    let programs = Programs::find(Some(nowhere.path())).expect("a folder");
+    let text = real::section(nowhere.path(), programs, None, None).expect("a page");
+    assert_eq!(text.matches("\nNot run: no folder `").count(), real::SETS.len());
+    assert!(!text.contains(&nowhere.path().display().to_string()), "{text}");
+}
+
+#[test]
+fn a_name_that_no_set_has_is_refused_with_those_that_there_are() {
+    let nowhere = tempfile::tempdir().expect("a folder");
+    let programs = Programs::find(Some(nowhere.path())).expect("a folder");
+    let refused = real::section(nowhere.path(), programs, Some("nowhere"), None);
+    let words = refused.expect_err("a refusal").to_string();
+    assert!(words.starts_with("no set of that name; expected one of conrad-pair, "), "{words}");
+}
+
+#[test]
+fn a_misprint_in_a_certificate_is_found() {
+    let (Some(data), Ok(programs)) = (data(), Programs::find(None)) else { return };
+    let text = real::section(&data, programs, Some("certificates"), None).expect("a page");
+    // 36911 nT/mA over 38.3 kohm is 963.7 nT/V.
+    assert!(text.contains("| FGE_S0437-E0564 Z | 963.7 | 973.7 | +10.0 |"), "{text}");
+}
+
+#[test]
+fn instruments_that_share_no_field_are_not_made_to_look_good() {
+    let (Some(data), Some(programs)) = (data(), programs()) else { return };
+    let text = real::section(&data, programs, Some("meson-hall"), None).expect("a page");
+    println!("{text}");
+    let row = text.lines().find(|line| line.starts_with("| test x |")).expect("a matrix");
+    let cell = row.split('|').nth(2).and_then(|cell| cell.split('±').next()).expect("an element");
+    let own: f64 = cell.trim().parse().expect("a number");
+    assert!(own < 0.8, "two fluxgates that felt one field would have 1: {row}");
+    assert!(text.contains("the errors have memory"), "{text}");
+}
