@@ -8,7 +8,7 @@ use concealed::sets::Set;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "concealed", version: env!("CARGO_PKG_VERSION") };
+const PROGRAM: Program = Program { name: "concealed", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
 /// Conceals physics in recordings, seals the truth, and counts what diagnose finds of it
 #[derive(Parser)]

@@ -8,7 +8,8 @@ use report::{Options, html, text};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program { name: "report", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
+const PROGRAM: Program =
+    Program { name: "report", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
 
 /// One page that shows what each stage found: words, tables, plots, and the data of each plot
 #[derive(Parser)]
@@ -46,7 +47,9 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     let input = Input::read(cli.io.file.as_deref())?;
     options.document_sha256 = Some(input.sha256());
     let mut document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
-    beside::read(&mut document, cli.io.folder(), PROGRAM.takes).map_err(|error| input.locate(error))?;
+    if let Err(error) = beside::read(&mut document, cli.io.folder(), PROGRAM.takes) {
+        pipe::say(&format!("report: {}; the page does without", input.locate(error)));
+    }
     let page = report::run(&document, &options).map_err(|error| input.locate(error.into()))?;
     let render = if cli.text { text::render } else { html::render };
     pipe::write(cli.io.output.as_deref(), &render(&page))?;
