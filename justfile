@@ -11,11 +11,11 @@ test:
 
 # Golden cases and schemas only
 golden:
-    cargo test --workspace --test golden --test schema --test bad_input --test effects
+    cargo test --workspace --test golden --test schema --test bad_input --test effects --test certificate
 
 # Write golden documents, messages and schemas anew; read the difference before it is kept
 bless:
-    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input --test effects
+    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input --test effects --test certificate
 
 # Speed, as ratios against a peer in the same run
 bench:
