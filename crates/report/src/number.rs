@@ -71,6 +71,11 @@ pub fn probability(p: f64) -> String {
     if p == 0.0 { "below 10⁻³⁰⁰".into() } else { significant(p, 2) }
 }
 
+/// `1 reading`, `2 readings`.
+pub fn counted(count: usize, of: &str) -> String {
+    if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
+}
+
 /// A number to so many decimals; below zero they count tens, hundreds, ….
 pub fn fixed(value: f64, decimals: i32) -> String {
     let text = if decimals >= 0 {

@@ -90,9 +90,9 @@ fn plot(out: &mut String, plot: &Plot) {
         let y = span(&mut series.points.iter().map(|point| point.y));
         let _ = writeln!(
             out,
-            "  {}: {} points, {} {x}, {} {y}",
+            "  {}: {}, {} {x}, {} {y}",
             plain(&series.name),
-            series.points.len(),
+            number::counted(series.values().count(), "point"),
             plain(&plot.x.text()),
             plain(&plot.y.text())
         );

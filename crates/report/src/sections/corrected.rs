@@ -3,13 +3,14 @@
 use common::{Axis, Document, Recording};
 
 use super::clock::Clock;
-use super::common_words::{counted, slug};
+use super::words::{counted, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 4;
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("corrected", "Corrected field");
     let mut table = Table::new(

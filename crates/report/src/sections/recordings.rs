@@ -4,13 +4,14 @@ use common::{Document, Recording, procedure};
 use std::collections::BTreeMap;
 
 use super::clock::Clock;
-use super::common_words::{counted, key, slug};
+use super::words::{counted, key, slug};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
 use crate::{Section, Table};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("recordings", "Recordings");
     let mut procedures: BTreeMap<&str, [usize; 3]> = BTreeMap::new();

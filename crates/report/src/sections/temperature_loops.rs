@@ -98,9 +98,7 @@ fn branches(mut plot: Plot, branch: &[i8], [x, y, std]: [&[f64]; 3]) -> Plot {
                 .collect()
         };
         let (x, y, std) = (of(x), of(y), of(std));
-        if !x.is_empty() {
-            plot.push(Series::new(name, Mark::Points, style, &x, &y).with_std(&std));
-        }
+        plot.push(Series::new(name, Mark::Points, style, &x, &y).with_std(&std));
     }
     plot
 }
