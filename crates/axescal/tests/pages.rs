@@ -35,8 +35,9 @@ fn commands_of_the_pages() {
     symlink(binaries, folder.path().join("target/release")).expect("a link");
     symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
     let mut run = 0;
-    let stages = ["simulate", "ingest", "coilcal", "sensorcal", "axescal", "diffmag", "diagnose", "correct", "report"]
-        .map(|stage| format!("docs/{stage}.md"));
+    let stages =
+        ["simulate", "ingest", "coilcal", "sensorcal", "axescal", "diffmag", "diagnose", "correct", "report"]
+            .map(|stage| format!("docs/{stage}.md"));
     for page in ["README.md".to_string(), "docs/document.md".into()].into_iter().chain(stages) {
         for block in commands(&fs::read_to_string(root.join(&page)).expect("a page")) {
             // Building and testing is what runs this test.

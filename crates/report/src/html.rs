@@ -156,6 +156,7 @@ fn grid(out: &mut String, table: &Table, caption: &str) {
 }
 
 fn figure(out: &mut String, plot: &Plot) {
+    let undrawn = plot.undrawn();
     let (plot, thinned) = plot::thinned(plot.clone());
     let class = if plot.map { " class=\"map\"" } else { "" };
     let _ =
@@ -168,8 +169,7 @@ fn figure(out: &mut String, plot: &Plot) {
         }
         out.push_str("</ul>\n");
     }
-    let notes: Vec<String> =
-        [Some(plot.note.clone()), plot.undrawn(), thinned].into_iter().flatten().collect();
+    let notes: Vec<String> = [Some(plot.note.clone()), undrawn, thinned].into_iter().flatten().collect();
     let notes = notes.join(" ");
     if !notes.trim().is_empty() {
         let _ = writeln!(out, "<p class=\"note\">{}</p>", prose(notes.trim()));

@@ -80,9 +80,7 @@ fn plot(out: &mut String, plot: &Plot) {
     let _ = writeln!(out, "\n{} (a plot on the page)", plain(&plot.title));
     for series in &plot.series {
         let span = |values: &mut dyn Iterator<Item = f64>| {
-            let ends = values.filter(|value| value.is_finite()).map(|value| [value, value]);
-            let ends = ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-            ends.map_or("nothing".to_string(), |[low, high]| {
+            number::ends(values).map_or("nothing".to_string(), |[low, high]| {
                 format!("{} to {}", number::significant(low, 4), number::significant(high, 4))
             })
         };
