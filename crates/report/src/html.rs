@@ -54,6 +54,19 @@ pub fn escape(text: &str) -> String {
     out
 }
 
+/// Escaped words, with what stands between backticks as code.
+fn prose(words: &str) -> String {
+    let escaped = escape(words);
+    let parts: Vec<&str> = escaped.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return escaped;
+    }
+    let part = |(number, part): (usize, &&str)| {
+        if number % 2 == 1 { format!("<code>{part}</code>") } else { part.to_string() }
+    };
+    parts.iter().enumerate().map(part).collect()
+}
+
 fn contents(out: &mut String, page: &Page) {
     out.push_str("<nav aria-label=\"Contents\">\n<ol>\n");
     for part in &page.sections {
@@ -69,7 +82,7 @@ fn section(out: &mut String, part: &Section) {
     if !part.warnings.is_empty() {
         out.push_str("<ul class=\"warnings\">\n");
         for warning in &part.warnings {
-            let _ = writeln!(out, "<li>{}</li>", escape(warning));
+            let _ = writeln!(out, "<li>{}</li>", prose(warning));
         }
         out.push_str("</ul>\n");
     }
@@ -97,7 +110,7 @@ fn section(out: &mut String, part: &Section) {
 
 fn paragraphs(out: &mut String, all: &[String]) {
     for words in all {
-        let _ = writeln!(out, "<p>{}</p>", escape(words));
+        let _ = writeln!(out, "<p>{}</p>", prose(words));
     }
 }
 
@@ -143,23 +156,23 @@ fn grid(out: &mut String, table: &Table, caption: &str) {
 }
 
 fn figure(out: &mut String, plot: &Plot) {
+    let undrawn = plot.undrawn();
     let (plot, thinned) = plot::thinned(plot.clone());
     let class = if plot.map { " class=\"map\"" } else { "" };
     let _ =
         writeln!(out, "<figure{class} id=\"{}\">\n<figcaption>{}</figcaption>", plot.id, escape(&plot.title));
     let _ = writeln!(out, "{}", plot::svg(&plot));
-    if plot.series.len() > 1 {
+    if plot.series.len() > 1 || plot.map {
         out.push_str("<ul class=\"legend\">\n");
         for series in &plot.series {
             let _ = writeln!(out, "<li>{}{}</li>", plot::swatch(series), escape(&series.name));
         }
         out.push_str("</ul>\n");
     }
-    let notes: Vec<String> =
-        [Some(plot.note.clone()), plot.undrawn(), thinned].into_iter().flatten().collect();
+    let notes: Vec<String> = [Some(plot.note.clone()), undrawn, thinned].into_iter().flatten().collect();
     let notes = notes.join(" ");
     if !notes.trim().is_empty() {
-        let _ = writeln!(out, "<p class=\"note\">{}</p>", escape(notes.trim()));
+        let _ = writeln!(out, "<p class=\"note\">{}</p>", prose(notes.trim()));
     }
     let rows: usize = plot.series.iter().map(|series| series.values().count()).sum();
     if rows <= IN_TABLE {
@@ -178,6 +191,12 @@ fn figure(out: &mut String, plot: &Plot) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn code_in_words() {
+        assert_eq!(prose("a `b<` c"), "a <code>b&lt;</code> c");
+        assert_eq!(prose("it`s"), "it`s");
+    }
 
     #[test]
     fn markup_and_control_characters_are_escaped() {

@@ -71,6 +71,17 @@ pub fn probability(p: f64) -> String {
     if p == 0.0 { "below 10⁻³⁰⁰".into() } else { significant(p, 2) }
 }
 
+/// Smallest and largest of the values that are finite.
+pub fn ends(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let finite = values.filter(|value| value.is_finite()).map(|value| [value, value]);
+    finite.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
+}
+
+/// `1 reading`, `2 readings`.
+pub fn counted(count: usize, of: &str) -> String {
+    if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
+}
+
 /// A number to so many decimals; below zero they count tens, hundreds, ….
 pub fn fixed(value: f64, decimals: i32) -> String {
     let text = if decimals >= 0 {

@@ -105,7 +105,7 @@ impl Section {
 
     /// Adds a plot, unless there is nothing to draw.
     pub fn plot(&mut self, plot: Plot) {
-        if plot.series.iter().any(|series| !series.points.is_empty()) {
+        if !plot.series.is_empty() {
             self.items.push(Item::Plot(plot));
         }
     }

@@ -80,9 +80,7 @@ fn plot(out: &mut String, plot: &Plot) {
     let _ = writeln!(out, "\n{} (a plot on the page)", plain(&plot.title));
     for series in &plot.series {
         let span = |values: &mut dyn Iterator<Item = f64>| {
-            let ends = values.filter(|value| value.is_finite()).map(|value| [value, value]);
-            let ends = ends.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-            ends.map_or("nothing".to_string(), |[low, high]| {
+            number::ends(values).map_or("nothing".to_string(), |[low, high]| {
                 format!("{} to {}", number::significant(low, 4), number::significant(high, 4))
             })
         };
@@ -90,9 +88,9 @@ fn plot(out: &mut String, plot: &Plot) {
         let y = span(&mut series.points.iter().map(|point| point.y));
         let _ = writeln!(
             out,
-            "  {}: {} points, {} {x}, {} {y}",
+            "  {}: {}, {} {x}, {} {y}",
             plain(&series.name),
-            series.points.len(),
+            number::counted(series.values().count(), "point"),
             plain(&plot.x.text()),
             plain(&plot.y.text())
         );

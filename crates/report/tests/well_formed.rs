@@ -113,7 +113,10 @@ fn a_hostile_document_is_shown_as_it_is() {
     bare.diagnosis = None;
     let page = report::run(&bare, &Options::default()).expect("a page");
     let html = check("hostile, drawn", &page);
-    assert!(html.contains("No value that can be drawn.") && html.contains("missing or not finite"), "{html}");
+    assert!(
+        html.contains("No value that can be drawn.") && html.contains("Not drawn, missing or not finite"),
+        "{html}"
+    );
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Plots: what is drawn ([`Plot`]), and how it becomes SVG.
 
-use crate::{Cell, Header, Table};
+use crate::{Cell, Header, Table, number};
 
 mod csv;
 mod ellipse;
@@ -112,9 +112,11 @@ impl Plot {
         self
     }
 
-    /// Adds a series.
+    /// Adds a series, unless it has no points.
     pub fn push(&mut self, series: Series) {
-        self.series.push(series);
+        if !series.points.is_empty() {
+            self.series.push(series);
+        }
     }
 }
 
@@ -187,6 +189,7 @@ impl Plot {
         let points = self.series.iter().flat_map(Series::values);
         let count = points.filter(|point| lost(point.x, self.x.log) || lost(point.y, self.y.log)).count();
         let log = if self.x.log || self.y.log { ", or not above zero on a logarithmic axis" } else { "" };
-        (count > 0).then(|| format!("Not drawn: {count} points that are missing or not finite{log}."))
+        (count > 0)
+            .then(|| format!("Not drawn, missing or not finite{log}: {}.", number::counted(count, "point")))
     }
 }

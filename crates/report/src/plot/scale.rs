@@ -1,6 +1,7 @@
 //! From values to places on the drawing.
 
 use super::ticks::{self, Tick};
+use crate::number;
 
 /// A scale: the values from `low` to `high` lie between two places.
 #[derive(Clone, Copy, Debug)]
@@ -17,9 +18,7 @@ pub struct Scale {
 impl Scale {
     /// The scale that holds the values, with a little air; None without a value that it can hold, or where they are too far apart for a number.
     pub fn over(values: impl Iterator<Item = f64>, log: bool) -> Option<Self> {
-        let possible = values.filter(|value| value.is_finite() && (!log || *value > 0.0));
-        let [low, high] =
-            possible.map(|value| [value, value]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])?;
+        let [low, high] = number::ends(values.filter(|value| !log || *value > 0.0))?;
         let [low, high] = if log { [low.log10(), high.log10()] } else { [low, high] };
         let span = high - low;
         if !span.is_finite() {

@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
 use super::{Plot, Point, Series};
+use crate::number;
 
 /// Columns of a drawing in which the lowest and the highest point stand for all.
 const COLUMNS: usize = 400;
@@ -27,23 +28,24 @@ fn thin(series: &mut Series, log: bool) {
         return;
     }
     let along = |point: &Point| if log { point.x.log10() } else { point.x };
-    let drawn = |point: &Point| along(point).is_finite() && point.y.is_finite();
-    let ends = series.points.iter().filter(|point| drawn(point)).map(along);
-    let Some([low, high]) = ends.map(|x| [x, x]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) else {
-        return;
-    };
-    let mut columns: HashMap<usize, [usize; 2]> = HashMap::new();
-    for (row, point) in series.points.iter().enumerate().filter(|(_, point)| drawn(point)) {
+    let Some([low, high]) = number::ends(series.points.iter().map(along)) else { return };
+    // In each column the lowest and the highest row, and the first that is missing: there a line is parted.
+    let mut columns: HashMap<usize, [Option<usize>; 3]> = HashMap::new();
+    for (row, point) in series.points.iter().enumerate().filter(|(_, point)| along(point).is_finite()) {
         let column = ((along(point) - low) / (high - low) * COLUMNS as f64) as usize;
-        let extremes = columns.entry(column.min(COLUMNS - 1)).or_insert([row, row]);
-        if point.y < series.points[extremes[0]].y {
-            extremes[0] = row;
+        let [lowest, highest, missing] = columns.entry(column.min(COLUMNS - 1)).or_default();
+        if !point.y.is_finite() {
+            missing.get_or_insert(row);
+            continue;
         }
-        if point.y > series.points[extremes[1]].y {
-            extremes[1] = row;
+        if lowest.is_none_or(|lowest| point.y < series.points[lowest].y) {
+            *lowest = Some(row);
+        }
+        if highest.is_none_or(|highest| point.y > series.points[highest].y) {
+            *highest = Some(row);
         }
     }
-    let mut rows: Vec<usize> = columns.into_values().flatten().collect();
+    let mut rows: Vec<usize> = columns.into_values().flatten().flatten().collect();
     rows.sort_unstable();
     rows.dedup();
     series.points = rows.into_iter().map(|row| series.points[row]).collect();
@@ -55,15 +57,17 @@ mod tests {
     use crate::plot::{Dimension, Mark};
 
     #[test]
-    fn an_excursion_survives_and_a_short_series_is_left() {
+    fn excursions_and_gaps_survive_and_a_short_series_is_left() {
         let x: Vec<f64> = (0..100_000).map(f64::from).collect();
         let mut y: Vec<f64> = x.iter().map(|x| (x / 500.0).sin()).collect();
         y[54_321] = 40.0;
+        y[30_000..30_500].fill(f64::NAN);
         let mut plot = Plot::new("p", "P", Dimension::linear("t", "s"), Dimension::linear("B", "nT"));
         plot.push(Series::new("long", Mark::Line, 0, &x, &y));
         plot.push(Series::new("short", Mark::Line, 1, &[1.0, 2.0], &[3.0, f64::NAN]));
         let (plot, note) = thinned(plot);
-        assert!(plot.series[0].points.len() <= 2 * COLUMNS);
+        assert!(plot.series[0].points.len() <= 2 * COLUMNS + 3);
+        assert!(plot.series[0].points.iter().any(|point| point.y.is_nan()));
         assert!(plot.series[0].points.iter().any(|point| point.x == 54_321.0 && point.y == 40.0));
         assert_eq!(plot.series[1].points.len(), 2);
         assert!(note.expect("a note").starts_with("Of 100002 rows "));

@@ -3,10 +3,11 @@
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairComparison, ScaleResult};
 
 use super::axes_map;
-use super::common_words::{cells, counted, sentence};
+use super::words::{cells, counted, sentence};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Item, Section, Table, number};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let axes = document.calibration.as_ref()?.axes.as_ref()?;
     let mut section = Section::new("axes", "Directions");
@@ -113,9 +114,7 @@ fn residuals(section: &mut Section, id: &str, axes: &AxesCalibration) {
         let rows = || (0..readings.residual_nt.len()).filter(|row| readings.sensor.get(*row) == Some(&axis));
         let x: Vec<f64> = rows().map(|row| (row + 1) as f64).collect();
         let y: Vec<f64> = rows().map(|row| readings.residual_nt[row]).collect();
-        if !x.is_empty() {
-            plot.push(Series::new(format!("sensor {axis}"), Mark::Points, axis.index(), &x, &y));
-        }
+        plot.push(Series::new(format!("sensor {axis}"), Mark::Points, axis.index(), &x, &y));
     }
     section.plot(plot);
     let mut doubtful = Table::new(

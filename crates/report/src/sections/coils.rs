@@ -2,11 +2,12 @@
 
 use common::Document;
 
-use super::common_words::{counted, led};
 use super::departures;
+use super::words::{counted, led};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let coils = document.calibration.as_ref()?.coils.as_ref()?;
     let mut section = Section::new("coils", "Coils");

@@ -3,13 +3,14 @@
 use common::{Axis, Document, Recording};
 
 use super::clock::Clock;
-use super::common_words::{counted, slug};
+use super::words::{counted, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table};
+use crate::{Cell, Section, Table, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 4;
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("corrected", "Corrected field");
     let mut table = Table::new(
@@ -37,20 +38,20 @@ pub fn section(document: &Document) -> Option<Section> {
     corrected.sort_by_key(|(recording, ..)| std::cmp::Reverse(recording.rows()));
     for (recording, quantity, frame) in &corrected {
         for axis in Axis::ALL {
+            let ends = |column: &[f64]| number::ends(column.iter().copied());
             let Some(field) = recording.axis_column(quantity, axis, "nt") else { continue };
             let std = recording.axis_column(&format!("{quantity}_std"), axis, "nt").unwrap_or_default();
-            let [low, high] = ends(field);
-            let [small, large] = ends(std);
-            let [small, large] =
-                [small, large].map(|std| std.map_or(Cell::Empty, |std| Cell::Figures(std, 2)));
+            let [low, high] = ends(field).map_or([Cell::Empty, Cell::Empty], |ends| ends.map(Cell::Number));
+            let figures = |std| Cell::Figures(std, 2);
+            let [small, large] = ends(std).map_or([Cell::Empty, Cell::Empty], |ends| ends.map(figures));
             table.row([
                 recording.id.as_str().into(),
                 (*frame).into(),
                 axis.letter().into(),
                 field.iter().filter(|value| value.is_finite()).count().into(),
                 recording.rows().into(),
-                low.into(),
-                high.into(),
+                low,
+                high,
                 small,
                 large,
             ]);
@@ -87,29 +88,13 @@ pub fn section(document: &Document) -> Option<Section> {
 fn plot(recording: &Recording, quantity: &str, frame: &str, axis: Axis) -> Option<Plot> {
     let field = recording.axis_column(quantity, axis, "nt")?;
     let std = recording.axis_column(&format!("{quantity}_std"), axis, "nt").unwrap_or_default();
-    let rows: Vec<f64> = (0..field.len()).map(|row| row as f64).collect();
-    let (label, unit, x) = match recording.column("time_s") {
-        Some(time_s) => {
-            let clock = Clock::of(time_s);
-            ("time", clock.unit, clock.times(time_s))
-        }
-        None => ("row", "", rows),
-    };
+    let (along, x) = Clock::axis(recording);
     let mut plot = Plot::new(
         format!("corrected-{}-{}-{axis}", slug(&recording.id), slug(quantity)),
         format!("Field along {axis} in {frame}, {}", recording.id),
-        Dimension::linear(label, unit),
+        along,
         Dimension::linear("field", "nT"),
     );
     plot.push(Series::new("field", Mark::Line, axis.index(), &x, field).with_std(std));
     Some(plot.note("Band: one standard uncertainty; it may be narrower than the line."))
-}
-
-/// Lowest and highest of a column.
-fn ends(column: &[f64]) -> [Option<f64>; 2] {
-    let finite = column.iter().filter(|value| value.is_finite()).map(|value| [*value, *value]);
-    match finite.reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]) {
-        Some([low, high]) => [Some(low), Some(high)],
-        None => [None, None],
-    }
 }

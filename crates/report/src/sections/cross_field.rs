@@ -2,11 +2,12 @@
 
 use common::{Axis, CrossFieldFit, Document};
 
-use super::common_words::led;
 use super::departures;
+use super::words::led;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("cross-field", "Fields across the sensor");
@@ -37,7 +38,7 @@ pub fn section(document: &Document) -> Option<Section> {
         section.warnings.extend(led(&name, &fit.findings));
         for (of, parameters) in [("offset", &fit.offset), ("sensitivity", &fit.sensitivity)] {
             for (key, value) in parameters {
-                let (words, _) = super::common_words::key(key);
+                let (words, _) = super::words::key(key);
                 table.row([name.as_str().into(), of.into(), words.into(), value.into()]);
             }
         }

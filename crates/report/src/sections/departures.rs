@@ -2,7 +2,7 @@
 
 use common::Departure;
 
-use super::common_words::key;
+use super::words::key;
 use crate::{Cell, Table};
 
 /// A table of departures; rows are added by [`add`].

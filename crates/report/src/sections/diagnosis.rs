@@ -3,10 +3,11 @@
 use common::{Diagnosis, Document, ExplainedEffect, ResidualSeries, Verdict};
 
 use super::clock::Clock;
-use super::common_words::{key, rounded, sentence, slug};
+use super::words::{key, rounded, sentence, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let all = document.diagnosis.as_ref().filter(|all| !all.is_empty())?;
     let mut section = Section::new("diagnosis", "Diagnosis");

@@ -4,11 +4,12 @@ use common::{
     Axis, DifferentialCalibration, DifferentialFit, Document, DriftForm, EventInstrument, EventKind,
 };
 
-use super::common_words::{counted, sentence};
+use super::words::{counted, sentence};
 use super::{difference, differential_matrix, fourteen, instruments};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let found = document.calibration.as_ref()?.differential.as_ref()?;
     let mut section = Section::new("differential", "Two magnetometers side by side");

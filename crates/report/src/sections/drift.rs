@@ -2,10 +2,11 @@
 
 use common::{Axis, Document, OffsetDrift};
 
-use super::common_words::led;
+use super::words::led;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("drift", "Drift of the offsets");

@@ -2,11 +2,12 @@
 
 use common::{CoilSurvey, Document, Quantity};
 
-use super::common_words::slug;
+use super::words::slug;
 use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let coils = document.calibration.as_ref()?.coils.as_ref()?;
     let mut section = Section::new("gradients", "Gradients of the coils");

@@ -4,6 +4,7 @@ use common::Document;
 
 use crate::{Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("history", "History");
     section.words.push(

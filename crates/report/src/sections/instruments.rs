@@ -2,7 +2,7 @@
 
 use common::{Axis, DifferentialFit, OwnNoise, PerAxis, ReferenceNoise};
 
-use super::common_words::sentence;
+use super::words::sentence;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
 
@@ -84,10 +84,8 @@ pub fn octaves(section: &mut Section, fit: &DifferentialFit) {
             let x: Vec<f64> = known().map(|(x, ..)| x).collect();
             let y: Vec<f64> = known().map(|(_, y, _)| y).collect();
             let std: Vec<f64> = known().map(|(.., std)| std).collect();
-            if !x.is_empty() {
-                let name = format!("from reference {reference}");
-                plot.push(Series::new(name, Mark::Points, i, &x, &y).with_std(&std));
-            }
+            let name = format!("from reference {reference}");
+            plot.push(Series::new(name, Mark::Points, i, &x, &y).with_std(&std));
         }
         section.plot(plot);
     }

@@ -4,7 +4,6 @@ mod axes;
 mod axes_map;
 mod clock;
 mod coils;
-mod common_words;
 mod corrected;
 mod cross_field;
 mod departures;
@@ -25,6 +24,7 @@ mod sensors;
 mod stated;
 mod temperature;
 mod temperature_loops;
+mod words;
 
 use common::Document;
 use std::collections::HashSet;
@@ -80,8 +80,8 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         if stages.is_empty() { String::new() } else { format!(" It went through {}.", stages.join(", ")) };
     summary.push(format!(
         "The document holds {} with {}.{been}",
-        common_words::counted(document.recordings.len(), "recording"),
-        common_words::counted(rows, "row")
+        words::counted(document.recordings.len(), "recording"),
+        words::counted(rows, "row")
     ));
     let warned: Vec<&Section> = sections.iter().filter(|section| !section.warnings.is_empty()).collect();
     let warnings = warned.iter().map(|section| section.warnings.len()).sum();
@@ -89,7 +89,7 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         let titles: Vec<&str> = warned.iter().map(|section| section.title.as_str()).collect();
         summary.push(format!(
             "{} to read, marked △, under: {}.",
-            common_words::counted(warnings, "finding"),
+            words::counted(warnings, "finding"),
             titles.join(", ")
         ));
     }

@@ -3,9 +3,10 @@
 use common::{AdoptedEffect, Document};
 use serde_json::Value;
 
-use super::common_words::key;
+use super::words::key;
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let effects = &document.model.as_ref()?.effects;
     let mut section = Section::new("model", "Model beyond the line");

@@ -2,11 +2,12 @@
 
 use common::{AllanDeviation, Axis, Document, Quantity, SensorNoise};
 
-use super::common_words::{led, rounded};
 use super::nulling::{add_lines, lines_table};
+use super::words::{led, rounded};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("noise", "Noise");
@@ -135,9 +136,7 @@ fn spectrum(axis: Axis, noise: &SensorNoise) -> Plot {
         }
     }
     plot.push(fit);
-    if !floor.points.is_empty() {
-        plot.push(floor);
-    }
+    plot.push(floor);
     plot
 }
 

@@ -2,10 +2,11 @@
 
 use common::{Axis, Document, SpectralLine};
 
-use super::common_words::{cells, rounded};
+use super::words::{cells, rounded};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let nulling = document.calibration.as_ref()?.nulling.as_ref()?;
     let mut section = Section::new("nulling", "What the nulling leaves");

@@ -4,13 +4,14 @@ use common::{Document, Recording, procedure};
 use std::collections::BTreeMap;
 
 use super::clock::Clock;
-use super::common_words::{counted, key, slug};
+use super::words::{counted, key, slug};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
 use crate::{Section, Table};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("recordings", "Recordings");
     let mut procedures: BTreeMap<&str, [usize; 3]> = BTreeMap::new();
@@ -121,20 +122,13 @@ fn plots(recording: &Recording) -> Vec<Plot> {
             None => units.push((unit, vec![name])),
         }
     }
-    let rows: Vec<f64> = (0..recording.rows()).map(|row| row as f64).collect();
-    let (label, time_unit, x) = match recording.column("time_s") {
-        Some(time_s) => {
-            let clock = Clock::of(time_s);
-            ("time", clock.unit, clock.times(time_s))
-        }
-        None => ("row", "", rows),
-    };
+    let (along, x) = Clock::axis(recording);
     let plot = |(number, (unit, names)): (usize, (String, Vec<&str>))| {
         let words: Vec<String> = names.iter().map(|name| key(name).0).collect();
         let mut plot = Plot::new(
             format!("recording-{}-{}", slug(&recording.id), number + 1),
             format!("{}: {}", recording.id, words.join(", ")),
-            Dimension::linear(label, time_unit),
+            along.clone(),
             Dimension::linear("reading", unit),
         );
         for (style, (name, word)) in names.iter().zip(words).enumerate() {

@@ -2,11 +2,12 @@
 
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
-use super::common_words::{counted, led};
 use super::departures;
+use super::words::{counted, led};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("sensors", "Sensors");
@@ -51,7 +52,7 @@ pub fn section(document: &Document) -> Option<Section> {
         let Some(fit) = fit else { continue };
         section.warnings.extend(led(&name, &fit.findings));
         for (key, budget) in &fit.uncertainty {
-            let (words, unit) = super::common_words::key(key);
+            let (words, unit) = super::words::key(key);
             budgets.row([
                 name.as_str().into(),
                 words.into(),

@@ -4,6 +4,7 @@ use common::{Axis, Document, Noise, NoiseOfSensors};
 
 use crate::{Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let mut section = Section::new("stated", "Instrument and facility");
     let mut table = Table::new("As stated beforehand", [("what", ""), ("value", ""), ("unit", "")]);

@@ -2,10 +2,11 @@
 
 use common::{Document, TemperatureOfPart};
 
-use super::common_words::led;
+use super::words::led;
 use super::{departures, temperature_loops};
 use crate::{Cell, Section, Table};
 
+/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let calibration = document.calibration.as_ref()?;
     let sensors = calibration.sensors.as_ref()?;

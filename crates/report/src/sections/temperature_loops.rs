@@ -2,6 +2,7 @@
 
 use common::{Axis, Quantity, TemperatureFit, TemperatureLevels, TemperatureOfPart};
 
+use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
 
 /// k and O of each run against the temperature that moved in it, as they are and less their fitted curve.
@@ -72,9 +73,8 @@ fn value(quantity: &Option<Quantity>) -> Option<f64> {
 /// The thermometer that moved more, with its column.
 fn moved<'a>(levels: &'a TemperatureLevels, rows: &[usize]) -> (&'static str, &'a [f64]) {
     let span = |column: &[f64]| {
-        let values = rows.iter().filter_map(|row| column.get(*row)).filter(|value| value.is_finite());
-        let ends = values.map(|value| [*value, *value]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)]);
-        ends.map_or(0.0, |[low, high]| high - low)
+        let values = rows.iter().filter_map(|row| column.get(*row).copied());
+        number::ends(values).map_or(0.0, |[low, high]| high - low)
     };
     if span(&levels.electronics_temperature_c) > span(&levels.sensor_temperature_c) {
         ("electronics", &levels.electronics_temperature_c)
@@ -98,9 +98,7 @@ fn branches(mut plot: Plot, branch: &[i8], [x, y, std]: [&[f64]; 3]) -> Plot {
                 .collect()
         };
         let (x, y, std) = (of(x), of(y), of(std));
-        if !x.is_empty() {
-            plot.push(Series::new(name, Mark::Points, style, &x, &y).with_std(&std));
-        }
+        plot.push(Series::new(name, Mark::Points, style, &x, &y).with_std(&std));
     }
     plot
 }

@@ -3,11 +3,7 @@
 use common::{Axis, PerAxis, Quantity};
 
 use crate::Cell;
-
-/// `1 reading`, `2 readings`.
-pub fn counted(count: usize, of: &str) -> String {
-    if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
-}
+pub use crate::number::counted;
 
 /// Words of a stage as a sentence.
 pub fn sentence(words: &str) -> String {
