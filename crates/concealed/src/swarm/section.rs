@@ -25,13 +25,19 @@ pub fn section(flight: &Flight, answer: Option<&Value>) -> String {
         of(true),
         flight.case.truth.noise_nt
     );
-    match answer {
+    match answer.filter(|answer| taken(flight, answer)) {
         Some(answer) => text += &found(flight, answer),
         None => text += "`diagnose` as it is does not take a scalar magnetometer without coils: not run.\n",
     }
     text + "\n**What the scalar residual cannot decide.** |B + d| − |B| is d · B/|B|: the two components across the field are never seen. What is found of them \
             comes from the same Sun's direction being met under other directions of the field, which a near-polar orbit that looks down gives but poorly: the field is in the \
             orbit's plane nearly throughout. Nor can it part what is constant in the Sun from an offset beyond what eclipses show, or say which metal it is.\n"
+}
+
+/// Whether the answer is about the scalar residual: a program that does not know it predicts no field at all.
+fn taken(flight: &Flight, answer: &Value) -> bool {
+    let before = answer["diagnosis"][0]["fit"]["rms_before_nt"].as_f64();
+    before.is_some_and(|before| before < 10.0 * rms(flight.residual.iter().copied()))
 }
 
 fn found(flight: &Flight, answer: &Value) -> String {
