@@ -96,6 +96,7 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         plot: None,
     };
     pair::study(stages, &mut page, &pair)?;
+    page.head("What is named a matrix here is no calibration, and is told so.");
     page.undecided(
         "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration. The set is here \
          because a program must not make it look good.",

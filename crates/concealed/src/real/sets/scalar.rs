@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::Error;
 use crate::real::by_hand::{ByHand, mismatch, plane};
-use crate::real::page::{Page, three};
+use crate::real::page::{self, Page, three};
 use crate::real::plot::{self, Line, Panel};
 use crate::real::series::{Series, mean, rms};
 use crate::real::stages::Stages;
@@ -56,13 +56,19 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         ],
     ];
     let (what, by_hand) = scalar.by_hand;
-    let mut verdict = None;
+    let (mut verdict, mut by_hand_fitted) = (None, f64::NAN);
     if let [Some(fitted), Some(left_out)] = parts.map(|part| by_hand(&scalar.fitted, part, scalar.offset_nt))
     {
         let row = [spread(&fitted, 0.0), spread(&left_out, 0.0), three(mean(left_out.iter().copied()))];
         rows.push(std::iter::once(what.to_string()).chain(row).collect());
         let (unseen, level_alone) = (rms(left_out), rms(before[1].iter().map(|value| value - level)));
         let word = if unseen < level_alone { "better than" } else { "no better than" };
+        page.head(format!(
+            "Left out, rms: level alone {} nT, {what} {} nT.",
+            three(level_alone),
+            three(unseen)
+        ));
+        by_hand_fitted = rms(fitted.iter().copied());
         verdict =
             Some(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
     }
@@ -100,9 +106,15 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         page.say(verdict);
     }
     if let Ok(document) = &answer {
+        let refit = document["diagnosis"][0]["fit"]["rms_refitted_nt"].as_f64().unwrap_or(f64::NAN);
+        page.head(format!("`diagnose` refits to {} nT: {}.", three(refit), page::verdict(document)));
+        if let Some(fault) = fault(refit, rms(before[0].iter().copied()), by_hand_fitted) {
+            page.head(fault);
+            page.say(fault);
+        }
         page.diagnosis(document);
         if after.is_none() {
-            page.say("It writes no other calibration, since it names no effect; what it says of readings left out is its own count.");
+            page.say("It wrote no other calibration: what it says of readings left out is its own count.");
         }
     }
     if let Some(name) = scalar.plot {
@@ -132,6 +144,16 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
     Ok(())
 }
 
+/// What is wrong with a refit, where something is: it is worse than what came, or so much better than plain least squares that only
+/// sensitivities of nothing reach it (k = 0 with an offset as long as the field leaves no residual at all).
+fn fault(refit_nt: f64, before_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
+    if refit_nt > 1.01 * before_nt {
+        return Some("The refit is worse than what came: a fault of the program and no finding.");
+    }
+    let collapsed = refit_nt < 0.1 * by_hand_nt;
+    collapsed.then_some("The refit has switched the instrument off (no sensitivity, an offset as long as the field): a fault of the program and no finding.")
+}
+
 /// Both parts as `correct` has their field by a document's calibration and model, with the scalar beside it.
 fn corrected(
     stages: &Stages,
@@ -148,4 +170,17 @@ fn corrected(
         }
     }
     Ok(<[Series; 2]>::try_from(fields).map_err(|_| "no field was written".to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fault;
+
+    #[test]
+    fn refits_that_cannot_be_right_are_called_so() {
+        assert_eq!(fault(150.0, 2800.0, 154.0), None);
+        assert!(fault(49_091.0, 9906.0, 1180.0).is_some_and(|words| words.contains("worse")));
+        assert!(fault(0.0, 12_894.0, 2964.0).is_some_and(|words| words.contains("switched")));
+        assert_eq!(fault(0.05, 76.0, f64::NAN), None);
+    }
 }
