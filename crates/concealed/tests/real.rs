@@ -62,3 +62,20 @@ fn instruments_that_share_no_field_are_not_made_to_look_good() {
     assert!(own < 0.8, "two fluxgates that felt one field would have 1: {row}");
     assert!(text.contains("the errors have memory"), "{text}");
 }
+
+#[test]
+fn the_page_in_docs_is_of_these_sets_and_its_plots_are_small() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../docs/proof");
+    let page = std::fs::read_to_string(folder.join("real.md")).expect("the page");
+    for set in real::SETS {
+        assert!(page.contains(&format!("\n## {}\n", set.title)), "{}: make the page again", set.title);
+    }
+    assert!(!page.contains("\nNot run: "), "the page was made without some of the recordings");
+    let plots: Vec<&str> =
+        page.lines().filter_map(|line| line.strip_prefix("![")?.split(['(', ')']).nth(1)).collect();
+    assert!(plots.len() >= 5, "{plots:?}");
+    for plot in plots {
+        let bytes = std::fs::metadata(folder.join(plot)).expect(plot).len();
+        assert!((1..60_000).contains(&bytes), "{plot}: {bytes} bytes");
+    }
+}

@@ -138,7 +138,7 @@ pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
         }
     }
     page.undecided(
-        "a dipole's size and place: no effect of the catalogue is a magnet that passes a sensor at a known place, so it may only be described; and below some 10 nT nothing at all, because two empty scans \
+        "the foil's size and place: the catalogue's nearest is a vehicle that passes, a dipole on a straight path, right in form and wrong in name; and below some 10 nT nothing at all, because two empty scans \
          differ by as much: the carriage does not come back to the same place in the gradient.",
     );
     Ok(page)
