@@ -85,7 +85,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     ));
     ask(stages, &mut page, "static", &both)?;
     page.undecided(
-        "whether the slow change of some tens of nT is slow noise, the chip that warms, the current of the board, or something moved indoors: the temperature only falls, with time, and nothing else \
+        "whether the slow change of some tens of nT is slow noise, the chip that warms, the current of the board, or something moved indoors: the temperature falls as time goes on, and nothing else \
          measures the field.",
     );
     Ok(page)
