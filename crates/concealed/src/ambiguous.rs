@@ -61,10 +61,7 @@ fn rising(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
 
 fn slow_loop(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
     let campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
-    let single = kinds::ALL.iter().find(|single| single.name == "loop_bandwidth");
-    let effect = single.map(|single| (single.make)(&campaign, draw));
-    let effect =
-        effect.unwrap_or_else(|| Effect::new("nothing", Vec::new(), Arc::new(|_, plain, _| plain.clone())));
+    let effect = kinds::second_order_loop(&campaign, draw);
     (campaign, effect)
 }
 

@@ -34,7 +34,7 @@ pub struct TrueEffect {
 pub struct Truth {
     /// The case.
     pub case: String,
-    /// `clean`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm` or `pillar`.
+    /// `clean`, `old`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm` or `pillar`.
     pub set: String,
     /// The seed of the set.
     pub seed: u64,
@@ -93,26 +93,19 @@ pub struct Labels {
     pub strength: f64,
     /// The length of the design.
     pub length: &'static str,
-    /// Whether the noise is older than the recordings.
-    pub old_noise: bool,
-}
-
-impl Labels {
-    fn noise_series(&self, noise: Noise, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
-        if self.old_noise { noise.of_old(rows, step_s, draw) } else { noise.series(rows, step_s, draw) }
-    }
 }
 
 /// Ways that noise is made of, total rms about 0.3 nT: white, f^−1, f^−1.5.
 pub fn noise_of(draw: &mut Draw, step_s: f64) -> Noise {
     let size = draw.between(0.2, 0.4);
     match draw.below(3) {
-        0 => Noise { white_nt: size, flicker_nt2_per_hz: 0.0, exponent: 1.0 },
+        0 => Noise { white_nt: size, flicker_nt2_per_hz: 0.0, exponent: 1.0, old: false },
         1 => flicker(draw),
         _ => Noise {
             white_nt: 0.85 * size,
             flicker_nt2_per_hz: 0.009 * size * size / step_s.sqrt(),
             exponent: 1.5,
+            old: false,
         },
     }
 }
@@ -120,7 +113,7 @@ pub fn noise_of(draw: &mut Draw, step_s: f64) -> Noise {
 /// White noise with flicker noise of f^−1: of some hundred readings it has the variance A ln n, about 6 A, whatever the step.
 pub fn flicker(draw: &mut Draw) -> Noise {
     let size = draw.between(0.2, 0.4);
-    Noise { white_nt: 0.85 * size, flicker_nt2_per_hz: 0.03 * size * size, exponent: 1.0 }
+    Noise { white_nt: 0.85 * size, flicker_nt2_per_hz: 0.03 * size * size, exponent: 1.0, old: false }
 }
 
 /// The size at which `strength` times the noise is left of an effect after the basic model is fitted.
@@ -149,7 +142,7 @@ pub fn make(
     let mut readings = plain.clone();
     let mut drawn: Readings = Vec::new();
     for (run, readings) in campaign.runs.iter().zip(&mut readings) {
-        let of_run = [0; 3].map(|_| labels.noise_series(noise, run.times.len(), run.step_s(), draw));
+        let of_run = [0; 3].map(|_| noise.series(run.times.len(), run.step_s(), draw));
         readings.iter_mut().zip(&of_run).for_each(|(column, noise)| add(column, noise));
         drawn.push(of_run);
     }

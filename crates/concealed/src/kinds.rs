@@ -7,6 +7,8 @@ mod facility;
 mod pair;
 mod sensor;
 
+pub use electronics::second_order_loop;
+
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::scene::{Campaign, Kind};

@@ -13,17 +13,24 @@ pub struct Noise {
     pub flicker_nt2_per_hz: f64,
     /// Its exponent α: P(f) = A f^−α.
     pub exponent: f64,
+    /// Whether it began long before the recording.
+    pub old: bool,
 }
 
 /// Sines to each line of the record's own Fourier series.
 const FINER: usize = 8;
 
 impl Noise {
-    /// `rows` readings at a step, nT, as documents declare noise: P(f) = A f^−α down to one over the record's length, and nothing below.
+    /// `rows` readings at a step, nT.
+    pub fn series(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
+        if self.old { self.of_old(rows, step_s, draw) } else { self.of_record(rows, step_s, draw) }
+    }
+
+    /// As documents declare noise: P(f) = A f^−α down to one over the record's length, and nothing below.
     ///
     /// A sum of sines of normal amplitudes, [`FINER`] times as dense as the record's Fourier series and not on it: the noise neither repeats
     /// nor closes on itself.
-    pub fn series(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
+    fn of_record(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
         let mut series = self.white(rows, draw);
         if self.flicker_nt2_per_hz <= 0.0 {
             return series;
@@ -52,7 +59,7 @@ impl Noise {
     /// ```
     ///
     /// Source: Kasdin 1995, Discrete simulation of colored noise, Proc. IEEE 83, 802.
-    pub fn of_old(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
+    fn of_old(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
         let half = self.exponent / 2.0;
         let past = (FINER - 1) * rows;
         let mut weights = vec![1.0; past + rows];
@@ -81,8 +88,8 @@ mod tests {
     /// The mean of many periodograms has the stated density in the middle of the band, whichever way it is made.
     #[test]
     fn the_density_is_the_stated_one() {
-        let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.0 };
-        for make in [Noise::series, Noise::of_old] {
+        let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.0, old: false };
+        for make in [Noise::of_record, Noise::of_old] {
             let (rows, step) = (128_usize, 2.0);
             let mut draw = Draw::new("density", 1);
             let mut density = [0.0; 3];
@@ -111,13 +118,13 @@ mod tests {
     /// Below one over the record's length there is nothing in the one, and much in the other: the means of records tell.
     #[test]
     fn levels_wander_in_old_noise_alone() {
-        let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.5 };
+        let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.5, old: false };
         let mut draw = Draw::new("levels", 1);
         let mut level = |make: fn(&Noise, usize, f64, &mut Draw) -> Vec<f64>| {
             let mean = |_| make(&noise, 100, 2.0, &mut draw).iter().sum::<f64>() / 100.0;
             (0..200).map(mean).map(|mean: f64| mean * mean).sum::<f64>() / 200.0
         };
-        let (declared, old) = (level(Noise::series), level(Noise::of_old));
+        let (declared, old) = (level(Noise::of_record), level(Noise::of_old));
         assert!(old > 5.0 * declared, "{old} {declared}");
     }
 }

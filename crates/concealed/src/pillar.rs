@@ -39,7 +39,7 @@ pub fn month(seed: u64) -> Case {
     let (slope, inflection, width) = (draw.between(0.35, 0.6), draw.between(17.0, 19.0), 3.0);
     let late = draw.sign() * draw.between(3.0, 7.0);
     let (height, at) = (draw.sign() * draw.between(0.6, 1.0), draw.between(0.4, 0.7) * times[count - 1]);
-    let noise = Noise { white_nt: 0.04, flicker_nt2_per_hz: 2e-4, exponent: 1.0 };
+    let noise = Noise { white_nt: 0.04, flicker_nt2_per_hz: 2e-4, exponent: 1.0, old: false };
     let warmed = |t: f64| slope * (((temperature(t) - inflection).powi(2) + width * width).sqrt() - width);
 
     let mut columns = Map::new();

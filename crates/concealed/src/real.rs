@@ -37,32 +37,34 @@ pub struct Arguments {
     /// Where the stages' programs are; absent: beside this one
     #[arg(long, value_name = "FOLDER")]
     pub programs: Option<PathBuf>,
-    /// Where plots go; absent: none are written
-    #[arg(long, value_name = "FOLDER")]
-    pub plots: Option<PathBuf>,
-    /// Write to this file instead of standard output
+    /// Write to this file, with its plots beside it, instead of standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
 }
 
-/// Runs the sets and writes their section of the page.
+/// Runs the sets and writes their page.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let programs = Programs::find(arguments.programs.as_deref())?;
-    let text = section(&arguments.data, programs, arguments.name.as_deref(), arguments.plots.as_deref())?;
+    let (text, plots) = page(&arguments.data, programs, arguments.name.as_deref())?;
+    if let Some(folder) = arguments.output.as_deref().and_then(Path::parent).filter(|f| *f != Path::new("")) {
+        fs::create_dir_all(folder).map_err(|source| Error::file(folder, "written", source))?;
+    }
+    for (name, svg) in arguments.output.iter().flat_map(|_| &plots) {
+        let path = arguments.output.as_deref().unwrap_or(Path::new("")).with_file_name(name);
+        pipe::write(Some(&path), svg)?;
+    }
     Ok(pipe::write(arguments.output.as_deref(), &text)?)
 }
 
-/// The section on real recordings, as markdown; plots go to the folder `plots` under the names by which the section shows them
-/// (`proof/….svg`). The same recordings and programs give the same bytes.
+/// The page on real recordings, as markdown, with its plots by file name. The same recordings and programs give the same bytes.
 ///
 /// # Errors
 /// A name that no set has, a file of a set that is missing, a program that is missing. That a stage refuses is a finding.
-pub fn section(
+pub fn page(
     data: &Path,
     programs: Programs,
     name: Option<&str>,
-    plots: Option<&Path>,
-) -> Result<String, Error> {
+) -> Result<(String, Vec<(String, String)>), Error> {
     let sets: Vec<&Set> = SETS.iter().filter(|set| name.is_none_or(|name| name == set.name)).collect();
     if sets.is_empty() {
         let names: Vec<&str> = SETS.iter().map(|set| set.name).collect();
@@ -74,28 +76,26 @@ pub fn section(
         if data.join(set.folder).is_dir() { (set.run)(&stages).map(Some) } else { Ok(None) }
     };
     let pages = sets.par_iter().map(found).collect::<Result<Vec<_>, Error>>()?;
-    let mut text = INTRODUCTION.to_string();
+    let mut top = Page { text: INTRODUCTION.to_string(), ..Page::default() };
+    let headline = |page: &Option<Page>| page.as_ref().map_or("not run".into(), |page| page.headline.clone());
+    let heads = sets.iter().zip(&pages).map(|(set, page)| vec![set.title.to_string(), headline(page)]);
+    top.table(&["asked", "found"], &heads.collect::<Vec<_>>());
     for (set, page) in sets.iter().zip(&pages) {
-        text += &format!("### {}\n\n", set.title);
+        top.text += &format!("## {}\n\n", set.title);
         match page {
             Some(page) => {
-                text += &format!("{}Source: {}. `concealed real {}`\n\n", page.text, set.source, set.name)
+                top.say(format!("{}Source: {}. `concealed real {}`", page.text, set.source, set.name))
             }
-            None => text += &format!("Not run: no folder `{}` with the recordings.\n\n", set.folder),
+            None => top.say(format!("Not run: no folder `{}` with the recordings.", set.folder)),
         }
     }
-    if let Some(folder) = plots {
-        fs::create_dir_all(folder).map_err(|source| Error::file(folder, "written", source))?;
-        for (name, svg) in pages.iter().flatten().flat_map(|page| &page.plots) {
-            pipe::write(Some(&folder.join(name)), svg)?;
-        }
-    }
-    Ok(text.trim_end().to_string() + "\n")
+    let plots = pages.into_iter().flatten().flat_map(|page| page.plots).collect();
+    Ok((top.text.trim_end().to_string() + "\n", plots))
 }
 
-const INTRODUCTION: &str = "## Real recordings
+const INTRODUCTION: &str = "# Real recordings
 
-Recorded by others, and not in this repository; each set goes through the programs as they are shipped. Fitted is one part; the other is
+This page is made by `cargo run --release -p concealed -- real -o docs/proof/real.md` and not by hand. Recorded by others, and not in this repository; each set goes through the programs as they are shipped. Fitted is one part; the other is
 predicted without having been seen. *Levels alone* is what is known without any fit: axes and scales alike, mean levels of the fitted part.
 ± are standard uncertainties.
 

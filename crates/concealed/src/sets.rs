@@ -7,6 +7,7 @@ use crate::ambiguous;
 use crate::case::{self, Case, Concealed, Labels};
 use crate::draw::Draw;
 use crate::kinds::{self, Single};
+use crate::noise::Noise;
 use crate::outside;
 use crate::scene::Kind;
 use crate::scenes::{self, Length};
@@ -90,7 +91,6 @@ impl Set {
             number,
             strength,
             length: length.word(),
-            old_noise: self == Set::Old,
         }
     }
 }
@@ -112,7 +112,8 @@ fn clean(set: Set, seed: u64, number: usize, draw: &mut Draw) -> Case {
     let campaign =
         scenes::campaign(kinds[number % kinds.len()], length, number.is_multiple_of(2), None, draw);
     let step_s = campaign.runs[0].step_s();
-    let noise = if set == Set::Old { case::flicker(draw) } else { case::noise_of(draw, step_s) };
+    let old = |draw| Noise { old: true, ..case::flicker(draw) };
+    let noise = if set == Set::Old { old(draw) } else { case::noise_of(draw, step_s) };
     case::make(&campaign, noise, Vec::new(), set.labels(seed, number, 0.0, length), draw)
 }
 

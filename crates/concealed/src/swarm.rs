@@ -143,7 +143,7 @@ pub fn flight(seed: u64) -> Flight {
         effects: vec![TrueEffect {
             name: "sun_thermoelectric".into(),
             physics: "a vector in the body, spherical harmonics to degree 3 of the Sun's direction, zero in eclipse".into(),
-            accepted: vec!["sun_thermoelectric".into()],
+            accepted: vec!["sun_thermoelectric".into(), "sun_thermoelectric_harmonics".into()],
             sensors: Vec::new(),
             parameters: Map::from_iter([(
                 "terms_nt".to_string(),

@@ -41,5 +41,6 @@ pub fn sun(_: &Campaign, draw: &mut Draw) -> Effect {
         let field = plates::field(&plates, |t| scenes::sun(run, t), &run.times, tau, 20.0 * tau);
         field.into_iter().map(|b| Vector3::from(b) * size).collect()
     });
-    Effect::new("twelve plates that the Sun warms", vec!["sun_thermoelectric".into()], act)
+    let accepted = vec!["sun_thermoelectric".into(), "sun_thermoelectric_harmonics".into()];
+    Effect::new("twelve plates that the Sun warms", accepted, act)
 }

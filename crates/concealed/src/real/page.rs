@@ -5,6 +5,8 @@ use serde_json::Value;
 /// A part of the page.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
+    /// The finding in a sentence.
+    pub headline: String,
     /// Markdown.
     pub text: String,
     /// Plots by file name.
@@ -16,6 +18,12 @@ impl Page {
     pub fn say(&mut self, words: impl AsRef<str>) {
         self.text += words.as_ref();
         self.text += "\n\n";
+    }
+
+    /// A sentence for the top of the page.
+    pub fn head(&mut self, words: impl AsRef<str>) {
+        let space = if self.headline.is_empty() { "" } else { " " };
+        self.headline += &format!("{space}{}", words.as_ref());
     }
 
     /// A list.
@@ -37,7 +45,7 @@ impl Page {
 
     /// A plot, in a file of that name.
     pub fn plot(&mut self, file: &str, svg: String, words: &str) {
-        self.say(format!("![{words}](proof/{file})"));
+        self.say(format!("![{words}]({file})"));
         self.plots.push((file.into(), svg));
     }
 
@@ -58,8 +66,9 @@ impl Page {
         let fit = |key: &str| entry["fit"][key].as_f64().map_or("unknown".into(), three);
         let verdict = entry["verdict"].as_str().unwrap_or("nothing");
         self.say(format!(
-            "`diagnose`: **{verdict}**. rms {} nT as it came, {} with the calibration fitted again, {} with what was found; readings left \
+            "`diagnose`: **{}**. rms {} nT as it came, {} with the calibration fitted again, {} with what was found; readings left \
              out (six parts) {} before and {} after; noise {} nT ({}).",
+            verdict.replace('_', " "),
             fit("rms_before_nt"),
             fit("rms_refitted_nt"),
             fit("rms_after_nt"),
@@ -69,7 +78,10 @@ impl Page {
             entry["fit"]["noise_source"].as_str().unwrap_or("source unknown"),
         ));
         let mut items: Vec<String> = array(&entry["effects"]).map(effect).collect();
-        items.extend(array(&entry["ambiguity"]).map(|set| format!("does as well: {}", plain(set))));
+        let equals: Vec<String> = array(&entry["ambiguity"]).map(plain).collect();
+        if !equals.is_empty() {
+            items.push(format!("told as equals: {}", equals.join("; ")));
+        }
         if let Some(left) = entry["remaining"]["structure"].as_str().filter(|left| !left.is_empty()) {
             items.push(format!("left: {left}"));
         }
@@ -82,6 +94,15 @@ impl Page {
             self.list(items);
         }
     }
+}
+
+/// The verdict of diagnose with what it names, in a few words.
+pub fn verdict(document: &Value) -> String {
+    let entry = &document["diagnosis"][0];
+    let names: Vec<&str> = array(&entry["effects"]).filter_map(|effect| effect["effect"].as_str()).collect();
+    let verdict = entry["verdict"].as_str().unwrap_or("nothing");
+    let verdict = verdict.replace('_', " ");
+    if names.is_empty() { verdict } else { format!("{verdict} ({})", names.join(", ")) }
 }
 
 /// An effect that was named, in a line.

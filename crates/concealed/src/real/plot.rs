@@ -51,19 +51,19 @@ pub fn thin(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
     thinned
 }
 
-/// The range of values, a little widened.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+/// The range of values, widened by a share of it.
+fn range(share: f64, values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (low, high) = values
         .filter(|value| value.is_finite())
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
-    let margin = if high > low { 0.04 * (high - low) } else { 1.0 };
+    let margin = if high > low { share * (high - low) } else { 1.0 };
     (low - margin, high + margin)
 }
 
 /// A plot: `x` says what x is, with its unit; `from_x` marks where the part begins that was left out of the fit.
 pub fn svg(title: &str, x: &str, panels: &[Panel], from_x: Option<f64>) -> String {
     let all = || panels.iter().flat_map(|panel| &panel.lines);
-    let (left, right) = range(all().flat_map(|line| line.points.iter().map(|point| point.0)));
+    let (left, right) = range(0.0, all().flat_map(|line| line.points.iter().map(|point| point.0)));
     let height = TOP + PANEL * panels.len() as f64 + BOTTOM;
     let at_x = |value: f64| LEFT + (value - left) / (right - left) * (WIDTH - LEFT - 10.0);
     let mut svg = format!(
@@ -73,7 +73,8 @@ pub fn svg(title: &str, x: &str, panels: &[Panel], from_x: Option<f64>) -> Strin
     let mut put = |text: String| svg.push_str(&text);
     for (number, panel) in panels.iter().enumerate() {
         let top = TOP + PANEL * number as f64;
-        let (low, high) = range(panel.lines.iter().flat_map(|line| line.points.iter().map(|point| point.1)));
+        let (low, high) =
+            range(0.04, panel.lines.iter().flat_map(|line| line.points.iter().map(|point| point.1)));
         let at_y = |value: f64| top + PANEL - 16.0 - (value - low) / (high - low) * (PANEL - 24.0);
         put(format!(
             "<rect x=\"{LEFT}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" stroke=\"#ccc\"/>\n\
@@ -120,7 +121,7 @@ pub fn svg(title: &str, x: &str, panels: &[Panel], from_x: Option<f64>) -> Strin
     for (number, (line, colour)) in labels.iter().zip(COLOURS).enumerate() {
         put(format!(
             "<text x=\"{:.1}\" y=\"{:.1}\" fill=\"{colour}\">{}</text>\n",
-            LEFT + 220.0 * number as f64,
+            LEFT + 235.0 * number as f64,
             bottom + 18.0,
             line.label
         ));

@@ -79,6 +79,11 @@ impl Series {
         Self { columns, ..*self }
     }
 
+    /// Every so many-th row: an instrument that turns must not be averaged.
+    pub fn every(&self, number: usize) -> Self {
+        self.filter(|row| row % number == 0)
+    }
+
     /// The rows with every reading there.
     pub fn complete(&self) -> Self {
         self.filter(|row| self.columns.values().all(|values| values[row].is_finite()))
@@ -217,6 +222,7 @@ mod tests {
         let means = all.means(3.0);
         assert_eq!(means.column("time_s"), [1.5, 7.5]);
         assert_eq!(means.column("sensor_x_nt"), [2.0, 7.0]);
+        assert_eq!(all.every(3).column("sensor_x_nt"), [1.0, 4.0, 7.0]);
     }
 
     #[test]

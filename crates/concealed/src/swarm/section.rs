@@ -25,13 +25,19 @@ pub fn section(flight: &Flight, answer: Option<&Value>) -> String {
         of(true),
         flight.case.truth.noise_nt
     );
-    match answer {
+    match answer.filter(|answer| taken(flight, answer)) {
         Some(answer) => text += &found(flight, answer),
         None => text += "`diagnose` as it is does not take a scalar magnetometer without coils: not run.\n",
     }
     text + "\n**What the scalar residual cannot decide.** |B + d| − |B| is d · B/|B|: the two components across the field are never seen. What is found of them \
             comes from the same Sun's direction being met under other directions of the field, which a near-polar orbit that looks down gives but poorly: the field is in the \
-            orbit's plane nearly throughout. Nor can it part what is constant in the Sun from an offset beyond what eclipses show, or say which metal it is.\n"
+            orbit's plane nearly throughout. So coefficients are not known one by one, however well their sum along the field is. Nor can it part what is constant in the Sun from an offset beyond what eclipses show, or say which metal it is.\n"
+}
+
+/// Whether the answer is about the scalar residual: a program that does not know it predicts no field at all.
+fn taken(flight: &Flight, answer: &Value) -> bool {
+    let before = answer["diagnosis"][0]["fit"]["rms_before_nt"].as_f64();
+    before.is_some_and(|before| before < 10.0 * rms(flight.residual.iter().copied()))
 }
 
 fn found(flight: &Flight, answer: &Value) -> String {
@@ -51,7 +57,7 @@ fn found(flight: &Flight, answer: &Value) -> String {
         .take(6)
         .collect();
     let none = |list: Vec<&str>| if list.is_empty() { "nothing".to_string() } else { list.join("; ") };
-    format!(
+    let mut text = format!(
         "| | |\n| --- | --- |\n| verdict | {} |\n| named | {} |\n| where | {} |\n| scalar residual as it came | {:.3} nT |\n| with the calibration fitted again | {:.3} nT |\n\
          | with what was found | {:.3} nT |\n| readings left out | {:.3} nT |\n| noise drawn | {:.3} nT |\n",
         entry["verdict"].as_str().unwrap_or("none").replace('_', " "),
@@ -62,5 +68,23 @@ fn found(flight: &Flight, answer: &Value) -> String {
         fit("rms_after_nt"),
         fit("held_out_after_nt"),
         flight.case.truth.noise_nt
-    )
+    );
+    let mut shares = entry["energy"].as_array().into_iter().flatten();
+    let in_eclipse = shares.find(|part| part["by"] == "eclipse" && part["range"][0] == 1.0);
+    if let Some(share) = in_eclipse.and_then(|part| part["share"].as_f64()) {
+        text += &format!("| share of the difference that lies in eclipse | {:.0} % |\n", 100.0 * share.abs());
+    }
+    let effects = entry["effects"].as_array().into_iter().flatten();
+    let mut stds: Vec<f64> = effects
+        .filter_map(|effect| effect["parameters"].as_object())
+        .flat_map(|parameters| parameters.values().filter_map(|found| found["std"].as_f64()))
+        .collect();
+    stds.sort_by(f64::total_cmp);
+    if let (Some(least), Some(most)) = (stds.first(), stds.last()) {
+        text += &format!(
+            "| standard uncertainties of its {} coefficients | {least:.2} to {most:.1} nT |\n",
+            stds.len()
+        );
+    }
+    text
 }

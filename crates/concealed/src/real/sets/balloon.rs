@@ -4,7 +4,7 @@ use serde_json::json;
 
 use crate::Error;
 use crate::real::affine::{least_squares, rms_of_each};
-use crate::real::page::{Page, three};
+use crate::real::page::{Page, three, verdict};
 use crate::real::series::{Series, length};
 use crate::real::split::Split;
 use crate::real::stages::Stages;
@@ -22,9 +22,9 @@ type Follows = (&'static str, fn(&Series) -> Vec<Vec<f64>>);
 
 const EXPLANATIONS: [Follows; 4] = [
     ("the matrix alone", |_| Vec::new()),
-    ("and the temperature, a line", |s| vec![s.column("sensor_temperature_c").to_vec()]),
-    ("and the time, a line", |s| vec![hours(s)]),
-    ("and the time, a parabola", |s| vec![hours(s), hours(s).iter().map(|h| h * h).collect()]),
+    ("with a line in the temperature", |s| vec![s.column("sensor_temperature_c").to_vec()]),
+    ("with a line in the time", |s| vec![hours(s)]),
+    ("with a parabola in the time", |s| vec![hours(s), hours(s).iter().map(|h| h * h).collect()]),
 ];
 
 fn hours(series: &Series) -> Vec<f64> {
@@ -60,6 +60,7 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         three(coldest_c),
         three(temperature[temperature.len() - 1]),
     ));
+    page.head("Left out, rms of x; y; z in nT:");
     let mut rows = Vec::new();
     let mut slopes = String::new();
     for (what, further) in EXPLANATIONS {
@@ -81,8 +82,9 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
             rms_of_each(&(0..part.rows()).map(residual).collect::<Vec<_>>())
         };
         let each = |part: &Series| left(part).map(three).join("; ");
+        page.head(format!("{what} {};", each(&split.left_out)));
         rows.push(vec![what.to_string(), each(&split.fitted), each(&split.left_out)]);
-        if what.ends_with("temperature, a line") {
+        if what.ends_with("temperature") {
             slopes = coefficients
                 .iter()
                 .filter_map(|c| c.last())
@@ -100,7 +102,10 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
     let answer =
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {
-        Ok(document) => page.diagnosis(&document),
+        Ok(document) => {
+            page.head(format!("`diagnose` {}.", verdict(&document)));
+            page.diagnosis(&document);
+        }
         Err(words) => page.refused("diagnose", &words),
     }
     page.undecided(

@@ -52,6 +52,10 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
                 })
                 .collect();
             page.table(&["", "from H", "E", "Z"], &rows);
+            page.head(format!(
+                "The survey's matrix comes back; what was left out is met to {} nT, the rounding.",
+                left(&split.left_out)
+            ));
             page.say(format!(
                 "Left (rms of x; y; z): {} nT in the first half, {} nT in the second, which was left out; two roundings make {PRINTED_NT}.",
                 left(&split.fitted),

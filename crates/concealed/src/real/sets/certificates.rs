@@ -10,6 +10,9 @@ use crate::real::stages::Stages;
 /// Field in which an angle is told as nT.
 const FIELD_NT: f64 = 50_000.0;
 
+/// What rounding a resistor to 0.1 kohm and a scale to 0.1 nT/V makes at most.
+const ROUNDING_NT_PER_V: f64 = 1.5;
+
 /// The figures of a certificate's table by name.
 fn figures(text: &str) -> BTreeMap<String, f64> {
     let cells = |line: &str| -> Vec<String> {
@@ -33,6 +36,7 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
     page.say(
         "No recordings: coil constants, angles and resistors as the makers measured them. The scale in nT/V is the coil's constant over the resistor; where a certificate prints it, the two are compared.",
     );
+    let (mut compared, mut agree) = (0, 0);
     let (mut scales, mut angles, mut largest) = (Vec::new(), Vec::new(), 0.0_f64);
     for path in stages.files("geonet-fge-constants", ".const.md")? {
         let text = fs::read_to_string(&path).map_err(|source| Error::file(&path, "read", source))?;
@@ -42,6 +46,8 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         for axis in ["X", "Y", "Z"] {
             let Some(own) = scale_nt_per_v(&figures, axis) else { continue };
             let printed = figures.get(&format!("{axis}-scale"));
+            compared += usize::from(printed.is_some());
+            agree += usize::from(printed.is_some_and(|printed| (printed - own).abs() <= ROUNDING_NT_PER_V));
             let apart = printed.map_or("".into(), |printed| {
                 format!("{:+.1}", (10.0 * (printed - own)).round() / 10.0 + 0.0)
             });
@@ -56,6 +62,9 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         largest = all.iter().fold(largest, |largest, mrad| largest.max(mrad.abs()));
         angles.push(vec![name, all.iter().map(|mrad| format!("{mrad}")).collect::<Vec<_>>().join(", ")]);
     }
+    page.head(format!(
+        "Of {compared} printed scales {agree} agree with the coil's constant over the resistor."
+    ));
     page.table(&["instrument", "coil over resistor, nT/V", "printed, nT/V", "apart, nT/V"], &scales);
     page.table(&["instrument", "ε0 to ε4, mrad"], &angles);
     page.say(format!(

@@ -1,9 +1,9 @@
 //! Fluxgates beside coils and magnets.
 
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::Error;
-use crate::real::page::{Page, plus_minus, three};
+use crate::real::page::{Page, array, plus_minus, three, verdict};
 use crate::real::series::{Series, mean, rms};
 use crate::real::stages::Stages;
 
@@ -67,13 +67,23 @@ pub fn square_wave(stages: &Stages) -> Result<Page, Error> {
     let coil = json!({"calibration": {"coils": {"z": {"constant_nt_per_a": 3000.0}}}});
     let with_noise =
         json!({"calibration": coil["calibration"], "instrument": {"noise": {"white_rms_nt": NOISE_NT}}});
-    for (what, given) in [
-        ("With a scatter of 5 nT declared:".to_string(), with_noise),
-        ("Without any noise declared:".to_string(), coil),
-    ] {
+    for (what, given) in
+        [("With a scatter of 5 nT declared:", with_noise), ("Without any noise declared:", coil)]
+    {
         page.say(what);
         match stages.stage("diagnose", &[], vec![driven.recording("square", "free_run")], &given)? {
-            Ok(document) => page.diagnosis(&document),
+            Ok(document) => {
+                let first = |effect: &&Value| {
+                    let time = &effect["parameters"]["time_s"];
+                    effect["effect"] == "spike" && time.as_f64().or(time["value"].as_f64()) == Some(0.0)
+                };
+                let found = array(&document["diagnosis"][0]["effects"]).filter(first).count();
+                page.head(format!(
+                    "{what} the known artefact of the first row is found in {found} of three axes; {}.",
+                    verdict(&document)
+                ));
+                page.diagnosis(&document);
+            }
             Err(words) => page.refused("diagnose", &words),
         }
     }
@@ -120,12 +130,15 @@ pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
         let scan = scan.with("position_m", empty.column("position_m").to_vec());
         let recordings = |series: &Series| vec![series.recording("scan", "free_run")];
         match stages.against(recordings(&scan), recordings(&empty))? {
-            Ok(document) => page.diagnosis(&document),
+            Ok(document) => {
+                page.head(format!("{what} {}.", verdict(&document)));
+                page.diagnosis(&document);
+            }
             Err(words) => page.refused("diagnose", &words),
         }
     }
     page.undecided(
-        "a dipole's size and place: no effect of the catalogue is a magnet that passes a sensor at a known place, so it may only be described; and below some 10 nT nothing at all, because two empty scans \
+        "the foil's size and place: the catalogue's nearest is a vehicle that passes, a dipole on a straight path, right in form and wrong in name; and below some 10 nT nothing at all, because two empty scans \
          differ by as much: the carriage does not come back to the same place in the gradient.",
     );
     Ok(page)

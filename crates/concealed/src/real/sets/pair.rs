@@ -47,6 +47,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
         Ok(document) => document,
         Err(words) => {
             page.refused("diffmag", &words);
+            page.head("`diffmag` refuses.");
             return Ok(None);
         }
     };
@@ -75,6 +76,12 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
         ],
     );
     let (alone, with) = (scatter_of_each(&unseen_raw), scatter_of_each(&unseen));
+    let each = |values: [f64; 3]| values.map(three).join("; ");
+    page.head(format!(
+        "Of {left_out_part}, unseen, the matrix of {fitted_part} leaves {} nT (x; y; z, scatter); levels alone {}.",
+        each(with),
+        each(alone)
+    ));
     let worse: Vec<&str> = (0..3).filter(|k| with[*k] >= alone[*k]).map(|k| AXES[k]).collect();
     page.say(match worse.as_slice() {
         [] => "The matrix predicts what was left out better than levels alone in every axis.".to_string(),

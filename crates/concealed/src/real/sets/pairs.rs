@@ -2,8 +2,9 @@
 
 use super::pair::{self, Pair};
 use crate::Error;
-use crate::real::page::Page;
-use crate::real::series::Series;
+use crate::real::affine::Affine;
+use crate::real::page::{Page, three};
+use crate::real::series::{Series, length};
 use crate::real::split::{Split, longest_part};
 use crate::real::stages::Stages;
 
@@ -95,10 +96,17 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         correct_clock: false,
         plot: None,
     };
-    pair::study(stages, &mut page, &pair)?;
+    let document = pair::study(stages, &mut page, &pair)?;
+    if let Some(found) = document.as_ref().and_then(Affine::found) {
+        let lengths = [0, 1, 2].map(|j| three(length([0, 1, 2].map(|i| found.matrix[i][j]))));
+        page.head(format!(
+            "A test axis is {} (x; y; z) of the reference's field, where instruments in one field have 1: no calibration.",
+            lengths.join("; ")
+        ));
+    }
     page.undecided(
-        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration. The set is here \
-         because a program must not make it look good.",
+        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration, however well it predicts the next minutes. From the first two thirds \
+         alone `diffmag` does not say so; over the whole run it does ([diffmag.md](../diffmag.md)).",
     );
     Ok(page)
 }

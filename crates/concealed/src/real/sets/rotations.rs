@@ -57,17 +57,19 @@ fn study(
 pub fn marg(stages: &Stages) -> Result<Page, Error> {
     let read = |name: &str| {
         let file = stages.file(&format!("marg-hmc5883l-sunsided/{name}"))?;
-        Ok::<_, Error>(stages.ingest(&[file], Some(MARG))?.means_of_all(0.1))
+        Ok::<_, Error>(stages.ingest(&[file], Some(MARG))?.every(8))
     };
     let mut page = Page::default();
     page.say(
-        "Means of a tenth of a second. Nothing measured the size of the field: it is set to the mean that the readings have about the middle of their ranges, so that scales are relative. \
+        "Every eighth reading. Nothing measured the size of the field: it is set to the mean that the readings have about the middle of their ranges, so that scales are relative. \
          Offsets as given are those middles.",
     );
     let (full, partial) = (read("set2_full_sphere_mag.csv")?, read("set1_tilt_sphere_mag.csv")?);
     let split = Split::share(&full, 0.6);
+    page.head("*Within a run.*");
     page.say("One run, its later part left out:");
     study(stages, &mut page, [&split.fitted, &split.left_out], ["first 60 %", "last 40 %"], None)?;
+    page.head("*From one run to another.*");
     page.say("One run fitted, another left out:");
     study(
         stages,
@@ -84,23 +86,24 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
 
 /// Phone and VN-100, each in halves; then the runs with iron.
 pub fn phone(stages: &Stages) -> Result<Page, Error> {
-    let read = |name: &str, mapping: &str| {
+    let read = |name: &str, mapping: &str, every: usize| {
         let file = stages.file(&format!("phone-vn100-rotations/{name}"))?;
         let series = stages.ingest(&[file], Some(mapping))?;
-        Ok::<_, Error>(series.only(|column| !column.starts_with("attitude")).means_of_all(0.2))
+        Ok::<_, Error>(series.only(|column| !column.starts_with("attitude")).every(every))
     };
     let mut page = Page::default();
     page.say(
-        "Means of a fifth of a second; the size of the field is set to the 52.0 µT that the authors take.",
+        "About six readings a second; the size of the field is set to the 52.0 µT that the authors take.",
     );
-    for (what, name, mapping) in [
-        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE),
-        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE),
-        ("The VN-100 by itself", "clearIMU.csv", VN100),
-        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100),
+    for (what, name, mapping, every) in [
+        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The VN-100 by itself", "clearIMU.csv", VN100, 6),
+        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6),
     ] {
+        page.head(format!("*{what}.*"));
         page.say(format!("{what}:"));
-        let split = Split::share(&read(name, mapping)?, 0.6);
+        let split = Split::share(&read(name, mapping, every)?, 0.6);
         study(
             stages,
             &mut page,

@@ -1,10 +1,10 @@
-//! A vector magnetometer against a scalar one: |B| of the vector less the scalar, before and after what diagnose found.
+//! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after what diagnose found.
 
 use serde_json::{Value, json};
 
 use crate::Error;
 use crate::real::by_hand::{ByHand, mismatch, plane};
-use crate::real::page::{Page, three};
+use crate::real::page::{self, Page, three};
 use crate::real::plot::{self, Line, Panel};
 use crate::real::series::{Series, mean, rms};
 use crate::real::stages::Stages;
@@ -32,120 +32,152 @@ pub const PLANE: (&str, ByHand) = ("a level and three slopes by plain least squa
 /// Readings that correcting moves by no more were not corrected.
 const UNMOVED_NT: f64 = 1e-6;
 
+/// Length of the vector less scalar under one explanation, nT, of the fitted part and of the one that was left out.
+struct Left {
+    what: String,
+    nt: [Vec<f64>; 2],
+}
+
+impl Left {
+    fn rms(&self, part: usize) -> f64 {
+        rms(self.nt[part].iter().copied())
+    }
+
+    fn row(&self) -> Vec<String> {
+        let level = mean(self.nt[1].iter().copied());
+        vec![self.what.clone(), three(self.rms(0)), three(self.rms(1)), three(level)]
+    }
+}
+
 /// Runs diagnose on the fitted part, corrects both parts by what it wrote, and shows what is left.
 pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Error> {
     let offsets = ["x", "y", "z"].into_iter().zip(scalar.offset_nt);
     let sensors: Value = offsets.map(|(axis, nt)| (axis.to_string(), json!({"offset_nt": nt}))).collect();
     let given = json!({"calibration": {"sensors": sensors}});
     let parts = [&scalar.fitted, &scalar.left_out];
-    let before = parts.map(|part| mismatch(part, "sensor", scalar.offset_nt));
-    let level = mean(before[0].iter().copied());
-    let spread = |values: &[f64], level: f64| three(rms(values.iter().map(|value| value - level)));
-    let mut rows = vec![
-        vec![
-            "as it came".to_string(),
-            spread(&before[0], 0.0),
-            spread(&before[1], 0.0),
-            three(mean(before[1].iter().copied())),
-        ],
-        vec![
-            "the fitted part's level taken off".into(),
-            spread(&before[0], level),
-            spread(&before[1], level),
-            three(mean(before[1].iter().copied()) - level),
-        ],
+    let came = parts.map(|part| mismatch(part, "sensor", scalar.offset_nt));
+    let level = mean(came[0].iter().copied());
+    let off = came.each_ref().map(|nt| nt.iter().map(|value| value - level).collect());
+    let mut all = vec![
+        Left { what: "as it came".into(), nt: came },
+        Left { what: "the fitted part's level taken off".into(), nt: off },
     ];
     let (what, by_hand) = scalar.by_hand;
-    let mut verdict = None;
-    if let [Some(fitted), Some(left_out)] = parts.map(|part| by_hand(&scalar.fitted, part, scalar.offset_nt))
-    {
-        let row = [spread(&fitted, 0.0), spread(&left_out, 0.0), three(mean(left_out.iter().copied()))];
-        rows.push(std::iter::once(what.to_string()).chain(row).collect());
-        let (unseen, level_alone) = (rms(left_out), rms(before[1].iter().map(|value| value - level)));
-        let word = if unseen < level_alone { "better than" } else { "no better than" };
-        verdict =
-            Some(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
+    let found = parts.map(|part| by_hand(&scalar.fitted, part, scalar.offset_nt));
+    if let [Some(fitted), Some(left_out)] = found {
+        all.push(Left { what: what.into(), nt: [fitted, left_out] });
     }
-    let answer =
-        stages.stage("diagnose", &[], vec![scalar.fitted.recording("vector-scalar", "free_run")], &given)?;
-    let mut after = None;
-    match &answer {
-        Ok(document) => match corrected(stages, parts, document)? {
-            Ok(found) => {
-                let left = found.each_ref().map(|part| mismatch(part, "field", [0.0; 3]));
-                if left[0].iter().zip(&before[0]).any(|(after, before)| (after - before).abs() > UNMOVED_NT) {
-                    let row =
-                        [spread(&left[0], 0.0), spread(&left[1], 0.0), three(mean(left[1].iter().copied()))];
-                    rows.push(
-                        std::iter::once("corrected by what diagnose wrote".to_string()).chain(row).collect(),
-                    );
-                    after = Some(left);
-                }
-            }
-            Err(words) => page.refused("correct", &words),
-        },
-        Err(words) => page.refused("diagnose", words),
-    }
-    let left_out = format!("{} (left out)", scalar.parts[1]);
-    page.table(
-        &[
-            "length of the vector less scalar, rms, nT",
-            &format!("{} (fitted)", scalar.parts[0]),
-            &left_out,
-            "of which level",
-        ],
-        &rows,
-    );
-    if let Some(verdict) = verdict {
-        page.say(verdict);
-    }
+    let by_hand = all.get(2).map(|hand| [hand.rms(0), hand.rms(1)]);
+    let recording = scalar.fitted.recording("vector-scalar", "free_run");
+    let answer = stages.stage("diagnose", &[], vec![recording], &given)?;
     if let Ok(document) = &answer {
-        page.diagnosis(document);
-        if after.is_none() {
-            page.say("It writes no other calibration, since it names no effect; what it says of readings left out is its own count.");
+        match corrected(stages, parts, document)? {
+            Ok(nt) if moved(&nt[0], &all[0].nt[0]) => {
+                all.push(Left { what: "corrected by what diagnose wrote".into(), nt });
+            }
+            Ok(_) => {}
+            Err(words) => page.refused("correct", &words),
         }
     }
+    let [fitted, left_out] = scalar.parts;
+    let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];
+    page.table(
+        &["length of the vector less scalar, rms, nT", head[0], head[1], "of which level"],
+        &all.iter().map(Left::row).collect::<Vec<_>>(),
+    );
+    if let Some([_, unseen]) = by_hand {
+        let alone = all[1].rms(1);
+        page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
+        let word = if unseen < alone { "better than" } else { "no better than" };
+        page.say(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
+    }
+    match &answer {
+        Ok(document) => diagnosis(page, document, &all, by_hand.map(|hand| hand[0])),
+        Err(words) => page.refused("diagnose", words),
+    }
     if let Some(name) = scalar.plot {
-        let curve = |values: &[Vec<f64>; 2], label: &str, level: f64| Line {
-            label: label.into(),
-            points: parts
-                .iter()
-                .zip(values)
-                .flat_map(|(part, values)| {
-                    let start = part.start_s - parts[0].start_s;
-                    let hours = part.column("time_s").iter().map(move |t| (t + start) / 3600.0);
-                    hours.zip(values.iter().map(move |value| value - level)).collect::<Vec<_>>()
-                })
-                .collect(),
-        };
-        let mut lines = vec![curve(&before, "the fitted part's level taken off", level)];
-        lines.extend(after.map(|after| curve(&after, "corrected by what diagnose wrote", 0.0)));
-        let first = scalar.left_out.column("time_s").first().copied().unwrap_or(0.0);
-        let from = (first + scalar.left_out.start_s - scalar.fitted.start_s) / 3600.0;
-        let title = format!(
-            "vector less scalar; from the dashed line on ({}) it was left out of the fit",
-            scalar.parts[1]
-        );
-        let panel = Panel { y: "nT".into(), lines };
-        page.plot(name, plot::svg(&title, "time, h", &[panel], Some(from)), "mismatch before and after");
+        draw(page, name, scalar, &all[1..]);
     }
     Ok(())
 }
 
-/// Both parts as `correct` has their field by a document's calibration and model, with the scalar beside it.
+/// What diagnose says, and what is wrong with its refit.
+fn diagnosis(page: &mut Page, document: &Value, all: &[Left], by_hand_nt: Option<f64>) {
+    let refit = document["diagnosis"][0]["fit"]["rms_refitted_nt"].as_f64().unwrap_or(f64::NAN);
+    page.head(format!("`diagnose` refits to {} nT: {}.", three(refit), page::verdict(document)));
+    if let Some(fault) = fault(refit, all[0].rms(0), by_hand_nt.unwrap_or(f64::NAN)) {
+        page.head(fault);
+        page.say(fault);
+    }
+    page.diagnosis(document);
+    if !all.iter().any(|left| left.what.starts_with("corrected")) {
+        page.say("It wrote no other calibration: what it says of readings left out is its own count.");
+    }
+}
+
+/// What is wrong with a refit, where something is: it is worse than what came, or so much better than plain least squares that only
+/// sensitivities of nothing reach it (k = 0 with an offset as long as the field leaves no residual at all).
+fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
+    if refit_nt > 1.01 * came_nt {
+        return Some("The refit is worse than what came: a fault of the program and no finding.");
+    }
+    let collapsed = refit_nt < 0.1 * by_hand_nt;
+    collapsed.then_some(
+        "The refit has switched the instrument off (no sensitivity, an offset as long as the field): a fault of the program and no finding.",
+    )
+}
+
+fn moved(after: &[f64], before: &[f64]) -> bool {
+    after.iter().zip(before).any(|(after, before)| (after - before).abs() > UNMOVED_NT)
+}
+
+/// What is left of both parts as `correct` has their field by a document's calibration and model; its words where it refuses.
 fn corrected(
     stages: &Stages,
     parts: [&Series; 2],
     document: &Value,
-) -> Result<Result<[Series; 2], String>, Error> {
+) -> Result<Result<[Vec<f64>; 2], String>, Error> {
     let written = ["calibration", "model"].into_iter().filter(|key| !document[key].is_null());
     let known: Value = written.map(|key| (key.to_string(), document[key].clone())).collect();
-    let mut fields = Vec::new();
-    for part in parts {
+    let mut left = [Vec::new(), Vec::new()];
+    for (part, left) in parts.into_iter().zip(&mut left) {
         match stages.stage("correct", &[], vec![part.recording("vector-scalar", "free_run")], &known)? {
-            Ok(document) => fields.extend(Series::of(&document)),
+            Ok(document) => *left = mismatch(&Series::of(&document).unwrap_or_default(), "field", [0.0; 3]),
             Err(words) => return Ok(Err(words)),
         }
     }
-    Ok(<[Series; 2]>::try_from(fields).map_err(|_| "no field was written".to_string()))
+    Ok(Ok(left))
+}
+
+fn draw(page: &mut Page, name: &str, scalar: &Scalar, all: &[Left]) {
+    let parts = [&scalar.fitted, &scalar.left_out];
+    let hours = |part: &Series| -> Vec<f64> {
+        let start = part.start_s - scalar.fitted.start_s;
+        part.column("time_s").iter().map(|t| (t + start) / 3600.0).collect()
+    };
+    let curve = |left: &Left| {
+        let points =
+            parts.iter().zip(&left.nt).flat_map(|(part, nt)| hours(part).into_iter().zip(nt.clone()));
+        Line { label: left.what.clone(), points: points.collect() }
+    };
+    let panel = Panel { y: "nT".into(), lines: all.iter().map(curve).collect() };
+    let title = format!(
+        "vector less scalar; from the dashed line on ({}) it was left out of the fit",
+        scalar.parts[1]
+    );
+    let from = hours(&scalar.left_out).first().copied();
+    page.plot(name, plot::svg(&title, "time, h", &[panel], from), "mismatch before and after");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fault;
+
+    #[test]
+    fn refits_that_cannot_be_right_are_called_so() {
+        assert_eq!(fault(150.0, 2800.0, 154.0), None);
+        assert!(fault(49_091.0, 9906.0, 1180.0).is_some_and(|words| words.contains("worse")));
+        assert!(fault(0.0, 12_894.0, 2964.0).is_some_and(|words| words.contains("switched")));
+        assert_eq!(fault(0.05, 76.0, f64::NAN), None);
+    }
 }

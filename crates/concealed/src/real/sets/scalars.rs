@@ -120,6 +120,10 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         &["day", "log less instrument, s", "by the log, nT", "by the instrument, nT", "least of all shifts"],
         &rows,
     );
+    page.head(format!(
+        "The field believes the log's clock and not the instrument's on {log_fits} of {} days.",
+        rows.len()
+    ));
     page.say(format!(
         "The log's clock fits better than the instrument's on {log_fits} of {} days.",
         rows.len()

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::real::page::{Page, three};
+use crate::real::page::{Page, three, verdict};
 use crate::real::series::{Series, mean, rms};
 use crate::real::stages::Stages;
 
@@ -31,7 +31,10 @@ fn spread(series: &Series, column: &str) -> f64 {
 
 fn ask(stages: &Stages, page: &mut Page, id: &str, series: &Series) -> Result<(), Error> {
     match stages.stage("diagnose", &[], vec![series.recording(id, "free_run")], &levels(series))? {
-        Ok(document) => page.diagnosis(&document),
+        Ok(document) => {
+            page.head(format!("{id}: {}.", verdict(&document)));
+            page.diagnosis(&document);
+        }
         Err(words) => page.refused("diagnose", &words),
     }
     Ok(())
@@ -82,7 +85,8 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     ));
     ask(stages, &mut page, "static", &both)?;
     page.undecided(
-        "whether the first minutes' change is the chip that warms, the current of the board, or something moved indoors: the temperature only falls, with time, and nothing else measures the field.",
+        "whether the slow change of some tens of nT is slow noise, the chip that warms, the current of the board, or something moved indoors: the temperature falls as time goes on, and nothing else \
+         measures the field.",
     );
     Ok(page)
 }
