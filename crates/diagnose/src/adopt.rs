@@ -41,13 +41,16 @@ fn effects(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
     }
 }
 
-/// A quantity moved to where the fit has it; its uncertainty is the fit's where that determines it.
+/// A quantity moved to where the fit has it; its uncertainty is the fit's where that determines it, else the one that it had, if any.
 fn moved(old: Option<&Quantity>, value: f64, std: f64) -> Quantity {
-    let std = if std.is_finite() && std > 0.0 { std } else { old.and_then(Quantity::std).unwrap_or(0.0) };
-    Quantity::new(value, std)
+    let fitted = Some(std).filter(|std| std.is_finite() && *std > 0.0);
+    fitted
+        .or_else(|| old.and_then(Quantity::std))
+        .map_or(Quantity::Bare(value), |std| Quantity::new(value, std))
 }
 
-fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
+/// Writes the calibration of the final fit.
+pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
     let state = &outcome.fit.state;
     let scale = outcome.last.rest.scale();
     let std = |number: usize| (outcome.fit.covariance[(number, number)] * scale).sqrt();

@@ -219,7 +219,11 @@ fn moment(
     let name = match &mut addition {
         Addition::Effect(effect) => {
             effect.parameters[0] = height;
-            format!("{} in \"{}\"", named(effect), run.recording.id)
+            if alone {
+                format!("{} in \"{}\"", named(effect), run.recording.id)
+            } else {
+                format!("{} from \"{}\" on", named(effect), run.recording.id)
+            }
         }
         Addition::Column(column) => {
             column.coefficient = height;

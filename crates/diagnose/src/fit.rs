@@ -2,18 +2,22 @@
 
 use common::Document;
 use estimate::screen::{Gain, Products, Screen};
+use estimate::stats::median;
 use faer::Mat;
 use physics::EffectInstance;
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::model::{Model, State};
+use crate::observed::Channel;
 use crate::whitening::NoiseModel;
 
 /// Most steps.
 const STEPS: usize = 25;
 /// A step that lowers the sum of squares by less than this is the last one.
 const TOLERANCE: f64 = 1e-3;
+/// Standard deviation of normal numbers over the median of their sizes.
+const NORMAL: f64 = 1.4826;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;
 /// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
@@ -64,26 +68,61 @@ impl Fitter<'_, '_> {
 
     /// Whitened derivatives at a state.
     pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
-        let raw = self.model.jacobian(state)?;
+        self.jacobian_near(state, None)
+    }
+
+    /// The same, those by the unknowns of the base model as they are at a fit, if one is given.
+    fn jacobian_near(&self, state: &State, near: Option<&Fit>) -> Result<Mat<f64>, Error> {
+        let base = if near.is_some() { Vec::new() } else { self.model.base_columns(state)? };
+        let raw: Vec<Vec<f64>> = base.into_iter().chain(self.model.other_columns(state)?).collect();
         let white = self.noise.whiten_all(&self.model.observed, &raw);
         let known = self.model.known(state);
         let rows = self.model.observed.rows;
-        Ok(Mat::from_fn(rows + known.len(), white.len(), |i, j| match i.checked_sub(rows) {
-            None => white[j][i],
+        let given = if near.is_some() { self.model.unknowns.len() } else { 0 };
+        let value = |i: usize, j: usize| match (j.checked_sub(given), near) {
+            (None, Some(fit)) => fit.jacobian[(i, j)],
+            (other, _) => white[other.unwrap_or(j)][i],
+        };
+        Ok(Mat::from_fn(rows + known.len(), given + white.len(), |i, j| match i.checked_sub(rows) {
+            None => value(i, j),
             Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
             Some(_) => 0.0,
         }))
     }
 
+    /// What a reading resolves, nT: the largest noise of a channel as it is declared; where it is not, as a fit's neighbouring residuals
+    /// differ (by the median of the distances).
+    pub fn resolution_nt(&self, fit: &Fit) -> f64 {
+        if self.noise.known > 0.0 {
+            return self.noise.std_nt.iter().copied().fold(0.0, f64::max);
+        }
+        let of = |channel: &Channel| {
+            let residual = &fit.residual[channel.range()];
+            let apart: Vec<f64> = residual.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+            NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2
+        };
+        self.model.observed.channels.iter().map(of).fold(0.0, f64::max)
+    }
+
     /// The minimum from a state, by damped Gauss-Newton steps (Levenberg and Marquardt): the calibration's turns and scales leave
     /// directions that hardly show, along which a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
+        self.minimum(start, None)
+    }
+
+    /// The minimum near another fit, with the derivatives of that by the unknowns of the base model: effects change them by no more than
+    /// their own size, and most of the work is in them. Not for effects that hide the field, which take rows out of them.
+    pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
+        self.minimum(start, Some(fit))
+    }
+
+    fn minimum(&self, start: &State, near: Option<&Fit>) -> Result<Fit, Error> {
         let mut state = start.clone();
         let (mut residual, mut white) = self.white(&state)?;
         let mut cost = square(&white);
         let mut damping = LIGHTEST;
         for step in 0.. {
-            let jacobian = self.jacobian(&state)?;
+            let jacobian = self.jacobian_near(&state, near)?;
             let damped = Damped::of(&jacobian, &white)?;
             let mut taken = None;
             while damping <= HEAVIEST {
@@ -219,17 +258,18 @@ impl Damped {
     }
 }
 
-/// The fit and the noise it rests on: where the noise is not declared, both in turn.
+/// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it as white. (Of the residual
+/// of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::of(document, &model.observed, &start.effects, &residual, 0.0)?;
+    let first = NoiseModel::of(document, &model.observed, &start.effects, &residual, None)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }
     let (mut fit, mut noise) = (fit, first);
     for _ in 0..2 {
-        noise = NoiseModel::of(document, &model.observed, &start.effects, &fit.residual, fit.rank as f64)?;
+        noise = NoiseModel::of(document, &model.observed, &start.effects, &fit.residual, Some(fit.rank))?;
         fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
     }
     Ok((fit, noise))

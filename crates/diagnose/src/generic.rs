@@ -14,11 +14,15 @@ use crate::observed::{Channel, Reader, Run};
 const WAVES: usize = 16;
 /// Highest power of a covariate.
 const POWERS: usize = 8;
+/// Thresholds that are tried of a covariate.
+const THRESHOLDS: usize = 15;
 /// Lags of a dependence, as shares of the recording's length.
 const LAGS: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.1];
 
-/// Columns that effects know, of which smooth functions are taken too.
-const ANGLES_AND_TEMPERATURES: [&str; 7] = [
+/// Fewest rows of a recording without times along whose rows smooth functions are taken.
+const ROWS: usize = 4 * WAVES;
+/// Columns that effects or procedures know, of which smooth functions are taken too.
+const KNOWN: [&str; 8] = [
     "sensor_temperature_c",
     "electronics_temperature_c",
     "coil_temperature_c",
@@ -26,6 +30,7 @@ const ANGLES_AND_TEMPERATURES: [&str; 7] = [
     "sun_azimuth_deg",
     "sun_elevation_rad",
     "sun_elevation_deg",
+    "position_m",
 ];
 
 /// A candidate with the columns of its shapes.
@@ -58,7 +63,7 @@ pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
 /// All of them.
 pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
     let mut all = Vec::new();
-    let span = span(model);
+    let span = model.observed.span();
     let fields = fields(model, state)?;
     for axis in Axis::ALL.into_iter().filter(|axis| model.reads(*axis)) {
         if let Some((from, length)) = span {
@@ -75,15 +80,30 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
                 .collect();
             all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
         }
+        let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
+        if model.observed.runs.iter().any(untimed) {
+            let waves = (1..=WAVES)
+                .map(|k| {
+                    stack(model, axis, |run, channel| {
+                        let turn = std::f64::consts::PI * k as f64 / run.setting.context.rows as f64;
+                        let at =
+                            |row: &usize| if untimed(run) { (turn * (*row as f64 + 0.5)).cos() } else { 0.0 };
+                        channel.rows.iter().map(at).collect()
+                    })
+                })
+                .collect();
+            all.push((What::Smooth { covariate: "row".into(), axis }, vec![(None, waves)]));
+        }
         for (number, other) in Axis::ALL.into_iter().enumerate() {
             let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
             let name = if other == axis { ALONG.to_string() } else { across(other) };
             all.extend(powers(model, axis, name, |run| Some(values(run))));
         }
-        for name in ANGLES_AND_TEMPERATURES {
+        for name in KNOWN {
             let column =
                 |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
             all.extend(powers(model, axis, name.into(), column));
+            all.extend(thresholds(model, axis, name.into(), column));
         }
         for name in housekeeping(model) {
             let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
@@ -99,6 +119,7 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
             let column =
                 |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
             all.extend(powers(model, axis, name.clone(), column));
+            all.extend(thresholds(model, axis, name.clone(), column));
             all.push((What::Dependence { column: name, axis }, trials));
         }
     }
@@ -148,6 +169,31 @@ fn powers(
     Some((What::Smooth { covariate, axis }, vec![(None, columns)]))
 }
 
+/// Two levels, one below a threshold of a covariate and one above, the threshold at each of some quantiles.
+fn thresholds(
+    model: &Model<'_>,
+    axis: Axis,
+    covariate: String,
+    values: impl Fn(usize) -> Option<Vec<f64>>,
+) -> Option<Generic> {
+    let series: Vec<Option<Vec<f64>>> = (0..model.observed.runs.len()).map(values).collect();
+    let mut sorted: Vec<f64> = series.iter().flatten().flatten().copied().filter(|v| v.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    let mut at: Vec<f64> = (1..=THRESHOLDS)
+        .filter_map(|k| sorted.get(k * sorted.len() / (THRESHOLDS + 1)).copied())
+        .filter(|threshold| sorted.first().is_some_and(|least| threshold > least))
+        .collect();
+    at.dedup();
+    let column = |threshold: f64| {
+        stack(model, axis, |_, channel| {
+            let Some(values) = &series[channel.run] else { return vec![0.0; channel.rows.len()] };
+            channel.rows.iter().map(|row| f64::from(u8::from(values[*row] >= threshold))).collect()
+        })
+    };
+    let trials: Vec<_> = at.into_iter().map(|threshold| (Some(threshold), vec![column(threshold)])).collect();
+    (!trials.is_empty()).then_some((What::Smooth { covariate, axis }, trials))
+}
+
 /// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all others.
 fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Vec<f64> {
     let observed = &model.observed;
@@ -165,14 +211,4 @@ fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> V
         }
     }
     column
-}
-
-/// Beginning and length of all recordings on the campaign's clock, s.
-fn span(model: &Model<'_>) -> Option<(f64, f64)> {
-    let ends = model.observed.runs.iter().filter_map(|run| {
-        let (time, clock) = (run.time_s?, run.setting.context.clock_s);
-        Some((time.first()? + clock, time.last()? + clock))
-    });
-    let (from, to) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (f, t)| (a.min(f), b.max(t)));
-    (to > from).then_some((from, to - from))
 }

@@ -26,11 +26,12 @@ pub struct HeldOut {
 
 impl Fitter<'_, '_> {
     /// The part in which each whitened row is left out. What is known beforehand is never left out, nor are rows of a single
-    /// moment that the state explains by themselves: without them nothing is known of it.
+    /// moment that the state explains by themselves, nor the first row of noise with memory, which has its level: without them nothing is
+    /// known of it.
     fn folds(&self, state: &State, rows: usize) -> Vec<usize> {
         let mut folds = vec![FOLDS; rows];
         let observed = &self.model.observed;
-        for channel in &observed.channels {
+        for (at, channel) in observed.channels.iter().enumerate() {
             let length = channel.rows.len();
             for (number, row) in channel.range().enumerate() {
                 folds[row] = match (length >= PIECES, observed.runs.len() >= FOLDS) {
@@ -38,6 +39,9 @@ impl Fitter<'_, '_> {
                     (false, true) => channel.run % FOLDS,
                     (false, false) => number % FOLDS,
                 };
+            }
+            if self.noise.remembers(at) {
+                folds[channel.at] = FOLDS;
             }
             let run = &observed.runs[channel.run];
             for effect in &state.effects {

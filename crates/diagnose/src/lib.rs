@@ -55,13 +55,15 @@ pub struct Options {
     pub seed: u64,
     /// Probability of a claim where there is nothing.
     pub level: f64,
+    /// Whether the calibration that was fitted again is written also where no effect was found.
+    pub refit: bool,
     /// A simulation to hold the recordings against, in the place of what calibration and model predict.
     pub against: Option<Document>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, level: 0.01, against: None }
+        Self { seed: 1, level: 0.01, refit: false, against: None }
     }
 }
 
@@ -134,6 +136,8 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
+    } else if options.refit && outcome.found.is_empty() {
+        adopt::calibration(&mut document, &model, &outcome);
     }
     document.diagnosis = Some(vec![entry]);
     Ok(document)

@@ -71,6 +71,7 @@ pub fn channel(of: &mut Run<'_>, run: usize, at: usize) -> Result<Option<Channel
         to_nt: 1.0,
         at,
         vectors: rows.iter().map(|row| readings[*row]).collect(),
+        nominal: Vector3::from(of.setting.basic.sensors.map(|sensor| sensor.sensitivity)),
         shares,
         rows,
     }))
@@ -103,13 +104,23 @@ fn corrected(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<V
     channel.rows.iter().zip(&channel.vectors).map(of).collect()
 }
 
-/// F − (|B| − F): as far below the scalar reading as the corrected vector is longer, nT.
-pub fn predicted(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<f64> {
-    let corrected = corrected(channel, basic, prediction);
-    corrected.iter().zip(&channel.readings).map(|(b, reference)| 2.0 * reference - b.norm()).collect()
+/// How far along readings a length along b moves, in those units that the document's sensitivities make nT: |k₀/k μᵀ b|, which is one with
+/// the document's calibration. Errors are those of readings: a residual in the fitted nT would be least with sensors that feel nothing.
+fn measure(channel: &Channel, basic: &Basic, field: &Vector3<f64>) -> f64 {
+    let along = basic.mu.transpose() * field.normalize();
+    Vector3::from_fn(|i, _| channel.nominal[i] / basic.sensors[i].sensitivity * along[i]).norm()
 }
 
-/// The derivative of that: b · (μᵀ)⁻¹ k ∂p.
+/// F − (|B| − F) in that measure: as far below the scalar reading as the corrected vector is longer, nT.
+pub fn predicted(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<f64> {
+    let corrected = corrected(channel, basic, prediction);
+    let of = |(b, reference): (&Vector3<f64>, &f64)| {
+        reference - (b.norm() - reference) * measure(channel, basic, b)
+    };
+    corrected.iter().zip(&channel.readings).map(of).collect()
+}
+
+/// The derivative of that: b · (μᵀ)⁻¹ k ∂p in that measure.
 pub fn derivative(
     channel: &Channel,
     basic: &Basic,
@@ -118,7 +129,8 @@ pub fn derivative(
 ) -> Vec<f64> {
     let mix = unmix(basic).transpose();
     let of = |row: &usize| {
-        let along = mix * prediction.field_sen[*row].normalize();
+        let field = &prediction.field_sen[*row];
+        let along = mix * field.normalize() * measure(channel, basic, field);
         (0..3).map(|i| along[i] * basic.sensors[i].sensitivity * derivative.readings[*row][i]).sum()
     };
     channel.rows.iter().map(of).collect()

@@ -31,6 +31,9 @@ struct Cli {
     /// A simulation to hold the recordings against, in the place of what calibration and model predict
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
+    /// Write the calibration that was fitted again also where no effect was found
+    #[arg(long)]
+    refit: bool,
     /// Seed of the draws by which chance is judged
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -45,7 +48,10 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let mut arguments = vec![format!("--seed={}", cli.seed), format!("--level={}", cli.level)];
-    let mut options = Options { seed: cli.seed, level: cli.level, against: None };
+    let mut options = Options { seed: cli.seed, level: cli.level, refit: cli.refit, against: None };
+    if cli.refit {
+        arguments.push("--refit".into());
+    }
     if let Some(path) = &cli.against {
         let input = Input::read(Some(path))?;
         options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);

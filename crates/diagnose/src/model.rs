@@ -188,11 +188,11 @@ impl<'a> Model<'a> {
         Ok(residual)
     }
 
-    /// Derivatives of what is predicted by the unknowns at a state, base model, effects, columns. Shapes count by their logarithm.
-    pub fn jacobian(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
+    /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects, columns. Shapes count by their
+    /// logarithm.
+    pub fn other_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
-        let mut columns = self.base_columns(state)?;
         let mut of_effects = self.derivatives(state, &parameters)?;
         for (column, (effect, parameter)) in of_effects.iter_mut().zip(&free) {
             let instance = &state.effects[*effect];
@@ -201,9 +201,8 @@ impl<'a> Model<'a> {
                 column.iter_mut().for_each(|d| *d *= value);
             }
         }
-        columns.extend(of_effects);
-        columns.extend(state.columns.iter().map(|column| column.values.to_vec()));
-        Ok(columns)
+        of_effects.extend(state.columns.iter().map(|column| column.values.to_vec()));
+        Ok(of_effects)
     }
 
     /// A state moved along a step over the unknowns.

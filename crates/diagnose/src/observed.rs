@@ -40,6 +40,8 @@ pub struct Channel {
     pub at: usize,
     /// Of a magnitude: what the three sensors read in each of the rows, in the unit of the recording.
     pub vectors: Vec<Vector3<f64>>,
+    /// Of a magnitude: the sensitivities of the three sensors as the document has them.
+    pub nominal: Vector3<f64>,
     /// Of a magnitude: its derivative in each of the rows by the reading of each sensor as field.
     pub shares: Vec<Vector3<f64>>,
 }
@@ -196,6 +198,7 @@ impl<'a> Observed<'a> {
                 to_nt,
                 at: self.rows,
                 vectors: Vec::new(),
+                nominal: Vector3::zeros(),
                 shares: Vec::new(),
             };
             let predicted = whole.predicted(basic, &prediction);
@@ -227,6 +230,22 @@ impl<'a> Observed<'a> {
                 magnitude::ambient(run, &run.setting.basic, &run.setting.context);
         }
         Ok(())
+    }
+
+    /// Beginning and length of all recordings on the campaign's clock, s.
+    pub fn span(&self) -> Option<(f64, f64)> {
+        let ends = self.runs.iter().filter_map(|run| {
+            let (time, clock) = (run.time_s?, run.setting.context.clock_s);
+            Some((time.first()? + clock, time.last()? + clock))
+        });
+        let (from, to) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (f, t)| (a.min(f), b.max(t)));
+        (to > from).then_some((from, to - from))
+    }
+
+    /// Length of the longest recording with times, s.
+    pub fn longest_s(&self) -> f64 {
+        let length = |run: &Run<'a>| Some(run.time_s?.last()? - run.time_s?.first()?);
+        self.runs.iter().filter_map(length).fold(0.0, f64::max)
     }
 
     /// The channels of a run.

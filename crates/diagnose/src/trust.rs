@@ -8,7 +8,7 @@ use physics::{Acts, EffectInstance, Kind, Place};
 
 use crate::candidates::What;
 use crate::covariates;
-use crate::search::{Addition, Look};
+use crate::search::{Addition, Structure};
 use crate::{Found, Stage};
 
 /// What a name explains over what is left.
@@ -16,18 +16,38 @@ const FAR_MORE: f64 = 10.0;
 
 /// How many of the names, in the order in which they were found, are kept.
 pub fn kept(found: &[Found], stages: &[Stage], level: f64) -> usize {
-    let whole = found.len();
+    let whole = made_of_moments(found, stages).unwrap_or(found.len());
     if stages[whole].look.clean(level) {
         return whole;
     }
     (0..=whole)
         .rev()
-        .find(|count| found[..*count].iter().all(|one| stands(one, &stages[*count].look)))
+        .find(|count| {
+            let mut all = found[..*count].iter().zip(stages);
+            all.all(|(one, when)| stands(one, when, &stages[*count]))
+        })
         .unwrap_or(0)
 }
 
-fn stands(found: &Found, look: &Look) -> bool {
-    found.gain > FAR_MORE * look.left()
+/// The first of several single moments (steps, spikes, passes) if a smooth function of one covariate says more with fewer unknowns than
+/// all of them: levels that come and go with a temperature are no steps.
+fn made_of_moments(found: &[Found], stages: &[Stage]) -> Option<usize> {
+    let moments: Vec<&Found> = found.iter().filter(|one| one.refined.proposal.local).collect();
+    let first = found.iter().position(|one| one.refined.proposal.local).filter(|_| moments.len() > 1)?;
+    let look = &stages[first].look;
+    let price = (stages[first].fit.white.len() as f64).ln();
+    let worth: f64 = moments.iter().map(|one| one.gain - one.refined.unknowns * price).sum();
+    let says_more = |structure: &Structure| match &structure.what {
+        What::Smooth { covariate, .. } if covariate == "time_s" || covariate == "row" => false,
+        _ => structure.gain - structure.unknowns * price > worth,
+    };
+    look.structures.iter().any(says_more).then_some(first)
+}
+
+/// Whether a name that came in at one stage stands at another. Where the noise is what a residual shows, it has become less since.
+fn stands(found: &Found, when: &Stage, now: &Stage) -> bool {
+    let look = &now.look;
+    found.gain * when.noise.variance() > FAR_MORE * look.left() * now.noise.variance()
         && !look.structures.iter().any(|left| same(&found.refined.proposal.addition, &left.what))
 }
 

@@ -23,6 +23,9 @@ const OFF_GRID: f64 = 0.01;
 /// Most points of a grid for each row that is there.
 const SPARSEST: usize = 4;
 
+/// Periods of flicker noise that count, in lengths of the campaign.
+const OLDEST: f64 = 8.0;
+
 /// The way to independent errors in one channel.
 #[derive(Clone, Debug)]
 enum Way {
@@ -96,14 +99,14 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it, through the converters of `effects`; where it does not, as `residual` (nT, stacked,
-    /// with `used` degrees of freedom taken by the fit) shows it.
+    /// The noise as the document declares it, through the converters of `effects`; where it does not, as `residual` (nT, stacked, with
+    /// `used` degrees of freedom taken by the fit) shows it: white, before there was a fit.
     pub fn of(
         document: &Document,
         observed: &Observed<'_>,
         effects: &[EffectInstance],
         residual: &[f64],
-        used: f64,
+        used: Option<usize>,
     ) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
             observed.channels.iter().map(|channel| declared(document, observed, effects, channel)).collect();
@@ -127,6 +130,16 @@ impl NoiseModel {
     /// Whether it whitens as another does: the same declaration, through the same converters.
     pub fn same(&self, other: &Self) -> bool {
         self.known > 0.0 && self.known == other.known && self.std_nt == other.std_nt
+    }
+
+    /// Whether the noise of a channel has memory.
+    pub fn remembers(&self, channel: usize) -> bool {
+        !matches!(self.ways[channel], Way::White(_))
+    }
+
+    /// Mean variance of a reading over the channels, nT².
+    pub fn variance(&self) -> f64 {
+        self.std_nt.iter().map(|std| std * std).sum::<f64>() / self.std_nt.len().max(1) as f64
     }
 
     /// A stacked series whitened.
@@ -183,6 +196,25 @@ fn flicker_variance(noise: &Noise, time: &[f64]) -> f64 {
     (1..=time.len() / 2).map(|k| memory.density(k as f64 * step, 0.0) * step).sum()
 }
 
+/// Flicker noise slower than its recording, as waves whose products are its covariance, an octave each. A declaration ends at one over the
+/// recording's length, but such noise did not begin with it: levels and trends of a recording are part of it. What is slower than the
+/// whole campaign is one level throughout.
+fn older(noise: &Noise, time: &[f64], campaign_s: f64) -> Vec<Vec<f64>> {
+    let flicker = Noise { white_rms_nt: None, random_walk_nt_per_sqrt_s: None, ..noise.clone() };
+    let mut above = 1.0 / (time[time.len() - 1] - time[0]);
+    let mut waves = Vec::new();
+    while above.is_finite() && above > 1.0 / (OLDEST * campaign_s) {
+        let middle = above * std::f64::consts::FRAC_1_SQRT_2;
+        let rms = (flicker.density(middle, 0.0) * 0.5 * above).sqrt();
+        let wave = |of: fn(f64) -> f64| {
+            time.iter().map(|t| rms * of(std::f64::consts::TAU * middle * (t - time[0]))).collect()
+        };
+        waves.extend([wave(f64::cos), wave(f64::sin)]);
+        above *= 0.5;
+    }
+    waves
+}
+
 fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way, f64), Error> {
     let rows = channel.rows.len();
     let memory = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0) > 0.0
@@ -209,6 +241,9 @@ fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way
         ))
     })?;
     let mean: f64 = (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64;
-    let matrix = Mat::from_fn(rows, rows, |i, j| covariance[i * rows + j]);
+    let older = older(noise, &time, observed.span().map_or(0.0, |(_, length)| length));
+    let matrix = Mat::from_fn(rows, rows, |i, j| {
+        covariance[i * rows + j] + older.iter().map(|wave| wave[i] * wave[j]).sum::<f64>()
+    });
     Ok((Way::Whole(Arc::new(Whitening::of(&[matrix])?)), mean.sqrt()))
 }

@@ -189,3 +189,32 @@ fn what_else_shows_in_the_magnitude_has_its_name() {
         assert!(worst < 4.0, "{effect}: {worst} standard uncertainties");
     }
 }
+
+/// Turned by hand where the field is uneven: the sensors are not fitted away, and the calibration is written where that is asked for.
+#[test]
+fn sensors_that_feel_nothing_are_no_answer() {
+    let turns: Vec<Vector3<f64>> = (0..400)
+        .map(|row| {
+            let (a, z) = (2.4 * f64::from(row), 1.0 - 2.0 * (f64::from(row) + 0.5) / 400.0);
+            Vector3::new((1.0 - z * z).sqrt() * a.cos(), (1.0 - z * z).sqrt() * a.sin(), z)
+        })
+        .collect();
+    let uneven = |b: &Vector3<f64>| 52_000.0 * (1.0 + 0.06 * (3.0 * b.x).sin() * (2.0 * b.y).cos());
+    let column = |axis: usize| turns.iter().map(|b| 1.1 * uneven(b) * b[axis] + 9000.0).collect::<Vec<f64>>();
+    let document = json!({"fluxcal": 1, "recordings": [{"id": "hand", "procedure": "free_run", "columns": {
+        "time_s": (0..400).map(|row| 0.15 * f64::from(row)).collect::<Vec<f64>>(), "reference_nt": vec![52_000.0; 400],
+        "sensor_x_nt": column(0), "sensor_y_nt": column(1), "sensor_z_nt": column(2)}}]});
+    let document = Document::parse(&document.to_string()).expect("a document");
+    let options = Options { refit: true, ..Options::default() };
+    let found = diagnose::run(document, &options).expect("diagnosed");
+    let fit = found.diagnosis.as_ref().expect("a diagnosis")[0].fit.clone().expect("a fit");
+    // The field is uneven by 6 % of 52 000 nT, rms some 1000 nT.
+    assert!((300.0..2000.0).contains(&fit.rms_refitted_nt), "{fit:?}");
+    let sensors = found.calibration.expect("a calibration").sensors.expect("sensors");
+    for (axis, sensor) in sensors.iter() {
+        let k = sensor.sensitivity_nt_per_nt.as_ref().expect("a sensitivity").value();
+        assert!((k * 1.1 - 1.0).abs() < 0.05, "{axis}: {k}");
+        let offset = sensor.offset_nt.as_ref().expect("an offset").value();
+        assert!((offset + 9000.0 / 1.1).abs() < 1500.0, "{axis}: {offset}");
+    }
+}

@@ -113,7 +113,8 @@ impl<'a> Model<'a> {
         }
     }
 
-    pub(super) fn base_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
+    /// Derivatives of what is predicted by the unknowns of the base model at a state.
+    pub fn base_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let parameters: Vec<Parameter> = chain().collect();
         let runs: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
             .into_par_iter()

@@ -19,6 +19,7 @@ const SPECTRUM: usize = 24;
 
 /// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and covariate: of what is left when all
 /// that was found is taken out of the final fit, its calibration kept. A calibration fitted without it would have spread it over all rows.
+/// Where the noise is what the residual itself shows, and nothing was found, the residual's own energy.
 pub(super) fn energy(
     model: &Model<'_>,
     outcome: &Outcome,
@@ -31,7 +32,8 @@ pub(super) fn energy(
     without.columns.truncate(outcome.base.state.columns.len());
     let white = outcome.noise.whiten(observed, &model.residual(&without)?);
     let rest = &outcome.last.rest;
-    let noise = rest.scale() * rest.freedom / outcome.fit.white.len() as f64;
+    let noise = if rest.known == 0.0 && outcome.found.is_empty() { 0.0 } else { rest.scale() };
+    let noise = noise * rest.freedom / outcome.fit.white.len() as f64;
     let excess = |row: usize| white[row].powi(2) - noise;
     let of_channel = |channel: &Channel| channel.range().map(excess).sum::<f64>();
     let mut all = Vec::new();
@@ -76,9 +78,9 @@ enum Part {
     Region([f64; 2]),
 }
 
-/// Shares of the sum; none where there is one part, or nothing above the noise.
+/// Shares of what is above the noise; none where there is one part, or nothing above it.
 fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
-    let whole: f64 = parts.iter().map(|(_, sum)| sum).sum();
+    let whole: f64 = parts.iter().map(|(_, sum)| sum.max(0.0)).sum();
     if parts.len() < 2 || whole <= 0.0 {
         return Vec::new();
     }
@@ -87,7 +89,7 @@ fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
             Part::Named(name) => (Some(name), None),
             Part::Region(range) => (None, Some(range)),
         };
-        EnergyShare { by: by.into(), part, range, share: sum / whole }
+        EnergyShare { by: by.into(), part, range, share: sum.max(0.0) / whole }
     };
     parts.into_iter().map(share).collect()
 }

@@ -12,15 +12,13 @@ use crate::{Error, Outcome};
 
 /// Rms of the noise over all readings, nT.
 pub(super) fn floor(outcome: &Outcome) -> f64 {
-    let std = &outcome.noise.std_nt;
-    let mean: f64 = std.iter().map(|std| std * std).sum::<f64>() / std.len().max(1) as f64;
-    (mean * outcome.last.rest.scale()).sqrt()
+    (outcome.noise.variance() * outcome.last.rest.scale()).sqrt()
 }
 
 pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
     let base = Fitter { model, noise: &outcome.base_noise };
-    let held_before = in_nt(model, &base.held_out(&outcome.base)?, &outcome.base_noise);
-    let held_after = in_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.noise);
+    let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base_noise);
+    let held_after = held_out_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.noise);
     let scale = outcome.last.rest.scale().sqrt();
     let of_channel = |(channel, std): (&Channel, &f64)| ResidualOf {
         recording: model.observed.runs[channel.run].recording.id.clone(),
@@ -51,7 +49,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 
 /// Of each reading, how far it is from what the others predict of it, in units of what is new in its noise, times the noise's
 /// standard deviation, nT.
-fn in_nt(model: &Model<'_>, held: &HeldOut, noise: &NoiseModel) -> Vec<Option<f64>> {
+fn held_out_nt(model: &Model<'_>, held: &HeldOut, noise: &NoiseModel) -> Vec<Option<f64>> {
     let channels = model.observed.channels.iter().zip(&noise.std_nt);
     let of_channel = |(channel, std): (&Channel, &f64)| -> Vec<Option<f64>> {
         held.squares[channel.range()].iter().map(|square| square.map(|square| square.sqrt() * std)).collect()

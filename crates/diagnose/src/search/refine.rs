@@ -1,6 +1,6 @@
 //! Proposals fitted together with all else, and why some are not taken.
 
-use physics::{Kind, Role};
+use physics::{EffectInstance, Kind, Role, Stage};
 use rayon::prelude::*;
 
 use super::{Addition, FAMILIES, Look, Proposal, Searcher};
@@ -16,6 +16,10 @@ use crate::rivals;
 const REFINED: usize = 8;
 /// A size may be beyond its plausible range by this factor.
 const BEYOND: f64 = 3.0;
+/// The catalogue's sizes are those of instruments that resolve this or less, nT; of a coarser one they are larger in proportion.
+const FINE_NT: f64 = 1.0;
+/// Longest pass of a vehicle, as a share of its recording: a longer one is a drift.
+const LONGEST_PASS: f64 = 0.2;
 
 /// A proposal fitted together with all else.
 #[derive(Clone, Debug)]
@@ -74,7 +78,15 @@ impl Searcher<'_> {
                     state
                 }
             };
-            let Ok(with) = fitter.refine(&state) else { return Ok(None) };
+            let hides = |effect: &EffectInstance| {
+                let about = effect.kind.about();
+                about.stage == Stage::Converter || !about.invertible
+            };
+            let with = match &proposal.addition {
+                Addition::Effect(effect) if hides(effect) => fitter.refine(&state),
+                _ => fitter.refine_near(&state, fit),
+            };
+            let Ok(with) = with else { return Ok(None) };
             let with = if proposal.local { events::settled_in_time(fitter, with)? } else { with };
             let held_out: Vec<f64> = before
                 .parts
@@ -87,7 +99,7 @@ impl Searcher<'_> {
                 known => (known + look.rest.freedom) * (known + with.cost).max(f64::MIN_POSITIVE).ln(),
             };
             let unknowns = with.determined - fit.determined + proposal.searched;
-            let why_not = self.why_not(proposal, fit, &with, &held_out, look);
+            let why_not = self.why_not(fitter, proposal, fit, &with, &held_out, look);
             Ok(Some(Refined {
                 p_adjusted: at_least_one(proposal.p, FAMILIES),
                 proposal: proposal.clone(),
@@ -112,6 +124,7 @@ impl Searcher<'_> {
     /// Why a refined proposal cannot be taken: sizes that are not plausible, shapes that ran away, rows left out that are not met.
     fn why_not(
         &self,
+        fitter: &Fitter<'_, '_>,
         proposal: &Proposal,
         before: &Fit,
         with: &Fit,
@@ -127,8 +140,15 @@ impl Searcher<'_> {
         }
         if let Addition::Effect(effect) = &proposal.addition {
             let found = with.state.effects.last()?;
+            let coarse = (fitter.resolution_nt(with) / FINE_NT).max(1.0);
+            if let (Kind::VehiclePass, [.., duration_s]) = (found.kind, &found.parameters[..])
+                && *duration_s > LONGEST_PASS * fitter.model.observed.longest_s()
+            {
+                return idle(format!("a pass of {duration_s:.0} s does not end within its recording"));
+            }
             for (info, value) in effect.kind.parameters().iter().zip(&found.parameters) {
                 let beyond = match info.role {
+                    Role::Amplitude if info.name.contains("nt") => value.abs() > BEYOND * coarse * info.high,
                     Role::Amplitude => value.abs() > BEYOND * info.high,
                     Role::Shape => *value > BEYOND * info.high || *value < info.low / BEYOND,
                     Role::Epoch => false,

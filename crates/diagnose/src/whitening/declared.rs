@@ -136,9 +136,9 @@ pub(super) fn estimate(
     document: &Document,
     observed: &Observed<'_>,
     residual: &[f64],
-    used: f64,
+    used: Option<usize>,
 ) -> Result<Vec<Noise>, Error> {
-    let share = (1.0 - used / observed.rows as f64).max(0.05);
+    let share = (1.0 - used.unwrap_or(0) as f64 / observed.rows as f64).max(0.05);
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
     let (mut whole, mut readings) = (0.0, 0);
     for channel in &observed.channels {
@@ -156,7 +156,8 @@ pub(super) fn estimate(
             let least = (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
             let variance = (sum / (count as f64 * share)).max(least);
             let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
-            let step_s = observed.times(channel).and_then(|time| even_step_s(&time));
+            let time = observed.times(channel).filter(|_| used.is_some());
+            let step_s = time.and_then(|time| even_step_s(&time));
             let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
                 return Ok(white);
             };
