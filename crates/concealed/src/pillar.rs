@@ -178,7 +178,7 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
     let mut text = format!(
         "## A month of an observatory\n\n\
         A variometer beside the reference, {} rows of a minute. Concealed: on y an offset whose slope changes sign at {:.2} degC (± {:.2} nT/K far from it), a clock {:.2} s late, \
-        on z one step of {:.2} nT after {:.2} days. Noise {:.3} nT.\n\n`diffmag` says of it:\n\n",
+        on z one step of {:.2} nT after {:.2} days. Noise {:.3} nT.\n\n`diffmag --correct-clock` says of it:\n\n",
         truth.readings / 3,
         of(0, "inflection_c"),
         of(0, "slope_nt_per_k"),
@@ -205,7 +205,7 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
         text += &format!("- {finding}\n");
     }
     text += &format!(
-        "\n`diagnose`, given that calibration and every {THINNED}th row: **{}**; rms {:.3} nT with the calibration fitted again, {:.3} nT with what was found, readings left out {:.3} nT.\n\n",
+        "\n`diagnose`, given that calibration, the clock in its model, and every {THINNED}th row: **{}**; rms {:.3} nT with the calibration fitted again, {:.3} nT with what was found, readings left out {:.3} nT.\n\n",
         entry["verdict"].as_str().unwrap_or("none").replace('_', " "),
         fit("rms_refitted_nt"),
         fit("rms_after_nt"),

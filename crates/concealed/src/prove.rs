@@ -144,7 +144,8 @@ fn compared(seed: u64, folder: &Path, programs: &Programs) -> Result<String, Err
     let first = Folder::at(&folder.join("pillar"))?;
     let case = pillar::month(seed);
     first.seal(std::slice::from_ref(&case))?;
-    let compared = first.answer("diffmag", programs)?.join(format!("{}.json", case.truth.case));
+    let compared =
+        first.answer("diffmag", &["--correct-clock"], programs)?.join(format!("{}.json", case.truth.case));
     let compared = seal::parsed(&compared)?;
     let second = Folder::at(&folder.join("pillar-compared"))?;
     let truth = case.truth.clone();

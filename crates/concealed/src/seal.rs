@@ -68,11 +68,11 @@ impl Folder {
 
     /// Runs diagnose on every document, those apart that this very program has answered. Gives the folder of the answers.
     pub fn diagnose(&self, programs: &Programs) -> Result<PathBuf, Error> {
-        self.answer("diagnose", programs)
+        self.answer("diagnose", &[], programs)
     }
 
     /// The same with another program.
-    pub fn answer(&self, name: &str, programs: &Programs) -> Result<PathBuf, Error> {
+    pub fn answer(&self, name: &str, arguments: &[&str], programs: &Programs) -> Result<PathBuf, Error> {
         let program = programs.program(name)?;
         let bytes = fs::read(&program).map_err(|source| Error::file(&program, "read", source))?;
         let answers = self.0.join(format!("answers-{}", &digest(&bytes)[..12]));
@@ -83,7 +83,7 @@ impl Folder {
             if answered(&document, &answer)? {
                 return Ok(());
             }
-            programs.run(name, &[], &document, &answer)
+            programs.run(name, arguments, &document, &answer)
         })?;
         Ok(answers)
     }

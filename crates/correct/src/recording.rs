@@ -32,6 +32,20 @@ impl Corrected {
         Self { field_nt: none(), std_nt: none(), flags, left: Vec::new() }
     }
 
+    /// Pieces of one recording, in their order.
+    pub fn joined(pieces: Vec<Self>) -> Self {
+        let mut whole = Self::default();
+        for piece in pieces {
+            for k in 0..3 {
+                whole.field_nt[k].extend(&piece.field_nt[k]);
+                whole.std_nt[k].extend(&piece.std_nt[k]);
+            }
+            whole.flags.extend(piece.flags);
+            whole.left = piece.left;
+        }
+        whole
+    }
+
     /// Whether any row has a field.
     pub fn has_field(&self) -> bool {
         self.field_nt[0].iter().any(|value| value.is_finite())

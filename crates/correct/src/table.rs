@@ -1,6 +1,7 @@
 //! Long series in files or streams, corrected piece by piece.
 
-use common::{Axis, Columns, Document, Recording, procedure};
+use common::{Axis, Column, Columns, Document, Recording, procedure};
+use rayon::prelude::*;
 use std::io;
 use std::path::Path;
 use tables::{Batch, Format, Reader, Writer};
@@ -12,6 +13,8 @@ use crate::{Corrected, Corrector, Error, Frame};
 
 /// Rows that are written at once of a series that is corrected as a whole.
 const PIECE_ROWS: usize = 1 << 16;
+/// Rows that are corrected at once where each stands for itself: as many as a processor's cache holds with all their derivatives.
+const ROWS_AT_ONCE: usize = 1 << 10;
 
 /// A table to be corrected.
 #[derive(Clone, Copy, Debug)]
@@ -68,8 +71,11 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
         }
         let step = || recording.column("time_s").and_then(noise::length_and_step_s);
         let series = *series.get_or_insert_with(|| step().map(|[_, step_s]| [DAY_S, step_s]));
-        let corrected = corrector.correct(&recording, &name, series)?;
-        if !output.write(&recording, corrected)? {
+        let corrected: Vec<Corrected> = (0..recording.rows().div_ceil(ROWS_AT_ONCE))
+            .into_par_iter()
+            .map(|number| corrector.correct(&piece(&template, &recording, number), &name, series))
+            .collect::<Result<_, Error>>()?;
+        if !output.write(&recording, Corrected::joined(corrected))? {
             return Ok(output.tally);
         }
     }
@@ -209,6 +215,14 @@ fn open(request: &Request<'_>) -> Result<(Reader, String, Format), Error> {
 
 fn recording_of(template: &Recording, names: &[String], batch: Batch) -> Recording {
     let columns = names.iter().cloned().zip(batch.columns.into_iter().map(Into::into)).collect();
+    Recording { columns, ..template.clone() }
+}
+
+/// The rows of a recording that are corrected at once, by number.
+fn piece(template: &Recording, recording: &Recording, number: usize) -> Recording {
+    let rows = number * ROWS_AT_ONCE..((number + 1) * ROWS_AT_ONCE).min(recording.rows());
+    let cut = |(name, column): (&String, &Column)| (name.clone(), Column(column.0[rows.clone()].to_vec()));
+    let columns = recording.columns.iter().map(cut).collect();
     Recording { columns, ..template.clone() }
 }
 

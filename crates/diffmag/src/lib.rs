@@ -5,6 +5,7 @@
 //! grid of times, their clocks compared, and steps and spikes kept out.
 
 mod across;
+mod adopt;
 mod bands;
 mod clock;
 mod constancy;
@@ -56,6 +57,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.stability = stability::of(&level, &fits)?;
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
+    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
+        adopt::clock(&mut document, &prepared.pair, clock);
+    }
     let calibration = document.calibration.get_or_insert_default();
     let kept = calibration.differential.take().unwrap_or_default();
     let fourteen = mutual::parameters(&found, kept.known.as_ref())?.map(Box::new);
