@@ -222,7 +222,7 @@ fn moment(
             if alone {
                 format!("{} in \"{}\"", named(effect), run.recording.id)
             } else {
-                format!("{} from \"{}\" on", named(effect), run.recording.id)
+                format!("{} in \"{}\" and later", named(effect), run.recording.id)
             }
         }
         Addition::Column(column) => {
