@@ -6,8 +6,9 @@ use physics::{EffectInstance, Kind, Role};
 
 use crate::Error;
 use crate::covariates;
-use crate::fit::Fitter;
+use crate::fit::{Fit, Fitter};
 use crate::search::{Addition, Fault, Refined};
+use crate::trust::FORM;
 
 /// Twice the logarithm of the odds at which a rival is out.
 const ODDS: f64 = 9.2;
@@ -101,18 +102,26 @@ pub struct Rivals {
     pub lost: Vec<(String, String)>,
 }
 
-/// Holds the others of a list against its first.
-pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Error> {
+/// Holds the others of a list against its first, which all came to what a fit had left. Where the first leaves something, they are equal
+/// also if they differ by no more than the forms of effects are true to, and need no more unknowns.
+pub fn rivals(
+    fitter: &Fitter<'_, '_>,
+    before: &Fit,
+    refined: &[Refined],
+    leaves: bool,
+) -> Result<Rivals, Error> {
     let Rivals { mut equal, mut lost } = Rivals::default();
     let Some((best, others)) = refined.split_first() else { return Ok(Rivals { equal, lost }) };
+    let of_forms = if leaves { FORM * (before.cost - best.fit.cost) } else { 0.0 };
     for other in others {
         let name = other.proposal.name.clone();
+        let odds = if other.unknowns > best.unknowns { ODDS } else { ODDS.max(of_forms) };
         if let Some(why) = &other.why_not {
             lost.push((name, why.words().into()));
             continue;
         }
         let behind = other.criterion() - best.criterion();
-        if behind > ODDS {
+        if behind > odds {
             let odds = (behind / 2.0).exp();
             let odds =
                 if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use crate::Error;
 use crate::matched::correlate;
 use crate::observed::{Channel, Observed};
+pub use declared::code_nt;
 use declared::{declared, estimate, known_freedom};
 
 /// Readings up to which noise with memory is whitened by its whole covariance; beyond, by innovations on an even grid.

@@ -89,9 +89,10 @@ fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
         let entry = found.diagnosis.expect("a diagnosis").remove(0);
         let named: Vec<&str> = entry.effects.iter().map(|effect| effect.effect.as_str()).collect();
         println!(
-            "{:32} {:17} {named:?} {}",
+            "{:32} {:17} {named:?} left by chance {:.1e}; {}",
             odd.0,
             entry.verdict.word(),
+            entry.remaining.as_ref().map_or(1.0, |left| left.p_adjusted),
             entry.places.iter().map(|p| p.description.clone()).collect::<Vec<_>>().join("; ")
         );
         let claims = !matches!(entry.verdict, Verdict::Agrees | Verdict::Unexplained);
