@@ -2,7 +2,7 @@
 
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
-use physics::{EffectInstance, Kind, Role};
+use physics::{EffectInstance, Kind};
 
 use crate::Error;
 use crate::covariates;
@@ -26,35 +26,49 @@ pub fn best(refined: &[Refined]) -> Option<&Refined> {
     refined.iter().find(far_better).is_none().then_some(best)
 }
 
-/// Sets aside effects with a lag that is smaller than its own uncertainty, where the same without a lag fits as well.
+/// Sets aside effects with a lag where the same without one fits as well, if the lag is smaller than its own uncertainty, or if a
+/// coefficient alone says the same: of it the lag, and the curvature of the effect without, take no more than chance would.
 pub fn without_needless_lags(fitter: &Fitter<'_, '_>, all: &mut [Refined]) {
-    let plain: Vec<(EffectInstance, f64)> = all
+    let plain: Vec<(EffectInstance, f64, f64)> = all
         .iter()
         .filter(|refined| refined.why_not.is_none())
         .filter_map(|refined| match &refined.proposal.addition {
-            Addition::Effect(effect) => Some((effect.clone(), refined.criterion())),
+            Addition::Effect(effect) => {
+                let [value, variance] = last_parameter(fitter, refined, "curvature")?;
+                Some((effect.clone(), refined.criterion(), refined.deviance + value * value / variance))
+            }
             Addition::Column(_) => None,
         })
         .collect();
     for refined in all.iter_mut().filter(|refined| refined.why_not.is_none()) {
         let Addition::Effect(effect) = &refined.proposal.addition else { continue };
         let Some(kind) = without_lag(effect.kind) else { continue };
-        let as_good = plain.iter().any(|(other, criterion)| {
-            other.kind == kind && other.axis == effect.axis && criterion - refined.criterion() < ODDS
-        });
-        let free = fitter.model.free(&refined.fit.state);
-        let last = refined.fit.state.effects.len() - 1;
-        let lag = effect.kind.parameters().iter().position(|info| info.role == Role::Shape);
-        let Some(at) = free.iter().position(|(e, p)| *e == last && Some(*p) == lag) else { continue };
-        let at = fitter.model.unknowns.len() + at;
+        let mut without = plain.iter().filter(|(other, ..)| other.kind == kind && other.axis == effect.axis);
+        let Some((_, criterion, alone)) = without.next() else { continue };
         // Shapes count by their logarithm: its variance is the relative one.
-        if as_good && refined.fit.covariance[(at, at)] > 1.0 {
+        let Some([_, relative]) = last_parameter(fitter, refined, "lag_s") else { continue };
+        let as_good = criterion - refined.criterion() < ODDS;
+        let needless = alone - refined.deviance < chi_squared_quantile(1.0 - NEEDED, 1.0);
+        if as_good && (relative > 1.0 || needless) {
             refined.why_not = Some(Fault::Idle(format!(
                 "its lag is smaller than its uncertainty, where {} says the same without",
                 kind.name()
             )));
         }
     }
+}
+
+/// Value and variance of the parameter of a refined effect whose name begins so; of none, zero and one.
+fn last_parameter(fitter: &Fitter<'_, '_>, refined: &Refined, name: &str) -> Option<[f64; 2]> {
+    let last = refined.fit.state.effects.len().checked_sub(1)?;
+    let effect = &refined.fit.state.effects[last];
+    let infos = effect.kind.parameters();
+    let Some(number) = infos.iter().position(|info| info.name.starts_with(name)) else {
+        return Some([0.0, 1.0]);
+    };
+    let at = fitter.model.free(&refined.fit.state).iter().position(|free| *free == (last, number))?;
+    let at = fitter.model.unknowns.len() + at;
+    Some([effect.parameters[number], refined.fit.covariance[(at, at)]])
 }
 
 /// The same effect without a lag.
