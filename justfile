@@ -30,8 +30,7 @@ bench:
 
 # Physics concealed and sealed, and what diagnose finds of it (docs/proof.md); coverage of every interval over 5 000 and 1 000 campaigns
 prove:
-    cargo build --release
-    cargo run --release -p concealed -- prove
+    cargo run --release -p concealed -- prove --build
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test coverage -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test coverage -- --nocapture

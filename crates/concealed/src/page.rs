@@ -13,6 +13,8 @@ pub struct Besides<'a> {
     pub swarm: Option<String>,
     /// The section of the observatory, where it was run.
     pub pillar: Option<String>,
+    /// The section of real recordings, where they were run.
+    pub real: Option<String>,
 }
 
 /// The whole page.
@@ -29,6 +31,7 @@ pub fn of(score: &Score, besides: &Besides<'_>) -> String {
     ];
     sections.extend(besides.swarm.clone());
     sections.extend(besides.pillar.clone());
+    sections.extend(besides.real.clone());
     sections.push(concealed());
     sections.join("\n")
 }
@@ -37,7 +40,7 @@ fn introduction(score: &Score, besides: &Besides<'_>) -> String {
     let readings: usize = score.outcomes.iter().map(|outcome| outcome.truth.readings).sum();
     format!(
         "# Proof: what was concealed, and what was found\n\n\
-        This page is made by `cargo run --release -p concealed -- prove` and not by hand.\n\n\
+        This page is made by `cargo run --release -p concealed -- prove --build` and not by hand.\n\n\
         A tool that finds what its own simulator puts in has shown nothing: the two share their mistakes. The crate `concealed` shares no line of \
         physics, noise or estimation with `diagnose`, `simulate` and what they stand on (`crates/concealed/tests/independence.rs`). Its physics is finer than \
         the catalogue's ([below](#what-was-concealed)), fields and temperatures are known at every instant and not at samples alone, and its noise is \

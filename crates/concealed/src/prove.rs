@@ -10,7 +10,7 @@ use crate::programs::Programs;
 use crate::score::Score;
 use crate::seal::{self, Folder};
 use crate::sets::Set;
-use crate::{pillar, swarm};
+use crate::{pillar, real, swarm};
 
 /// The seed on which this crate was developed.
 const DEVELOPMENT: u64 = 1;
@@ -27,9 +27,15 @@ pub struct Arguments {
     /// At most so many cases of a set
     #[arg(long, value_name = "N")]
     pub cases: Option<usize>,
-    /// Leave out the orbit and the observatory
+    /// Leave out the orbit, the observatory and the recordings that somebody else made
     #[arg(long)]
     pub cases_only: bool,
+    /// Have cargo build the programs first
+    #[arg(long)]
+    pub build: bool,
+    /// The folder of the recordings that somebody else made
+    #[arg(long, value_name = "FOLDER", default_value = "../shared/data")]
+    pub data: PathBuf,
     /// Where documents, seals and answers are kept; what is there already is not diagnosed again
     #[arg(long, value_name = "FOLDER", default_value = "target/concealed")]
     pub folder: PathBuf,
@@ -43,6 +49,9 @@ pub struct Arguments {
 
 /// Makes, seals and diagnoses the cases, then opens and scores them.
 pub fn run(arguments: &Arguments) -> Result<Score, Error> {
+    if arguments.build {
+        Programs::build()?;
+    }
     let programs = Programs::find(arguments.programs.as_deref())?;
     programs.program("diagnose")?;
     let folder = cases(arguments)?;
@@ -73,7 +82,8 @@ pub fn score(arguments: &Arguments) -> Result<Score, Error> {
         let wanted = !arguments.cases_only;
         wanted.then(|| of(arguments.seed, &arguments.folder, &programs)).transpose()
     };
-    let besides = Besides { seeds: &seeds, swarm: campaign(flown)?, pillar: campaign(compared)? };
+    let real = (!arguments.cases_only).then(|| recorded(arguments, programs.clone())).transpose()?;
+    let besides = Besides { seeds: &seeds, swarm: campaign(flown)?, pillar: campaign(compared)?, real };
     common::pipe::write(Some(&arguments.output), &page::of(&score, &besides))?;
     Ok(score)
 }
@@ -100,6 +110,21 @@ pub fn swarm(arguments: &Campaign) -> Result<String, Error> {
 /// The observatory: sealed, compared, diagnosed, in words.
 pub fn pillar(arguments: &Campaign) -> Result<String, Error> {
     compared(arguments.seed, &arguments.folder, &Programs::find(arguments.programs.as_deref())?)
+}
+
+/// Real recordings: their page beside this one, and what stands here of it.
+fn recorded(arguments: &Arguments, programs: Programs) -> Result<String, Error> {
+    let mut words = String::from("## Recordings that somebody else made\n\n");
+    if !arguments.data.is_dir() {
+        words += &format!("Not run: no folder {} with recordings.\n", arguments.data.display());
+        return Ok(words);
+    }
+    let recorded = real::recorded(&arguments.data, programs, None)?;
+    let page = arguments.output.with_extension("").join("real.md");
+    recorded.write(&page)?;
+    words += "Fitted on one part, held against another that the fit never saw; with plots, and what each cannot decide, in [real.md](proof/real.md), which \
+        `cargo run --release -p concealed -- real` makes of each set by its name.\n\n";
+    Ok(words + &recorded.summary)
 }
 
 fn flown(seed: u64, folder: &Path, programs: &Programs) -> Result<String, Error> {

@@ -45,26 +45,42 @@ pub struct Arguments {
 /// Runs the sets and writes their page.
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let programs = Programs::find(arguments.programs.as_deref())?;
-    let (text, plots) = page(&arguments.data, programs, arguments.name.as_deref())?;
-    if let Some(folder) = arguments.output.as_deref().and_then(Path::parent).filter(|f| *f != Path::new("")) {
-        fs::create_dir_all(folder).map_err(|source| Error::file(folder, "written", source))?;
+    let recorded = recorded(&arguments.data, programs, arguments.name.as_deref())?;
+    match &arguments.output {
+        Some(output) => recorded.write(output),
+        None => Ok(pipe::write(None, &recorded.text)?),
     }
-    for (name, svg) in arguments.output.iter().flat_map(|_| &plots) {
-        let path = arguments.output.as_deref().unwrap_or(Path::new("")).with_file_name(name);
-        pipe::write(Some(&path), svg)?;
-    }
-    Ok(pipe::write(arguments.output.as_deref(), &text)?)
 }
 
-/// The page on real recordings, as markdown, with its plots by file name. The same recordings and programs give the same bytes.
+/// What came of the sets.
+#[derive(Clone, Debug)]
+pub struct Recorded {
+    /// A table with a sentence for each set, as markdown.
+    pub summary: String,
+    /// The page, as markdown.
+    pub text: String,
+    /// Its plots by file name.
+    pub plots: Vec<(String, String)>,
+}
+
+impl Recorded {
+    /// Writes the page with its plots beside it.
+    pub fn write(&self, output: &Path) -> Result<(), Error> {
+        if let Some(folder) = output.parent().filter(|folder| *folder != Path::new("")) {
+            fs::create_dir_all(folder).map_err(|source| Error::file(folder, "written", source))?;
+        }
+        for (name, svg) in &self.plots {
+            pipe::write(Some(&output.with_file_name(name)), svg)?;
+        }
+        Ok(pipe::write(Some(output), &self.text)?)
+    }
+}
+
+/// Runs the sets. The same recordings and programs give the same bytes.
 ///
 /// # Errors
 /// A name that no set has, a file of a set that is missing, a program that is missing. That a stage refuses is a finding.
-pub fn page(
-    data: &Path,
-    programs: Programs,
-    name: Option<&str>,
-) -> Result<(String, Vec<(String, String)>), Error> {
+pub fn recorded(data: &Path, programs: Programs, name: Option<&str>) -> Result<Recorded, Error> {
     let sets: Vec<&Set> = SETS.iter().filter(|set| name.is_none_or(|name| name == set.name)).collect();
     if sets.is_empty() {
         let names: Vec<&str> = SETS.iter().map(|set| set.name).collect();
@@ -76,10 +92,11 @@ pub fn page(
         if data.join(set.folder).is_dir() { (set.run)(&stages).map(Some) } else { Ok(None) }
     };
     let pages = sets.par_iter().map(found).collect::<Result<Vec<_>, Error>>()?;
-    let mut top = Page { text: INTRODUCTION.to_string(), ..Page::default() };
     let headline = |page: &Option<Page>| page.as_ref().map_or("not run".into(), |page| page.headline.clone());
     let heads = sets.iter().zip(&pages).map(|(set, page)| vec![set.title.to_string(), headline(page)]);
-    top.table(&["asked", "found"], &heads.collect::<Vec<_>>());
+    let mut summary = Page::default();
+    summary.table(&["asked", "found"], &heads.collect::<Vec<_>>());
+    let mut top = Page { text: INTRODUCTION.to_string() + &summary.text, ..Page::default() };
     for (set, page) in sets.iter().zip(&pages) {
         top.text += &format!("## {}\n\n", set.title);
         match page {
@@ -89,8 +106,11 @@ pub fn page(
             None => top.say(format!("Not run: no folder `{}` with the recordings.", set.folder)),
         }
     }
-    let plots = pages.into_iter().flatten().flat_map(|page| page.plots).collect();
-    Ok((top.text.trim_end().to_string() + "\n", plots))
+    Ok(Recorded {
+        summary: summary.text,
+        text: top.text.trim_end().to_string() + "\n",
+        plots: pages.into_iter().flatten().flat_map(|page| page.plots).collect(),
+    })
 }
 
 const INTRODUCTION: &str = "# Real recordings

@@ -29,7 +29,7 @@ fn programs() -> Option<Programs> {
 fn a_missing_folder_is_said_for_every_set() {
     let nowhere = tempfile::tempdir().expect("a folder");
     let programs = Programs::find(Some(nowhere.path())).expect("a folder");
-    let text = real::page(nowhere.path(), programs, None).expect("a page").0;
+    let text = real::recorded(nowhere.path(), programs, None).expect("a page").text;
     assert_eq!(text.matches("\nNot run: no folder `").count(), real::SETS.len());
     assert!(!text.contains(&nowhere.path().display().to_string()), "{text}");
 }
@@ -38,7 +38,7 @@ fn a_missing_folder_is_said_for_every_set() {
 fn a_name_that_no_set_has_is_refused_with_those_that_there_are() {
     let nowhere = tempfile::tempdir().expect("a folder");
     let programs = Programs::find(Some(nowhere.path())).expect("a folder");
-    let refused = real::page(nowhere.path(), programs, Some("nowhere"));
+    let refused = real::recorded(nowhere.path(), programs, Some("nowhere"));
     let words = refused.expect_err("a refusal").to_string();
     assert!(words.starts_with("no set of that name; expected one of conrad-pair, "), "{words}");
 }
@@ -46,7 +46,7 @@ fn a_name_that_no_set_has_is_refused_with_those_that_there_are() {
 #[test]
 fn a_misprint_in_a_certificate_is_found() {
     let (Some(data), Ok(programs)) = (data(), Programs::find(None)) else { return };
-    let text = real::page(&data, programs, Some("certificates")).expect("a page").0;
+    let text = real::recorded(&data, programs, Some("certificates")).expect("a page").text;
     // 36911 nT/mA over 38.3 kohm is 963.7 nT/V.
     assert!(text.contains("| FGE_S0437-E0564 Z | 963.7 | 973.7 | +10.0 |"), "{text}");
 }
@@ -54,7 +54,7 @@ fn a_misprint_in_a_certificate_is_found() {
 #[test]
 fn instruments_that_share_no_field_are_not_made_to_look_good() {
     let (Some(data), Some(programs)) = (data(), programs()) else { return };
-    let text = real::page(&data, programs, Some("meson-hall")).expect("a page").0;
+    let text = real::recorded(&data, programs, Some("meson-hall")).expect("a page").text;
     println!("{text}");
     let row = text.lines().find(|line| line.starts_with("| test x |")).expect("a matrix");
     let cell = row.split('|').nth(2).and_then(|cell| cell.split('±').next()).expect("an element");

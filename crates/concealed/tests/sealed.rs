@@ -1,6 +1,6 @@
 //! A small proof: one case of each set through the program as it is built, and seals that hold.
 //!
-//! The whole is `cargo run --release -p concealed -- prove`.
+//! The whole is `cargo run --release -p concealed -- prove --build`.
 
 use std::fs;
 use std::path::Path;

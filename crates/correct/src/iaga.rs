@@ -133,7 +133,7 @@ impl IagaWriter {
         let code = &self.code;
         let columns: Vec<String> =
             ["X", "Y", "Z", "F"].map(|letter| format!("{:<10}", format!("{code}{letter}"))).into();
-        let titles = format!("DATE       TIME         DOY       {}", columns.concat());
+        let titles = format!("DATE       TIME         DOY     {}", columns.concat());
         let lines = labelled.into_iter().chain([comment, titles]);
         lines.map(|line| format!("{:<LINE$}|\n", line.trim_end())).collect()
     }

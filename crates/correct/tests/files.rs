@@ -238,7 +238,10 @@ fn iaga_2002_holds_the_field() {
     let (header, data): (Vec<&str>, Vec<&str>) = lines.iter().partition(|line| line.ends_with('|'));
     assert!(header.iter().all(|line| line.len() == 70), "{header:?}");
     assert_eq!(header[3], format!("{:<69}|", " IAGA CODE              FLX"));
-    assert!(header[12].starts_with("DATE       TIME         DOY       FLXX      FLXY      FLXZ      FLXF"));
+    assert_eq!(
+        header[13],
+        format!("{:<69}|", "DATE       TIME         DOY     FLXX      FLXY      FLXZ      FLXF")
+    );
     let expected = correct::run(input(), &Options { frame: Frame::Geo }).expect("corrected");
     let recording = &expected.recordings[0];
     assert_eq!(data.len(), recording.rows());

@@ -79,7 +79,7 @@ struct ReplayArgs {
 
 #[derive(Args)]
 #[command(
-    after_help = "Example:\n  simulate sweep fixtures/plans/magsat-axes.json --seeds 1..20 --set facility.theodolite_arcsec=1,2 \\\n    --truth truth.ndjson > campaigns.ndjson"
+    after_help = "Example:\n  simulate sweep fixtures/plans/magsat-axes.json --seeds 1..20 \\\n    --set facility.theodolite_arcsec=1,2 --truth truth.ndjson > campaigns.ndjson"
 )]
 struct SweepArgs {
     #[command(flatten)]

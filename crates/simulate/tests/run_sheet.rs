@@ -20,7 +20,7 @@ fn settings_of_the_magsat_campaign() {
         "step,time_s,start,recording,orientation,coil_x_a,coil_y_a,coil_z_a,sensor_temperature_c,electronics_temperature_c,wait_s,readings,length_s,action"
     );
     assert!(
-        said.contains("5013 settings") && said.contains("7 d 16 h 30 min of work in 373 d 5 h 42 min"),
+        said.contains("5115 settings") && said.contains("7 d 17 h 33 min of work in 373 d 6 h 45 min"),
         "{said}"
     );
     // 20 000 nT with the stated 41 200 nT/A, ten readings of a second after ten seconds.

@@ -26,6 +26,7 @@ pub fn beside(program: &str, input: &str) {
         let table = format!("data/{number}.csv");
         fs::write(folder.path().join(&table), text).expect("written");
         recording.insert("table".into(), table.into());
+        recording.entry("conditions").or_insert_with(|| Value::Object(serde_json::Map::new()));
     }
     fs::write(folder.path().join("campaign.json"), document.to_string()).expect("written");
     let whole = fixture(input).canonicalize().expect("a fixture");

@@ -42,7 +42,7 @@ pub fn manual(program: &str) {
     for shell in ["bash", "zsh", "fish"] {
         let completions = run(program, &["--completions", shell], "");
         assert_eq!(completions.code, 0, "{}", completions.stderr);
-        assert!(completions.stdout.contains(name) && completions.stdout.contains("--man"), "{shell}");
+        assert!(completions.stdout.contains(name) && completions.stdout.contains("man"), "{shell}");
     }
     let folder = tempfile::tempdir().expect("a folder");
     let done = run_in(program, folder.path(), &["--man", "pages"]);

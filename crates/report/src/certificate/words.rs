@@ -95,8 +95,10 @@ fn decisive<'a>(one: &'a Judged<'_>) -> Option<&'a Found> {
 fn value(found: &Found) -> Cell {
     if found.gaps.is_empty() {
         Cell::Uncertain { value: found.value, std: found.std }
-    } else {
+    } else if found.std > 0.0 {
         Cell::Text(format!("at least {}", uncertain(found.value, found.std)))
+    } else {
+        Cell::Text(format!("at least {}", bare(found.value)))
     }
 }
 
