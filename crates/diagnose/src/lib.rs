@@ -212,9 +212,11 @@ fn search(
     Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
 }
 
-/// Different names among those found.
+/// How many were found, the harmonics of one effect as one and each moment for itself.
 fn distinct(found: &[Found]) -> usize {
-    found.iter().map(|one| &one.refined.proposal.name).collect::<BTreeSet<_>>().len()
+    let (moments, others): (Vec<_>, Vec<_>) =
+        found.iter().map(|one| &one.refined.proposal).partition(|proposal| proposal.local);
+    moments.len() + others.into_iter().map(|proposal| &proposal.name).collect::<BTreeSet<_>>().len()
 }
 
 /// Looks at one of several found with the others in place: what they hid or feigned shows only then.

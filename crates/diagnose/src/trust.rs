@@ -100,13 +100,15 @@ fn made_of_moments(found: &[Found], stages: &[Stage]) -> Option<usize> {
     look.structures.iter().any(says_more).then_some(first)
 }
 
-/// Whether names that came in one after the other stand at the stage after the last of them. What bears one name counts together: the
-/// harmonics of a converter. Where the noise is what a residual shows, it has become less since.
+/// Whether names that came in one after the other stand at the stage after the last of them. Harmonics of one effect count together, each
+/// single moment for itself. Where the noise is what a residual shows, it has become less since.
 fn stand(found: &[Found], stages: &[Stage], level: f64) -> bool {
     let now = &stages[found.len()];
     let gain = |(one, when): (&Found, &Stage)| one.gain * when.noise.variance() / now.noise.variance();
-    found.iter().all(|one| {
-        let together = found.iter().zip(stages).filter(|(other, _)| name(other) == name(one));
+    found.iter().enumerate().all(|(at, one)| {
+        let harmonics = |other: &Found| !one.refined.proposal.local && name(other) == name(one);
+        let all = found.iter().zip(stages).enumerate();
+        let together = all.filter(|(k, (other, _))| *k == at || harmonics(other)).map(|(_, pair)| pair);
         together.map(gain).sum::<f64>() > FAR_MORE * now.look.left(level)
             && !now.look.structures.iter().any(|left| same(&one.refined.proposal.addition, &left.what))
     })
