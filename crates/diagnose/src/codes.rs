@@ -1,4 +1,4 @@
-//! What repeats along a sensor's own reading: codes that differ in width, and codes that are coarse.
+//! What repeats along a sensor's own reading: codes that differ in width.
 
 use common::Axis;
 use physics::{EffectInstance, Kind};
@@ -18,10 +18,8 @@ const CELLS: usize = 1 << 21;
 const FINE: f64 = 4.0;
 /// Frequencies between neighbours of the grid, to either side of the strongest.
 const FINER: i32 = 16;
-/// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
-const WIDTHS: i32 = 32;
 
-/// Both explanations of the strongest period of each sensor.
+/// Codes that differ in width, by the strongest period of each sensor.
 pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
     let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| fitter.model.reads(*axis)).collect();
     let found: Vec<Vec<Proposal>> =
@@ -51,7 +49,10 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let range = high - low;
     let infos = Kind::DifferentialNonlinearity.parameters();
     let longest = infos[2].high.min(range);
-    let shortest = (0.5 * std).max(0.02).max(2.0 * FINE * range / CELLS as f64);
+    // Within a coarse code all readings are one.
+    let coarse = fit.state.effects.iter().filter(|e| e.kind == Kind::Quantisation && e.axis == Some(axis));
+    let coarse = coarse.map(|effect| 2.0 * effect.parameters[0]).fold(0.02, f64::max);
+    let shortest = (0.5 * std).max(coarse).max(2.0 * FINE * range / CELLS as f64);
     if !(range > 0.0 && longest > 2.0 * shortest && x.len() > 8) {
         return Ok(Vec::new());
     }
@@ -71,24 +72,9 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
         return Ok(Vec::new());
     }
     let period = 1.0 / frequency;
-    let mut found = Vec::new();
     let sine = instance(Kind::DifferentialNonlinearity, axis, vec![0.0, 0.0, period]);
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
-    found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain));
-    let slip = period / range * period;
-    let mut best: Option<(f64, f64)> = None;
-    for k in -WIDTHS..=WIDTHS {
-        let width = period + slip * f64::from(k) / f64::from(WIDTHS);
-        let gain = fitter.gain_as_it_is(fit, &instance(Kind::Quantisation, axis, vec![width]))?;
-        if best.is_none_or(|(most, _)| gain > most) {
-            best = Some((gain, width));
-        }
-    }
-    if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
-        let p = at_least_one(rest.p(gain, 1), looks);
-        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain));
-    }
-    Ok(found)
+    Ok(vec![proposal(sine, at_least_one(rest.p(gain, rank), looks), gain)])
 }
 
 fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {

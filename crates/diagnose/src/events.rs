@@ -24,9 +24,8 @@ use crate::search::{Addition, Proposal};
 
 /// A departure of which the base model leaves less than this share is not looked for.
 const LEFT: f64 = 1e-3;
-
-/// A spike of up to so many codes may be the code beside the right one.
-const CODES: f64 = 1.5;
+/// Jumps are no more than this share of the rows.
+const RARE: f64 = 0.05;
 
 /// A departure of one nT in each row of a channel, against its whitened residual.
 struct Departures {
@@ -89,6 +88,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
             (departures.along.iter().sum(), departures.lengths()[1].first().copied().unwrap_or(0.0), within)
         })
         .collect();
+    let beside_jumps = beside_jumps(fitter, fit)?;
     let (mut spike, mut step, mut stays) = (Best::default(), Best::default(), Best::default());
     let mut looks = 0.0;
     for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
@@ -114,8 +114,10 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
                 }
             };
             let inside: f64 = (0..basis.ncols()).map(|j| within(j).powi(2)).sum();
-            consider(&mut spike, departures.along[row], one[row], inside);
-            looks += 1.0;
+            if !beside_jumps[channel.at + row] {
+                consider(&mut spike, departures.along[row], one[row], inside);
+                looks += 1.0;
+            }
             sum.0 += departures.along[row];
             (0..basis.ncols()).for_each(|j| sum.1[j] += within(j));
             if timed && row >= 2 && row + 2 <= rows {
@@ -139,6 +141,30 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     }
     found.extend(freeze::proposal(fitter, fit, rest, &all)?);
     found.extend(pass::proposal(fitter, fit, rest, &all)?);
+    Ok(found)
+}
+
+/// Rows beside which what effects add jumps, far more than elsewhere in the channel: a reading there tells the moment of the jump.
+fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> {
+    let mut found = vec![false; fitter.model.observed.rows];
+    let mut without = fit.state.clone();
+    let spike: Vec<bool> = without.effects.iter().map(|effect| effect.kind == Kind::Spike).collect();
+    let (mut of_effects, mut of_acts) = (spike.iter(), spike.iter());
+    without.effects.retain(|_| of_effects.next() == Some(&true));
+    without.acts.retain(|_| of_acts.next() == Some(&true));
+    if without.effects.len() == fit.state.effects.len() {
+        return Ok(found);
+    }
+    let added = fitter.model.change(&without, &fit.state)?;
+    for channel in &fitter.model.observed.channels {
+        let apart: Vec<f64> =
+            added[channel.range()].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+        let most = apart.iter().copied().fold(0.0, f64::max);
+        let jumps: Vec<usize> = (0..apart.len()).filter(|row| apart[*row] > 0.5 * most).collect();
+        if (jumps.len() as f64) < RARE * apart.len() as f64 {
+            jumps.iter().for_each(|row| found[channel.at + row..=channel.at + row + 1].fill(true));
+        }
+    }
     Ok(found)
 }
 
@@ -207,22 +233,13 @@ fn moment(
     };
     let exact = fitter.gain_of(fit, &[column])?;
     let height = exact.coefficients[0];
-    // Where a field is close to the edge between two codes, a coarse converter reads the one or the other.
-    let coarse = |effect: &EffectInstance| {
-        effect.kind == Kind::Quantisation
-            && channel.reader == effect.axis.map_or(Reader::Scalar, Reader::Sensor)
-            && height.abs() < CODES * effect.parameters[0]
-    };
-    if kind == Kind::Spike && fit.state.effects.iter().any(coarse) {
-        return Ok(None);
-    }
     let name = match &mut addition {
         Addition::Effect(effect) => {
             effect.parameters[0] = height;
             if alone {
                 format!("{} in \"{}\"", named(effect), run.recording.id)
             } else {
-                format!("{} from \"{}\" on", named(effect), run.recording.id)
+                format!("{} in \"{}\" and later", named(effect), run.recording.id)
             }
         }
         Addition::Column(column) => {

@@ -110,10 +110,12 @@ impl Fitter<'_, '_> {
         self.minimum(start, None)
     }
 
-    /// The minimum near another fit, with the derivatives of that by the unknowns of the base model: effects change them by no more than
-    /// their own size, and most of the work is in them. Not for effects that hide the field, which take rows out of them.
+    /// The minimum near another fit: first with the derivatives of that by the unknowns of the base model, in which most of the work is
+    /// (effects change them by no more than their own size), then with its own. Not for effects that hide the field, which take rows
+    /// out of them.
     pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
-        self.minimum(start, Some(fit))
+        let near = self.minimum(start, Some(fit))?;
+        self.minimum(&near.state, None)
     }
 
     fn minimum(&self, start: &State, near: Option<&Fit>) -> Result<Fit, Error> {

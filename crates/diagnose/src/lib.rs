@@ -17,6 +17,7 @@ mod events;
 mod fit;
 mod generic;
 mod held_out;
+mod lattice;
 mod level;
 mod lines;
 mod magnitude;
@@ -36,6 +37,7 @@ pub use error::Error;
 pub use words::summary;
 
 use common::{Document, Verdict};
+use std::collections::BTreeSet;
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
@@ -47,6 +49,8 @@ use crate::whitening::NoiseModel;
 
 /// Most effects that are named.
 const MOST: usize = 8;
+/// Most that are searched for, one of several harmonics of an effect as one.
+const LONGEST: usize = 16;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -155,7 +159,20 @@ fn search(
     let mut stages = vec![Stage { fit: base.clone(), noise: base_noise.clone(), look: first.clone() }];
     let mut found: Vec<Found> = Vec::new();
     let mut refused = Vec::new();
-    while found.len() < MOST {
+    for proposal in lattice::proposals(document, model, &base_noise, &base) {
+        told(&proposal.name);
+        let Addition::Effect(effect) = &proposal.addition else { continue };
+        let state = model.with(&stages[found.len()].fit.state, effect.clone());
+        let (fit, noise) = settled(document, model, &state)?;
+        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        found.push(Found {
+            gain: proposal.gain,
+            refined: Refined::certain(proposal, fit.clone()),
+            rivals: Rivals::default(),
+        });
+        stages.push(Stage { fit, noise, look });
+    }
+    while found.len() < LONGEST && distinct(&found) < MOST {
         let Stage { fit, noise, look } = &stages[found.len()];
         let fitter = Fitter { model, noise };
         let refined = searcher.refine(&fitter, fit, look)?;
@@ -166,13 +183,15 @@ fn search(
                 .collect();
             break;
         };
-        let rivals = rivals(&fitter, &refined)?;
         told(&format!("{}; searching on", best.proposal.name));
-        let gain = fit.cost - best.fit.cost;
-        found.push(Found { refined: best.clone(), gain, rivals });
-        let (fit, noise) = settled(document, model, &best.fit.state)?;
-        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-        stages.push(Stage { fit, noise, look });
+        let (next, next_noise) = settled(document, model, &best.fit.state)?;
+        let next_look = searcher.look(&Fitter { model, noise: &next_noise }, &next)?;
+        found.push(Found {
+            refined: best.clone(),
+            gain: fit.cost - best.fit.cost,
+            rivals: rivals(&fitter, fit, &refined, !next_look.clean(searcher.level))?,
+        });
+        stages.push(Stage { fit: next, noise: next_noise, look: next_look });
     }
     let kept = trust::kept(&found, &stages, searcher.level);
     if kept < found.len() {
@@ -185,11 +204,19 @@ fn search(
     if found.len() > 1 {
         for number in 0..found.len() {
             let fitter = Fitter { model, noise: &noise };
-            reconsider(&fitter, searcher, &base, &mut found, number, &fit)?;
+            let leaves = !last.clean(searcher.level);
+            reconsider(&fitter, searcher, &base, &mut found, number, &fit, leaves)?;
         }
         last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     }
     Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
+}
+
+/// How many were found, the harmonics of one effect as one and each moment for itself.
+fn distinct(found: &[Found]) -> usize {
+    let (moments, others): (Vec<_>, Vec<_>) =
+        found.iter().map(|one| &one.refined.proposal).partition(|proposal| proposal.local);
+    moments.len() + others.into_iter().map(|proposal| &proposal.name).collect::<BTreeSet<_>>().len()
 }
 
 /// Looks at one of several found with the others in place: what they hid or feigned shows only then.
@@ -200,6 +227,7 @@ fn reconsider(
     found: &mut [Found],
     number: usize,
     fit: &Fit,
+    leaves: bool,
 ) -> Result<(), Error> {
     let mut without = fit.state.clone();
     let before = |addition: fn(&Addition) -> bool| {
@@ -220,7 +248,7 @@ fn reconsider(
     let refined = searcher.refine(fitter, &rest, &look)?;
     let Some(best) = best(&refined) else { return Ok(()) };
     if best.proposal.name == found[number].refined.proposal.name {
-        found[number].rivals = rivals(fitter, &refined)?;
+        found[number].rivals = rivals(fitter, &rest, &refined, leaves)?;
         let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);
         found[number].refined = Refined { p_adjusted, ..best.clone() };
     }

@@ -2,12 +2,13 @@
 
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
-use physics::{EffectInstance, Kind, Role};
+use physics::{EffectInstance, Kind};
 
 use crate::Error;
 use crate::covariates;
-use crate::fit::Fitter;
+use crate::fit::{Fit, Fitter};
 use crate::search::{Addition, Fault, Refined};
+use crate::trust::FORM;
 
 /// Twice the logarithm of the odds at which a rival is out.
 const ODDS: f64 = 9.2;
@@ -25,35 +26,49 @@ pub fn best(refined: &[Refined]) -> Option<&Refined> {
     refined.iter().find(far_better).is_none().then_some(best)
 }
 
-/// Sets aside effects with a lag that is smaller than its own uncertainty, where the same without a lag fits as well.
+/// Sets aside effects with a lag where the same without one fits as well, if the lag is smaller than its own uncertainty, or if a
+/// coefficient alone says the same: of it the lag, and the curvature of the effect without, take no more than chance would.
 pub fn without_needless_lags(fitter: &Fitter<'_, '_>, all: &mut [Refined]) {
-    let plain: Vec<(EffectInstance, f64)> = all
+    let plain: Vec<(EffectInstance, f64, f64)> = all
         .iter()
         .filter(|refined| refined.why_not.is_none())
         .filter_map(|refined| match &refined.proposal.addition {
-            Addition::Effect(effect) => Some((effect.clone(), refined.criterion())),
+            Addition::Effect(effect) => {
+                let [value, variance] = last_parameter(fitter, refined, "curvature")?;
+                Some((effect.clone(), refined.criterion(), refined.deviance + value * value / variance))
+            }
             Addition::Column(_) => None,
         })
         .collect();
     for refined in all.iter_mut().filter(|refined| refined.why_not.is_none()) {
         let Addition::Effect(effect) = &refined.proposal.addition else { continue };
         let Some(kind) = without_lag(effect.kind) else { continue };
-        let as_good = plain.iter().any(|(other, criterion)| {
-            other.kind == kind && other.axis == effect.axis && criterion - refined.criterion() < ODDS
-        });
-        let free = fitter.model.free(&refined.fit.state);
-        let last = refined.fit.state.effects.len() - 1;
-        let lag = effect.kind.parameters().iter().position(|info| info.role == Role::Shape);
-        let Some(at) = free.iter().position(|(e, p)| *e == last && Some(*p) == lag) else { continue };
-        let at = fitter.model.unknowns.len() + at;
+        let mut without = plain.iter().filter(|(other, ..)| other.kind == kind && other.axis == effect.axis);
+        let Some((_, criterion, alone)) = without.next() else { continue };
         // Shapes count by their logarithm: its variance is the relative one.
-        if as_good && refined.fit.covariance[(at, at)] > 1.0 {
+        let Some([_, relative]) = last_parameter(fitter, refined, "lag_s") else { continue };
+        let as_good = criterion - refined.criterion() < ODDS;
+        let needless = alone - refined.deviance < chi_squared_quantile(1.0 - NEEDED, 1.0);
+        if as_good && (relative > 1.0 || needless) {
             refined.why_not = Some(Fault::Idle(format!(
                 "its lag is smaller than its uncertainty, where {} says the same without",
                 kind.name()
             )));
         }
     }
+}
+
+/// Value and variance of the parameter of a refined effect whose name begins so; of none, zero and one.
+fn last_parameter(fitter: &Fitter<'_, '_>, refined: &Refined, name: &str) -> Option<[f64; 2]> {
+    let last = refined.fit.state.effects.len().checked_sub(1)?;
+    let effect = &refined.fit.state.effects[last];
+    let infos = effect.kind.parameters();
+    let Some(number) = infos.iter().position(|info| info.name.starts_with(name)) else {
+        return Some([0.0, 1.0]);
+    };
+    let at = fitter.model.free(&refined.fit.state).iter().position(|free| *free == (last, number))?;
+    let at = fitter.model.unknowns.len() + at;
+    Some([effect.parameters[number], refined.fit.covariance[(at, at)]])
 }
 
 /// The same effect without a lag.
@@ -101,18 +116,26 @@ pub struct Rivals {
     pub lost: Vec<(String, String)>,
 }
 
-/// Holds the others of a list against its first.
-pub fn rivals(fitter: &Fitter<'_, '_>, refined: &[Refined]) -> Result<Rivals, Error> {
+/// Holds the others of a list against its first, which all came to what a fit had left. Where the first leaves something, they are equal
+/// also if they differ by no more than the forms of effects are true to, and need no more unknowns.
+pub fn rivals(
+    fitter: &Fitter<'_, '_>,
+    before: &Fit,
+    refined: &[Refined],
+    leaves: bool,
+) -> Result<Rivals, Error> {
     let Rivals { mut equal, mut lost } = Rivals::default();
     let Some((best, others)) = refined.split_first() else { return Ok(Rivals { equal, lost }) };
+    let of_forms = if leaves { FORM * (before.cost - best.fit.cost) } else { 0.0 };
     for other in others {
         let name = other.proposal.name.clone();
+        let odds = if other.unknowns > best.unknowns { ODDS } else { ODDS.max(of_forms) };
         if let Some(why) = &other.why_not {
             lost.push((name, why.words().into()));
             continue;
         }
         let behind = other.criterion() - best.criterion();
-        if behind > ODDS {
+        if behind > odds {
             let odds = (behind / 2.0).exp();
             let odds =
                 if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };

@@ -86,9 +86,12 @@ impl Look {
         self.least_p >= level && self.rest.omnibus().is_none_or(|p| at_least_one(p, FAMILIES) >= level)
     }
 
-    /// By how much what is left would lower the sum of squares if it had a name.
-    pub fn left(&self) -> f64 {
-        let excess = self.rest.sum_of_squares - self.rest.freedom * self.rest.scale();
+    /// By how much what is left, beyond chance, would lower the sum of squares if it had a name.
+    pub fn left(&self, level: f64) -> f64 {
+        let excess = match self.rest.omnibus() {
+            Some(p) if at_least_one(p, FAMILIES) >= level => 0.0,
+            _ => self.rest.sum_of_squares - self.rest.freedom * self.rest.scale(),
+        };
         let structured = self.structures.iter().map(|s| s.gain);
         structured.chain(self.proposals.iter().map(|p| p.gain)).fold(excess.max(0.0), f64::max)
     }

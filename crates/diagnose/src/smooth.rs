@@ -43,9 +43,11 @@ impl Local {
     }
 }
 
-/// The parabola through the samples that are there up to `reach` rows to either side, at a row.
+/// The parabola through the samples that are there up to `reach` rows to either side, at a row; fewer towards the ends, for beside its middle
+/// a parabola is off by the signal's third derivative.
 fn local(time_s: &[f64], samples: &[Vector3<f64>], there: &[usize], row: usize, reach: usize) -> Local {
     let middle = there.partition_point(|other| *other < row);
+    let reach = reach.min(middle).min(there.len() - 1 - middle.min(there.len() - 1)).max(REACHES[0]);
     let from = middle.saturating_sub(reach).min(there.len() - 2 * reach - 1);
     let window = &there[from..=from + 2 * reach];
     let span = time_s[window[2 * reach]] - time_s[window[0]];

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use crate::Error;
 use crate::matched::correlate;
 use crate::observed::{Channel, Observed};
+pub use declared::code_nt;
 use declared::{declared, estimate, known_freedom};
 
 /// Readings up to which noise with memory is whitened by its whole covariance; beyond, by innovations on an even grid.
@@ -52,7 +53,7 @@ impl std::fmt::Debug for Grid {
 }
 
 impl Grid {
-    fn of(noise: &Noise, time: &[f64]) -> Result<Option<Self>, Error> {
+    fn of(noise: &Noise, time: &[f64], oldest_s: f64) -> Result<Option<Self>, Error> {
         let Some(step_s) = typical_step_s(time) else { return Ok(None) };
         let places: Vec<usize> = time.iter().map(|t| ((t - time[0]) / step_s).round() as usize).collect();
         let on_grid =
@@ -62,7 +63,7 @@ impl Grid {
         if !rising || !time.iter().zip(&places).all(on_grid) || points > SPARSEST * time.len() {
             return Ok(None);
         }
-        let slowest = 1.0 / (points as f64 * step_s);
+        let slowest = 1.0 / oldest_s.max(points as f64 * step_s);
         let density = |f: f64| noise.density(f.max(slowest), step_s);
         let innovations = if points == places.len() {
             Innovations::of(&density, points, step_s)?
@@ -121,7 +122,7 @@ impl NoiseModel {
             .channels
             .par_iter()
             .zip(&noises)
-            .map(|(channel, noise)| way(observed, channel, noise))
+            .map(|(channel, noise)| way(observed, channel, noise, !estimated))
             .collect::<Result<_, Error>>()?;
         let (ways, std_nt) = found.into_iter().unzip();
         Ok(Self { ways, std_nt, known, source: if estimated { "residuals" } else { "declared" } })
@@ -199,11 +200,11 @@ fn flicker_variance(noise: &Noise, time: &[f64]) -> f64 {
 /// Flicker noise slower than its recording, as waves whose products are its covariance, an octave each. A declaration ends at one over the
 /// recording's length, but such noise did not begin with it: levels and trends of a recording are part of it. What is slower than the
 /// whole campaign is one level throughout.
-fn older(noise: &Noise, time: &[f64], campaign_s: f64) -> Vec<Vec<f64>> {
+fn older(noise: &Noise, time: &[f64], oldest_s: f64) -> Vec<Vec<f64>> {
     let flicker = Noise { white_rms_nt: None, random_walk_nt_per_sqrt_s: None, ..noise.clone() };
     let mut above = 1.0 / (time[time.len() - 1] - time[0]);
     let mut waves = Vec::new();
-    while above.is_finite() && above > 1.0 / (OLDEST * campaign_s) {
+    while above.is_finite() && above > 1.0 / oldest_s {
         let middle = above * std::f64::consts::FRAC_1_SQRT_2;
         let rms = (flicker.density(middle, 0.0) * 0.5 * above).sqrt();
         let wave = |of: fn(f64) -> f64| {
@@ -215,15 +216,22 @@ fn older(noise: &Noise, time: &[f64], campaign_s: f64) -> Vec<Vec<f64>> {
     waves
 }
 
-fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way, f64), Error> {
+/// Where the noise was estimated from a residual, what is slower than a recording may be what is looked for, and is not taken for noise.
+fn way(
+    observed: &Observed<'_>,
+    channel: &Channel,
+    noise: &Noise,
+    declared: bool,
+) -> Result<(Way, f64), Error> {
     let rows = channel.rows.len();
     let memory = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0) > 0.0
         || noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0) > 0.0;
     let time = observed.times(channel).filter(|_| memory);
     let white = noise.white_rms_nt.unwrap_or(0.0);
+    let oldest_s = observed.span().filter(|_| declared).map_or(0.0, |(_, length)| OLDEST * length);
     let Some(time) = time else { return Ok((Way::White(white), white)) };
     if rows > LONGEST {
-        let Some(grid) = Grid::of(noise, &time)? else {
+        let Some(grid) = Grid::of(noise, &time, oldest_s)? else {
             return Err(Error::Undetermined(format!(
                 "recording \"{}\": {rows} readings at uneven times whose noise has memory, where at most {LONGEST} can be taken; \
                  bring them to an even step, or give a part",
@@ -241,7 +249,7 @@ fn way(observed: &Observed<'_>, channel: &Channel, noise: &Noise) -> Result<(Way
         ))
     })?;
     let mean: f64 = (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64;
-    let older = older(noise, &time, observed.span().map_or(0.0, |(_, length)| length));
+    let older = older(noise, &time, oldest_s);
     let matrix = Mat::from_fn(rows, rows, |i, j| {
         covariance[i * rows + j] + older.iter().map(|wave| wave[i] * wave[j]).sum::<f64>()
     });

@@ -42,8 +42,10 @@ const ODD: [Odd; 12] = [
     }),
 ];
 
-/// Levels that come and go with the temperature are told as a set of steps, each with rivals.
-const SHORT: [&str; 1] = ["a threshold in temperature"];
+/// Seen at twice the noise; but a square leaves of a kink only a sixth of the noise, which nothing shows in 480 rows.
+fn times(odd: &str) -> f64 {
+    if odd == "readings of one sign weaker" { 4.0 } else { 2.0 }
+}
 
 /// Adds something of `times` the noise's rms to the readings of one sensor.
 fn with_odd(document: &mut Document, odd: &Odd, times: f64) {
@@ -84,18 +86,19 @@ fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
     let mut wrong = Vec::new();
     for odd in &ODD {
         let mut document = simulated(Scene::Runs, &[], &noise(), 77);
-        with_odd(&mut document, odd, 2.0);
+        with_odd(&mut document, odd, times(odd.0));
         let found = diagnose::run(document, &Options::default()).expect("diagnosed");
         let entry = found.diagnosis.expect("a diagnosis").remove(0);
         let named: Vec<&str> = entry.effects.iter().map(|effect| effect.effect.as_str()).collect();
         println!(
-            "{:32} {:17} {named:?} {}",
+            "{:32} {:17} {named:?} left by chance {:.1e}; {}",
             odd.0,
             entry.verdict.word(),
+            entry.remaining.as_ref().map_or(1.0, |left| left.p_adjusted),
             entry.places.iter().map(|p| p.description.clone()).collect::<Vec<_>>().join("; ")
         );
         let claims = !matches!(entry.verdict, Verdict::Agrees | Verdict::Unexplained);
-        if claims && !SHORT.contains(&odd.0) && named.iter().any(|name| *name != "dependence") {
+        if claims && named.iter().any(|name| *name != "dependence") {
             wrong.push(format!("{}: {named:?}", odd.0));
         }
     }

@@ -3,11 +3,10 @@
 use common::{BaseShift, Quantity, Residual, ResidualOf};
 use physics::Parameter;
 
-use crate::fit::Fitter;
+use crate::fit::{Fit, Fitter};
 use crate::held_out::HeldOut;
 use crate::model::{Instrument, Model, Unknown};
 use crate::observed::Channel;
-use crate::whitening::NoiseModel;
 use crate::{Error, Outcome};
 
 /// Rms of the noise over all readings, nT.
@@ -17,8 +16,8 @@ pub(super) fn floor(outcome: &Outcome) -> f64 {
 
 pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
     let base = Fitter { model, noise: &outcome.base_noise };
-    let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base_noise);
-    let held_after = held_out_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.noise);
+    let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base);
+    let held_after = held_out_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.fit);
     let scale = outcome.last.rest.scale().sqrt();
     let of_channel = |(channel, std): (&Channel, &f64)| ResidualOf {
         recording: model.observed.runs[channel.run].recording.id.clone(),
@@ -47,14 +46,15 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-/// Of each reading, how far it is from what the others predict of it, in units of what is new in its noise, times the noise's
-/// standard deviation, nT.
-fn held_out_nt(model: &Model<'_>, held: &HeldOut, noise: &NoiseModel) -> Vec<Option<f64>> {
-    let channels = model.observed.channels.iter().zip(&noise.std_nt);
-    let of_channel = |(channel, std): (&Channel, &f64)| -> Vec<Option<f64>> {
-        held.squares[channel.range()].iter().map(|square| square.map(|square| square.sqrt() * std)).collect()
+/// Of each reading, how far it is from what the others predict of it: in units of what is new in its noise, times what such a unit is in
+/// the fit's residual of its channel, nT. (Of noise with memory a recording has by chance more or less than its declaration.)
+fn held_out_nt(model: &Model<'_>, held: &HeldOut, fit: &Fit) -> Vec<Option<f64>> {
+    let of_channel = |channel: &Channel| -> Vec<Option<f64>> {
+        let [in_nt, white] = [&fit.residual, &fit.white].map(|all| rms(all[channel.range()].iter().copied()));
+        let unit = if white > 0.0 { in_nt / white } else { 0.0 };
+        held.squares[channel.range()].iter().map(|square| square.map(|square| square.sqrt() * unit)).collect()
     };
-    channels.flat_map(of_channel).collect()
+    model.observed.channels.iter().flat_map(of_channel).collect()
 }
 
 pub(super) fn base_shift(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {

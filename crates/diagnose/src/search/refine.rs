@@ -9,6 +9,7 @@ use crate::candidates::{What, named};
 use crate::dependence;
 use crate::events;
 use crate::fit::{Fit, Fitter};
+use crate::held_out::FOLDS;
 use crate::level::at_least_one;
 use crate::rivals;
 
@@ -59,6 +60,19 @@ impl Fault {
 }
 
 impl Refined {
+    /// What the readings show by themselves, in the fit with it.
+    pub fn certain(proposal: Proposal, fit: Fit) -> Self {
+        Self {
+            p_adjusted: at_least_one(proposal.p, FAMILIES),
+            unknowns: proposal.searched,
+            deviance: fit.cost,
+            held_out: vec![0.0; FOLDS],
+            why_not: None,
+            proposal,
+            fit,
+        }
+    }
+
     /// Bayes' information criterion: deviance and ln n for each unknown.
     pub fn criterion(&self) -> f64 {
         self.deviance + self.unknowns * (self.fit.white.len() as f64).ln()
@@ -134,55 +148,70 @@ impl Searcher<'_> {
         let idle = |words: String| Some(Fault::Idle(words));
         let gain = before.cost - with.cost;
         let rank = with.rank.saturating_sub(before.rank);
-        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if [Kind::Quantisation, Kind::Dropout].contains(&e.kind));
+        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if e.kind == Kind::Dropout);
         if (rank == 0 && !unfitted) || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
             return idle("it does not fit once everything is fitted together".into());
         }
-        if let Addition::Effect(effect) = &proposal.addition {
-            let found = with.state.effects.last()?;
-            let coarse = (fitter.resolution_nt(with) / FINE_NT).max(1.0);
-            if let (Kind::VehiclePass, [.., duration_s]) = (found.kind, &found.parameters[..])
-                && *duration_s > LONGEST_PASS * fitter.model.observed.longest_s()
-            {
-                return idle(format!("a pass of {duration_s:.0} s does not end within its recording"));
+        if let Addition::Effect(_) = &proposal.addition {
+            let (found, others) = with.state.effects.split_last()?;
+            if let Some(fault) = self.odd(fitter, with, found) {
+                return Some(fault);
             }
-            for (info, value) in effect.kind.parameters().iter().zip(&found.parameters) {
-                let beyond = match info.role {
-                    Role::Amplitude if info.name.contains("nt") => value.abs() > BEYOND * coarse * info.high,
-                    Role::Amplitude => value.abs() > BEYOND * info.high,
-                    Role::Shape => *value > BEYOND * info.high || *value < info.low / BEYOND,
-                    Role::Epoch => false,
-                };
-                if beyond {
-                    let words = format!("{} would have to be {value:.3e}, which is not plausible", info.name);
-                    let amplitude = info.role == Role::Amplitude;
-                    return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
-                }
-            }
-            let candidate = self
-                .pool
-                .candidates
-                .iter()
-                .find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)));
-            let shape = found.kind.parameters().iter().position(|info| info.role == Role::Shape);
-            if let (Some(candidate), Some(at)) = (candidate.filter(|c| !c.finite), shape) {
-                let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
-                let (low, high) =
-                    tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
-                let name = found.kind.parameters()[at].name;
-                if found.parameters[at] < 0.9 * low {
-                    return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
-                }
-                if found.parameters[at] > 1.1 * high {
-                    return idle(format!(
-                        "{name} runs beyond what the recording spans, where a simpler effect says the same"
-                    ));
+            // Two that cancel can be of any size: what one says is then said against the other.
+            for (now, then) in others.iter().zip(&before.state.effects) {
+                if let (Some(fault), None) = (self.odd(fitter, with, now), self.odd(fitter, before, then)) {
+                    return idle(format!("beside it, of {}: {}", named(now), fault.words()));
                 }
             }
         }
         let total: f64 = held_out.iter().sum();
         if !proposal.local && total <= 0.0 {
             return idle("it does not predict readings that were left out".into());
+        }
+        None
+    }
+
+    /// What is odd about the sizes and shapes of an effect in a fit.
+    fn odd(&self, fitter: &Fitter<'_, '_>, with: &Fit, found: &EffectInstance) -> Option<Fault> {
+        let idle = |words: String| Some(Fault::Idle(words));
+        let coarse = (fitter.resolution_nt(with) / FINE_NT).max(1.0);
+        if let (Kind::VehiclePass, [.., duration_s]) = (found.kind, &found.parameters[..])
+            && *duration_s > LONGEST_PASS * fitter.model.observed.longest_s()
+        {
+            return idle(format!("a pass of {duration_s:.0} s does not end within its recording"));
+        }
+        // Without an amplitude a small shape is a small effect.
+        let sized = found.kind.parameters().iter().any(|info| info.role == Role::Amplitude);
+        for (info, value) in found.kind.parameters().iter().zip(&found.parameters) {
+            let beyond = match info.role {
+                Role::Amplitude if info.name.contains("nt") => value.abs() > BEYOND * coarse * info.high,
+                Role::Amplitude => value.abs() > BEYOND * info.high,
+                Role::Shape => *value > BEYOND * info.high || sized && *value < info.low / BEYOND,
+                Role::Epoch => false,
+            };
+            if beyond {
+                let words = format!("{} would have to be {value:.3e}, which is not plausible", info.name);
+                let amplitude = info.role == Role::Amplitude;
+                return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
+            }
+        }
+        let mut candidates = self.pool.candidates.iter();
+        let candidate =
+            candidates.find(|c| matches!(&c.what, What::Physics(e) if named(e) == named(found)))?;
+        let at = found.kind.parameters().iter().position(|info| info.role == Role::Shape)?;
+        if candidate.finite {
+            return None;
+        }
+        let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
+        let (low, high) = tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
+        let name = found.kind.parameters()[at].name;
+        if found.parameters[at] < 0.9 * low {
+            return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
+        }
+        if found.parameters[at] > 1.1 * high {
+            return idle(format!(
+                "{name} runs beyond what the recording spans, where a simpler effect says the same"
+            ));
         }
         None
     }
