@@ -1,4 +1,4 @@
-//! What repeats along a sensor's own reading: codes that differ in width.
+//! What repeats along a sensor's own reading: codes that differ in width, and codes that are coarse.
 
 use common::Axis;
 use physics::{EffectInstance, Kind};
@@ -18,8 +18,10 @@ const CELLS: usize = 1 << 21;
 const FINE: f64 = 4.0;
 /// Frequencies between neighbours of the grid, to either side of the strongest.
 const FINER: i32 = 16;
+/// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
+const WIDTHS: i32 = 32;
 
-/// Codes that differ in width, by the strongest period of each sensor.
+/// Both explanations of the strongest period of each sensor.
 pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
     let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| fitter.model.reads(*axis)).collect();
     let found: Vec<Vec<Proposal>> =
@@ -72,9 +74,24 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
         return Ok(Vec::new());
     }
     let period = 1.0 / frequency;
+    let mut found = Vec::new();
     let sine = instance(Kind::DifferentialNonlinearity, axis, vec![0.0, 0.0, period]);
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
-    Ok(vec![proposal(sine, at_least_one(rest.p(gain, rank), looks), gain)])
+    found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain));
+    let slip = period / range * period;
+    let mut best: Option<(f64, f64)> = None;
+    for k in -WIDTHS..=WIDTHS {
+        let width = period + slip * f64::from(k) / f64::from(WIDTHS);
+        let gain = fitter.gain_as_it_is(fit, &instance(Kind::Quantisation, axis, vec![width]))?;
+        if best.is_none_or(|(most, _)| gain > most) {
+            best = Some((gain, width));
+        }
+    }
+    if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
+        let p = at_least_one(rest.p(gain, 1), looks);
+        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain));
+    }
+    Ok(found)
 }
 
 fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {

@@ -64,6 +64,9 @@ impl Departures {
     }
 }
 
+/// A spike of up to so many codes may be the code beside the right one.
+const CODES: f64 = 1.5;
+
 /// The best row so far: gain and row.
 #[derive(Clone, Copy, Default)]
 struct Best {
@@ -233,6 +236,15 @@ fn moment(
     };
     let exact = fitter.gain_of(fit, &[column])?;
     let height = exact.coefficients[0];
+    // Where a field is close to the edge between two codes, a coarse converter reads the one or the other.
+    let coarse = |effect: &EffectInstance| {
+        effect.kind == Kind::Quantisation
+            && channel.reader == effect.axis.map_or(Reader::Scalar, Reader::Sensor)
+            && height.abs() < CODES * effect.parameters[0]
+    };
+    if kind == Kind::Spike && fit.state.effects.iter().any(coarse) {
+        return Ok(None);
+    }
     let name = match &mut addition {
         Addition::Effect(effect) => {
             effect.parameters[0] = height;

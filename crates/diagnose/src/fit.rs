@@ -264,14 +264,14 @@ impl Damped {
 /// of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::of(document, &model.observed, &start.effects, &residual, None)?;
+    let first = NoiseModel::of(document, &model.observed, start, &residual, None)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }
     let (mut fit, mut noise) = (fit, first);
     for _ in 0..2 {
-        noise = NoiseModel::of(document, &model.observed, &start.effects, &fit.residual, Some(fit.rank))?;
+        noise = NoiseModel::of(document, &model.observed, start, &fit.residual, Some(fit.rank))?;
         fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
     }
     Ok((fit, noise))

@@ -1,6 +1,6 @@
 //! Coarse codes, from the readings themselves: all of a sensor's are whole numbers of one width.
 //!
-//! Coarse codes are no part of what is predicted here, which would jump with every error of the field, but of the noise: width²/12 of each
+//! Such codes are no part of what is predicted, which would jump with every error of the field, but of the noise: width²/12 of each
 //! reading.
 
 use common::{Axis, Document};

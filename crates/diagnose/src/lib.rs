@@ -162,7 +162,9 @@ fn search(
     for proposal in lattice::proposals(document, model, &base_noise, &base) {
         told(&proposal.name);
         let Addition::Effect(effect) = &proposal.addition else { continue };
-        let state = model.with(&stages[found.len()].fit.state, effect.clone());
+        // The codes are part of the noise, and act on nothing that is predicted.
+        let acts = vec![false; model.observed.runs.len()];
+        let state = model.with_acting(&stages[found.len()].fit.state, effect.clone(), acts);
         let (fit, noise) = settled(document, model, &state)?;
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
         found.push(Found {

@@ -118,12 +118,11 @@ impl<'a> Model<'a> {
         next
     }
 
-    /// Whether an effect acts in a run: it belongs there, and all that it needs is recorded. Coarse codes act on the noise alone.
+    /// Whether an effect acts in a run: it belongs there, and all that it needs is recorded.
     pub fn can_act(&self, run: usize, effect: &EffectInstance) -> bool {
         let run = &self.observed.runs[run];
         let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != run.recording.id);
         !elsewhere
-            && effect.kind != Kind::Quantisation
             && effect.kind.acts_in(&run.recording.procedure)
             && physics::predict(&run.setting.basic, std::slice::from_ref(effect), &run.setting.context)
                 .is_ok()

@@ -9,7 +9,6 @@ mod residuals;
 mod series;
 
 use common::{Diagnosis, Remaining, Share, Verdict};
-use physics::Kind;
 
 use crate::candidates::{What, named};
 use crate::covariates;
@@ -84,7 +83,7 @@ pub fn report(
         reasons.extend(outcome.refused.iter().map(|(name, why)| format!("not {name}: {why}")));
     }
     for (number, effect) in outcome.base.state.effects.iter().enumerate() {
-        if !outcome.base.state.acts[number].contains(&true) && effect.kind != Kind::Quantisation {
+        if !outcome.base.state.acts[number].contains(&true) {
             let name = named(effect);
             reasons.push(format!(
                 "left aside: {name} of model.effects acts in no recording; what it needs is not recorded"

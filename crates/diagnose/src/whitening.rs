@@ -7,12 +7,12 @@ use estimate::correlated::Whitening;
 use estimate::innovations::Innovations;
 use estimate::stats::median;
 use faer::Mat;
-use physics::EffectInstance;
 use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
 use crate::matched::correlate;
+use crate::model::State;
 use crate::observed::{Channel, Observed};
 pub use declared::code_nt;
 use declared::{declared, estimate, known_freedom};
@@ -100,17 +100,17 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it, through the converters of `effects`; where it does not, as `residual` (nT, stacked, with
+    /// The noise as the document declares it, through the converters of a state; where it does not, as `residual` (nT, stacked, with
     /// `used` degrees of freedom taken by the fit) shows it: white, before there was a fit.
     pub fn of(
         document: &Document,
         observed: &Observed<'_>,
-        effects: &[EffectInstance],
+        state: &State,
         residual: &[f64],
         used: Option<usize>,
     ) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
-            observed.channels.iter().map(|channel| declared(document, observed, effects, channel)).collect();
+            observed.channels.iter().map(|channel| declared(document, observed, state, channel)).collect();
         let known = known_freedom(&declared);
         let estimated = known == 0.0;
         let noises: Vec<Noise> = if estimated {

@@ -148,7 +148,7 @@ impl Searcher<'_> {
         let idle = |words: String| Some(Fault::Idle(words));
         let gain = before.cost - with.cost;
         let rank = with.rank.saturating_sub(before.rank);
-        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if e.kind == Kind::Dropout);
+        let unfitted = matches!(&proposal.addition, Addition::Effect(e) if [Kind::Quantisation, Kind::Dropout].contains(&e.kind));
         if (rank == 0 && !unfitted) || gain < 0.3 * proposal.gain.min(look.rest.sum_of_squares) {
             return idle("it does not fit once everything is fitted together".into());
         }

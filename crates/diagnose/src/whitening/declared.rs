@@ -8,6 +8,7 @@ use physics::{EffectInstance, Kind, SensorConstants, Setting, Unit};
 use std::collections::BTreeMap;
 
 use crate::Error;
+use crate::model::State;
 use crate::observed::{Channel, Observed, Reader};
 
 /// Fewest readings of an even series that a spectrum is fitted to.
@@ -19,7 +20,7 @@ const ALONE_FROM: usize = 40;
 pub(super) fn declared(
     document: &Document,
     observed: &Observed<'_>,
-    effects: &[EffectInstance],
+    state: &State,
     channel: &Channel,
 ) -> Option<Noise> {
     let run = &observed.runs[channel.run];
@@ -33,9 +34,14 @@ pub(super) fn declared(
         Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
         Reader::Magnitude => of_magnitude(document, channel)?,
     };
-    let width = code_nt(document, observed, channel).max(width_nt(effects, channel));
+    let code = code_nt(document, observed, channel);
     let white = noise.white_rms_nt.unwrap_or(0.0);
-    noise.white_rms_nt = Some((white * white + width * width / 12.0).sqrt());
+    let variance = match effect_width_nt(state, channel) {
+        Some((width, true)) => about_a_code(white, width),
+        Some((width, false)) => white * white + width * width / 12.0,
+        None => white * white,
+    };
+    noise.white_rms_nt = Some((variance + code * code / 12.0).sqrt());
     (noise.white_rms_nt > Some(0.0)).then_some(noise)
 }
 
@@ -90,13 +96,33 @@ pub fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) 
     }
 }
 
-/// Width of the codes that effects give a channel, nT.
-fn width_nt(effects: &[EffectInstance], channel: &Channel) -> f64 {
-    let of = |effect: &&EffectInstance| {
+/// Width of the codes that effects give a channel, nT, and whether they are part of what is predicted.
+fn effect_width_nt(state: &State, channel: &Channel) -> Option<(f64, bool)> {
+    let of = |effect: &EffectInstance| {
         effect.kind == Kind::Quantisation
             && effect.axis.is_some_and(|axis| channel.reader == Reader::Sensor(axis))
     };
-    effects.iter().filter(of).map(|effect| effect.parameters[0]).fold(0.0, f64::max)
+    let found = state.effects.iter().zip(&state.acts).find(|(effect, _)| of(effect));
+    found.map(|(effect, acts)| (effect.parameters[0], acts.contains(&true)))
+}
+
+/// Variance of a reading about the code of its field, nT²: noise before the converter takes fields close to an edge to the next code.
+///
+/// E[(q round(u + n/q) − q round(u))²] over u even in a code: q² E[m² + (2m + 1)(t − m)], t = |n|/q, m = ⌊t⌋. For fine codes it is
+/// σ² + q²/6, for coarse ones q σ √(2/π).
+fn about_a_code(std: f64, width: f64) -> f64 {
+    const STEPS: usize = 2000;
+    const FARTHEST: f64 = 8.0;
+    let step = FARTHEST / STEPS as f64;
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for z in (0..STEPS).map(|k| (k as f64 + 0.5) * step) {
+        let weight = (-0.5 * z * z).exp();
+        let t = z * std / width;
+        let m = t.floor();
+        sum += weight * (m * m + (2.0 * m + 1.0) * (t - m));
+        weights += weight;
+    }
+    width * width * sum / weights
 }
 
 /// 1/(2 u²) for the largest relative uncertainty u that is stated of a declared noise.
@@ -160,5 +186,18 @@ fn kind(channel: &Channel) -> String {
         Reader::Scalar => "scalar".into(),
         Reader::Magnitude => "magnitude".into(),
         Reader::Sensor(axis) => axis.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_through_a_converter_has_both_limits() {
+        let fine = about_a_code(1.0, 0.01);
+        assert!((fine - (1.0 + 0.01 * 0.01 / 6.0)).abs() < 1e-4, "{fine}");
+        let coarse = about_a_code(1.0, 100.0) / (100.0 * (2.0 / std::f64::consts::PI).sqrt());
+        assert!((coarse - 1.0).abs() < 1e-4, "{coarse}");
     }
 }
