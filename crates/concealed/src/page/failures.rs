@@ -114,12 +114,11 @@ impl Cause {
     fn words(self) -> &'static str {
         match self {
             Cause::OldNoise => {
-                "The format declares flicker noise down to one over the record's length, and `diagnose` takes that as it stands. Real flicker noise goes on below: levels \
-                 of recordings differ and drift, and steps, ageing and slow temperatures are found in them. No goal counts these cases; who has real recordings should."
+                "Where flicker noise is declared, `diagnose` lets it go on below one over the record's length, to an eighth of one over the campaign's: levels and trends are allowed for. What is \
+                 slower still is now and then taken for an effect. No goal counts these cases; who has real recordings should."
             }
             Cause::Clean => {
-                "Noise of up to a thousand rows is whitened by the covariance of one that repeats with the record. What is here does not repeat, and its slowest part is now and then taken \
-                 for an effect."
+                "The level is 1 % for all candidates together: of a hundred clean campaigns one is to be expected. The noise here does not repeat with its record, as the covariance that whitens it has it."
             }
             Cause::TooWeak => {
                 "Below the level at which anything is claimed among all candidates (1 %), in the readings that there are."
@@ -133,17 +132,17 @@ impl Cause {
                  than the catalogue's `hysteresis`. Sealed as right was `hysteresis` alone; the name found is wrong, the physics near."
             }
             Cause::Diffusion => {
-                "Diffusion goes with the root of frequency, the catalogue's lag with one time constant: a good part is left, and the name falls with it."
+                "Diffusion goes with the root of frequency, the catalogue's lag with one time constant, and the sizes that it would need are beyond the catalogue's (1 % of the field's faster part): \
+                 then no name is given."
             }
             Cause::Plates => {
-                "Lambert's law cuts off at the plate's edge, and the catalogue's function of the Sun's direction is of the first degree: a good part is left, and the name \
-                 falls, or other names take it up."
+                "Lambert's law cuts off at a plate's edge. Harmonics of the Sun's direction to the third degree leave a part of that, and the name falls, or other names take it up."
             }
             Cause::Hours => {
                 "Minutes by which the hours are missed leave single readings, which are told as events."
             }
             Cause::CoilHeating => {
-                "Winding and former warm each other. One time constant leaves structure at this size, and the rule that a name must explain ten times more than what is left \
+                "Winding and former warm each other. One time constant leaves structure at this size, of which a second one was seen to take nothing, and the rule that a name must explain ten times more than what is left \
                  takes this name back, and all that were found beside it."
             }
             Cause::Outside => {

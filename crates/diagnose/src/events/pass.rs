@@ -33,6 +33,10 @@ pub fn proposal(
     let mut looks = 0.0;
     for (number, run) in observed.runs.iter().enumerate() {
         let Some(time) = run.time_s else { continue };
+        // No vehicle passes what turns in the sunlight above the ground.
+        if run.setting.context.angle("sun_azimuth").is_some() {
+            continue;
+        }
         let channels: Vec<(usize, &Channel)> = observed
             .channels
             .iter()
