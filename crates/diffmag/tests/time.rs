@@ -368,6 +368,6 @@ fn a_corrected_clock_goes_to_the_model() {
     let without =
         simulate::replay(&Document { model: None, ..found.clone() }, None).expect("predicted").document;
     println!("{} nT, without its clock {} nT", rms(&predicted), rms(&without));
-    // Noise of both instruments, and straight lines between samples; the clock itself moves readings by ten times as much.
+    // Noise of both instruments, and what interpolation between samples misses; the clock itself moves readings by ten times as much.
     assert!(rms(&predicted) < 0.2 * rms(&without) && rms(&without) > 10.0 * made.white_nt);
 }

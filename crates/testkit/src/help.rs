@@ -39,10 +39,10 @@ pub fn examples(program: &str, subcommands: &[&str]) -> TempDir {
 /// A program prints completions and writes man pages.
 pub fn manual(program: &str) {
     let name = Path::new(program).file_name().and_then(|name| name.to_str()).expect("a name");
-    for shell in ["bash", "zsh", "fish"] {
+    for (shell, option) in [("bash", "--man"), ("zsh", "--man"), ("fish", "-l man")] {
         let completions = run(program, &["--completions", shell], "");
         assert_eq!(completions.code, 0, "{}", completions.stderr);
-        assert!(completions.stdout.contains(name) && completions.stdout.contains("man"), "{shell}");
+        assert!(completions.stdout.contains(name) && completions.stdout.contains(option), "{shell}");
     }
     let folder = tempfile::tempdir().expect("a folder");
     let done = run_in(program, folder.path(), &["--man", "pages"]);
