@@ -122,10 +122,6 @@ pub(crate) fn seed(
         std::array::from_fn(|k| if k == which { Dual64::new(0.0, 1.0) } else { Dual64::from(0.0) })
     };
     match parameter {
-        Parameter::CoilConstant(axis) => lifted.coils[axis.index()].constant_nt_per_a.eps = 1.0,
-        Parameter::CoilOffset(axis) => lifted.coils[axis.index()].offset_nt.eps = 1.0,
-        Parameter::Sensitivity(axis) => lifted.sensors[axis.index()].sensitivity.eps = 1.0,
-        Parameter::SensorOffset(axis) => lifted.sensors[axis.index()].offset_nt.eps = 1.0,
         Parameter::CoilTurn(axis, which) => {
             lifted.eta.set_column(axis.index(), &frames::turned(&column(&basic.eta, axis), turn(which)));
         }
@@ -133,6 +129,7 @@ pub(crate) fn seed(
             lifted.mu.set_column(axis.index(), &frames::turned(&column(&basic.mu, axis), turn(which)));
         }
         Parameter::Effect(effect, number) => values[effect][number].eps = 1.0,
+        constant => lifted.constant_mut(constant).into_iter().for_each(|value| value.eps = 1.0),
     }
 }
 

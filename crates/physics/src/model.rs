@@ -4,7 +4,7 @@ use common::{Axis, Calibration, Document, Quantity, SensorCalibration};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::frames;
-use crate::{Real, Unit};
+use crate::{Parameter, Real, Unit};
 
 /// B = k I + B0 along the coil's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +35,19 @@ pub struct Basic<T: Real = f64> {
     pub mu: Matrix3<T>,
     /// Sensors x, y, z.
     pub sensors: [SensorConstants<T>; 3],
+}
+
+impl<T: Real> Basic<T> {
+    /// Where a constant of a coil or a sensor stands; None for turns, which are of η and μ, and for parameters of effects.
+    pub fn constant_mut(&mut self, parameter: Parameter) -> Option<&mut T> {
+        match parameter {
+            Parameter::Sensitivity(axis) => Some(&mut self.sensors[axis.index()].sensitivity),
+            Parameter::SensorOffset(axis) => Some(&mut self.sensors[axis.index()].offset_nt),
+            Parameter::CoilConstant(axis) => Some(&mut self.coils[axis.index()].constant_nt_per_a),
+            Parameter::CoilOffset(axis) => Some(&mut self.coils[axis.index()].offset_nt),
+            Parameter::CoilTurn(..) | Parameter::SensorTurn(..) | Parameter::Effect(..) => None,
+        }
+    }
 }
 
 impl Basic<f64> {

@@ -275,9 +275,9 @@ impl Problem<'_, '_> {
         for unknown in &self.unknowns {
             // What several runs share begins alike in all.
             if let Unknown::Chain(parameter, runs) = unknown {
-                let shared = place(&mut basics[runs[0]], *parameter).map(|value| *value);
+                let shared = basics[runs[0]].constant_mut(*parameter).map(|value| *value);
                 for run in runs {
-                    if let (Some(value), Some(shared)) = (place(&mut basics[*run], *parameter), shared) {
+                    if let (Some(value), Some(shared)) = (basics[*run].constant_mut(*parameter), shared) {
                         *value = shared;
                     }
                 }
@@ -331,7 +331,7 @@ impl Problem<'_, '_> {
                 }
                 Unknown::Chain(parameter, runs) => {
                     for number in runs {
-                        if let Some(value) = place(&mut next.basics[*number], *parameter) {
+                        if let Some(value) = next.basics[*number].constant_mut(*parameter) {
                             *value += step[index];
                         }
                     }
@@ -349,20 +349,9 @@ impl Problem<'_, '_> {
             }
             Unknown::Chain(parameter, runs) => {
                 let mut basic = state.basics[runs[0]].clone();
-                place(&mut basic, *parameter).map_or(f64::NAN, |value| *value)
+                basic.constant_mut(*parameter).map_or(f64::NAN, |value| *value)
             }
         }
-    }
-}
-
-/// Where a constant of the chain stands.
-fn place(basic: &mut Basic, parameter: Parameter) -> Option<&mut f64> {
-    match parameter {
-        Parameter::Sensitivity(axis) => Some(&mut basic.sensors[axis.index()].sensitivity),
-        Parameter::SensorOffset(axis) => Some(&mut basic.sensors[axis.index()].offset_nt),
-        Parameter::CoilConstant(axis) => Some(&mut basic.coils[axis.index()].constant_nt_per_a),
-        Parameter::CoilOffset(axis) => Some(&mut basic.coils[axis.index()].offset_nt),
-        Parameter::CoilTurn(..) | Parameter::SensorTurn(..) | Parameter::Effect(..) => None,
     }
 }
 

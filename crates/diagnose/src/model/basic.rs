@@ -219,7 +219,7 @@ impl<'a> Model<'a> {
                     turns[1][axis.index()][*which] = *value;
                 }
                 Unknown::Chain(parameter, of) if *of == instrument => {
-                    if let Some(place) = place(&mut basic, *parameter) {
+                    if let Some(place) = basic.constant_mut(*parameter) {
                         *place += value;
                     }
                 }
@@ -272,17 +272,6 @@ fn chain() -> impl Iterator<Item = Parameter> {
             Parameter::CoilTurn(axis, 1),
         ]
     })
-}
-
-/// Where a constant of the chain stands.
-fn place(basic: &mut Basic, parameter: Parameter) -> Option<&mut f64> {
-    match parameter {
-        Parameter::Sensitivity(axis) => Some(&mut basic.sensors[axis.index()].sensitivity),
-        Parameter::SensorOffset(axis) => Some(&mut basic.sensors[axis.index()].offset_nt),
-        Parameter::CoilConstant(axis) => Some(&mut basic.coils[axis.index()].constant_nt_per_a),
-        Parameter::CoilOffset(axis) => Some(&mut basic.coils[axis.index()].offset_nt),
-        _ => None,
-    }
 }
 
 /// The setting of the block of each run: recordings of one orientation share it, unless they name it otherwise.
