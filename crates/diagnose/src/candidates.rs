@@ -1,17 +1,23 @@
 //! What could have been left out: every effect of the catalogue on everything that it can act on, with its shapes.
 
 use common::Axis;
-use physics::{Acts, EffectInstance, Kind, Parameter, ParameterInfo, Role};
+use physics::{Acts, EffectInstance, KELVIN, Kind, Parameter, ParameterInfo, Role, Thermometer};
 use rayon::prelude::*;
+use std::borrow::Cow;
 
 use crate::Error;
 use crate::generic;
 use crate::model::{Model, State};
+use crate::observed::Run;
 
 /// Shapes that are tried: each so many times the one before, at most.
 const RATIO: f64 = 2.5;
 /// Most shapes of a candidate.
 const SHAPES: usize = 16;
+/// Inflections that are tried over the range of a temperature.
+const INFLECTIONS: usize = 9;
+/// Most steps into which a span is divided.
+const SPAN_STEPS: f64 = 60.0;
 /// A time constant of more spans than these is a straight line.
 const SPANS: f64 = 3.0;
 
@@ -37,6 +43,14 @@ pub enum What {
 }
 
 impl What {
+    /// The sensor that structure without a name is in.
+    pub fn axis(&self) -> Option<Axis> {
+        match self {
+            What::Physics(_) => None,
+            What::Dependence { axis, .. } | What::Smooth { axis, .. } => Some(*axis),
+        }
+    }
+
     /// Its name with its target.
     pub fn name(&self) -> String {
         match self {
@@ -127,12 +141,16 @@ type Made = (bool, Vec<(Option<f64>, Vec<Vec<f64>>)>);
 
 /// What times and signals span.
 struct Scale {
+    /// Shortest time from one row to the next, s.
+    step_s: f64,
     /// Smallest and largest time constant that could show, s.
     lag_s: [f64; 2],
     /// Largest reading, nT.
     reading_nt: f64,
     /// Range of the readings, nT.
     range_nt: f64,
+    /// Coldest and warmest sensor, K.
+    sensor_k: [f64; 2],
 }
 
 impl Scale {
@@ -154,15 +172,28 @@ impl Scale {
             .collect();
         let (low, high) =
             readings.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
+        let sensor =
+            |run: &Run<'_>| run.setting.context.optional(Thermometer::Sensor.column()).map(Cow::into_owned);
+        let warmth: Vec<f64> = model.observed.runs.iter().filter_map(sensor).flatten().collect();
         Self {
+            step_s: step,
             lag_s: [0.3 * step, SPANS * span],
             reading_nt: high.abs().max(low.abs()),
             range_nt: high - low,
+            sensor_k: [
+                warmth.iter().copied().fold(f64::INFINITY, f64::min) + KELVIN,
+                warmth.iter().copied().fold(f64::NEG_INFINITY, f64::max) + KELVIN,
+            ],
         }
     }
 
     /// Values of a shape that could show.
     fn grid(&self, kind: Kind, info: &ParameterInfo) -> Vec<f64> {
+        if kind == Kind::OffsetTemperatureInflection {
+            let [coldest, warmest] = self.sensor_k;
+            let at = |k: usize| coldest + (warmest - coldest) * k as f64 / (INFLECTIONS + 1) as f64;
+            return if coldest < warmest { (1..=INFLECTIONS).map(at).collect() } else { Vec::new() };
+        }
         let (mut low, mut high) = (info.low, info.high);
         if info.name.ends_with("_s") {
             (low, high) = (low.max(self.lag_s[0]), high.min(self.lag_s[1]));
@@ -174,11 +205,25 @@ impl Scale {
             high = high.min(self.range_nt);
         }
         if !(low > 0.0 && low < high && high.is_finite()) {
-            return Vec::new();
+            return info.absent.into_iter().collect();
+        }
+        if info.role == Role::Epoch {
+            let step = self.step_s.max(info.high / SPAN_STEPS);
+            return (0..=(info.high / step) as usize).map(|k| k as f64 * step).collect();
         }
         let count = ((high / low).ln() / RATIO.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
         (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count)).collect()
     }
+}
+
+/// The parameter of an effect that goes through a grid: its first shape, or a span that may be nothing.
+pub fn searched(kind: Kind) -> Option<usize> {
+    let goes = |info: &ParameterInfo| match info.role {
+        Role::Amplitude => false,
+        Role::Shape => true,
+        Role::Epoch => info.absent.is_some(),
+    };
+    kind.parameters().iter().position(goes)
 }
 
 /// Every effect on everything that it can act on, amplitudes zero.
@@ -186,13 +231,20 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     let mut all = Vec::new();
     for &kind in Kind::ALL {
         // Lines, events and codes are searched by themselves.
-        let apart =
-            kind.parameters().iter().any(|info| info.role == Role::Epoch || info.name == "frequency_hz");
+        let apart = |info: &ParameterInfo| {
+            info.role == Role::Epoch && info.absent.is_none() || info.name == "frequency_hz"
+        };
+        let apart = kind.parameters().iter().any(apart);
         if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
             continue;
         }
         let one = |axis: Option<Axis>, column: Option<String>| {
-            let parameters = vec![0.0; kind.parameters().len()];
+            // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible.
+            let middle = |info: &ParameterInfo| match info.role {
+                Role::Shape => (info.low * info.high).sqrt(),
+                _ => 0.0,
+            };
+            let parameters = kind.parameters().iter().map(middle).collect();
             EffectInstance { kind, axis, column, recording: None, parameters }
         };
         match kind.about().acts {
@@ -230,7 +282,7 @@ fn make(
     scale: &Scale,
 ) -> Result<Option<Made>, Error> {
     let infos = template.kind.parameters();
-    let shape = infos.iter().position(|info| info.role == Role::Shape);
+    let shape = searched(template.kind);
     let grid: Vec<Option<f64>> = match shape {
         Some(at) => scale.grid(template.kind, &infos[at]).into_iter().map(Some).collect(),
         None => vec![None],

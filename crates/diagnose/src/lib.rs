@@ -10,6 +10,7 @@ mod adopt;
 mod against;
 mod candidates;
 mod codes;
+mod course;
 mod covariates;
 mod dependence;
 mod error;
@@ -37,20 +38,14 @@ pub use error::Error;
 pub use words::summary;
 
 use common::{Document, Verdict};
-use std::collections::BTreeSet;
 
 use crate::candidates::Pool;
-use crate::fit::{Fit, Fitter, settled};
+use crate::fit::{Fit, settled};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::rivals::{Rivals, best, rivals};
-use crate::search::{Addition, Look, Refined, Searcher};
+use crate::rivals::Rivals;
+use crate::search::{Look, Refined, Searcher};
 use crate::whitening::NoiseModel;
-
-/// Most effects that are named.
-const MOST: usize = 8;
-/// Most that are searched for, one of several harmonics of an effect as one.
-const LONGEST: usize = 16;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,8 +70,9 @@ impl Default for Options {
 #[derive(Clone, Debug)]
 struct Found {
     refined: Refined,
-    /// By how much it lowered the sum of squares when it came in.
+    /// By how much it lowered the sum of squares when it came in: whitened, and in nT².
     gain: f64,
+    gain_nt2: f64,
     /// What was held against it.
     rivals: Rivals,
 }
@@ -135,7 +131,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let pool = Pool::of(&model, &base.state)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
-    let outcome = search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
+    let outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
     told("writing the answer");
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
@@ -145,114 +141,4 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     }
     document.diagnosis = Some(vec![entry]);
     Ok(document)
-}
-
-fn search(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    before: Vec<f64>,
-    (base, base_noise): (Fit, NoiseModel),
-    told: &dyn Fn(&str),
-) -> Result<Outcome, Error> {
-    let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
-    let mut stages = vec![Stage { fit: base.clone(), noise: base_noise.clone(), look: first.clone() }];
-    let mut found: Vec<Found> = Vec::new();
-    let mut refused = Vec::new();
-    for proposal in lattice::proposals(document, model, &base_noise, &base) {
-        told(&proposal.name);
-        let Addition::Effect(effect) = &proposal.addition else { continue };
-        // The codes are part of the noise, and act on nothing that is predicted.
-        let acts = vec![false; model.observed.runs.len()];
-        let state = model.with_acting(&stages[found.len()].fit.state, effect.clone(), acts);
-        let (fit, noise) = settled(document, model, &state)?;
-        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-        found.push(Found {
-            gain: proposal.gain,
-            refined: Refined::certain(proposal, fit.clone()),
-            rivals: Rivals::default(),
-        });
-        stages.push(Stage { fit, noise, look });
-    }
-    while found.len() < LONGEST && distinct(&found) < MOST {
-        let Stage { fit, noise, look } = &stages[found.len()];
-        let fitter = Fitter { model, noise };
-        let refined = searcher.refine(&fitter, fit, look)?;
-        let Some(best) = best(&refined) else {
-            refused = refined
-                .iter()
-                .filter_map(|r| Some((r.proposal.name.clone(), r.why_not.as_ref()?.words().into())))
-                .collect();
-            break;
-        };
-        told(&format!("{}; searching on", best.proposal.name));
-        let (next, next_noise) = settled(document, model, &best.fit.state)?;
-        let next_look = searcher.look(&Fitter { model, noise: &next_noise }, &next)?;
-        found.push(Found {
-            refined: best.clone(),
-            gain: fit.cost - best.fit.cost,
-            rivals: rivals(&fitter, fit, &refined, !next_look.clean(searcher.level))?,
-        });
-        stages.push(Stage { fit: next, noise: next_noise, look: next_look });
-    }
-    let kept = trust::kept(&found, &stages, searcher.level);
-    if kept < found.len() {
-        let why =
-            "it does not explain far more than what is left, or what is left follows the same".to_string();
-        refused.splice(0..0, found[kept..].iter().map(|f| (f.refined.proposal.name.clone(), why.clone())));
-    }
-    found.truncate(kept);
-    let Stage { fit, noise, look: mut last } = stages.swap_remove(kept);
-    if found.len() > 1 {
-        for number in 0..found.len() {
-            let fitter = Fitter { model, noise: &noise };
-            let leaves = !last.clean(searcher.level);
-            reconsider(&fitter, searcher, &base, &mut found, number, &fit, leaves)?;
-        }
-        last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-    }
-    Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
-}
-
-/// How many were found, the harmonics of one effect as one and each moment for itself.
-fn distinct(found: &[Found]) -> usize {
-    let (moments, others): (Vec<_>, Vec<_>) =
-        found.iter().map(|one| &one.refined.proposal).partition(|proposal| proposal.local);
-    moments.len() + others.into_iter().map(|proposal| &proposal.name).collect::<BTreeSet<_>>().len()
-}
-
-/// Looks at one of several found with the others in place: what they hid or feigned shows only then.
-fn reconsider(
-    fitter: &Fitter<'_, '_>,
-    searcher: &mut Searcher<'_>,
-    base: &Fit,
-    found: &mut [Found],
-    number: usize,
-    fit: &Fit,
-    leaves: bool,
-) -> Result<(), Error> {
-    let mut without = fit.state.clone();
-    let before = |addition: fn(&Addition) -> bool| {
-        found[..number].iter().filter(|f| addition(&f.refined.proposal.addition)).count()
-    };
-    match &found[number].refined.proposal.addition {
-        Addition::Effect(_) => {
-            let at = base.state.effects.len() + before(|a| matches!(a, Addition::Effect(_)));
-            without.effects.remove(at);
-            without.acts.remove(at);
-        }
-        Addition::Column(_) => {
-            without.columns.remove(before(|a| matches!(a, Addition::Column(_))));
-        }
-    }
-    let rest = fitter.refine(&without)?;
-    let look = searcher.look(fitter, &rest)?;
-    let refined = searcher.refine(fitter, &rest, &look)?;
-    let Some(best) = best(&refined) else { return Ok(()) };
-    if best.proposal.name == found[number].refined.proposal.name {
-        found[number].rivals = rivals(fitter, &rest, &refined, leaves)?;
-        let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);
-        found[number].refined = Refined { p_adjusted, ..best.clone() };
-    }
-    Ok(())
 }

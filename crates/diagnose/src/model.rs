@@ -85,7 +85,7 @@ impl<'a> Model<'a> {
         let mut felt: Vec<usize> =
             (0..model.unknowns.len()).filter(|k| jacobian[*k].iter().any(|value| *value != 0.0)).collect();
         if model.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude) {
-            model.without_common_turn(&jacobian, &mut felt)?;
+            model.without_common_turn(&mut felt);
         }
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();

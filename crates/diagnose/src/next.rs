@@ -57,6 +57,11 @@ pub fn between(first: &str, second: &str) -> String {
                 delay, a loop's lag and eddy currents differ in how they depend on the rate and on the coil"
             .into();
     }
+    if both(thermal) && either(|kind| kind == Kind::OffsetTemperatureInflection) {
+        return "take the temperature farther to both sides: a coefficient that changes once is constant there, one that bends goes on \
+                bending"
+            .into();
+    }
     if both(thermal) && lagged(a) != lagged(b) {
         return "ramp the temperature up and down at twice the rate: a lag opens the loop".into();
     }

@@ -72,7 +72,7 @@ fn last_parameter(fitter: &Fitter<'_, '_>, refined: &Refined, name: &str) -> Opt
 }
 
 /// The same effect without a lag.
-fn without_lag(kind: Kind) -> Option<Kind> {
+pub fn without_lag(kind: Kind) -> Option<Kind> {
     match kind {
         Kind::OffsetTemperatureLag => Some(Kind::OffsetTemperature),
         Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
@@ -116,17 +116,17 @@ pub struct Rivals {
     pub lost: Vec<(String, String)>,
 }
 
-/// Holds the others of a list against its first, which all came to what a fit had left. Where the first leaves something, they are equal
-/// also if they differ by no more than the forms of effects are true to, and need no more unknowns.
+/// Holds the others of a list against its first, which all came to what a fit had left. Where something is left, they are equal also if
+/// they differ by no more than that, and than the forms of effects are true to, and need no more unknowns.
 pub fn rivals(
     fitter: &Fitter<'_, '_>,
     before: &Fit,
     refined: &[Refined],
-    leaves: bool,
+    left: f64,
 ) -> Result<Rivals, Error> {
     let Rivals { mut equal, mut lost } = Rivals::default();
     let Some((best, others)) = refined.split_first() else { return Ok(Rivals { equal, lost }) };
-    let of_forms = if leaves { FORM * (before.cost - best.fit.cost) } else { 0.0 };
+    let of_forms = left.min(FORM * (before.cost - best.fit.cost));
     for other in others {
         let name = other.proposal.name.clone();
         let odds = if other.unknowns > best.unknowns { ODDS } else { ODDS.max(of_forms) };

@@ -11,7 +11,7 @@ use physics::{EffectInstance, Role};
 use std::sync::Arc;
 
 use crate::Error;
-use crate::candidates::{Candidate, Pool, What, named};
+use crate::candidates::{Candidate, Pool, What, named, searched};
 use crate::codes;
 use crate::dependence::Follows;
 use crate::events;
@@ -81,19 +81,22 @@ pub struct Look {
 }
 
 impl Look {
+    /// Whether the sum of squares is beyond what the noise as declared makes.
+    pub fn exceeds(&self, level: f64) -> bool {
+        self.rest.omnibus().is_none_or(|p| at_least_one(p, FAMILIES) < level)
+    }
+
     /// Whether nothing is left but the noise.
     pub fn clean(&self, level: f64) -> bool {
-        self.least_p >= level && self.rest.omnibus().is_none_or(|p| at_least_one(p, FAMILIES) >= level)
+        self.least_p >= level && (self.rest.omnibus().is_none() || !self.exceeds(level))
     }
 
     /// By how much what is left, beyond chance, would lower the sum of squares if it had a name.
     pub fn left(&self, level: f64) -> f64 {
-        let excess = match self.rest.omnibus() {
-            Some(p) if at_least_one(p, FAMILIES) >= level => 0.0,
-            _ => self.rest.sum_of_squares - self.rest.freedom * self.rest.scale(),
-        };
-        let structured = self.structures.iter().map(|s| s.gain);
-        structured.chain(self.proposals.iter().map(|p| p.gain)).fold(excess.max(0.0), f64::max)
+        let excess = self.rest.sum_of_squares - self.rest.freedom * self.rest.scale();
+        let excess = if self.exceeds(level) { excess.max(0.0) } else { 0.0 };
+        let structures = self.structures.iter().map(|structure| structure.gain);
+        structures.chain(self.proposals.iter().map(|proposal| proposal.gain)).fold(excess, f64::max)
     }
 }
 
@@ -256,7 +259,7 @@ fn start(
         What::Physics(template) => {
             let mut effect = template.clone();
             let infos = effect.kind.parameters();
-            let shape = infos.iter().position(|info| info.role == Role::Shape);
+            let shape = searched(effect.kind);
             if candidate.finite {
                 // What an effect without amplitude does at a shape must be what is seen: the coefficient is one.
                 let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
@@ -270,7 +273,8 @@ fn start(
             for (k, info) in infos.iter().enumerate() {
                 match info.role {
                     Role::Amplitude => effect.parameters[k] = *amplitudes.next()?,
-                    _ => effect.parameters[k] = candidate.trials[best].shape?,
+                    _ if Some(k) == shape => effect.parameters[k] = candidate.trials[best].shape?,
+                    _ => {}
                 }
             }
             Some(Addition::Effect(effect))

@@ -173,6 +173,29 @@ fn cases() -> Vec<(Scene, Value)> {
             Scene::Pair,
             all("pillar_settling", json!({"about_x_arcsec_per_day": 5.0, "about_y_arcsec_per_day": 3.0})),
         ),
+        (
+            Scene::Runs,
+            one(
+                "offset_temperature_inflection",
+                "z",
+                json!({"coefficient_nt_per_k": 0.05, "half_change_nt_per_k": 0.3, "inflection_k": 297.0, "width_k": 1.5}),
+            ),
+        ),
+        (
+            Scene::Runs,
+            coil(
+                "coil_heating",
+                "z",
+                json!({"fall_ppm_per_a2": 50.0, "fall_at_start_ppm_per_a2": 50.0, "lag_s": 400.0}),
+            ),
+        ),
+        (
+            Scene::Site,
+            all(
+                "working_hours",
+                json!({"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0, "slack_s": 1200.0}),
+            ),
+        ),
     ]
 }
 

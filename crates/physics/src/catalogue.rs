@@ -43,6 +43,7 @@ catalogue![
     CrossFieldSensitivity,
     OffsetTemperature,
     OffsetTemperatureLag,
+    OffsetTemperatureInflection,
     SensitivityTemperature,
     SensitivityTemperatureLag,
     AxisTemperature,
@@ -170,7 +171,7 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
         .iter()
         .map(|info| {
             let found = adopted.parameters.get(info.name).map(common::Quantity::value);
-            let value = found.ok_or_else(|| {
+            let value = found.or(info.absent).ok_or_else(|| {
                 refuse(
                     format!("{} without the parameter {}", kind.name(), info.name),
                     format!("a number for {}", info.name),

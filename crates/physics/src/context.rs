@@ -35,6 +35,9 @@ impl Unit {
     }
 }
 
+/// 0 degC in K.
+pub const KELVIN: f64 = 273.15;
+
 /// Whose temperature.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Thermometer {

@@ -121,22 +121,39 @@ pub struct ParameterInfo {
     pub high: f64,
     /// How it enters.
     pub role: Role,
+    /// Its value where a document does not give it; None where it has to.
+    pub absent: Option<f64>,
 }
 
 impl ParameterInfo {
     /// A size of either sign.
     pub const fn amplitude(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, low, high, role: Role::Amplitude }
+        Self { name, low, high, role: Role::Amplitude, absent: None }
     }
 
     /// A positive number that enters nonlinearly.
     pub const fn shape(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, low, high, role: Role::Shape }
+        Self { name, low, high, role: Role::Shape, absent: None }
+    }
+
+    /// A span of such a recording.
+    pub const fn span(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, low, high, role: Role::Epoch, absent: None }
+    }
+
+    /// The same with another largest plausible size.
+    pub const fn up_to(self, high: f64) -> Self {
+        Self { high, ..self }
+    }
+
+    /// The same, zero where a document does not give it.
+    pub const fn or_zero(self) -> Self {
+        Self { absent: Some(0.0), ..self }
     }
 
     /// A moment of the recording.
     pub const fn epoch(name: &'static str) -> Self {
-        Self { name, low: 1.0, high: 1e7, role: Role::Epoch }
+        Self { name, low: 1.0, high: 1e7, role: Role::Epoch, absent: None }
     }
 }
 

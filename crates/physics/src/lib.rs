@@ -26,7 +26,7 @@ mod setting;
 
 pub use catalogue::{Kind, adopt};
 pub use chain::{LeftOut, Parameter, Prediction, predict, predict_acting, predict_with_jacobian};
-pub use context::{Context, References, Thermometer, Unit, orientation};
+pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use effect::{
     About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings,
 };

@@ -86,6 +86,10 @@ fn temperatures_of_three_thermometers() {
     let offset = |name: &str| json!({"effect": name, "sensor": "x", "parameters": {"coefficient_nt_per_k": 0.5, "curvature_nt_per_k2": 0.01}});
     assert_adds(warm(), offset("offset_temperature"), &[[6.0, 0.0, 0.0], [0.0; 3]]);
     assert_adds(warm(), offset("offset_electronics_temperature"), &[[0.0; 3], [2.75, 0.0, 0.0]]);
+    // The inflection at the reference: 10 K · 0.5 nT/K, and 0.2 nT/K · 2 K ln cosh 5.
+    let inflection = json!({"effect": "offset_temperature_inflection", "sensor": "x",
+        "parameters": {"coefficient_nt_per_k": 0.5, "half_change_nt_per_k": 0.2, "inflection_k": 293.15, "width_k": 2}});
+    assert_adds(warm(), inflection, &[[5.0 + 0.4 * 5f64.cosh().ln(), 0.0, 0.0], [0.0; 3]]);
     let scale = |name: &str| json!({"effect": name, "sensor": "x", "parameters": {"coefficient_ppm_per_k": 20, "curvature_ppm_per_k2": 1}});
     // 50 000 nT · (200 + 100) ppm; −50 000 nT · (100 + 25) ppm.
     assert_adds(warm(), scale("sensitivity_temperature"), &[[15.0, 0.0, 0.0], [0.0; 3]]);
@@ -302,7 +306,10 @@ fn working_hours_end_at_five() {
     let friday = bench(json!({"time_s": [0, 3600, 72_000, 230_400], "coil_x_a": [0, 0, 0, 0]}), json!({}));
     let effect =
         json!({"effect": "working_hours", "parameters": {"north_nt": 1, "east_nt": 2, "down_nt": 3}});
-    assert_adds(friday, effect, &[[1.0, 2.0, 3.0], [0.0; 3], [0.0; 3], [1.0, 2.0, 3.0]]);
+    assert_adds(friday.clone(), effect.clone(), &[[1.0, 2.0, 3.0], [0.0; 3], [0.0; 3], [1.0, 2.0, 3.0]]);
+    let mut late = effect;
+    late["parameters"]["slack_s"] = json!(3601.0);
+    assert_adds(friday, late, &[[0.0; 3]; 4]);
 }
 
 #[test]

@@ -37,6 +37,8 @@ struct Parameter {
     #[serde(skip_serializing_if = "Option::is_none")]
     plausible: Option<[f64; 2]>,
     role: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    absent: Option<f64>,
 }
 
 /// The effects of that name, or all, in a layout.
@@ -59,8 +61,9 @@ fn entry(kind: Kind) -> Entry {
     let about = kind.about();
     let parameter = |info: &ParameterInfo| Parameter {
         name: info.name,
-        plausible: (info.role != Role::Epoch).then_some([info.low, info.high]),
+        plausible: (info.role != Role::Epoch || info.absent.is_some()).then_some([info.low, info.high]),
         role: role(info.role),
+        absent: info.absent,
     };
     Entry {
         effect: about.name,
@@ -98,9 +101,13 @@ fn of(kinds: &[Kind], place: Place) -> impl Iterator<Item = Entry> {
 }
 
 fn plausible(parameter: &Parameter) -> String {
-    match parameter.plausible {
+    let sizes = match parameter.plausible {
         Some([low, high]) => format!("{low} to {high}"),
         None => "(of the recording)".into(),
+    };
+    match parameter.absent {
+        Some(value) => format!("{sizes} ({value} where it is not given)"),
+        None => sizes,
     }
 }
 

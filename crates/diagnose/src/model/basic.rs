@@ -97,20 +97,24 @@ pub(super) fn possible(
 }
 
 impl<'a> Model<'a> {
-    /// Takes turns of sensors out of the unknowns until none is said by the others, the last sensors' first: of magnitudes alone a turn
-    /// of all sensors together shows nowhere.
-    pub(super) fn without_common_turn(
-        &self,
-        jacobian: &[Vec<f64>],
-        felt: &mut Vec<usize>,
-    ) -> Result<(), Error> {
-        loop {
-            let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
-            let turns =
-                |at: &usize| matches!(self.unknowns[felt[*at]], Unknown::Chain(Parameter::SensorTurn(..), _));
-            let Some(last) = undetermined(&columns)?.into_iter().rfind(turns) else { return Ok(()) };
-            felt.remove(last);
-        }
+    /// Takes three turns of sensors out of the unknowns, so that no turn of all sensors together is left among them, which magnitudes
+    /// alone do not show: both of x, and that of y which goes more about x.
+    pub(super) fn without_common_turn(&self, felt: &mut Vec<usize>) {
+        let about_x = |instrument: Instrument| {
+            let run = (0..self.observed.runs.len()).find(|run| self.instrument(*run) == instrument)?;
+            let mu = &self.observed.runs[run].setting.basic.mu;
+            let moved = mu.column(0).cross(&mu.column(1));
+            let [first, second] =
+                frames::tangents(&mu.column(1).into()).map(|tangent| tangent.dot(&moved).abs());
+            Some(usize::from(second > first))
+        };
+        felt.retain(|unknown| match self.unknowns[*unknown] {
+            Unknown::Chain(Parameter::SensorTurn(Axis::X, _), _) => false,
+            Unknown::Chain(Parameter::SensorTurn(Axis::Y, turn), instrument) => {
+                about_x(instrument) != Some(turn)
+            }
+            _ => true,
+        });
     }
 
     /// Derivatives of what is predicted by the unknowns of the base model at a state.

@@ -7,6 +7,7 @@ use super::effects::{effect_of, place_of};
 use crate::adopt::on_coil;
 use crate::candidates::{What, named};
 use crate::covariates;
+use crate::fit::square;
 use crate::model::{Column, Model};
 use crate::observed::Channel;
 use crate::words::chance;
@@ -14,9 +15,14 @@ use crate::{Options, Outcome};
 
 pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {
     let found = &outcome.found[number];
-    let excess = (outcome.first.rest.sum_of_squares - outcome.last.rest.freedom * outcome.last.rest.scale())
-        .max(found.gain);
-    let energy_share = Some((found.gain / excess).clamp(0.0, 1.0));
+    // Where the size of the noise is not known, squares in units of it say nothing of the whole.
+    let (gain, excess) = if outcome.last.rest.omnibus().is_some() {
+        let noise = outcome.last.rest.freedom * outcome.last.rest.scale();
+        (found.gain, outcome.first.rest.sum_of_squares - noise)
+    } else {
+        (found.gain_nt2, square(&outcome.base.residual) - square(&outcome.fit.residual))
+    };
+    let energy_share = Some((gain / excess.max(gain)).clamp(0.0, 1.0)).filter(|share| share.is_finite());
     let Some((at, effect)) = effect_of(outcome, number) else {
         let column = &outcome.fit.state.columns[place_of(outcome, number)];
         let (covariates, sensors) =
@@ -37,7 +43,7 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
     };
     let sensors = if on_coil(effect) { Vec::new() } else { effect.axis.into_iter().collect() };
     let frequency = about.parameters.iter().position(|info| info.name == "frequency_hz");
-    let moment = about.parameters.iter().position(|info| info.role == Role::Epoch);
+    let moment = about.parameters.iter().position(|info| info.role == Role::Epoch && info.absent.is_none());
     Share {
         place: Some(effect.kind.place().word().into()),
         sensors,

@@ -11,6 +11,7 @@ use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::held_out::FOLDS;
 use crate::level::at_least_one;
+use crate::model::State;
 use crate::rivals;
 
 /// Candidates that are refined at each step.
@@ -79,6 +80,21 @@ impl Refined {
     }
 }
 
+/// An effect with a lag without it, where that is not proposed by itself: a lag of nothing is among the shapes that were tried.
+fn simpler(proposal: &Proposal, state: &State, proposals: &[Proposal]) -> Option<Proposal> {
+    let Addition::Effect(lagged) = &proposal.addition else { return None };
+    let kind = rivals::without_lag(lagged.kind)?;
+    let mut effect =
+        EffectInstance { kind, parameters: vec![0.0; kind.parameters().len()], ..lagged.clone() };
+    for (value, from) in effect.parameters.iter_mut().zip(&lagged.parameters[..lagged.parameters.len() - 1]) {
+        *value = *from;
+    }
+    let name = named(&effect);
+    let there = proposals.iter().any(|other| other.name == name)
+        || state.effects.iter().any(|other| named(other) == name);
+    (!there).then(|| Proposal { name, addition: Addition::Effect(effect), ..proposal.clone() })
+}
+
 impl Searcher<'_> {
     /// The most promising proposals fitted together with all else, the best first.
     pub fn refine(&self, fitter: &Fitter<'_, '_>, fit: &Fit, look: &Look) -> Result<Vec<Refined>, Error> {
@@ -125,7 +141,11 @@ impl Searcher<'_> {
             }))
         };
         let promising = &look.proposals[..look.proposals.len().min(REFINED)];
-        let refined: Vec<Option<Refined>> = promising.par_iter().map(one).collect::<Result<_, Error>>()?;
+        let simpler: Vec<Proposal> =
+            promising.iter().filter_map(|proposal| simpler(proposal, &fit.state, &look.proposals)).collect();
+        let all: Vec<&Proposal> = promising.iter().chain(&simpler).collect();
+        let refined: Vec<Option<Refined>> =
+            all.par_iter().map(|proposal| one(proposal)).collect::<Result<_, Error>>()?;
         let mut all: Vec<Refined> = refined.into_iter().flatten().collect();
         rivals::without_needless_lags(fitter, &mut all);
         rivals::without_mere_parts(&mut all);
@@ -180,6 +200,12 @@ impl Searcher<'_> {
         {
             return idle(format!("a pass of {duration_s:.0} s does not end within its recording"));
         }
+        if let (Kind::CoilHeating, [brought, before, ..]) = (found.kind, &found.parameters[..])
+            && brought * before < 0.0
+            && before.abs() > brought.abs()
+        {
+            return idle("the warmth of before would have to act against what the current brings".into());
+        }
         // Without an amplitude a small shape is a small effect.
         let sized = found.kind.parameters().iter().any(|info| info.role == Role::Amplitude);
         for (info, value) in found.kind.parameters().iter().zip(&found.parameters) {
@@ -202,13 +228,15 @@ impl Searcher<'_> {
         if candidate.finite {
             return None;
         }
+        // An inflection is seen from both sides.
+        let slack = if found.kind == Kind::OffsetTemperatureInflection { 0.0 } else { 0.1 };
         let tried: Vec<f64> = candidate.trials.iter().filter_map(|trial| trial.shape).collect();
         let (low, high) = tried.iter().fold((f64::INFINITY, 0.0_f64), |(l, h), s| (l.min(*s), h.max(*s)));
         let name = found.kind.parameters()[at].name;
-        if found.parameters[at] < 0.9 * low {
+        if found.parameters[at] < (1.0 - slack) * low {
             return idle(format!("{name} runs to nothing, where a simpler effect says the same"));
         }
-        if found.parameters[at] > 1.1 * high {
+        if found.parameters[at] > (1.0 + slack) * high {
             return idle(format!(
                 "{name} runs beyond what the recording spans, where a simpler effect says the same"
             ));

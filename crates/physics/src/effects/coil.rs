@@ -35,8 +35,9 @@ impl Effect for CoilTemperature {
     }
 }
 
-/// A coil constant that falls as the coil heats: k = k₀ (1 − a P), τ dP/dt = I² − P, P = 0 at the first row.
-/// Along the coil's axis, so that it is the same in GEO for every sensor and orientation.
+/// A coil constant that falls as the coil heats: k = k₀ (1 − a P − b W), τ dP/dt = I² − P, τ dW/dt = −W; at the first row P = 0 and
+/// W = I². P is the warmth that the recording brings; W what the coil had of the current that flowed before: b = 0 if it was cold, b = a
+/// if the first current had flowed for long. Along the coil's axis, so that it is the same in GEO for every sensor and orientation.
 pub struct CoilHeating;
 
 impl Effect for CoilHeating {
@@ -45,13 +46,14 @@ impl Effect for CoilHeating {
         title: "coil constant falls as the coil heats itself",
         physics: "The current warms the winding, its former expands, and the same current makes less field; the \
             warmth comes and goes with the coil's thermal time constant.",
-        equation: "B = k (1 - a P 1e-6) I, tau dP/dt = I^2 - P",
+        equation: "B = k (1 - (a P + b W) 1e-6) I, tau dP/dt = I^2 - P, tau dW/dt = -W, P = 0 and W = I^2 at the first row",
         source: "NASA CR-156638, description of test facility (temperature dependence of the main winding)",
         place: Place::Facility,
         stage: Stage::Coil,
         acts: Acts::OneCoil,
         parameters: &[
             ParameterInfo::amplitude("fall_ppm_per_a2", 1.0, 2000.0),
+            ParameterInfo::amplitude("fall_at_start_ppm_per_a2", 1.0, 2000.0).or_zero(),
             ParameterInfo::shape("lag_s", 30.0, 20_000.0),
         ],
         needs: &["time_s", "drive of the coil"],
@@ -66,12 +68,15 @@ impl Effect for CoilHeating {
         let context = around.context;
         let time = context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let squared = context.current_a.iter().map(|current| T::from(current[own].powi(2))).collect();
+        let (brought, before, lag_s) = (parameters[0], parameters[1], parameters[2]);
+        let squared: Vec<T> = context.current_a.iter().map(|current| T::from(current[own].powi(2))).collect();
+        let Some(&first) = squared.first() else { return Ok(()) };
         let warmth =
-            Signal::new(time, squared).holding(&context.held).lagged(parameters[1], Before::At(T::from(0.0)));
-        for (field, warmth) in signal.iter_mut().zip(warmth) {
+            Signal::new(time, squared).holding(&context.held).lagged(lag_s, Before::At(T::from(0.0)));
+        for ((field, warmth), t) in signal.iter_mut().zip(warmth).zip(time) {
             let cold = field[own];
-            field[own] -= cold * warmth * parameters[0] * 1e-6;
+            let left = first * (lag_s.recip() * (time[0] - t)).exp();
+            field[own] -= cold * (warmth * brought + left * before) * 1e-6;
         }
         Ok(())
     }

@@ -9,6 +9,7 @@ mod converter;
 mod cross_field;
 mod gradient;
 mod hysteresis;
+mod inflection;
 mod iron;
 mod leakage;
 mod lines;
@@ -29,6 +30,7 @@ pub use converter::{Clipping, DifferentialNonlinearity, Quantisation, Saturation
 pub use cross_field::{CrossField, CrossFieldSensitivity};
 pub use gradient::{CoilGradient, OffCentre, add_known_gradient};
 pub use hysteresis::{Hysteresis, Perming};
+pub use inflection::OffsetTemperatureInflection;
 pub use iron::{HardIron, SoftIron};
 pub use leakage::NullingLeakage;
 pub use lines::{Mains, TractionPower};

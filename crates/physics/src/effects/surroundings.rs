@@ -55,7 +55,8 @@ impl Effect for VehiclePass {
     }
 }
 
-/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`.
+/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`, or as much later and earlier as the
+/// slack says.
 pub struct WorkingHours;
 
 impl Effect for WorkingHours {
@@ -64,13 +65,18 @@ impl Effect for WorkingHours {
         title: "field of machines in working hours",
         physics: "Machines, lifts and direct-current railways run by day from Monday to Friday and add a field while \
             they do.",
-        equation: "dB_geo = v from Monday to Friday, 7 h to 17 h by the clock of `start`",
+        equation: "dB_geo = v from Monday to Friday, 7 h + s to 17 h - s by the clock of `start`",
         source: "NASA CR-156638, test of the Earth field nulling system (site conditions); Lowes 2009, DC railways and \
             the magnetic fields they produce, Earth Planets Space 61, i",
         place: Place::Environment,
         stage: Stage::Geo,
         acts: Acts::Everything,
-        parameters: &VECTOR,
+        parameters: &[
+            VECTOR[0],
+            VECTOR[1],
+            VECTOR[2],
+            ParameterInfo::span("slack_s", 60.0, 3600.0).or_zero(),
+        ],
         needs: &["time_s", "start"],
         invertible: true,
     };
@@ -85,10 +91,11 @@ impl Effect for WorkingHours {
         let start = context.local_start_s.ok_or_else(|| {
             context.missing(Self::ABOUT.name, "the recording's `start`, with its offset from UTC")
         })?;
-        let vector = Vector3::from_column_slice(parameters);
+        let vector = Vector3::from_column_slice(&parameters[..3]);
+        let slack_h = parameters[3].re() / 3600.0;
         for (field, t) in signal.iter_mut().zip(time) {
             let local = start + t;
-            if is_weekday(local) && (7.0..17.0).contains(&hour_of_day(local)) {
+            if is_weekday(local) && (7.0 + slack_h..17.0 - slack_h).contains(&hour_of_day(local)) {
                 *field += vector;
             }
         }
