@@ -15,6 +15,8 @@ use crate::swarm::rms;
 
 const STEP_S: f64 = 60.0;
 const DAYS: usize = 30;
+/// 0 degC in K.
+const ZERO_C: f64 = 273.15;
 
 /// The month of a seed.
 ///
@@ -92,7 +94,7 @@ pub fn month(seed: u64) -> Case {
         effect(
             0,
             "offset whose slope changes sign at a temperature",
-            "offset_temperature y",
+            "offset_temperature_inflection y",
             &["y"],
             json!({"slope_nt_per_k": slope, "inflection_c": inflection}),
         ),
@@ -146,10 +148,6 @@ fn room(draw: &mut Draw) -> Signal {
     over(18.0, mixed(vec![(1.0, daily), (1.0, weather), (1.0, rise)]))
 }
 
-/// Why no name stands.
-const UNNAMED: &str = "\nThe catalogue has a line and a parabola in the temperature and no inflection: of that `offset_temperature` leaves a part which follows the same \
-    temperature, and then no name stands, also where it would be right, as the step's. What is certain is the place.\n";
-
 /// What the two stages made of the month.
 pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
     let of = |which: usize, key: &str| truth.effects[which].parameters[key].as_f64().unwrap_or(f64::NAN);
@@ -162,10 +160,10 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
     let fit = |key: &str| entry["fit"][key].as_f64().unwrap_or(f64::NAN);
     let mut text = format!(
         "## A month of an observatory\n\n\
-        A variometer beside the reference, {} rows of a minute. Concealed: on y an offset whose slope changes sign at {:.2} degC (± {:.2} nT/K far from it), a clock {:.2} s late, \
+        A variometer beside the reference, {} rows of a minute. Concealed: on y an offset whose slope changes sign at {:.2} K (± {:.2} nT/K far from it, along a hyperbola), a clock {:.2} s late, \
         on z one step of {:.2} nT after {:.2} days. Noise {:.3} nT.\n\n`diffmag --correct-clock` says of it:\n\n",
         truth.readings / 3,
-        of(0, "inflection_c"),
+        of(0, "inflection_c") + ZERO_C,
         of(0, "slope_nt_per_k"),
         of(1, "offset_s"),
         of(2, "height_nt"),
@@ -223,9 +221,6 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
     }
     for reason in list(&entry["reasons"]).iter().filter(|words| words.starts_with("not ")) {
         text += &format!("- {reason}\n");
-    }
-    if entry["verdict"] == "unexplained" {
-        text += UNNAMED;
     }
     let sets: Vec<String> =
         entry["ambiguity"].as_array().into_iter().flatten().map(|set| list(set).join(" with ")).collect();

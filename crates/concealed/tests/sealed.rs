@@ -32,16 +32,40 @@ fn a_small_proof_is_made_twice_alike_and_a_changed_truth_is_refused() {
     assert_eq!(read("first.md"), read("second.md"));
     assert!(read("first.md").contains("| clean | 1 |"), "{}", read("first.md"));
 
-    let truths = fs::read_dir(folder.path().join("sets/seed-2001/truths")).expect("truths");
+    let truths = fs::read_dir(folder.path().join("sets/seed-3001/truths")).expect("truths");
     let truth = truths.filter_map(Result::ok).next().expect("a truth").path();
     let text = fs::read_to_string(&truth).expect("a truth");
-    fs::write(&truth, text.replacen("\"seed\": 2001", "\"seed\": 2002", 1)).expect("written");
+    fs::write(&truth, text.replacen("\"seed\": 3001", "\"seed\": 3002", 1)).expect("written");
     let sets = path("sets");
     let opened =
         testkit::run(CONCEALED, &["score", "--cases-only", "--folder", &sets, "-o", &path("third.md")], "");
     assert_eq!(opened.code, 2, "{}", opened.stderr);
     assert!(opened.stderr.contains("seals.txt"), "{}", opened.stderr);
     assert!(!folder.path().join("third.md").exists());
+}
+
+/// On this orbit the turns of the sensors were once all taken for a turn of them together, and the names that came after were wrong.
+#[test]
+fn an_orbit_is_explained_down_to_its_noise() {
+    let programs = Path::new(CONCEALED).parent().expect("a folder");
+    if !programs.join("diagnose").is_file() {
+        println!("skipped: no diagnose beside {CONCEALED}; cargo build builds it");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = testkit::run(
+        CONCEALED,
+        &["swarm", "--seed", "2001", "--folder", &folder.path().display().to_string()],
+        "",
+    );
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    for line in [
+        "| verdict | explained |",
+        "| named | sun_thermoelectric_harmonics |",
+        "| with what was found | 0.148 nT |",
+    ] {
+        assert!(run.stdout.contains(line), "{line}\n{}", run.stdout);
+    }
 }
 
 #[test]
