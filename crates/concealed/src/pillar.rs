@@ -213,11 +213,9 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
         );
     }
     for place in entry["where"].as_array().into_iter().flatten() {
-        let share = 100.0 * place["energy_share"].as_f64().unwrap_or(f64::NAN);
-        text += &format!(
-            "- where: {}, {share:.0} % of the energy\n",
-            place["description"].as_str().unwrap_or_default()
-        );
+        let share = place["energy_share"].as_f64();
+        let share = share.map_or(String::new(), |share| format!(", {:.0} % of the energy", 100.0 * share));
+        text += &format!("- where: {}{share}\n", place["description"].as_str().unwrap_or_default());
     }
     for reason in list(&entry["reasons"]).iter().filter(|words| words.starts_with("not ")) {
         text += &format!("- {reason}\n");

@@ -17,6 +17,9 @@ const MOST: usize = 8;
 /// Most that are searched for, one of several harmonics of an effect as one.
 const LONGEST: usize = 16;
 
+/// What a name must do, squared and in standard deviations.
+const SAID: f64 = 9.0;
+
 /// Searches until nothing is left, nothing fits, or there is too much; then judges what was found.
 pub fn search(
     document: &Document,
@@ -36,15 +39,14 @@ pub fn search(
         // The codes are part of the noise, and act on nothing that is predicted.
         let acts = vec![false; model.observed.runs.len()];
         let state = model.with_acting(&stages[found.len()].fit.state, effect.clone(), acts);
-        let (fit, noise) = settled(document, model, &state)?;
-        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        let stage = at(document, model, searcher, &state)?;
         found.push(Found {
             gain: proposal.gain,
             gain_nt2: 0.0,
-            refined: Refined::certain(proposal, fit.clone()),
+            refined: Refined::certain(proposal, stage.fit.clone()),
             rivals: Rivals::default(),
         });
-        stages.push(Stage { fit, noise, look });
+        stages.push(stage);
     }
     let mut tried_first = Vec::new();
     while found.len() < LONGEST && distinct(&found) < MOST {
@@ -57,16 +59,15 @@ pub fn search(
             break;
         };
         told(&format!("{}; searching on", best.proposal.name));
-        let (next, next_noise) = settled(document, model, &best.fit.state)?;
-        let next_look = searcher.look(&Fitter { model, noise: &next_noise }, &next)?;
-        let left = next_look.left(searcher.level);
+        let next = at(document, model, searcher, &best.fit.state)?;
+        let left = next.look.left(searcher.level);
         found.push(Found {
             refined: best.clone(),
             gain: fit.cost - best.fit.cost,
             gain_nt2: square(&fit.residual) - square(&best.fit.residual),
             rivals: rivals(&Fitter { model, noise: &noise }, &fit, &refined, left)?,
         });
-        stages.push(Stage { fit: next, noise: next_noise, look: next_look });
+        stages.push(next);
         if found.len() == 1 {
             tried_first = refined;
         }
@@ -84,6 +85,12 @@ pub fn search(
         refused.clear();
         found.push(whole);
         stage = with;
+    }
+    while let Some(number) = silent(model, &found, &base, &stage)? {
+        let state = without(&stage.fit.state, &base, &found, number);
+        let one = found.remove(number);
+        refused.push((one.refined.proposal.name, "without those that fell it has nothing to say".into()));
+        stage = at(document, model, searcher, &state)?;
     }
     let Stage { fit, noise, look: mut last } = stage;
     if found.len() > 1 {
@@ -163,9 +170,32 @@ fn with_only(
     let fallen = (0..found.len()).rev().filter(|number| !kept.contains(number));
     let last = stages[found.len()].fit.state.clone();
     let state = fallen.fold(last, |state, number| without(&state, &stages[0].fit, found, number));
-    let (fit, noise) = settled(document, model, &state)?;
+    at(document, model, searcher, &state)
+}
+
+/// The stage that a state comes to.
+fn at(
+    document: &Document,
+    model: &Model<'_>,
+    searcher: &mut Searcher<'_>,
+    state: &State,
+) -> Result<Stage, Error> {
+    let (fit, noise) = settled(document, model, state)?;
     let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     Ok(Stage { fit, noise, look })
+}
+
+/// The last of those found that does no more at a stage than chance would: what it answered to has fallen. What is in the noise and not in the
+/// prediction, as codes are, does nothing there.
+fn silent(model: &Model<'_>, found: &[Found], base: &Fit, stage: &Stage) -> Result<Option<usize>, Error> {
+    for number in (0..found.len()).rev() {
+        let change = model.change(&without(&stage.fit.state, base, found, number), &stage.fit.state)?;
+        let said = square(&stage.noise.whiten(&model.observed, &change));
+        if said > 0.0 && said < SAID {
+            return Ok(Some(number));
+        }
+    }
+    Ok(None)
 }
 
 /// Of what was tried first, that which leaves nothing: where all that was found from the best one on falls, a name that explains everything
@@ -179,11 +209,10 @@ fn whole(
 ) -> Result<Option<(Found, Stage)>, Error> {
     let (mut all, mut stage) = (Vec::new(), None);
     for one in tried.iter().filter(|one| one.why_not.is_none()) {
-        let (fit, noise) = settled(document, model, &one.fit.state)?;
-        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-        if look.clean(searcher.level) {
+        let with = at(document, model, searcher, &one.fit.state)?;
+        if with.look.clean(searcher.level) {
             all.push(one.clone());
-            stage.get_or_insert(Stage { fit, noise, look });
+            stage.get_or_insert(with);
         }
     }
     let (Some(first), Some(stage)) = (all.first(), stage) else { return Ok(None) };

@@ -5,13 +5,14 @@
 //! left, and if of what the effect itself follows no more is left than forms are true to: else its form is wrong.
 
 use common::Axis;
+use faer::Mat;
 use physics::{Acts, EffectInstance, Kind, ParameterInfo, Place, Role};
 use std::collections::BTreeSet;
 
 use crate::candidates::{What, named};
 use crate::course::without;
 use crate::covariates;
-use crate::fit::square;
+use crate::fit::{orthonormal, square};
 use crate::model::Model;
 use crate::observed::Channel;
 use crate::search::{Addition, Structure};
@@ -23,6 +24,8 @@ const FAR_MORE: f64 = 10.0;
 const MOST_IN_ONE: usize = 3;
 /// Share of the level above which a further name in a sensor hardly stands out.
 const HARDLY: f64 = 0.01;
+/// What names of one sensor do together, over the sum of what each does, where they cancel.
+const CANCEL: f64 = 0.25;
 /// Rows to either side of a moment among which it is the edge of what switches there.
 const EDGE: usize = 4;
 /// Share of its energy to which the form that the catalogue has of an effect is met.
@@ -120,12 +123,38 @@ impl Judge<'_> {
     pub fn worth_keeping(&self) -> Result<Vec<usize>, Error> {
         let cuts = [made_of_moments(self.found, self.stages), crumbs(self.found, self.level), self.edges()?];
         let whole = cuts.into_iter().flatten().fold(self.found.len(), usize::min);
-        let pieces = made_of_pieces(self.found);
+        let mut pieces = made_of_pieces(self.found);
+        for axis in Axis::ALL {
+            if self.cancel(axis)? {
+                pieces.push(axis);
+            }
+        }
         let piece = |number: &usize| {
             one_sensor(&self.found[*number].refined.proposal.addition)
                 .is_some_and(|axis| pieces.contains(&axis))
         };
         Ok((0..whole).filter(|number| !piece(number)).collect())
+    }
+
+    /// Whether the names of one sensor alone do together far less than each by itself, beyond what the calibration takes up: what the catalogue
+    /// does not have, such as the rate of a temperature, is made up of their difference.
+    fn cancel(&self, axis: Axis) -> Result<bool, Error> {
+        let own = |number: &usize| one_sensor(&self.found[*number].refined.proposal.addition) == Some(axis);
+        let names: Vec<usize> = (0..self.found.len()).filter(own).collect();
+        let Some(last) = self.stages.last().filter(|_| names.len() > 1) else { return Ok(false) };
+        let base = orthonormal(&self.stages[0].fit.jacobian)?;
+        let mut together = Mat::zeros(base.nrows(), 1);
+        let mut apart = 0.0;
+        for number in names {
+            let state = without(&last.fit.state, &self.stages[0].fit, self.found, number);
+            let change = self.model.change(&state, &last.fit.state)?;
+            let white = last.noise.whiten(&self.model.observed, &change);
+            let column = Mat::from_fn(base.nrows(), 1, |i, _| white.get(i).copied().unwrap_or(0.0));
+            let seen = &column - &base * (base.transpose() * &column);
+            apart += seen.squared_norm_l2();
+            together += seen;
+        }
+        Ok(together.squared_norm_l2() < CANCEL * apart)
     }
 
     /// The first single moment at which an effect that was found before it switches on or off: its own edge, at another minute than told.

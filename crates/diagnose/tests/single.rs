@@ -199,8 +199,12 @@ fn cases() -> Vec<(Scene, Value)> {
     ]
 }
 
-/// Small steps that a dependence explains as well.
-const SHORT: [(&str, f64); 1] = [("reading_step z", 0.3)];
+/// What a simpler effect says as well, so that it is named.
+const SHORT: [(&str, f64); 3] = [
+    ("offset_temperature_inflection z", 1.0),
+    ("offset_temperature_inflection z", 0.3),
+    ("offset_electronics_temperature_lag x", 0.3),
+];
 
 /// What came of one case.
 struct Outcome {

@@ -103,7 +103,7 @@ impl Cause {
             Cause::Diffusion => "Induction by diffusion",
             Cause::Plates => "The Sun on plates",
             Cause::Hours => "Machines switched by hand",
-            Cause::CoilHeating => "Coils that heat themselves, two bodies",
+            Cause::CoilHeating => "Coils that heat themselves",
             Cause::Outside => "Outside the catalogue",
             Cause::Decided => "Decided where nobody can",
             Cause::Several => "Several at once",
@@ -124,29 +124,30 @@ impl Cause {
                 "Below the level at which anything is claimed among all candidates (1 %), in the readings that there are."
             }
             Cause::Converter => {
-                "Uneven codes and lesser bits leave structure along the own reading. The rule that a name falls where what is left follows what the effect follows then \
-                 takes the right name back, and in sets the others' names with it."
+                "Uneven codes leave structure along the own reading, or single readings that a spike explains as well. Then the name falls, or a spike stands beside it as an equal; in \
+                 sets the other names of the sensor fall with it."
             }
             Cause::Hysteresis => {
                 "Preisach's model with interaction fields as wide as the range is a sum of play operators, and the catalogue's `perming` is one such operator: it fits better \
                  than the catalogue's `hysteresis`. Sealed as right was `hysteresis` alone; the name found is wrong, the physics near."
             }
             Cause::Diffusion => {
-                "Diffusion goes with the root of frequency, the catalogue's lag with one time constant, and the sizes that it would need are beyond the catalogue's (1 % of the field's faster part): \
-                 then no name is given."
+                "Diffusion goes with the root of frequency, the catalogue's lag with one time constant: what that leaves has another name, or, in short recordings whose noise is not \
+                 declared, a drift has it all."
             }
             Cause::Plates => {
-                "Lambert's law cuts off at a plate's edge. Harmonics of the Sun's direction to the third degree leave a part of that, and the name falls, or other names take it up."
+                "Lambert's law cuts off at a plate's edge. Twelve coefficients and more cost much by Bayes' criterion: a step that says a part is found first, and beside it the Sun no longer \
+                 predicts what is left out."
             }
             Cause::Hours => {
-                "Minutes by which the hours are missed leave single readings, which are told as events."
+                "Minutes by which the hours are missed differ from day to day; the catalogue has one slack for all."
             }
             Cause::CoilHeating => {
-                "Winding and former warm each other. One time constant leaves structure at this size, of which a second one was seen to take nothing, and the rule that a name must explain ten times more than what is left \
-                 takes this name back, and all that were found beside it."
+                "Winding and former warm each other, where the catalogue has one time constant: what that leaves takes names back that were found beside it."
             }
             Cause::Outside => {
-                "Several names together take up what none of them is. The rates of a temperature and slow memories are the differences of two lags that the catalogue has."
+                "Several names together take up what none of them is, or one that is near does: a slow memory is a lag, a delay or perming, and what goes over at one temperature is a slope where \
+                 the recording is short."
             }
             Cause::Decided => {
                 "One of the two would need a size that the catalogue has as implausible (a drift of 500 nT a day), and by that it is decided, not by the readings. Where the \
@@ -156,8 +157,8 @@ impl Cause {
                 "Where one of them is not taken whole by the catalogue's form, something else takes up the rest, or all names fall together."
             }
             Cause::Form => {
-                "What the catalogue's form leaves of the finer physics is taken up by further names, or keeps the right one from being told. Of the loop at 0.3 times the noise the \
-                 lag is below the catalogue's least; of the mains the line is found but lies farther from 50 Hz than grids are taken to go."
+                "What the catalogue's form leaves of the finer physics is taken up by further names, or keeps the right one from being told. At 0.3 times the noise a lag is told as none, for that \
+                 says the same with less; of the mains the line is found but lies farther from 50 Hz than grids are taken to go."
             }
         }
     }
