@@ -221,7 +221,7 @@ pub fn searched(kind: Kind) -> Option<usize> {
     let goes = |info: &ParameterInfo| match info.role {
         Role::Amplitude => false,
         Role::Shape => true,
-        Role::Epoch => info.absent.is_some(),
+        Role::Epoch => !info.is_moment(),
     };
     kind.parameters().iter().position(goes)
 }
@@ -231,9 +231,7 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     let mut all = Vec::new();
     for &kind in Kind::ALL {
         // Lines, events and codes are searched by themselves.
-        let apart = |info: &ParameterInfo| {
-            info.role == Role::Epoch && info.absent.is_none() || info.name == "frequency_hz"
-        };
+        let apart = |info: &ParameterInfo| info.is_moment() || info.name == "frequency_hz";
         let apart = kind.parameters().iter().any(apart);
         if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
             continue;

@@ -97,7 +97,7 @@ fn name(one: &Found) -> String {
 
 /// The first of several single moments (steps, spikes, passes) if a smooth function of one covariate says more with fewer unknowns than
 /// all of them: levels that come and go with a temperature are no steps.
-pub fn made_of_moments(found: &[Found], stages: &[Stage]) -> Option<usize> {
+fn made_of_moments(found: &[Found], stages: &[Stage]) -> Option<usize> {
     let moments: Vec<&Found> = found.iter().filter(|one| one.refined.proposal.local).collect();
     let first = found.iter().position(|one| one.refined.proposal.local).filter(|_| moments.len() > 1)?;
     let look = &stages[first].look;

@@ -136,11 +136,6 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Shape, absent: None }
     }
 
-    /// A span of such a recording.
-    pub const fn span(name: &'static str, low: f64, high: f64) -> Self {
-        Self { name, low, high, role: Role::Epoch, absent: None }
-    }
-
     /// The same with another largest plausible size.
     pub const fn up_to(self, high: f64) -> Self {
         Self { high, ..self }
@@ -154,6 +149,16 @@ impl ParameterInfo {
     /// A moment of the recording.
     pub const fn epoch(name: &'static str) -> Self {
         Self { name, low: 1.0, high: 1e7, role: Role::Epoch, absent: None }
+    }
+
+    /// A span of time that may be nothing, the same in every recording; where it ends the contribution jumps.
+    pub const fn span(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, low, high, role: Role::Epoch, absent: Some(0.0) }
+    }
+
+    /// Whether it is a moment of one recording: what jumps and has to be given.
+    pub const fn is_moment(&self) -> bool {
+        matches!(self.role, Role::Epoch) && self.absent.is_none()
     }
 }
 

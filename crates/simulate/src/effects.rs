@@ -61,7 +61,7 @@ fn entry(kind: Kind) -> Entry {
     let about = kind.about();
     let parameter = |info: &ParameterInfo| Parameter {
         name: info.name,
-        plausible: (info.role != Role::Epoch || info.absent.is_some()).then_some([info.low, info.high]),
+        plausible: (!info.is_moment()).then_some([info.low, info.high]),
         role: role(info.role),
         absent: info.absent,
     };

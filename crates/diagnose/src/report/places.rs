@@ -1,7 +1,7 @@
 //! Where the difference lies.
 
 use common::{Axis, DoubtfulValue, Quantity, Share};
-use physics::{Place, Role};
+use physics::{ParameterInfo, Place};
 
 use super::effects::{effect_of, place_of};
 use crate::adopt::on_coil;
@@ -43,7 +43,7 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
     };
     let sensors = if on_coil(effect) { Vec::new() } else { effect.axis.into_iter().collect() };
     let frequency = about.parameters.iter().position(|info| info.name == "frequency_hz");
-    let moment = about.parameters.iter().position(|info| info.role == Role::Epoch && info.absent.is_none());
+    let moment = about.parameters.iter().position(ParameterInfo::is_moment);
     Share {
         place: Some(effect.kind.place().word().into()),
         sensors,

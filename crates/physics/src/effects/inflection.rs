@@ -1,4 +1,5 @@
 use super::prelude::*;
+use super::temperature::{Of, add};
 use crate::context::{KELVIN, Thermometer};
 
 /// ΔB = c (T − T_ref) + h w (g((T − T_i)/w) − g((T_ref − T_i)/w)), g(u) = ln cosh u: the coefficient goes from c − h, far below T_i, to
@@ -37,10 +38,10 @@ impl Effect for OffsetTemperatureInflection {
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         let bent = |celsius: f64| width_k * log_cosh((-inflection_k + KELVIN + celsius) / width_k);
         let at_reference = bent(reference);
-        for (value, temperature) in signal.iter_mut().zip(column.iter()) {
-            value[around.axis.index()] +=
-                coefficient * (temperature - reference) + half_change * (bent(*temperature) - at_reference);
-        }
+        let change = |row: usize| {
+            coefficient * (column[row] - reference) + half_change * (bent(column[row]) - at_reference)
+        };
+        add(Of::Offset, change, signal, around);
         Ok(())
     }
 }

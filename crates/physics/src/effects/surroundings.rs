@@ -71,12 +71,7 @@ impl Effect for WorkingHours {
         place: Place::Environment,
         stage: Stage::Geo,
         acts: Acts::Everything,
-        parameters: &[
-            VECTOR[0],
-            VECTOR[1],
-            VECTOR[2],
-            ParameterInfo::span("slack_s", 60.0, 3600.0).or_zero(),
-        ],
+        parameters: &[VECTOR[0], VECTOR[1], VECTOR[2], ParameterInfo::span("slack_s", 60.0, 3600.0)],
         needs: &["time_s", "start"],
         invertible: true,
     };

@@ -4,13 +4,13 @@ use crate::memory::{Before, Signal};
 
 /// What the temperature moves.
 #[derive(Clone, Copy, PartialEq)]
-enum Of {
+pub(super) enum Of {
     Offset,
     Sensitivity,
 }
 
 /// ΔB of an effect of temperature: c ΔT + q ΔT², or c ΔT_lag; for the sensitivity in ppm of the field B.
-fn add<T: Real>(
+pub(super) fn add<T: Real>(
     of: Of,
     change: impl Fn(usize) -> T,
     signal: &mut [Vector3<T>],
