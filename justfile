@@ -11,11 +11,21 @@ test:
 
 # Golden cases and schemas only
 golden:
-    cargo test --workspace --test golden --test schema --test bad_input --test effects --test certificate
+    cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
+
+# What an empty target directory takes: to the README's first result, and through the tests; then what a changed line takes
+times:
+    rm -rf target/times
+    time sh -c 'CARGO_TARGET_DIR=target/times cargo build --release && target/times/release/simulate campaign -q fixtures/plans/magsat-axes.json | target/times/release/axescal -q > /dev/null'
+    time env CARGO_TARGET_DIR=target/times cargo test --workspace
+    touch crates/axescal/src/solve.rs
+    time env CARGO_TARGET_DIR=target/times cargo test -p axescal
+    touch crates/common/src/time.rs
+    time env CARGO_TARGET_DIR=target/times cargo build --release
 
 # Write golden documents, messages and schemas anew; read the difference before it is kept
 bless:
-    BLESS=1 cargo test --workspace --test golden --test schema --test bad_input --test effects --test certificate
+    BLESS=1 cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
 
 # Speed, as ratios against a peer in the same run
 bench:
@@ -31,18 +41,19 @@ bench:
 # Physics concealed and sealed, and what diagnose finds of it (docs/proof.md); coverage of every interval over 5 000 and 1 000 campaigns
 prove:
     cargo run --release -p concealed -- prove --build
-    FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test coverage -- --nocapture
+    FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
-    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test coverage -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
-    FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test campaign -- --nocapture
-    FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test clean -- --nocapture
-    FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test single -- --nocapture
+    FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test it clean:: -- --nocapture
+    FLUXCAL_CASES=all cargo test --release -p diagnose --test it -- --nocapture outside:: several::
+    FLUXCAL_CASES=all FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test it single:: -- --nocapture
 
 # All programs with man pages and bash completions, below ~/.local or PREFIX
 install prefix="$HOME/.local":
     for program in simulate ingest coilcal sensorcal axescal diffmag diagnose correct report; do \
-        cargo install --locked --path crates/$program --root {{prefix}} --target-dir target && \
+        cargo install --locked --profile dist --path crates/$program --root {{prefix}} --target-dir target && \
         {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
         mkdir -p {{prefix}}/share/bash-completion/completions && \
         {{prefix}}/bin/$program --completions bash > {{prefix}}/share/bash-completion/completions/$program || exit 1; \
@@ -55,4 +66,4 @@ demo:
 
 # The report's pages in headless Chromium, in both themes and on a phone's width (Debian: apt-get install chromium)
 browser:
-    cargo test -p report --test browser -- --ignored
+    cargo test -p report --test it browser:: -- --ignored

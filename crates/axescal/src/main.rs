@@ -3,9 +3,9 @@
 use axescal::{Coils, Options, Start, design};
 use clap::{Parser, Subcommand, ValueEnum};
 use common::Axis;
-use common::manual;
-use common::pipe::{self, Io, Program};
 use common::procedure;
+use program::manual;
+use program::pipe::{self, Io, Program};
 use std::process::ExitCode;
 
 const PROGRAM: Program =

@@ -1,5 +1,6 @@
 //! The result in a few lines for people.
 
+use common::number::uncertain;
 use common::{AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
 use std::fmt::Write;
 
@@ -129,5 +130,5 @@ fn constants(text: &mut String, name: &str, values: Option<&PerAxis<Quantity>>) 
 }
 
 fn scientific(quantity: &Quantity, unit: &str) -> String {
-    format!("({:+.3e} ± {:.1e}) {unit}", quantity.value(), quantity.std().unwrap_or(0.0))
+    format!("{} {unit}", uncertain(quantity.value(), quantity.std().unwrap_or(0.0)))
 }

@@ -1,5 +1,6 @@
 //! k and B0 of one coil.
 
+use common::number::uncertain;
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
 use estimate::linear::LinearFit;
 use estimate::stats;
@@ -266,7 +267,7 @@ fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
         let size: Vec<String> = departure
             .parameter
             .iter()
-            .map(|(key, value)| format!("{key} = {:.4e} ± {:.1e}", value.value(), value.std().unwrap_or(0.0)))
+            .map(|(key, value)| format!("{key} = {}", uncertain(value.value(), value.std().unwrap_or(0.0))))
             .collect();
         findings.push(format!(
             "not a straight line: {} (alone {}, adjusted p = {:.1e}); it is fitted beside constant and offset",

@@ -44,7 +44,15 @@ fn survey(
     let (current, _) = drive(document, recording, coil, path)?;
     let rows: Vec<usize> = (0..position.len())
         .filter(|row| [position[*row], reference[*row], current[*row]].iter().all(|value| value.is_finite()))
+        .filter(|row| current[*row] != 0.0)
         .collect();
+    if rows.is_empty() && current.contains(&0.0) {
+        return Err(Error::Undetermined(format!(
+            "recording \"{}\": coil {coil} is driven in no row ({path}.columns, from row 0 on its current is 0); a gradient \
+             shows only in the coil's own field: drive the coil, or take the recording out",
+            recording.id
+        )));
+    }
     let current_a = rows.iter().map(|row| current[*row]).sum::<f64>() / rows.len().max(1) as f64;
     // Every field at the mean current: what is left of the drive's steps is no gradient.
     let field: Vec<f64> = rows.iter().map(|row| reference[*row] * current_a / current[*row]).collect();

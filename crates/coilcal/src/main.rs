@@ -2,9 +2,9 @@
 
 use clap::Parser;
 use coilcal::Options;
-use common::manual;
-use common::pipe::{self, Io, Program};
 use common::procedure;
+use program::pipe::{self, Io, Program};
+use program::{manual, number};
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program {
@@ -25,10 +25,10 @@ struct Cli {
     #[command(flatten)]
     io: Io,
     /// Distance off a coil's centre for which the field error is stated, m
-    #[arg(long, value_name = "M", default_value_t = 0.05)]
+    #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = number::not_negative)]
     off_centre_m: f64,
     /// Nyquist frequency of the instrument that will measure in the coils, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 50.0)]
+    #[arg(long, value_name = "HZ", default_value_t = 50.0, allow_negative_numbers = true, value_parser = number::positive)]
     nyquist_hz: f64,
 }
 

@@ -1,13 +1,17 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::Value;
+use serde_json::value::RawValue;
 
 use crate::{
-    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Extra, GradientCoil,
-    NullingCalibration, PerAxis, Quantity, SensorCalibration,
+    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
+    GradientCoil, NullingCalibration, PerAxis, Quantity, SensorCalibration, document, to_text,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Calibration {
     /// The coils, by coilcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -45,10 +49,49 @@ impl Calibration {
     pub fn sensor(&self, axis: Axis) -> Option<&SensorCalibration> {
         self.sensors.as_ref()?.get(axis)
     }
+
+    /// What is stated here, with what `other` states put over it key by key. `path` is that of `other`.
+    ///
+    /// # Errors
+    ///
+    /// The two together are no calibration.
+    pub fn overlaid(&self, other: &Self, path: &str) -> Result<Self, Error> {
+        fn merge(under: &mut Value, over: Value) {
+            match (under, over) {
+                (Value::Object(under), Value::Object(over)) => {
+                    for (key, value) in over {
+                        merge(under.entry(key).or_insert(Value::Null), value);
+                    }
+                }
+                (under, over) => *under = over,
+            }
+        }
+        let value = |one: &Self| serde_json::from_str::<Value>(&to_text(one)).expect("what was just written");
+        let mut merged = value(self);
+        merge(&mut merged, value(other));
+        Self::read(&merged.to_string()).map_err(|error| error.below(path))
+    }
+
+    /// Not generic, so that the code of all these types is made in this crate alone.
+    fn read(text: &str) -> Result<Self, Error> {
+        document::at_path(text)
+    }
+}
+
+/// Reads a calibration that stands in another format than the document, by the code that is made for the document's: for
+/// `deserialize_with`.
+///
+/// # Errors
+///
+/// As of a document, below the path at which the calibration stands.
+pub fn calibration_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Calibration>, D::Error> {
+    let text = Option::<Box<RawValue>>::deserialize(deserializer)?;
+    text.map(|text| Calibration::read(text.get()).map_err(document::carried)).transpose()
 }
 
 /// One coil: B = k I + B0, along the coil's own axis.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct CoilCalibration {
     /// Coil constant k, nT/A.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -77,7 +120,8 @@ pub struct CoilCalibration {
 }
 
 /// Temperatures at which the constants hold; absent ones are the mean of the recordings.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ReferenceConditions {
     /// Temperature of the sensors, degC.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,11 +1,13 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
 
 /// One answer of diagnose: what the model left out.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Diagnosis {
     /// What it comes to.
     pub verdict: Verdict,
@@ -51,7 +53,8 @@ pub struct Diagnosis {
 }
 
 /// What a diagnosis comes to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The recordings are met to the noise.
@@ -81,7 +84,8 @@ impl Verdict {
 }
 
 /// A part of the difference and where it lies.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Share {
     /// `sensor`, `electronics`, `logger`, `facility`, `environment`, `spacecraft`, `sites`; absent where it is not known.
@@ -121,7 +125,8 @@ pub struct Share {
 }
 
 /// One reading that is not as its neighbours.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DoubtfulValue {
     /// The recording.
@@ -135,7 +140,8 @@ pub struct DoubtfulValue {
 }
 
 /// An effect that explains a difference.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ExplainedEffect {
     /// The catalogue's name, or `dependence` on a column that no effect knows.
@@ -180,7 +186,8 @@ pub struct ExplainedEffect {
 }
 
 /// An effect that was considered and lost.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Rival {
     /// Its name.
@@ -190,7 +197,8 @@ pub struct Rival {
 }
 
 /// Rms of what is observed less what is predicted.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Residual {
     /// With the document's calibration and model as they came, nT.
@@ -216,7 +224,8 @@ pub struct Residual {
 }
 
 /// Rms of the residuals of one sensor in one recording.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ResidualOf {
     /// The recording.
@@ -236,7 +245,8 @@ pub struct ResidualOf {
 }
 
 /// How much of the difference lies in a part of the readings.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct EnergyShare {
     /// What the readings are parted by: `recording`, `sensor`, `time_s`, `band_hz`, or a covariate.
@@ -253,7 +263,8 @@ pub struct EnergyShare {
 }
 
 /// Residuals along something, for plots: each point a reading, or the mean of neighbouring ones.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ResidualSeries {
     /// The recording; absent: all.
@@ -274,7 +285,8 @@ pub struct ResidualSeries {
 }
 
 /// How far a parameter of the calibration moved when the effects came in.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct BaseShift {
     /// The parameter; the unit stands in its name.
@@ -284,7 +296,8 @@ pub struct BaseShift {
 }
 
 /// The smallest effect that would have been seen.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Detectable {
     /// Its name.
@@ -300,7 +313,8 @@ pub struct Detectable {
 }
 
 /// What is left.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Remaining {
     /// Whether nothing is left but the noise.

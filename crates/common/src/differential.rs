@@ -1,4 +1,5 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +20,8 @@ pub use reference_noise::*;
 pub use stability::*;
 
 /// The test magnetometer against the reference: T = R η + d, rows are samples.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct DifferentialCalibration {
     /// η: column j holds what the reference's x, y, z give to the test's axis j.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -48,7 +50,8 @@ pub struct DifferentialCalibration {
 }
 
 /// How a test magnetometer was held against its reference, by diffmag.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DifferentialFit {
     /// The recordings, by their ids.
@@ -90,7 +93,8 @@ pub struct DifferentialFit {
 }
 
 /// One element of the matrix.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MatrixElement {
     /// By least squares of the reference's axes alone, as the source has it: a drift is not taken off.
     pub least_squares: f64,
@@ -108,7 +112,8 @@ pub struct MatrixElement {
 }
 
 /// The difference d along one axis of the test instrument.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DifferenceAxis {
     /// Rms of d about its mean, nT.
@@ -135,7 +140,8 @@ pub struct DifferenceAxis {
 }
 
 /// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ClockDifference {
     /// Its offset in the middle of the recording, s.
     pub offset_s: Quantity,

@@ -1,15 +1,21 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde::de::{self, DeserializeOwned};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::HashMap;
 
-use crate::{Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording};
+use crate::{
+    Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, check,
+    finite, to_line, to_text,
+};
 
 /// The format version that this library reads and writes.
 pub const FORMAT_VERSION: u64 = 1;
 
 /// One campaign: the facility, the instrument, what was recorded and what was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Document {
     /// Format version; a newer one is refused.
     pub fluxcal: u64,
@@ -51,8 +57,30 @@ impl Document {
         Ok(document)
     }
 
-    /// Ids are unique, the columns of a recording have one length, and `start` is a moment.
+    /// As JSON that people read, one key on a line.
+    ///
+    /// # Errors
+    ///
+    /// A number of the result that is not finite, with its path.
+    pub fn to_text(&self) -> Result<String, Error> {
+        finite::check(self)?;
+        Ok(to_text(self))
+    }
+
+    /// As JSON on one line.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::to_text`].
+    pub fn to_line(&self) -> Result<String, Error> {
+        finite::check(self)?;
+        Ok(to_line(self))
+    }
+
+    /// Ids are unique, the columns of a recording have one length, `start` is a moment, every
+    /// reading is one that an instrument can give, and the calibration is one that can be.
     pub fn check(&self) -> Result<(), Error> {
+        self.calibration.iter().try_for_each(check::calibration)?;
         let mut seen = HashMap::new();
         for (index, recording) in self.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");
@@ -70,6 +98,7 @@ impl Document {
                     "a moment with its offset from UTC, as in \"1977-05-26T14:44:35Z\" (RFC 3339)",
                 ));
             }
+            recording.in_range(&path)?;
             let rows = recording.rows();
             for (name, column) in &recording.columns {
                 if column.0.len() != rows {
@@ -95,6 +124,11 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
         });
     }
     check_version(text)?;
+    at_path(text)
+}
+
+/// Reads JSON; an error names the path.
+pub(crate) fn at_path<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut deserializer)
         .map_err(|error| explain(&error.path().to_string(), error.inner()))?;
@@ -136,6 +170,19 @@ fn check_version(text: &str) -> Result<(), Error> {
     }
 }
 
+/// Between path, found and expected of an error that goes through serde, which knows only text.
+const CARRIED: char = '\u{1f}';
+
+/// An error of a part that was read by itself, for the one who reads the whole; [`explain`] takes it apart again.
+pub(crate) fn carried<E: de::Error>(error: Error) -> E {
+    match error {
+        Error::Document { path, found, expected } => {
+            E::custom(format!("{path}{CARRIED}{found}{CARRIED}{expected}"))
+        }
+        error => E::custom(error),
+    }
+}
+
 /// serde's error as a sentence with its path.
 fn explain(path: &str, error: &serde_json::Error) -> Error {
     let text = error.to_string();
@@ -155,6 +202,9 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
                 "line {line}, column {column}: not JSON ({message}); expected one JSON document"
             ),
         };
+    }
+    if let [inner, found, expected] = message.split(CARRIED).collect::<Vec<_>>()[..] {
+        return Error::document(inner, found, expected).below(path);
     }
     let path = if path == "." { "the document".to_string() } else { path.to_string() };
     if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
@@ -182,7 +232,7 @@ fn in_words(expected: &str) -> String {
 }
 
 /// The line, from 1, on which the value at `path` begins in `text`; None where the path leads nowhere.
-pub(crate) fn line_of(text: &str, path: &str) -> Option<usize> {
+pub fn line_of(text: &str, path: &str) -> Option<usize> {
     let mut rest: &serde_json::value::RawValue = serde_json::from_str(text).ok()?;
     for segment in path.split(['.', '[']).filter(|segment| !segment.is_empty()) {
         let next = match segment.strip_suffix(']') {

@@ -63,6 +63,16 @@ impl Error {
         Error::Document { path: path.into(), found: found.into(), expected: expected.into() }
     }
 
+    /// The error with its JSON path below another one.
+    pub(crate) fn below(self, parent: &str) -> Self {
+        match self {
+            Error::Document { path, found, expected } => {
+                Error::Document { path: format!("{parent}.{path}"), found, expected }
+            }
+            error => error,
+        }
+    }
+
     /// The code with which a program ends on this error.
     pub fn exit_code(&self) -> ExitCode {
         match self {

@@ -1,3 +1,4 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -5,7 +6,8 @@ use crate::quantity::not_negative;
 use crate::{Extra, PerAxis};
 
 /// The coil facility as its makers state it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Facility {
     /// The coils by axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -15,18 +17,18 @@ pub struct Facility {
     pub voltmeter: Option<Voltmeter>,
     /// Standard uncertainty of one theodolite reading, arcsec. Absent: orientations are taken as exact.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub theodolite_arcsec: Option<f64>,
     /// Standard uncertainty of the scalar reference, nT.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub reference_std_nt: Option<f64>,
     /// Smallest and largest field that the scalar reference reads, nT; absent: 20 000 to 60 000, a proton magnetometer's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_range_nt: Option<[f64; 2]>,
     /// Standard uncertainty of each component of the field that nulling leaves, nT (GEO).
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub residual_field_std_nt: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]
@@ -34,14 +36,15 @@ pub struct Facility {
 }
 
 /// One coil with its precision resistor.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Coil {
     /// Resistance of the precision resistor in series, ohm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resistor_ohm: Option<f64>,
     /// Relative standard uncertainty of that resistance.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub resistor_relative_uncertainty: Option<f64>,
     /// Largest field that the coil makes, nT.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -55,15 +58,16 @@ pub struct Coil {
 }
 
 /// The voltmeter's uncertainty: an absolute and a relative part.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Voltmeter {
     /// Absolute standard uncertainty, V.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub absolute_v: Option<f64>,
     /// Relative standard uncertainty.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub relative: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]

@@ -1,3 +1,4 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -5,7 +6,8 @@ use crate::quantity::not_negative;
 use crate::{Axis, Extra, PerAxis};
 
 /// The magnetometer as its makers state it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Instrument {
     /// Its name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -21,11 +23,11 @@ pub struct Instrument {
     pub nominal_sensitivity_nt_per_v: Option<f64>,
     /// Width of one code of the converter, V (nominal).
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub quantisation_v: Option<f64>,
     /// Width of one code for instruments that give field, nT (nominal).
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub quantisation_nt: Option<f64>,
     /// Noise of a reading: the same for all sensors, or keyed by sensor. Absent: estimated from the recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -46,7 +48,8 @@ impl Instrument {
 }
 
 /// Noise of the sensors: one description for all, or an object keyed by sensor.
-#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum NoiseOfSensors {
     /// The same for all sensors.
@@ -81,26 +84,27 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
 }
 
 /// Noise of a reading: white, flicker P(f) = A f^-α, one-sided, down to one over the record's length, and a random walk.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Noise {
     /// White noise of one reading, nT rms.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub white_rms_nt: Option<f64>,
     /// Flicker power density at 1 Hz, nT²/Hz.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub flicker_nt2_per_hz_at_1hz: Option<f64>,
     /// Exponent α of the flicker noise (1 where absent).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub flicker_exponent: Option<f64>,
     /// Random walk: rms change after one second, nT/√s.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub random_walk_nt_per_sqrt_s: Option<f64>,
     /// Relative standard uncertainty of this declaration.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub relative_std: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]

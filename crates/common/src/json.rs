@@ -4,31 +4,46 @@ use std::io::{self, Write};
 
 /// JSON as people read it: an object's keys on lines of their own, lists of numbers on one line.
 pub fn to_text<T: Serialize>(value: &T) -> String {
-    let mut bytes = Vec::new();
-    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Readable::default());
-    value.serialize(&mut serializer).expect("a document has string keys and finite numbers");
-    bytes.push(b'\n');
     // No string holds a raw line break, so this is always the end of a list's item before an object.
-    String::from_utf8(bytes).expect("serde_json writes UTF-8").replace(", \n", ",\n")
+    written(value, true).replace(", \n", ",\n") + "\n"
+}
+
+/// JSON on one line, without spaces.
+pub fn to_line<T: Serialize>(value: &T) -> String {
+    written(value, false)
+}
+
+/// One serializer for both: a type's code for it is made once.
+fn written<T: Serialize>(value: &T, spaced: bool) -> String {
+    let mut bytes = Vec::new();
+    let format = Format { spaced, ..Format::default() };
+    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, format);
+    value.serialize(&mut serializer).expect("a document has string keys and finite numbers");
+    String::from_utf8(bytes).expect("serde_json writes UTF-8")
 }
 
 /// Line breaks belong to objects only: each key on its line, and each object of a list on a new one.
 #[derive(Default)]
-struct Readable {
+struct Format {
+    /// With line breaks and spaces.
+    spaced: bool,
     /// For each open bracket: whether it is a list.
     open: Vec<bool>,
     /// Whether the bracket opened last has content.
     filled: bool,
 }
 
-impl Readable {
+impl Format {
     fn line<W: ?Sized + Write>(&self, writer: &mut W) -> io::Result<()> {
+        if !self.spaced {
+            return Ok(());
+        }
         writer.write_all(b"\n")?;
         self.open.iter().try_for_each(|_| writer.write_all(b"  "))
     }
 }
 
-impl Formatter for Readable {
+impl Formatter for Format {
     fn begin_array<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
         self.open.push(true);
         writer.write_all(b"[")
@@ -41,7 +56,11 @@ impl Formatter for Readable {
     }
 
     fn begin_array_value<W: ?Sized + Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        if first { Ok(()) } else { writer.write_all(b", ") }
+        match (first, self.spaced) {
+            (true, _) => Ok(()),
+            (false, true) => writer.write_all(b", "),
+            (false, false) => writer.write_all(b","),
+        }
     }
 
     fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
@@ -70,7 +89,7 @@ impl Formatter for Readable {
     }
 
     fn begin_object_value<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        writer.write_all(b": ")
+        writer.write_all(if self.spaced { ": " } else { ":" }.as_bytes())
     }
 
     fn end_object_value<W: ?Sized + Write>(&mut self, _: &mut W) -> io::Result<()> {
@@ -92,5 +111,6 @@ mod tests {
             "{\n  \"a\": [[1, 2], [3, 4]],\n  \"b\": [\n    {\n      \"c\": 1.5\n    },\n    {}],\n  \"d\": {}\n}\n"
         );
         assert_eq!(serde_json::from_str::<serde_json::Value>(&text).expect("valid"), value);
+        assert_eq!(super::to_line(&value), value.to_string());
     }
 }

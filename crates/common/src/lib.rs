@@ -1,28 +1,30 @@
-//! The calibration document and its way through a pipe.
+//! The calibration document.
 //!
 //! Every fluxcal program reads one [`Document`], adds what it found and writes the document on.
-//! Here are its types (one file for each part), the quantity with its uncertainty, the errors with
-//! their exit codes, and the reading and writing that all stages share. No physics, no estimation.
+//! Here are its types (one file for each part), the quantity with its uncertainty, and the errors with
+//! their exit codes. No physics, no estimation; how a program reads and writes is `program`'s.
 
 mod axes;
 mod axis;
-pub mod beside;
 mod calibration;
+mod check;
 mod coil;
 mod diagnosis;
 mod differential;
 mod document;
 mod error;
 mod facility;
+mod finite;
 mod history;
 mod instrument;
 mod json;
-pub mod manual;
 mod model;
 mod nulling;
-pub mod pipe;
+pub mod number;
 mod quantity;
+pub mod range;
 mod recording;
+#[cfg(feature = "schema")]
 pub mod schema;
 mod sensor;
 mod sensor_conditions;
@@ -36,7 +38,7 @@ pub use axes::{
     OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
 };
 pub use axis::{Axis, PerAxis};
-pub use calibration::{Calibration, CoilCalibration, ReferenceConditions};
+pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibration_of};
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
@@ -52,12 +54,12 @@ pub use differential::{
     OctaveAgreement, OneMatrix, OwnNoise, PhaseClock, PulledElement, QuietDisturbed, ReferenceNoise,
     ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
 };
-pub use document::{Document, FORMAT_VERSION, parse};
+pub use document::{Document, FORMAT_VERSION, line_of, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use history::HistoryEntry;
 pub use instrument::{Instrument, Noise, NoiseOfSensors};
-pub use json::to_text;
+pub use json::{to_line, to_text};
 pub use model::{AdoptedEffect, Model};
 pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,

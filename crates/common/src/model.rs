@@ -1,11 +1,13 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
 
 /// Physics adopted beyond the basic model.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Model {
     /// The effects that `simulate` and `correct` apply.
     #[serde(default)]
@@ -16,7 +18,8 @@ pub struct Model {
 }
 
 /// One effect of the catalogue with the values of its parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct AdoptedEffect {
     /// The catalogue's name.
     pub effect: String,

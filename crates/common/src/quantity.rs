@@ -1,3 +1,4 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 
@@ -7,7 +8,8 @@ use crate::{Axis, Extra, PerAxis};
 pub type Matrix3x3 = [[f64; 3]; 3];
 
 /// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated uncertainty.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number that is not negative}")]
 pub enum Quantity {
     /// `41234.5`
@@ -18,7 +20,7 @@ pub enum Quantity {
         value: f64,
         /// Its standard uncertainty (one sigma), in the same unit.
         #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
-        #[schemars(range(min = 0.0))]
+        #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         std: Option<f64>,
         /// Keys that this version does not know.
         #[serde(flatten)]
@@ -60,7 +62,8 @@ impl Quantity {
 }
 
 /// One number for all three axes, or one for each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "a number, or an object with one number for each of x, y, z")]
 pub enum OneOrEach {
     /// The same for all.

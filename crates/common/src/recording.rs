@@ -1,10 +1,11 @@
 use indexmap::IndexMap;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+#[cfg(feature = "schema")]
+use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
-use std::{borrow::Cow, fmt};
+use std::fmt;
 
 use crate::time::Start;
-use crate::{Axis, Extra, Matrix3x3, NoiseOfSensors};
+use crate::{Axis, Error, Extra, Matrix3x3, NoiseOfSensors, range};
 
 /// Names of the procedures that recordings follow.
 pub mod procedure {
@@ -50,7 +51,8 @@ pub mod procedure {
 }
 
 /// One recording: what was done, under which conditions, and the columns that came of it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Recording {
     /// Unique within the document.
     pub id: String,
@@ -80,6 +82,41 @@ impl Recording {
     /// When it began, where that is said.
     pub fn start(&self) -> Option<Start> {
         self.start.as_deref().and_then(Start::parse)
+    }
+
+    /// The readings are at hand: the program has read the table where they stand in a file.
+    ///
+    /// # Errors
+    ///
+    /// A table of which no column was read.
+    pub fn at_hand(&self, path: &str) -> Result<(), Error> {
+        match &self.table {
+            Some(table) if self.columns.is_empty() => {
+                let found = format!("the table \"{table}\", which was not read");
+                Err(Error::document(format!("{path}.table"), found, "the readings under `columns`"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Every reading is one that an instrument can give.
+    ///
+    /// # Errors
+    ///
+    /// The column and the row of one that none can.
+    pub fn in_range(&self, path: &str) -> Result<(), Error> {
+        for (name, column) in &self.columns {
+            if let (Some(row), Some([low, high])) =
+                (range::first_beyond(name, &column.0), range::bounds(name))
+            {
+                return Err(Error::document(
+                    format!("{path}.columns.{name}[{row}]"),
+                    format!("{:e} in recording \"{}\"", column.0[row], self.id),
+                    format!("a reading between {low} and {high}; write null for a missing reading"),
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Number of rows.
@@ -123,7 +160,8 @@ fn unique_columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns,
 }
 
 /// What held throughout a recording.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Conditions {
     /// The sensor under test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -159,7 +197,8 @@ pub struct Conditions {
 
 /// Readings of the two theodolites (NASA eq. 7 to 9): azimuth φ and polar angle θ of the faces that
 /// look north (x) and east (y), rad. R = nominal rotation × the rotation that these angles give.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Theodolite {
     /// Azimuth of the north face from north, rad.
     pub phi_x_rad: f64,
@@ -239,11 +278,12 @@ impl<'de> Deserialize<'de> for Reading {
     }
 }
 
+#[cfg(feature = "schema")]
 impl JsonSchema for Column {
-    fn schema_name() -> Cow<'static, str> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
         "Column".into()
     }
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
         json_schema!({
             "description": "A column of readings; null = missing reading.",
             "type": "array",

@@ -1,4 +1,5 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::{
 };
 
 /// One sensor: B = k V + O, the field along the sensor's own axis.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct SensorCalibration {
     /// Sensitivity k, nT/V.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -52,7 +54,8 @@ pub struct SensorCalibration {
 }
 
 /// How a sensor's sensitivity was found.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct SensitivityFit {
     /// The recordings.
@@ -98,7 +101,8 @@ pub struct SensitivityFit {
 }
 
 /// A polynomial of the applied field.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct PolynomialOrder {
     /// Its order; 1 is the line.
     pub order: usize,
@@ -109,7 +113,8 @@ pub struct PolynomialOrder {
 }
 
 /// Noise on which the intervals of a fit rest.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct FitNoise {
     /// `measured` (this document's `sensor_noise`), `declared` (`instrument.noise`), either `with that of the field`,
@@ -129,7 +134,8 @@ pub struct FitNoise {
 }
 
 /// A test with its probability.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct TestResult {
     /// The statistic.
     pub statistic: f64,
@@ -138,7 +144,8 @@ pub struct TestResult {
 }
 
 /// Readings that no longer follow the field.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Saturation {
     /// The reading at which the output stands, in the unit of the recording: below, above.
@@ -150,7 +157,8 @@ pub struct Saturation {
 }
 
 /// Errors of the applied field besides those that are common to all points.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct FieldErrors {
     /// Share of the residuals' variance that is not the sensor's noise, and so the field's.
     pub share: f64,
@@ -159,7 +167,8 @@ pub struct FieldErrors {
 }
 
 /// The readings as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct SensitivityResiduals {
     /// Number of the recording, from 0.

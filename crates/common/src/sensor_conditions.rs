@@ -1,11 +1,13 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Departure, Extra, FTest, FitNoise, Quantity, TestResult};
 
 /// What temperatures do to a sensor's sensitivity and offset.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct TemperatureFit {
     /// The recordings.
@@ -37,7 +39,8 @@ pub struct TemperatureFit {
 }
 
 /// What one temperature does: k(T) and O(T) are those at the reference with these changes of the reading's field.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct TemperatureOfPart {
     /// Lowest and highest temperature, degC.
@@ -70,7 +73,8 @@ pub struct TemperatureOfPart {
 }
 
 /// A temperature at which k or O of all sensors stand still.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct CommonExtremum {
     /// `sensor` or `electronics`.
     pub part: String,
@@ -83,7 +87,8 @@ pub struct CommonExtremum {
 }
 
 /// k and O at each temperature that was held, as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct TemperatureLevels {
     /// Number of the recording, from 0.
@@ -105,7 +110,8 @@ pub struct TemperatureLevels {
 }
 
 /// What fields across a sensor do to its sensitivity and offset.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct CrossFieldFit {
     /// The recordings.
@@ -144,7 +150,8 @@ pub struct CrossFieldFit {
 }
 
 /// k and O at each field across, as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct CrossFieldLevels {
     /// Number of the recording, from 0.
@@ -164,7 +171,8 @@ pub struct CrossFieldLevels {
 }
 
 /// A sensor's direction towards a coil across it.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Misalignment {
     /// The recording.
     pub recording: String,
@@ -175,7 +183,8 @@ pub struct Misalignment {
 }
 
 /// Rms of readings that were left out of a fit, nT.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct HeldOut {
     /// First pass: constants found without field across.
     pub before_nt: f64,

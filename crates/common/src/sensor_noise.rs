@@ -1,10 +1,12 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, MergedSpectrum, Noise, Quantity, SpectralLine};
 
 /// Noise of a sensor in a shield: P(f) = A f^-α + white + lines.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct SensorNoise {
     /// The series, slowest first.
@@ -57,7 +59,8 @@ impl SensorNoise {
 }
 
 /// One series of a noise recording.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct NoiseSeriesResult {
     /// The recording.
@@ -87,7 +90,8 @@ pub struct NoiseSeriesResult {
 }
 
 /// Rms in a band.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BandRms {
     /// The band, Hz.
     pub band_hz: [f64; 2],
@@ -96,7 +100,8 @@ pub struct BandRms {
 }
 
 /// Overlapping Allan deviation, as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct AllanDeviation {
     /// Number of the series, from 0.
@@ -123,7 +128,8 @@ impl AllanDeviation {
 }
 
 /// What a measured field is uncertain by, at one field and one temperature.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ErrorBudget {
     /// Field along the sensor, nT.
@@ -139,7 +145,8 @@ pub struct ErrorBudget {
 }
 
 /// One term of an error budget.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BudgetTerm {
     /// What it is.
     pub term: String,

@@ -1,11 +1,13 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, FitNoise, Quantity};
 
 /// Offset of a sensor by turning it through 180° in a shield.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ReversalOffset {
     /// O, over all recordings, nT.
@@ -25,7 +27,8 @@ pub struct ReversalOffset {
 }
 
 /// One recording of reversals.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Reversal {
     /// The recording.
@@ -44,7 +47,8 @@ pub struct Reversal {
 }
 
 /// Pairs of a reversal as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ReversalPairs {
     /// Row of the first reading.
@@ -56,7 +60,8 @@ pub struct ReversalPairs {
 }
 
 /// Bound of the error of a turn that is not quite 180°.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct ImperfectTurn {
     /// How far the turn may miss 180°, deg.
@@ -71,7 +76,8 @@ pub struct ImperfectTurn {
 }
 
 /// Offsets from date to date.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct OffsetDrift {
     /// The dates as columns.
@@ -110,7 +116,8 @@ pub struct OffsetDrift {
 }
 
 /// A yearly term.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct AnnualTerm {
     /// A, nT.
     pub cosine_nt: Quantity,
@@ -123,7 +130,8 @@ pub struct AnnualTerm {
 }
 
 /// The dates of a drift as columns.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DriftDates {
     /// The recording.

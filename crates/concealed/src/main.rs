@@ -1,10 +1,10 @@
 //! `concealed`: conceals physics in recordings and counts who finds it.
 
 use clap::{Parser, Subcommand};
-use common::pipe::{self, Program};
 use concealed::prove;
 use concealed::seal::Folder;
 use concealed::sets::Set;
+use program::pipe::{self, Program};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -42,7 +42,7 @@ fn introduction(score: &Score, besides: &Besides<'_>) -> String {
         "# Proof: what was concealed, and what was found\n\n\
         This page is made by `cargo run --release -p concealed -- prove --build` and not by hand.\n\n\
         A tool that finds what its own simulator puts in has shown nothing: the two share their mistakes. The crate `concealed` shares no line of \
-        physics, noise or estimation with `diagnose`, `simulate` and what they stand on (`crates/concealed/tests/independence.rs`). Its physics is finer than \
+        physics, noise or estimation with `diagnose`, `simulate` and what they stand on (`crates/concealed/tests/it/independence.rs`). Its physics is finer than \
         the catalogue's ([below](#what-was-concealed)), fields and temperatures are known at every instant and not at samples alone, and its noise is \
         made by itself. Each document has an earlier calibration that is off by what it states, and a name that says nothing.\n\n\
         - **Sealed.** For each case the truth, the names that would be right, and a random number were written and their SHA-256 stored before \

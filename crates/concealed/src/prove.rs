@@ -59,7 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<Score, Error> {
         let count = (set.round() * arguments.rounds).min(arguments.cases.unwrap_or(usize::MAX));
         folder.seal(&set.cases(arguments.seed, count))?;
     }
-    common::pipe::say(&format!("concealed: sealed, {}", folder.seal_of_all()?));
+    program::pipe::say(&format!("concealed: sealed, {}", folder.seal_of_all()?));
     score(arguments)
 }
 
@@ -86,7 +86,7 @@ pub fn score(arguments: &Arguments) -> Result<Score, Error> {
     };
     let real = (!arguments.cases_only).then(|| recorded(arguments, programs.clone())).transpose()?;
     let besides = Besides { seeds: &seeds, swarm: campaign(flown)?, pillar: campaign(compared)?, real };
-    common::pipe::write(Some(&arguments.output), &page::of(&score, &besides))?;
+    program::pipe::write(Some(&arguments.output), &page::of(&score, &besides))?;
     Ok(score)
 }
 

@@ -14,7 +14,7 @@ mod split;
 mod stages;
 
 use clap::Args;
-use common::pipe;
+use program::pipe;
 use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -127,5 +127,5 @@ fn read(path: &Path) -> Result<String, Error> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {
-    Ok(common::pipe::write(Some(path), text)?)
+    Ok(program::pipe::write(Some(path), text)?)
 }

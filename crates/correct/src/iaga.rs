@@ -1,11 +1,11 @@
 //! Corrected fields as IAGA-2002, the exchange format of observatories (IAGA Division V, working group V-DAT;
 //! <https://www.ncei.noaa.gov/services/world-data-system/v-dat-working-group/iaga-2002-data-exchange-format>).
 
-use common::pipe::Sink;
 use common::time::Start;
 use common::{Axis, Error, Recording};
 use jiff::tz::TimeZone;
 use jiff::{SignedDuration, Timestamp};
+use program::pipe::Sink;
 use std::fmt::Write;
 use std::path::Path;
 

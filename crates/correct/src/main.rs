@@ -2,9 +2,9 @@
 
 use clap::{Parser, ValueEnum};
 use common::Document;
-use common::manual;
-use common::pipe::{self, Input, Io, Program};
 use correct::{Frame, Options, Request, Station};
+use program::manual;
+use program::pipe::{self, Input, Io, Program};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -98,6 +98,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
 }
 
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
+    cli.io.apart([calibration])?;
     let text = Input::read(Some(calibration))?;
     let document = Document::parse(&text.text).map_err(|error| text.locate(error))?;
     let request = Request {

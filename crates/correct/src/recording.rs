@@ -72,7 +72,7 @@ impl<'a> Corrector<'a> {
     /// Reads a document's calibration and model.
     pub fn of(document: &'a Document, frame: Frame) -> Result<Self, Error> {
         let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
-        let references = References::of(document);
+        let references = References::stated(document);
         Ok(Self { document, effects, references, limits: Limits::of(document, &references), frame })
     }
 

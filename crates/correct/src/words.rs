@@ -1,5 +1,6 @@
 //! What people are told.
 
+use common::number::counted;
 use common::{Axis, Document, Recording};
 
 use crate::flags::MEANINGS;
@@ -65,7 +66,7 @@ impl Tally {
             lines.push(format!("standard uncertainty: {} nT", spans.join(", ")));
         }
         for (count, (flag, meaning)) in self.flagged.iter().zip(MEANINGS).filter(|(count, _)| **count > 0) {
-            lines.push(format!("{count} rows are flagged {flag}: {meaning}"));
+            lines.push(format!("flagged {flag}: {} ({meaning})", counted(*count as usize, "row")));
         }
         lines.extend(self.left.iter().cloned());
         lines

@@ -6,7 +6,8 @@
 //! model out of them; all else (prediction, whitening, bootstrap, refits with every rival, readings left out) comes on top.
 //! FLUXCAL_BENCH_ROWS asks for other rows than the requirement's.
 
-#[path = "../tests/bench/mod.rs"]
+#[path = "../tests/it/bench.rs"]
+#[allow(dead_code, reason = "the tests need more of this than the bench")]
 mod scenes;
 
 use faer::Mat;

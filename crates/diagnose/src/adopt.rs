@@ -1,6 +1,6 @@
 //! The accepted effects in the document's model, and the calibration that goes with them.
 
-use common::{AdoptedEffect, AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
+use common::{AdoptedEffect, AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PerAxis, Quantity};
 use nalgebra::Matrix3;
 use physics::{Acts, EffectInstance, Parameter, Role, Unit, frames};
 
@@ -107,19 +107,22 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
     let fitted = (0..model.observed.runs.len()).find(|run| !model.observed.runs[*run].differential());
     if let Some(run) = fitted {
         let (basic, _) = model.setting(state, run);
+        let known = &model.observed.runs[run].setting.basic;
         let axes: &mut AxesCalibration = calibration.axes.get_or_insert_default();
-        for (turned, place, matrix) in
-            [(turned[0], &mut axes.sensors, basic.mu), (turned[1], &mut axes.coils, basic.eta)]
-        {
+        for (turned, place, before, matrix, is_coil) in [
+            (turned[0], &mut axes.sensors, &known.mu, basic.mu, false),
+            (turned[1], &mut axes.coils, &known.eta, basic.eta, true),
+        ] {
             if turned {
-                let place: &mut AxesDirections = place.get_or_insert_default();
-                place.matrix = Some(frames::rows(&matrix));
+                *place = Some(directions(model, outcome, [before, &matrix], is_coil));
             }
         }
         if axes == &AxesCalibration::default() {
             calibration.axes = None;
         }
     }
+    together(document, model, outcome);
+    let calibration = document.calibration.get_or_insert_default();
     let differential = (0..model.observed.runs.len()).find(|run| model.observed.runs[*run].differential());
     if let Some(run) = differential.filter(|_| pair) {
         let (basic, _) = model.setting(state, run);
@@ -132,6 +135,96 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
             (axis, moved(old, -basic.sensors[axis.index()].offset_nt / k[axis.index()], f64::NAN))
         };
         found.offset_nt = Some(Axis::ALL.map(offset).into_iter().collect::<PerAxis<Quantity>>());
+    }
+}
+
+/// The axis and the number of an unknown turn of a sensor, or of a coil.
+fn turn_of(unknown: &Unknown, coils: bool) -> Option<(Axis, usize)> {
+    match unknown {
+        Unknown::Chain(Parameter::CoilTurn(axis, which), Instrument::Read(_)) if coils => {
+            Some((*axis, *which))
+        }
+        Unknown::Chain(Parameter::SensorTurn(axis, which), Instrument::Read(_)) if !coils => {
+            Some((*axis, *which))
+        }
+        _ => None,
+    }
+}
+
+/// Directions as the final fit has them, turned from those of `before`, with the covariance of the turns. What else was stated
+/// of them was of the old ones.
+fn directions(
+    model: &Model<'_>,
+    outcome: &Outcome,
+    [before, after]: [&Matrix3<f64>; 2],
+    coils: bool,
+) -> AxesDirections {
+    let turns: Vec<(usize, Axis, usize)> = (model.unknowns.iter().enumerate())
+        .filter_map(|(number, unknown)| turn_of(unknown, coils).map(|(axis, which)| (number, axis, which)))
+        .collect();
+    let shift = |axis: Axis, which: usize| {
+        let number = turns.iter().find(|(_, of, k)| (*of, *k) == (axis, which)).map(|(number, ..)| *number);
+        number.map_or(0.0, |number| outcome.fit.state.base[number])
+    };
+    // How the nine cosines, column by column, move with each turn.
+    let moved = turns.iter().map(|(number, axis, which)| {
+        let direction = before.column(axis.index()).into_owned();
+        let along = frames::turned_derivatives(&direction, [shift(*axis, 0), shift(*axis, 1)])[*which];
+        let mut cosines = [0.0; 9];
+        cosines[3 * axis.index()..][..3].copy_from_slice(along.as_slice());
+        (*number, cosines)
+    });
+    let moved: Vec<(usize, [f64; 9])> = moved.collect();
+    let scale = outcome.last.rest.scale();
+    let element = |i: usize, j: usize| -> f64 {
+        let pairs = moved.iter().flat_map(|a| moved.iter().map(move |b| (a, b)));
+        pairs.map(|((a, da), (b, db))| da[i] * outcome.fit.covariance[(*a, *b)] * scale * db[j]).sum()
+    };
+    let all: Vec<Vec<f64>> = (0..9).map(|i| (0..9).map(|j| element(i, j)).collect()).collect();
+    let known = all.iter().flatten().all(|value| value.is_finite());
+    let widest = |axis: Axis| {
+        let own = Matrix3::from_fn(|r, s| all[3 * axis.index() + r][3 * axis.index() + s]);
+        own.symmetric_eigenvalues().max().max(0.0).sqrt() / frames::ARCSEC
+    };
+    AxesDirections {
+        matrix: Some(frames::rows(after)),
+        std_arcsec: known
+            .then(|| OneOrEach::Each(Axis::ALL.map(|axis| (axis, widest(axis))).into_iter().collect())),
+        covariance_order: known.then(|| (0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect()),
+        covariance: known.then_some(all),
+        ..AxesDirections::default()
+    }
+}
+
+/// The covariance of each sensor's k and O as the final fit has them; an older one was of other values.
+fn together(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
+    let Some(sensors) = document.calibration.as_mut().and_then(|calibration| calibration.sensors.as_mut())
+    else {
+        return;
+    };
+    let scale = outcome.last.rest.scale();
+    let place = |parameter: Parameter| {
+        model.unknowns.iter().position(
+            |unknown| matches!(unknown, Unknown::Chain(own, Instrument::Read(_)) if *own == parameter),
+        )
+    };
+    for axis in Axis::ALL {
+        let (k, offset) = (place(Parameter::Sensitivity(axis)), place(Parameter::SensorOffset(axis)));
+        let moved = [k, offset].into_iter().flatten().any(|number| outcome.fit.state.base[number] != 0.0);
+        let Some(sensor) = sensors.entry(axis).as_mut().filter(|_| moved) else { continue };
+        (sensor.covariance, sensor.covariance_order) = (None, None);
+        let key = match (&sensor.sensitivity_nt_per_v, &sensor.sensitivity_nt_per_nt) {
+            (Some(_), None) => "sensitivity_nt_per_v",
+            (None, Some(_)) => "sensitivity_nt_per_nt",
+            _ => continue,
+        };
+        let (Some(k), Some(offset)) = (k, offset) else { continue };
+        let both = [k, offset];
+        let covariance = both.map(|a| both.map(|b| outcome.fit.covariance[(a, b)] * scale).to_vec()).to_vec();
+        if covariance.iter().flatten().all(|value| value.is_finite()) {
+            sensor.covariance = Some(covariance);
+            sensor.covariance_order = Some(vec![key.into(), "offset_nt".into()]);
+        }
     }
 }
 

@@ -38,6 +38,7 @@ pub use error::Error;
 pub use words::summary;
 
 use common::{Document, Verdict};
+use physics::References;
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, settled};
@@ -136,6 +137,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
+        physics::state_references(&mut document, &References::of(&original));
     } else if options.refit && outcome.found.is_empty() {
         adopt::calibration(&mut document, &model, &outcome);
     }

@@ -2,11 +2,11 @@
 
 use clap::Parser;
 use common::Document;
-use common::manual;
-use common::pipe::{self, Input, Io, Program};
 use common::procedure;
 use diagnose::Options;
 use indicatif::ProgressBar;
+use program::pipe::{self, Input, Io, Program};
+use program::{manual, number};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -38,7 +38,7 @@ struct Cli {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Probability of a claim where there is nothing
-    #[arg(long, default_value_t = 0.01)]
+    #[arg(long, default_value_t = 0.01, allow_negative_numbers = true, value_parser = number::positive)]
     level: f64,
 }
 

@@ -1,12 +1,11 @@
 //! Matched filters: what a departure in each row would look like in the whitened residual, for all rows at once.
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::{Complex, Planner};
 use std::cell::RefCell;
 
 thread_local! {
     /// Plans are kept: the same few lengths come again and again.
-    static PLANNER: RefCell<RealFftPlanner<f64>> = RefCell::new(RealFftPlanner::new());
+    static PLANNER: RefCell<Planner> = RefCell::new(Planner::new());
 }
 
 /// Σ_i series[j+i] template[i] for every row j, zero beyond the end.
@@ -15,7 +14,7 @@ pub fn correlate(series: &[f64], template: &[f64]) -> Vec<f64> {
         return series.iter().map(|value| value * only).collect();
     }
     let points = (series.len() + template.len()).next_power_of_two();
-    let forward = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(points));
+    let forward = PLANNER.with_borrow_mut(|planner| planner.forward(points));
     let spectrum = |values: &[f64]| {
         let mut padded = forward.make_input_vec();
         padded[..values.len()].copy_from_slice(values);
@@ -26,7 +25,7 @@ pub fn correlate(series: &[f64], template: &[f64]) -> Vec<f64> {
     };
     let mut product: Vec<Complex<f64>> =
         spectrum(series).iter().zip(spectrum(template)).map(|(a, b)| a * b.conj() / points as f64).collect();
-    let inverse = PLANNER.with_borrow_mut(|planner| planner.plan_fft_inverse(points));
+    let inverse = PLANNER.with_borrow_mut(|planner| planner.inverse(points));
     let mut found = inverse.make_output_vec();
     let _ = inverse.process(&mut product, &mut found);
     found.truncate(series.len());
@@ -36,7 +35,7 @@ pub fn correlate(series: &[f64], template: &[f64]) -> Vec<f64> {
 /// |Σ y e^(2πi ν x)|² over ν = k/(points·cell), k = 0 to points/2: every y is put into the cell nearest to its x.
 pub fn power_along(x: &[f64], y: &[f64], cell: f64, points: usize) -> Vec<f64> {
     let low = x.iter().copied().fold(f64::INFINITY, f64::min);
-    let forward = PLANNER.with_borrow_mut(|planner| planner.plan_fft_forward(points));
+    let forward = PLANNER.with_borrow_mut(|planner| planner.forward(points));
     let mut cells = forward.make_input_vec();
     for (x, y) in x.iter().zip(y) {
         let at = ((x - low) / cell).round();

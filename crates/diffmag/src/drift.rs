@@ -193,9 +193,9 @@ pub fn describe(
         exponential_p: joint.map_or(1.0, |joint| joint.p),
         joint: joint.map(Joint::document),
         iteration: joint.map(|joint| iteration::iterate(columns, test, joint)).transpose()?,
-        per_day: over(1.0),
-        per_month: over(30.4375),
-        per_year: over(365.25),
+        per_day: Some(over(1.0)),
+        per_month: Some(over(30.4375)),
+        per_year: Some(over(365.25)),
         ..Drift::default()
     })
 }

@@ -1,12 +1,12 @@
 //! `diffmag`: two magnetometers side by side.
 
 use clap::{Args, Parser, Subcommand};
-use common::manual;
-use common::pipe::{self, Io, Program};
 use common::procedure;
-use common::{Document, HistoryEntry, to_text};
+use common::{Document, HistoryEntry};
 use diffmag::Options;
 use diffmag::stream::{self, Partial};
+use program::pipe::{self, Io, Program};
+use program::{apart, manual, number};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -52,7 +52,7 @@ struct StreamArgs {
     #[command(flatten)]
     pieces: PiecesArgs,
     /// From one sample to the next, s; found from the first rows where it is not told
-    #[arg(long, value_name = "SECONDS")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = number::positive)]
     step_s: Option<f64>,
 }
 
@@ -90,6 +90,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
 }
 
 fn join(args: &PiecesArgs, command: &str, step_s: Option<f64>) -> anyhow::Result<()> {
+    apart::check(args.output.as_deref(), args.files.iter().map(PathBuf::as_path))?;
     let pieces: Vec<Partial> = args
         .files
         .par_iter()
@@ -110,7 +111,7 @@ fn join(args: &PiecesArgs, command: &str, step_s: Option<f64>) -> anyhow::Result
         input_sha256: None,
         extra: Default::default(),
     });
-    pipe::write(args.output.as_deref(), &to_text(&document))?;
+    pipe::write(args.output.as_deref(), &document.to_text()?)?;
     if !args.quiet {
         pipe::say(&diffmag::summary(&document));
     }

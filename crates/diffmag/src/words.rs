@@ -215,16 +215,20 @@ pub fn summary(document: &Document) -> String {
     }
     for (axis, of) in fit.axes.iter() {
         let offset = found.and_then(|found| found.offset_nt.as_ref()?.get(axis));
+        let (day, month) = (&of.drift.per_day, &of.drift.per_month);
+        let per_day = day.as_ref().map_or(&of.drift.straight_nt_per_day, |day| &day.drift_nt);
+        let per_month =
+            month.as_ref().map(|month| format!(", {} nT a month", plus_minus(&month.drift_nt, 3)));
         let _ = writeln!(
             text,
-            "  test {axis}: offset {} nT, rms {:.3} nT, {:.2} ± {:.2} pT/√Hz at 1 Hz as f^{:.2}, drift {} nT a day, {} nT a month",
+            "  test {axis}: offset {} nT, rms {:.3} nT, {:.2} ± {:.2} pT/√Hz at 1 Hz as f^{:.2}, drift {} nT a day{}",
             offset.map_or(String::new(), |offset| plus_minus(offset, 3)),
             of.rms_nt,
             1e3 * of.density_at_1hz_nt_per_sqrt_hz.value(),
             1e3 * of.density_at_1hz_nt_per_sqrt_hz.std().unwrap_or(0.0),
             -of.flicker_exponent.value(),
-            plus_minus(&of.drift.per_day.drift_nt, 4),
-            plus_minus(&of.drift.per_month.drift_nt, 3)
+            plus_minus(per_day, 4),
+            per_month.unwrap_or_default()
         );
     }
     if let Some(clock) = &fit.clock {

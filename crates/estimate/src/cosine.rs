@@ -3,10 +3,8 @@
 //! The cosine transform goes on with a series as its mirror image, so that neither a drift nor noise with memory jumps at the
 //! ends, as they do in a Fourier transform. What is slow is where it matters, and there the covariance is exact.
 
-use realfft::num_complex::Complex;
-use realfft::{RealFftPlanner, RealToComplex};
+use fourier::{Complex, Forward};
 use std::f64::consts::FRAC_PI_2;
-use std::sync::Arc;
 
 use crate::periodogram::{Bin, Periodogram};
 use crate::stats::mean;
@@ -29,14 +27,14 @@ const LEFT: f64 = 1e-6;
 pub struct Cosine {
     rows: usize,
     step_s: f64,
-    plan: Arc<dyn RealToComplex<f64>>,
+    plan: Forward,
     turns: Vec<Complex<f64>>,
 }
 
 impl Cosine {
     /// For series of `rows` samples `step_s` apart.
     pub fn new(rows: usize, step_s: f64) -> Self {
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(rows);
+        let plan = fourier::forward(rows);
         let turn = |k: usize| Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / rows as f64);
         Self { rows, step_s, plan, turns: (0..rows).map(turn).collect() }
     }

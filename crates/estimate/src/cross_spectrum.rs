@@ -1,7 +1,6 @@
 //! Spectra and cross-spectra of several even series together: a Hermitian matrix at each frequency.
 
 use faer::{Mat, c64};
-use realfft::RealFftPlanner;
 
 use crate::Error;
 use crate::stats::mean;
@@ -140,14 +139,14 @@ fn freedom(windows: &[Vec<f64>], hop: usize, segments: usize) -> f64 {
 
 /// Transforms of one length.
 struct Transform {
-    plan: std::sync::Arc<dyn realfft::RealToComplex<f64>>,
+    plan: fourier::Forward,
     input: Vec<f64>,
     scratch: Vec<c64>,
 }
 
 impl Transform {
     fn new(n: usize) -> Self {
-        let plan = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+        let plan = fourier::forward(n);
         Self { input: plan.make_input_vec(), scratch: plan.make_scratch_vec(), plan }
     }
 

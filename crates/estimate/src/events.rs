@@ -1,8 +1,6 @@
 //! Steps and spikes in a long even series whose noise has a known spectrum.
 
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use std::sync::Arc;
+use fourier::{Complex, Forward, Inverse, Planner};
 
 use crate::Error;
 use crate::stats::{coverage_factor, mean, median};
@@ -67,8 +65,8 @@ pub struct Search {
 
 /// The whitening of a series' differences.
 struct Filter {
-    forward: Arc<dyn RealToComplex<f64>>,
-    back: Arc<dyn ComplexToReal<f64>>,
+    forward: Forward,
+    back: Inverse,
     /// 1/S_k.
     weights: Vec<f64>,
     /// K_m.
@@ -80,8 +78,8 @@ impl Filter {
         if n < LEAST {
             return Err(Error::TooFew { found: n, unknowns: LEAST });
         }
-        let mut planner = RealFftPlanner::<f64>::new();
-        let (forward, back) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+        let mut planner = Planner::new();
+        let (forward, back) = (planner.forward(n), planner.inverse(n));
         let from = (n / MEMORY).max(1);
         let mut weights = vec![0.0; n / 2 + 1];
         for (k, weight) in weights.iter_mut().enumerate().skip(from) {

@@ -1,8 +1,7 @@
 //! The lag at which one series follows several others.
 
 use faer::{Mat, Side};
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::{Complex, Planner};
 
 use crate::Error;
 
@@ -38,8 +37,8 @@ pub fn explained(
     if n < 2 * reach + 2 {
         return Err(Error::TooFew { found: n, unknowns: 2 * reach + 2 });
     }
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, back) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let mut planner = Planner::new();
+    let (forward, back) = (planner.forward(n), planner.inverse(n));
     let transform = |values: &[f64]| -> Vec<Complex<f64>> {
         let mut differences: Vec<f64> =
             (0..n).map(|m| if m == 0 { 0.0 } else { values[m] - values[m - 1] }).collect();

@@ -1,7 +1,5 @@
 //! Periodogram of an evenly sampled series, its spectral lines taken out and the rest averaged into narrow bins.
 
-use realfft::RealFftPlanner;
-
 use crate::Error;
 use crate::stats::mean;
 
@@ -78,7 +76,7 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     if !mean.is_finite() {
         return Err(Error::Series("with samples that are not finite"));
     }
-    let plan = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let plan = fourier::forward(n);
     let mut input: Vec<f64> = samples[..n].iter().map(|x| x - mean).collect();
     let mut transform = plan.make_output_vec();
     plan.process(&mut input, &mut transform).expect("buffers of the plan's lengths");

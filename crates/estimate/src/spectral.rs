@@ -1,8 +1,7 @@
 //! Linear regression of long even series whose errors have a known spectrum.
 
 use faer::Mat;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::{Complex, Planner};
 
 use crate::Error;
 use crate::positive::Positive;
@@ -50,8 +49,8 @@ pub fn regress(
     if rows < 2 * unknowns + 2 {
         return Err(Error::TooFew { found: rows, unknowns });
     }
-    let mut planner = RealFftPlanner::<f64>::new();
-    let plan = planner.plan_fft_forward(rows);
+    let mut planner = Planner::new();
+    let plan = planner.forward(rows);
     let transform = |values: &[f64]| -> Vec<Complex<f64>> {
         let middle = mean(values);
         let mut input: Vec<f64> = values.iter().map(|value| value - middle).collect();

@@ -1,7 +1,5 @@
 //! Power spectral density of an evenly sampled series, by Welch's method.
 
-use realfft::RealFftPlanner;
-
 use crate::Error;
 use crate::stats::{self, mean};
 
@@ -59,7 +57,7 @@ pub fn welch(samples: &[f64], step_s: f64, segment_samples: usize) -> Result<Spe
     let window = hann(n);
     let squares = window.iter().map(|w| w * w).sum::<f64>();
 
-    let transform = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let transform = fourier::forward(n);
     let mut input = transform.make_input_vec();
     let mut output = transform.make_output_vec();
     let mut scratch = transform.make_scratch_vec();

@@ -6,6 +6,7 @@
 mod clock;
 mod delimited;
 mod error;
+mod fill;
 mod guess;
 mod iaga;
 mod mapping;

@@ -1,10 +1,10 @@
 //! `ingest`: files of observatories and loggers into a document.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use common::manual;
-use common::pipe::{self, Input, Program, Sink};
-use common::{Document, Error as Fault, HistoryEntry, to_text};
+use common::{Document, Error as Fault, HistoryEntry};
 use ingest::{Keep, Mapping, Options, Readings};
+use program::pipe::{self, Input, Program, Sink};
+use program::{apart, manual, number};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -88,11 +88,14 @@ struct IngestArgs {
     #[arg(long)]
     trust_rows: bool,
     /// Add this to D of IAGA-2002, minutes of arc, in place of what the file's DECBAS says
-    #[arg(long, value_name = "ARCMIN", allow_hyphen_values = true)]
+    #[arg(long, value_name = "ARCMIN", allow_hyphen_values = true, value_parser = number::finite)]
     declination_base_arcmin: Option<f64>,
     /// Write the document to this file instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Let -o name the document of --add: it is replaced when all is done
+    #[arg(long, requires_all = ["add", "output"])]
+    in_place: bool,
     /// Say nothing on standard error
     #[arg(short, long)]
     quiet: bool,
@@ -114,6 +117,7 @@ fn main() -> ExitCode {
 }
 
 fn guess(args: &GuessArgs) -> anyhow::Result<()> {
+    apart::check(args.output.as_deref(), [args.file.as_path()])?;
     let guess = ingest::guess(&args.file, &args.quantity).map_err(Fault::from)?;
     pipe::write(args.output.as_deref(), &guess.to_text())?;
     if !args.quiet {
@@ -163,10 +167,16 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
         input_sha256: added,
         extra: Default::default(),
     });
+    let table = ingested.table.as_ref();
+    let table = table.map(|table| {
+        args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).join(&table.path)
+    });
+    let read = args.files.iter().chain(&args.map).chain(args.add.iter().filter(|_| !args.in_place));
+    apart::check(args.output.as_deref().into_iter().chain(table.as_deref()), read.map(PathBuf::as_path))?;
     // The document is written to its end before the table gets its name, and gets its own after that.
     let output = args.output.as_deref();
     let mut sink = Sink::open(output)?;
-    let text = to_text(&ingested.document);
+    let text = ingested.document.to_text()?;
     if output.is_some() {
         sink.write(&text)?;
     }

@@ -2,12 +2,14 @@
 
 mod check;
 
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// How a file of columns is read. `ingest guess FILE` writes one to begin with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Mapping {
     /// Format version of the mapping, 1.
@@ -51,7 +53,8 @@ fn point() -> char {
 }
 
 /// A column of the file, by its name or by its number from 1.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged)]
 pub enum From {
     /// Its number, from 1.
@@ -70,7 +73,8 @@ impl fmt::Display for From {
 }
 
 /// How times are written.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TimeMapping {
     /// The columns that hold the time, joined by a blank where there are several (date and time of day).
@@ -99,7 +103,8 @@ pub struct TimeMapping {
 }
 
 /// A column that is taken: value = sign × (file's value × scale, converted from `unit`) + offset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ColumnMapping {
     /// Which column of the file.

@@ -1,10 +1,11 @@
 //! What one file says, before files are joined.
 
-use common::Extra;
+use common::{Extra, range};
 use indexmap::IndexMap;
 use tables::Place;
 
 use crate::Error;
+use crate::fill::{self, Fill};
 use crate::mapping::Mapping;
 use crate::parts::Rows;
 use crate::text::Source;
@@ -81,13 +82,30 @@ impl Piece {
         }
         piece.clock = times.clock();
         times.settle(source, &mut rows, &mut piece.notes)?;
-        for (column, values) in mapping.columns.iter().zip(rows.columns) {
+        for (column, mut values) in mapping.columns.iter().zip(rows.columns) {
             let conversion = column.conversion()?;
+            let Fill { missing, not_observed } = fill::without(&mut values, column.to.ends_with("_nt"));
+            if missing + not_observed > 0 {
+                let count = missing + not_observed;
+                let what = if count == 1 { "fill value" } else { "fill values" };
+                piece
+                    .notes
+                    .push(format!("{count} {what} (99999, 88888, 1e31) of {}, taken as missing", column.to));
+            }
             let values = match (conversion.factor, conversion.offset) {
                 (1.0, 0.0) => values,
                 (factor, 0.0) => values.into_iter().map(|value| value * factor).collect(),
                 (factor, offset) => values.into_iter().map(|value| value * factor + offset).collect(),
             };
+            if let (Some(row), Some([low, high])) =
+                (range::first_beyond(&column.to, &values), range::bounds(&column.to))
+            {
+                let found = format!("{:e} for {}", values[row], column.to);
+                let expected = format!(
+                    "a reading between {low} and {high}; name the value under `missing` of the mapping where it stands for none"
+                );
+                return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
+            }
             piece.columns.insert(column.to.clone(), values);
         }
         piece.times_ns = rows.times_ns;

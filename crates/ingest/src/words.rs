@@ -1,5 +1,6 @@
 //! What is said on standard error.
 
+use common::number::counted;
 use rayon::prelude::*;
 
 use crate::clock;
@@ -67,11 +68,6 @@ pub fn words(
         lines.push(format!("  … and {} such words more", notes.len() - SAID));
     }
     lines.join("\n")
-}
-
-/// `1 row`, `2 rows`.
-fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 /// What a column holds, in a line.

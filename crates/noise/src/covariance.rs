@@ -1,6 +1,6 @@
 use common::Noise;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+
+use fourier::Complex;
 
 use crate::{Grid, NoiseError};
 
@@ -73,7 +73,7 @@ fn autocovariance(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> 
         })
         .collect();
     let mut lags = vec![0.0; points];
-    let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(points);
+    let transform = fourier::inverse(points);
     transform.process(&mut power, &mut lags).expect("buffers of the plan's lengths, real ends");
     lags
 }

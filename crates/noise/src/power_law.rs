@@ -1,5 +1,4 @@
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 use crate::Stream;
 
@@ -27,7 +26,7 @@ pub fn power_law(stream: &mut Stream, points: usize, step_s: f64, amplitude: f64
         })
         .collect();
     let mut series = vec![0.0; points];
-    let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(points);
+    let transform = fourier::inverse(points);
     transform.process(&mut spectrum, &mut series).expect("buffers of the plan's lengths, real ends");
     series
 }

@@ -4,7 +4,10 @@ use common::{AdoptedEffect, Document, procedure};
 use nalgebra::Vector3;
 
 use crate::effects::*;
-use crate::{About, Acts, Effect, EffectInstance, Error, ParameterInfo, Place, Real, Role, Surroundings};
+use crate::{
+    About, Acts, Effect, EffectInstance, Error, ParameterInfo, Place, Real, References, Role, Surroundings,
+    Thermometer,
+};
 
 macro_rules! catalogue {
     ($($effect:ident),+ $(,)?) => {
@@ -129,6 +132,11 @@ impl Kind {
         by_time.contains(&self) || !self.about().needs.iter().any(ordered)
     }
 
+    /// The thermometers it follows; it is relative to the reference temperature of each.
+    pub fn follows(self) -> impl Iterator<Item = Thermometer> {
+        Thermometer::ALL.into_iter().filter(move |which| self.about().needs.contains(&which.column()))
+    }
+
     /// Its parameters.
     pub fn parameters(self) -> &'static [ParameterInfo] {
         self.about().parameters
@@ -136,9 +144,49 @@ impl Kind {
 }
 
 /// The effects that a document's model has adopted.
+///
+/// # Errors
+///
+/// An effect that is not as the catalogue says, or that is relative to a temperature which the document does not state.
 pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
+    let references = References::stated(document);
     let adopted = document.model.iter().flat_map(|model| &model.effects);
-    adopted.enumerate().map(|(index, effect)| instance(index, effect)).collect()
+    let one = |(index, effect)| {
+        let instance = instance(index, effect)?;
+        match instance.kind.follows().find(|which| references.temperature_c(*which).is_none()) {
+            Some(which) => Err(Error::Unknown {
+                index,
+                found: format!(
+                    "{} without calibration.reference_conditions.{}",
+                    instance.kind.name(),
+                    which.column()
+                ),
+                expected: "the temperature in degC to which it is relative".into(),
+            }),
+            None => Ok(instance),
+        }
+    };
+    adopted.enumerate().map(one).collect()
+}
+
+/// Writes to `calibration.reference_conditions` what the effects of the document's model are relative to and it does not state
+/// yet: what was found from recordings no longer depends on them then.
+pub fn state_references(document: &mut Document, references: &References) {
+    let listed = document.model.iter().flat_map(|model| &model.effects);
+    let followed: Vec<Thermometer> =
+        listed.filter_map(|effect| Kind::named(&effect.effect)).flat_map(Kind::follows).collect();
+    for which in followed {
+        if let Some(temperature_c) = references.temperature_c(which) {
+            let calibration = document.calibration.get_or_insert_default();
+            let stated = calibration.reference_conditions.get_or_insert_default();
+            let place = match which {
+                Thermometer::Sensor => &mut stated.sensor_temperature_c,
+                Thermometer::Electronics => &mut stated.electronics_temperature_c,
+                Thermometer::Coil => &mut stated.coil_temperature_c,
+            };
+            place.get_or_insert(temperature_c);
+        }
+    }
 }
 
 fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Error> {

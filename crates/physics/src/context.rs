@@ -50,6 +50,9 @@ pub enum Thermometer {
 }
 
 impl Thermometer {
+    /// All of them.
+    pub const ALL: [Thermometer; 3] = [Thermometer::Sensor, Thermometer::Electronics, Thermometer::Coil];
+
     /// Name of its column.
     pub const fn column(self) -> &'static str {
         match self {
@@ -74,24 +77,45 @@ pub struct References {
 }
 
 impl References {
-    /// As `calibration.reference_conditions` gives them, else the mean of all recordings.
+    /// As `calibration.reference_conditions` states them.
+    pub fn stated(document: &Document) -> Self {
+        let stated = document.calibration.as_ref().and_then(|c| c.reference_conditions.as_ref());
+        Self {
+            sensor_c: stated.and_then(|stated| stated.sensor_temperature_c),
+            electronics_c: stated.and_then(|stated| stated.electronics_temperature_c),
+            coil_c: stated.and_then(|stated| stated.coil_temperature_c),
+            beginning_s: beginning(document),
+        }
+    }
+
+    /// As stated, else the mean of all recordings: for a stage that finds constants and coefficients, which hold there. It
+    /// writes them down then ([`crate::state_references`]).
     pub fn of(document: &Document) -> Self {
-        let given = document.calibration.as_ref().and_then(|c| c.reference_conditions.as_ref());
-        let mean = |name: &str| {
+        let stated = Self::stated(document);
+        let mean = |which: Thermometer| {
             let (mut sum, mut count) = (0.0, 0.0);
-            for column in document.recordings.iter().filter_map(|recording| series(recording, name)) {
+            let columns =
+                document.recordings.iter().filter_map(|recording| series(recording, which.column()));
+            for column in columns {
                 let known = column.iter().filter(|t| t.is_finite());
                 (sum, count) = known.fold((sum, count), |(s, n), t| (s + t, n + 1.0));
             }
             (count > 0.0).then(|| sum / count)
         };
         Self {
-            sensor_c: given.and_then(|g| g.sensor_temperature_c).or_else(|| mean("sensor_temperature_c")),
-            electronics_c: given
-                .and_then(|g| g.electronics_temperature_c)
-                .or_else(|| mean("electronics_temperature_c")),
-            coil_c: given.and_then(|g| g.coil_temperature_c).or_else(|| mean("coil_temperature_c")),
-            beginning_s: beginning(document),
+            sensor_c: stated.sensor_c.or_else(|| mean(Thermometer::Sensor)),
+            electronics_c: stated.electronics_c.or_else(|| mean(Thermometer::Electronics)),
+            coil_c: stated.coil_c.or_else(|| mean(Thermometer::Coil)),
+            ..stated
+        }
+    }
+
+    /// The reference of a thermometer, degC.
+    pub fn temperature_c(&self, which: Thermometer) -> Option<f64> {
+        match which {
+            Thermometer::Sensor => self.sensor_c,
+            Thermometer::Electronics => self.electronics_c,
+            Thermometer::Coil => self.coil_c,
         }
     }
 }
@@ -197,11 +221,7 @@ impl<'a> Context<'a> {
     /// A temperature and its reference, degC.
     pub fn temperature(&self, which: Thermometer, who: &str) -> Result<(Cow<'a, [f64]>, f64), Error> {
         let column = self.column(which.column(), who)?;
-        let reference = match which {
-            Thermometer::Sensor => self.references.sensor_c,
-            Thermometer::Electronics => self.references.electronics_c,
-            Thermometer::Coil => self.references.coil_c,
-        };
+        let reference = self.references.temperature_c(which);
         Ok((column, reference.ok_or_else(|| self.missing(who, "a reference temperature"))?))
     }
 

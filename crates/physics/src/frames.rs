@@ -2,6 +2,7 @@
 
 use common::{Matrix3x3, Theodolite};
 use nalgebra::{Matrix3, Vector3};
+use num_dual::Dual64;
 
 use crate::{Error, Real};
 
@@ -150,6 +151,14 @@ pub fn turned<T: Real>(direction: &Vector3<f64>, turn: [T; 2]) -> Vector3<T> {
     let moved = Vector3::from_fn(|i, _| turn[0] * e1[i] + turn[1] * e2[i] + direction[i]);
     let length = (moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2]).sqrt();
     moved.map(|component| component / length)
+}
+
+/// The derivatives of [`turned`] by its two turns.
+pub fn turned_derivatives(direction: &Vector3<f64>, turn: [f64; 2]) -> [Vector3<f64>; 2] {
+    [0, 1].map(|which| {
+        let seeded = std::array::from_fn(|k| Dual64::new(turn[k], f64::from(u8::from(k == which))));
+        turned(direction, seeded).map(|component: Dual64| component.eps)
+    })
 }
 
 /// The angle between two directions, rad; exact also where they nearly agree.

@@ -24,7 +24,7 @@ mod model;
 mod reading;
 mod setting;
 
-pub use catalogue::{Kind, adopt};
+pub use catalogue::{Kind, adopt, state_references};
 pub use chain::{LeftOut, Parameter, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use effect::{

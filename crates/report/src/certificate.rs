@@ -42,7 +42,8 @@ pub struct Judged<'a> {
 ///
 /// Where the document names effects that are none, or a covariance does not go with its `covariance_order`.
 pub fn judge<'a>(document: &Document, spec: &'a Spec) -> Result<Vec<Judged<'a>>, common::Error> {
-    check(document)?;
+    document.check()?;
+    physics::adopt(document).map_err(|error| error.at("model"))?;
     let rule = Rule { factor: spec.guard_factor };
     Ok(spec.requirements.iter().map(|requirement| one(document, requirement, rule)).collect())
 }
@@ -72,46 +73,6 @@ fn one<'a>(document: &Document, requirement: &'a Requirement, rule: Rule) -> Jud
         .min_by(|(_, a), (_, b)| a.total_cmp(b))
         .map(|(number, _)| number);
     Judged { requirement, shown, verdict, decisive }
-}
-
-/// What the types of a document do not say and the values rest on.
-fn check(document: &Document) -> Result<(), common::Error> {
-    physics::adopt(document).map_err(|error| error.at("model"))?;
-    let Some(calibration) = &document.calibration else { return Ok(()) };
-    let sensors = calibration.axes.as_ref().and_then(|axes| axes.sensors.as_ref());
-    if let Some((covariance, order)) =
-        sensors.and_then(|s| s.covariance.as_ref().zip(s.covariance_order.as_ref()))
-    {
-        square("calibration.axes.sensors.covariance", covariance, order)?;
-    }
-    for axis in Axis::ALL {
-        let Some(sensor) = calibration.sensor(axis) else { continue };
-        let path = |of: &str| format!("calibration.sensors.{axis}{of}.covariance");
-        if let Some((covariance, order)) = sensor.covariance.as_ref().zip(sensor.covariance_order.as_ref()) {
-            square(&path(""), covariance, order)?;
-        }
-        if let Some(fit) = &sensor.temperature {
-            square(&path(".temperature"), &fit.covariance, &fit.covariance_order)?;
-        }
-        if let Some(fit) = &sensor.cross_field {
-            square(&path(".cross_field"), &fit.covariance, &fit.covariance_order)?;
-        }
-    }
-    Ok(())
-}
-
-fn square(path: &str, covariance: &[Vec<f64>], order: &[String]) -> Result<(), common::Error> {
-    let size = order.len();
-    if covariance.len() == size && covariance.iter().all(|row| row.len() == size) {
-        return Ok(());
-    }
-    let columns = covariance.iter().map(Vec::len).max().unwrap_or(0);
-    let found = format!("{} rows of up to {columns} numbers", covariance.len());
-    Err(common::Error::document(
-        path,
-        found,
-        format!("{size} rows of {size}, as its `covariance_order` has names"),
-    ))
 }
 
 /// What is shown of each sensor that the instrument has.

@@ -16,6 +16,7 @@ pub use error::Error;
 pub use page::{Cell, Header, Item, Page, Section, Table};
 
 use common::Document;
+use common::number::counted;
 
 /// What is asked of the report.
 #[derive(Clone, Debug, Default)]
@@ -44,5 +45,10 @@ pub fn summary(page: &Page) -> String {
     let certificate = page.sections.iter().find(|section| section.id == certificate::ID);
     let verdicts = certificate.and_then(|section| section.words.first());
     let verdicts = verdicts.map_or(String::new(), |words| format!("\n  certificate: {words}"));
-    format!("report: {} sections, {plots} plots, {findings} findings{verdicts}", page.sections.len())
+    format!(
+        "report: {}, {}, {}{verdicts}",
+        counted(page.sections.len(), "section"),
+        counted(plots, "plot"),
+        counted(findings, "finding")
+    )
 }

@@ -1,8 +1,9 @@
 //! `report`: any document as one page.
 
 use clap::Parser;
-use common::pipe::{self, Input, Io, Program};
-use common::{Document, beside, manual, procedure};
+use common::{Document, procedure};
+use program::pipe::{self, Input, Io, Program};
+use program::{beside, manual};
 use report::certificate::Spec;
 use report::{Options, html, text};
 use std::path::PathBuf;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
+    cli.io.apart(cli.spec.as_deref())?;
     let mut options = Options::default();
     if let Some(file) = &cli.spec {
         let input = Input::read(Some(file))?;

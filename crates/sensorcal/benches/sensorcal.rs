@@ -40,7 +40,7 @@ static DAY: LazyLock<Document> = LazyLock::new(|| {
 
 static REST: LazyLock<Document> = LazyLock::new(|| {
     let text = std::fs::read_to_string(testkit::fixture("plans/magsat.json")).expect("the plan");
-    let plan: simulate::Plan = common::parse(&text).expect("a plan");
+    let plan = simulate::Plan::parse(&text).expect("a plan");
     let document = simulate::campaign(&plan).expect("simulated").document;
     let mut document = coilcal::run(document, &coilcal::Options::default()).expect("the coils");
     let kept = [

@@ -30,7 +30,7 @@ pub use error::Error;
 pub use words::summary;
 
 use common::{Axis, Document, Quantity, SensorCalibration, procedure};
-use physics::{EffectInstance, Unit};
+use physics::{EffectInstance, References, Unit};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
@@ -81,6 +81,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     }
     let found: Vec<Found> =
         Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, options)).collect::<Result<_, Error>>()?;
+    let references = References::of(&document);
     let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
     for (sensor, mut found) in Axis::ALL.into_iter().zip(found) {
         if found.calibration == SensorCalibration::default() {
@@ -104,6 +105,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             entry.budget = budget;
         }
     }
+    physics::state_references(&mut document, &references);
     if let Some(calibration) = &mut document.calibration {
         calibration.common_extrema =
             calibration.sensors.as_ref().map(temperature::common_extrema).unwrap_or_default();

@@ -1,9 +1,9 @@
 //! `sensorcal`: each sensor by itself.
 
 use clap::Parser;
-use common::manual;
-use common::pipe::{self, Io, Program};
 use common::procedure;
+use program::pipe::{self, Io, Program};
+use program::{manual, number};
 use sensorcal::Options;
 use std::process::ExitCode;
 
@@ -32,16 +32,16 @@ struct Cli {
     #[command(flatten)]
     io: Io,
     /// How far the turn of a reversal may miss 180°, deg
-    #[arg(long, value_name = "DEG", default_value_t = 3.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, allow_negative_numbers = true, value_parser = number::not_negative)]
     turn_deg: f64,
     /// How far axes may be from nominal where the document does not give them (standard deviation), deg
-    #[arg(long, value_name = "DEG", default_value_t = 3.0)]
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, allow_negative_numbers = true, value_parser = number::not_negative)]
     axes_std_deg: f64,
     /// Fields along the sensor for the error budget, nT [default: zero, half and all of what was applied]
-    #[arg(long, value_name = "NT", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "NT", value_delimiter = ',', allow_hyphen_values = true, value_parser = number::finite)]
     budget_field_nt: Vec<f64>,
     /// Temperatures less the reference for the error budget, K [default: 0, and 10 where coefficients are known]
-    #[arg(long, value_name = "K", value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "K", value_delimiter = ',', allow_hyphen_values = true, value_parser = number::finite)]
     budget_warmer_k: Vec<f64>,
 }
 

@@ -15,7 +15,7 @@ fn main() {
 }
 
 fn plan(rows: usize) -> simulate::Plan {
-    let mut plan: simulate::Plan = common::parse(
+    let mut plan = simulate::Plan::parse(
         &json!({
             "fluxcal": 1,
             "instrument": {"noise": {"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 1e-4}, "quantisation_nt": 0.01},

@@ -1,13 +1,14 @@
 //! `simulate`: from a plan to the recordings that a campaign would give.
 
 use clap::{Args, Parser, Subcommand};
-use common::manual;
-use common::pipe::{self, Input, Io, Program, Sink};
-use common::{Document, Error, HistoryEntry, Recording, to_text};
+use common::number::counted;
+use common::{Document, Error, HistoryEntry, Recording};
 use indicatif::{ProgressBar, ProgressStyle};
+use program::manual;
+use program::pipe::{self, Input, Io, Program, Sink};
 use rayon::prelude::*;
 use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VERSION"), takes: &[] };
@@ -135,9 +136,10 @@ fn main() -> ExitCode {
 
 fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let CampaignArgs { io, seed, truth, run_sheet } = args;
+    apart(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
-    let mut plan: simulate::Plan = common::parse(&input.text).map_err(located)?;
+    let mut plan = simulate::Plan::parse(&input.text).map_err(located)?;
     plan.seed = seed.unwrap_or(plan.seed);
     if *run_sheet {
         let RunSheet { csv, steps, length_s, work_s } = simulate::run_sheet(&plan).map_err(located)?;
@@ -146,16 +148,16 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
         say(io, &words);
         return Ok(());
     }
-    apart(io, truth)?;
     let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
     let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
     document.history.push(history(arguments, input.sha256()));
     if let Some(path) = truth {
-        pipe::write(Some(path), &to_text(&what_is_true))?;
+        pipe::write(Some(path), &what_is_true.to_text())?;
     }
-    pipe::write(io.output.as_deref(), &to_text(&document))?;
+    pipe::write(io.output.as_deref(), &document.to_text()?)?;
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
-    say(io, &format!("{} recordings, {rows} rows, seed {}", document.recordings.len(), plan.seed));
+    let recordings = counted(document.recordings.len(), "recording");
+    say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));
     Ok(())
 }
 
@@ -173,7 +175,9 @@ fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
             document
         })
     };
-    let words = |document: &Document| format!("simulate: {} recordings predicted", document.recordings.len());
+    let words = |document: &Document| {
+        format!("simulate: {} predicted", counted(document.recordings.len(), "recording"))
+    };
     pipe::stage(PROGRAM, io, arguments.collect(), run, words)?;
     notes.iter().for_each(|note| say(io, note));
     Ok(())
@@ -181,9 +185,9 @@ fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
 
 fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     let SweepArgs { io, seeds, set, truth } = args;
+    apart(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
-    apart(io, truth)?;
     let seeds = seeds.as_ref().map(|seeds| seeds.0.as_slice()).unwrap_or_default();
     let cases = simulate::cases(seeds, set);
     // What the values set is looked at before the first line is written; the seed cannot be wrong.
@@ -200,9 +204,8 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         let Campaign { mut document, truth } = simulate::campaign(&plan)?;
         let arguments = vec!["sweep".into(), format!("--seed={}", plan.seed), format!("case {}", number + 1)];
         document.history.push(history(arguments, sha256.clone()));
-        let line = |text: serde_json::Result<String>| text.expect("string keys and finite numbers") + "\n";
-        let truth = if truth_wanted { line(serde_json::to_string(&truth)) } else { String::new() };
-        Ok((line(serde_json::to_string(&document)), truth))
+        let truth = if truth_wanted { truth.to_line() + "\n" } else { String::new() };
+        Ok((document.to_line()? + "\n", truth))
     };
     let mut written = 0;
     // As many at a time as there are threads: the memory does not grow with the number of cases.
@@ -236,9 +239,12 @@ fn effects(effect: Option<&str>, layout: Layout) -> anyhow::Result<()> {
 }
 
 /// The truth never goes into the document.
-fn apart(io: &Io, truth: &Option<PathBuf>) -> Result<(), Error> {
-    let real = |path: &PathBuf| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
-    if truth.is_some() && truth.as_ref().and_then(real) == io.output.as_ref().and_then(real) {
+/// What is written is not what is read, and the truth never goes into the document.
+fn apart(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
+    io.apart([])?;
+    program::apart::check(truth, io.file.as_deref())?;
+    let real = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
+    if truth.is_some() && truth.and_then(real) == io.output.as_deref().and_then(real) {
         let words = "--truth and --output name the same file; the truth never goes into the document";
         return Err(Error::Request(words.into()));
     }

@@ -4,13 +4,15 @@ use common::time::{day_of_week, hour_of_day};
 use common::{Axis, Noise};
 use nalgebra::Vector3;
 use noise::NoiseError;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// The natural field, GEO, nT. Main field, daily variation and storm are functions of time alone; the background is drawn
 /// anew for each recording.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct OutsidePlan {
     /// Main field.
@@ -29,7 +31,8 @@ pub struct OutsidePlan {
 }
 
 /// A magnetic storm: a sudden commencement, a main phase that deepens and recovers, and unrest while it lasts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Storm {
     /// Beginning on the campaign's clock, s.
@@ -48,7 +51,8 @@ pub struct Storm {
 }
 
 /// Noise of the site in each of the report's four conditions.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct SitePlan {
     /// Monday to Friday, 7 h to 17 h.
@@ -62,7 +66,8 @@ pub struct SitePlan {
 }
 
 /// Noise of the site, GEO.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SiteNoise {
     /// Of each component.
@@ -75,7 +80,8 @@ pub struct SiteNoise {
 }
 
 /// A condition of the site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Site {
     /// Midweek workday.

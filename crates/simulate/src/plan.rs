@@ -1,4 +1,5 @@
-use common::{Calibration, Facility, Instrument, Model, Noise, PerAxis};
+use common::{Calibration, Error, Facility, Instrument, Model, Noise, PerAxis};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::procedures::Procedure;
 
 /// What is to be simulated: the facility and the instrument as they are stated, what they truly are,
 /// and the procedures in order.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// Format version, 1.
@@ -31,7 +33,7 @@ pub struct Plan {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instrument: Option<Instrument>,
     /// The calibration that the document will state.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "common::calibration_of")]
     pub calibration: Option<Calibration>,
     /// What of `calibration` the stages are to find: it serves the operator for setting the drives and stays out of the
     /// document (`coils`, `sensors`, `axes`, `differential`).
@@ -53,8 +55,20 @@ pub struct Plan {
     pub procedures: Vec<Procedure>,
 }
 
+impl Plan {
+    /// Reads a plan.
+    ///
+    /// # Errors
+    ///
+    /// No JSON, another version, a key that no plan has, a value that its key cannot have.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        common::parse(text)
+    }
+}
+
 /// A part of the calibration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum CalibrationPart {
     /// Coil constants and offsets.
@@ -68,7 +82,8 @@ pub enum CalibrationPart {
 }
 
 /// How the drive of the coils is written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DriveRecord {
     /// `coil_*_a`, exact.
@@ -79,7 +94,8 @@ pub enum DriveRecord {
 }
 
 /// Temperatures of the rooms, with a daily wave.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Temperatures {
     /// Of the sensors, mean, degC.
@@ -98,7 +114,8 @@ pub struct Temperatures {
 }
 
 /// How long things take, s.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Timing {
     /// After a change of the drive, before the reading.
@@ -126,11 +143,12 @@ impl Default for Timing {
 }
 
 /// The truth behind the recordings.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TruthPlan {
     /// True constants and axes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "common::calibration_of")]
     pub calibration: Option<Calibration>,
     /// Effects that act on the readings.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -159,7 +177,8 @@ pub struct TruthPlan {
 }
 
 /// Field along a coil's axis over the field at its centre: 1 + (a x + b x² + c x⁴) 1e-6, x in m.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Profile {
     /// a.

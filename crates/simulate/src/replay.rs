@@ -21,7 +21,7 @@ pub struct Replayed {
 /// a coil without a constant, or a reading in V without a sensitivity, is refused.
 pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
-    let references = References::of(document);
+    let references = References::stated(document);
     let replayed: Vec<Result<(Recording, Vec<LeftOut>), Error>> = document
         .recordings
         .par_iter()
@@ -31,7 +31,7 @@ pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, 
     let replayed = replayed.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (recordings, left_out): (_, Vec<Vec<LeftOut>>) = replayed.into_iter().unzip();
     let left_out: Vec<LeftOut> = left_out.into_iter().flatten().collect();
-    let notes = notes(document, &effects).into_iter().chain(words(&left_out)).collect();
+    let notes = notes(document).into_iter().chain(words(&left_out)).collect();
     Ok(Replayed { document: Document { recordings, ..document.clone() }, notes })
 }
 
@@ -150,7 +150,7 @@ fn check_coils(basic: &Basic, context: &Context<'_>, path: &str) -> Result<(), E
     Ok(())
 }
 
-fn notes(document: &Document, effects: &[EffectInstance]) -> Vec<String> {
+fn notes(document: &Document) -> Vec<String> {
     let mut notes = Vec::new();
     let calibration = document.calibration.as_ref();
     let axes = calibration.and_then(|calibration| calibration.axes.as_ref());
@@ -168,19 +168,6 @@ fn notes(document: &Document, effects: &[EffectInstance]) -> Vec<String> {
             "calibration.differential is not stated: the test instrument is taken to read as the reference"
                 .into(),
         );
-    }
-    let needs = |column: &str| effects.iter().any(|effect| effect.kind.about().needs.contains(&column));
-    let references = calibration.and_then(|calibration| calibration.reference_conditions.as_ref());
-    for (column, given) in [
-        ("sensor_temperature_c", references.and_then(|r| r.sensor_temperature_c)),
-        ("electronics_temperature_c", references.and_then(|r| r.electronics_temperature_c)),
-        ("coil_temperature_c", references.and_then(|r| r.coil_temperature_c)),
-    ] {
-        if given.is_none() && needs(column) {
-            notes.push(format!(
-                "calibration.reference_conditions.{column} is not stated: the mean of the recordings is taken"
-            ));
-        }
     }
     notes
 }

@@ -47,16 +47,15 @@ pub fn cases(seeds: &[u64], variations: &[Variation]) -> Vec<Case> {
 
 /// The plan of a case: the text's plan with what the case sets.
 pub fn plan_of(text: &str, case: &Case) -> Result<Plan, Error> {
-    if case.set.is_empty() {
-        let mut plan: Plan = common::parse(text)?;
-        plan.seed = case.seed.unwrap_or(plan.seed);
-        return Ok(plan);
-    }
-    let mut plan: Value = common::parse(text)?;
-    for (path, value) in &case.set {
-        *place(&mut plan, path)? = value.clone();
-    }
-    let mut plan: Plan = common::parse(&plan.to_string())?;
+    let mut plan = if case.set.is_empty() {
+        Plan::parse(text)?
+    } else {
+        let mut plan: Value = common::parse(text)?;
+        for (path, value) in &case.set {
+            *place(&mut plan, path)? = value.clone();
+        }
+        Plan::parse(&plan.to_string())?
+    };
     plan.seed = case.seed.unwrap_or(plan.seed);
     Ok(plan)
 }

@@ -1,14 +1,15 @@
 use common::{Axis, Calibration, Error, Matrix3x3, Model, PerAxis};
 use noise::Stream;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
 use crate::differential::DifferentialTruth;
 use crate::plan::{Plan, Profile};
 
 /// What is true behind a simulated document. It goes to a file of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Truth {
     /// Format version, 1.
     pub fluxcal: u64,
@@ -39,8 +40,21 @@ pub struct Truth {
     pub orientations: Vec<TrueOrientation>,
 }
 
+impl Truth {
+    /// As JSON that people read, one key on a line.
+    pub fn to_text(&self) -> String {
+        common::to_text(self)
+    }
+
+    /// As JSON on one line.
+    pub fn to_line(&self) -> String {
+        common::to_line(self)
+    }
+}
+
 /// The true orientation of a recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct TrueOrientation {
     /// The recording.
     pub recording: String,
@@ -49,7 +63,8 @@ pub struct TrueOrientation {
 }
 
 /// How far a sensor's offset had wandered at a recording.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Wander {
     /// The recording.
     pub recording: String,
@@ -58,7 +73,8 @@ pub struct Wander {
 }
 
 /// What resistors and voltmeter truly are, the same through the campaign.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Electrical {
     /// True resistances, ohm.
     pub resistor_ohm: PerAxis<f64>,
@@ -102,24 +118,9 @@ impl Electrical {
 
 /// What is stated, with what the truth says otherwise, key by key.
 pub fn true_calibration(plan: &Plan) -> Result<Calibration, Error> {
-    fn merge(stated: &mut Value, truth: Value) {
-        match (stated, truth) {
-            (Value::Object(stated), Value::Object(truth)) => {
-                for (key, value) in truth {
-                    merge(stated.entry(key).or_insert(Value::Null), value);
-                }
-            }
-            (stated, truth) => *stated = truth,
-        }
-    }
-    let wrong =
-        |error: serde_json::Error| Error::document("truth.calibration", error.to_string(), "a calibration");
-    let mut merged = serde_json::to_value(plan.calibration.clone().unwrap_or_default()).map_err(wrong)?;
-    merge(
-        &mut merged,
-        serde_json::to_value(plan.truth.calibration.clone().unwrap_or_default()).map_err(wrong)?,
-    );
-    let mut calibration: Calibration = serde_json::from_value(merged).map_err(wrong)?;
+    let stated = plan.calibration.clone().unwrap_or_default();
+    let truth = plan.truth.calibration.clone().unwrap_or_default();
+    let mut calibration = stated.overlaid(&truth, "truth.calibration")?;
     if let Some(differential) = &plan.truth.differential {
         calibration.differential = Some(differential.calibration()?);
     }

@@ -1,4 +1,22 @@
-//! Whether intervals hold as often as is said.
+//! Whether intervals hold as often as is said, and how many cases are looked at.
+
+use std::env;
+
+/// How many campaigns a test of coverage makes: FLUXCAL_CAMPAIGNS, or as many as `usual` in a run of all tests.
+pub fn campaigns(usual: u64) -> u64 {
+    number("FLUXCAL_CAMPAIGNS").unwrap_or(usual)
+}
+
+/// Every `step`-th of the cases, or all with FLUXCAL_CASES=all: a long test's small version in a run of all tests.
+pub fn some<T>(cases: Vec<T>, step: usize) -> Vec<T> {
+    let step = if env::var("FLUXCAL_CASES").is_ok_and(|which| which == "all") { 1 } else { step };
+    cases.into_iter().step_by(step).collect()
+}
+
+fn number(variable: &str) -> Option<u64> {
+    let text = env::var(variable).ok()?;
+    Some(text.parse().unwrap_or_else(|_| panic!("{variable}={text}; expected a whole number")))
+}
 
 /// Tests that fail by chance do so in this share of their runs.
 const CHANCE: f64 = 0.01;

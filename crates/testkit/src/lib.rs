@@ -14,7 +14,7 @@ mod jacobian;
 
 pub use beside::beside;
 pub use binary::{Run, run, run_in};
-pub use coverage::agrees;
+pub use coverage::{agrees, campaigns, some};
 pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};

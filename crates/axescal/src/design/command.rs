@@ -1,9 +1,10 @@
 //! The command `axescal design`: its arguments, the candidates, JSON and table out.
 
 use clap::Args;
-use common::{Axis, Matrix3x3, pipe};
+use common::{Axis, Matrix3x3};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
+use program::{number, pipe};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -21,16 +22,16 @@ pub struct Arguments {
     #[arg(long, default_value = "cube")]
     candidates: String,
     /// Noise of one reading, site and instrument, nT
-    #[arg(long, default_value_t = 1.0)]
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true, value_parser = number::not_negative)]
     noise_nt: f64,
     /// Width of one code of the converter, nT
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative)]
     quantisation_nt: f64,
     /// Field of the driven coil, nT
-    #[arg(long, default_value_t = 50_000.0)]
+    #[arg(long, default_value_t = 50_000.0, allow_negative_numbers = true, value_parser = number::positive)]
     drive_nt: f64,
     /// Standard uncertainty of the orientation about each axis, arcsec
-    #[arg(long, default_value_t = 0.0)]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true, value_parser = number::not_negative)]
     theodolite_arcsec: f64,
     /// Largest number in the table; at least one more than is chosen
     #[arg(long, default_value_t = 6)]

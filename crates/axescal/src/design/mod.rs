@@ -14,14 +14,13 @@ use common::Matrix3x3;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use physics::frames::{self, ARCSEC, tangents};
 use physics::reading;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use search::{Field, Scored};
 
 /// Errors of one reading and of one orientation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorModel {
     /// Noise of one reading, nT.
     pub noise_nt: f64,
@@ -34,7 +33,7 @@ pub struct ErrorModel {
 }
 
 /// The best orientations and what others would give.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Design {
     /// What the readings err by.
     pub error_model: ErrorModel,
@@ -52,7 +51,7 @@ pub struct Design {
 }
 
 /// What one more orientation would buy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OneMore {
     /// R of the orientation to add.
     pub orientation: Matrix3x3,
@@ -61,7 +60,7 @@ pub struct OneMore {
 }
 
 /// The best set of one size.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Number of orientations.
     pub number: usize,

@@ -1,3 +1,4 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,8 @@ use crate::{Extra, Quantity};
 ///
 /// A `std` is such that value ± 1.96 std is the 95 % interval of Student's t with the degrees of freedom that the noise is
 /// known with.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Drift {
     /// What the readings demand. The straight part is always in the fit that the matrix is from, the exponential one only
@@ -27,19 +29,23 @@ pub struct Drift {
     /// Both parts as the source has it: matrix and drift by least squares in turn until they stand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iteration: Option<IteratedDrift>,
-    /// Over a day after the recording.
-    pub per_day: DriftChange,
+    /// Over a day after the recording. Absent where the statistics of pieces do not show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_day: Option<DriftChange>,
     /// Over a month of 30.4375 days.
-    pub per_month: DriftChange,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_month: Option<DriftChange>,
     /// Over a year of 365.25 days.
-    pub per_year: DriftChange,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_year: Option<DriftChange>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
 }
 
 /// Which drift there is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DriftForm {
     /// None that noise alone would not show as often.
@@ -54,7 +60,8 @@ pub enum DriftForm {
 }
 
 /// The joint fit: τ is the one unknown that is not linear.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct JointDrift {
     /// What the reference's x, y, z give to this axis, nT/nT.
     pub eta: [Quantity; 3],
@@ -74,7 +81,8 @@ pub struct JointDrift {
 }
 
 /// The source's way: η by least squares, the drift by least squares to T − R η, taken from T, again.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct IteratedDrift {
     /// Rounds until a further one moved the drift by less than 1e-9 of the difference.
     pub rounds: usize,
@@ -93,7 +101,8 @@ pub struct IteratedDrift {
 }
 
 /// How much d changes over a span that begins where the recording ends.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DriftChange {
     /// By the drift of the fit that the matrix is from, nT.

@@ -1,11 +1,13 @@
 use indexmap::IndexMap;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
 
 /// One of two magnetometers side by side.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Magnetometer {
     /// The one that is trusted.
@@ -16,7 +18,8 @@ pub enum Magnetometer {
 }
 
 /// Five values of one of two magnetometers that are known beforehand; those that are absent are 0 and 1, and exact.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct KnownInstrument {
     /// Whose they are.
@@ -33,7 +36,8 @@ pub struct KnownInstrument {
 }
 
 /// The fourteen parameters of two magnetometers side by side (DIFF), of which five are known.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct FourteenParameters {
     /// Whose five were known.
@@ -59,7 +63,8 @@ pub struct FourteenParameters {
 }
 
 /// An angle as people read it and as calibrations state it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Angle {
     /// The angle, deg.

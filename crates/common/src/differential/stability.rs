@@ -1,10 +1,12 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Matrix3x3, PerAxis, Quantity};
 
 /// Whether the matrix η holds still.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct MatrixStability {
     /// In time.
@@ -23,7 +25,8 @@ pub struct MatrixStability {
 
 /// Whether several estimates of η are one. The share that noise of the reference may have in the difference biases each of
 /// them in another way; it is fitted with them, between none and all.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OneMatrix {
     /// Probability of estimates that lie as far apart by chance, all axes of the test instrument together.
     pub p: f64,
@@ -32,7 +35,8 @@ pub struct OneMatrix {
 }
 
 /// A sum of squares and what chance makes of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ChiSquared {
     /// χ².
     pub chi_squared: f64,
@@ -43,7 +47,8 @@ pub struct ChiSquared {
 }
 
 /// One estimate of η.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MatrixEstimate {
     /// η as in `calibration.differential.matrix`.
     pub matrix: Matrix3x3,
@@ -54,7 +59,8 @@ pub struct MatrixEstimate {
 }
 
 /// η in windows of equal length.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MatrixWindows {
     /// The windows, each with a level and a straight drift of its own.
     pub windows: Vec<MatrixWindow>,
@@ -71,7 +77,8 @@ pub struct MatrixWindows {
 }
 
 /// η in one window.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MatrixWindow {
     /// Time of its first sample, s.
     pub from_s: f64,
@@ -88,7 +95,8 @@ pub struct MatrixWindow {
 }
 
 /// How an element differs after a moment from before.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ElementChange {
     /// `xz` from the reference's x to the test's z.
     pub element: String,
@@ -101,7 +109,8 @@ pub struct ElementChange {
 }
 
 /// η from times in which the field varies little and much.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct QuietDisturbed {
     /// Length of the stretches that are ranked by the rms of the first differences of the reference, s.
     pub stretch_s: f64,
@@ -121,7 +130,8 @@ pub struct QuietDisturbed {
 }
 
 /// η from variations within certain times.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct MatrixOfTimes {
     /// From and to, s; neighbouring stretches joined.
     pub times_s: Vec<[f64; 2]>,
@@ -132,7 +142,8 @@ pub struct MatrixOfTimes {
 }
 
 /// T = R Z(f): the matrix as a transfer function, in bands.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct TransferBands {
     /// The bands, long periods first.
     pub bands: Vec<TransferBand>,
@@ -148,7 +159,8 @@ pub struct TransferBands {
 }
 
 /// Phases of Z as a clock offset.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct PhaseClock {
     /// Positive where the test instrument's times are late, s.
     pub offset_s: Quantity,
@@ -157,7 +169,8 @@ pub struct PhaseClock {
 }
 
 /// Z in one band.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct TransferBand {
     /// Shortest period, s.
     pub from_period_s: f64,
@@ -180,7 +193,8 @@ pub struct TransferBand {
 }
 
 /// One axis of the test instrument in one band.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct BandAxis {
     /// Share of its power that the reference explains: the multiple coherence.
     pub coherence: f64,

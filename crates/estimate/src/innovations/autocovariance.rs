@@ -1,7 +1,6 @@
 //! Autocovariance of stationary noise from its density.
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 use crate::Error;
 
@@ -90,7 +89,7 @@ fn sampled(
 fn transformed(power: &mut [Complex<f64>], lags: usize) -> Vec<f64> {
     let points = 2 * (power.len() - 1);
     let mut values = vec![0.0; points];
-    let transform = RealFftPlanner::<f64>::new().plan_fft_inverse(points);
+    let transform = fourier::inverse(points);
     transform.process(power, &mut values).expect("buffers of the plan's lengths, real ends");
     values.truncate(lags);
     values

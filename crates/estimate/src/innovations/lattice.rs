@@ -1,8 +1,6 @@
 //! Innovations of an even stationary series by its reflection coefficients, without a matrix.
 
-use realfft::num_complex::Complex;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
-use std::sync::Arc;
+use fourier::{Complex, Forward, Inverse, Planner};
 
 use crate::Error;
 
@@ -29,8 +27,8 @@ pub(super) struct Lattice {
 /// Windows of one length: twice `half`.
 struct Level {
     half: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
+    forward: Forward,
+    inverse: Inverse,
     /// The first half of each window's steps.
     transfers: Vec<Transfer>,
 }
@@ -57,13 +55,13 @@ impl Lattice {
     /// Anal. Appl. 9 (1988) 61–76.
     pub(super) fn of(lags: &[f64]) -> Result<Self, Error> {
         let rows = lags.len();
-        let mut planner = RealFftPlanner::<f64>::new();
+        let mut planner = Planner::new();
         let mut levels = Vec::new();
         let mut length = BASE;
         while length < rows {
             let half = length;
             length *= 2;
-            let (forward, inverse) = (planner.plan_fft_forward(length), planner.plan_fft_inverse(length));
+            let (forward, inverse) = (planner.forward(length), planner.inverse(length));
             levels.push(Level { half, forward, inverse, transfers: Vec::new() });
         }
         let mut lattice =
@@ -224,21 +222,11 @@ impl Level {
     }
 }
 
-fn forward(
-    plan: &Arc<dyn RealToComplex<f64>>,
-    input: &mut [f64],
-    output: &mut [Complex<f64>],
-    scratch: &mut [Complex<f64>],
-) {
+fn forward(plan: &Forward, input: &mut [f64], output: &mut [Complex<f64>], scratch: &mut [Complex<f64>]) {
     plan.process_with_scratch(input, output, scratch).expect("buffers of the plan's lengths");
 }
 
-fn inverse(
-    plan: &Arc<dyn ComplexToReal<f64>>,
-    input: &mut [Complex<f64>],
-    output: &mut [f64],
-    scratch: &mut [Complex<f64>],
-) {
+fn inverse(plan: &Inverse, input: &mut [Complex<f64>], output: &mut [f64], scratch: &mut [Complex<f64>]) {
     plan.process_with_scratch(input, output, scratch).expect("buffers of the plan's lengths, real ends");
 }
 

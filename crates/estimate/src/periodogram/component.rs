@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 use super::level::Level;
 

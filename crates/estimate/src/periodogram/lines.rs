@@ -1,6 +1,6 @@
 //! Spectral lines of a periodogram: found, fitted by sines, subtracted.
 
-use realfft::num_complex::Complex;
+use fourier::Complex;
 
 use super::component::Component;
 use super::level::Level;

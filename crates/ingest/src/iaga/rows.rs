@@ -4,6 +4,7 @@ use super::header::Header;
 use crate::Error;
 use crate::clock::{self, DAY_NS};
 use crate::error::quoted;
+use crate::fill;
 use crate::number;
 use crate::parts::{Room, RowFault, Rows, in_parts};
 use crate::text::{Source, split_line};
@@ -29,25 +30,9 @@ pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: b
     if !data.ends_with(b"\n") {
         parser.check_end(data, &rows).map_err(|fault| fault.of(source))?;
     }
-    let not_observed = rows.columns.iter_mut().map(|values| without_sentinels(values)).collect();
+    let not_observed =
+        rows.columns.iter_mut().map(|values| fill::without(values, true).not_observed).collect();
     Ok(Data { rows, not_observed })
-}
-
-/// Makes 99999 (missing) and 88888 (not observed) missing, whatever the decimals: files write .00, .90 and .99, and no field on Earth
-/// is so strong. Gives how many were 88888.
-fn without_sentinels(values: &mut [f64]) -> usize {
-    let mut not_observed = 0;
-    for value in values {
-        match value.abs().trunc() {
-            88_888.0 | 888_888.0 => {
-                *value = f64::NAN;
-                not_observed += 1;
-            }
-            99_999.0 | 999_999.0 => *value = f64::NAN,
-            _ => {}
-        }
-    }
-    not_observed
 }
 
 struct Parser<'a> {
@@ -195,17 +180,4 @@ fn trimmed(line: &[u8]) -> &[u8] {
 fn word(text: &[u8]) -> (&[u8], &[u8]) {
     let text = text.trim_ascii_start();
     text.split_at(text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len()))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sentinels_with_any_decimals() {
-        let mut values = [99_999.0, 99_999.9, 99_999.99, 88_888.0, 88_888.88, -99_999.0, 48_520.3, 888_888.0];
-        assert_eq!(without_sentinels(&mut values), 3);
-        assert_eq!(values.iter().filter(|value| value.is_nan()).count(), 7);
-        assert_eq!(values[6], 48_520.3);
-    }
 }

@@ -1,10 +1,12 @@
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use common::{Error, Matrix3x3};
 
 /// What an instrument must do, and how it is decided whether it does.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
     /// Format version, 1.
@@ -16,7 +18,7 @@ pub struct Spec {
     pub source: Option<String>,
     /// Guard band in standard uncertainties, for a limit that can be missed on one side: 1.645 is 95 %.
     #[serde(default = "one_sided_95")]
-    #[schemars(range(min = 0.0))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub guard_factor: f64,
     /// The requirements, in the order of the certificate.
     pub requirements: Vec<Requirement>,
@@ -27,7 +29,8 @@ fn one_sided_95() -> f64 {
 }
 
 /// One requirement. Which conditions belong to it depends on its kind; others are refused.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Requirement {
     /// What is required.
@@ -66,7 +69,8 @@ pub struct Requirement {
 }
 
 /// What can be required; the unit of the limit ends the name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// How far the angle between two sensors may be from 90°.
@@ -92,7 +96,8 @@ pub enum Kind {
 }
 
 /// A range of temperatures, degC.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "[lowest, highest] in degC, or \"calibrated\"")]
 pub enum Temperatures {
     /// Lowest and highest.
@@ -102,7 +107,8 @@ pub enum Temperatures {
 }
 
 /// The word for what the calibration went through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Calibrated {
     /// The range of the temperature run.

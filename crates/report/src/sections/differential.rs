@@ -151,6 +151,7 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
         for (span, change) in
             [("day", &drift.per_day), ("month", &drift.per_month), ("year", &drift.per_year)]
         {
+            let Some(change) = change else { continue };
             let [from, to] = change.interval_nt;
             changes.row([
                 axis.letter().into(),

@@ -2,6 +2,7 @@ use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, procedure};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
 use physics::frames::{self, ARCSEC};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -11,7 +12,8 @@ use crate::planned::{Planned, Reads, Rows};
 
 /// Turn the block through orientations and drive the coils in each: what the report's MAGSIM (one sensor, one coil) and
 /// NEWSIM (three of each) did, with errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AxesProcedure {
     /// Beginning of the recordings' ids.
@@ -41,7 +43,8 @@ pub struct AxesProcedure {
 }
 
 /// A sinusoidal drive of all coils in phase (NASA, "Errors in Magnetic Axis Orientation").
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AcDrive {
     /// Frequency, Hz.
@@ -56,7 +59,8 @@ pub struct AcDrive {
 }
 
 /// Orientations by name or one by one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations")]
 pub enum Orientations {
     /// `cube` (24), `nasa_table_3` (7) or `nasa_figure_9` (its first four).
@@ -66,7 +70,8 @@ pub enum Orientations {
 }
 
 /// A drive by name or as a vector.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "\"x\", \"-x\", \"zero\", or [x, y, z] in nT")]
 pub enum Drive {
     /// `x`, `-x`, … at the procedure's field, or `zero`.

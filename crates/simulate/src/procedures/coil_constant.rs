@@ -1,4 +1,5 @@
 use common::{Axis, Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::planned::{Planned, Rows};
 
 /// Field of one coil against its current, by the scalar magnetometer: from the smallest field that it reads to the
 /// largest of the coil in steps, the same with the current reversed, ten readings of each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CoilConstantProcedure {
     /// The recording's id.

@@ -1,4 +1,5 @@
 use common::{Axis, Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::planned::{Planned, Rows};
 
 /// Field of one coil along its axis at the largest drive, by the scalar magnetometer: every 6 inches across the 3 feet of
 /// the test volume.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CoilGradientProcedure {
     /// The recording's id.

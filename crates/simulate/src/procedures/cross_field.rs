@@ -1,4 +1,5 @@
 use common::{Axis, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,8 @@ use crate::planned::{Planned, Reads, Rows};
 
 /// Sensitivity and offset of each sensor with a constant field across it: 0 and ±60 000 nT, or −60 000 to 60 000 nT in
 /// steps of 20 000, on each of the two other coils.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CrossFieldProcedure {
     /// Beginning of the recordings' ids.

@@ -1,4 +1,5 @@
 use common::{Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,8 @@ use crate::bench::{Bench, positive, samples};
 use crate::planned::{Planned, Reads, Rows, Surroundings};
 
 /// A reference and a test magnetometer side by side in the natural field: a month at one sample a minute.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DifferentialProcedure {
     /// The recording's id.

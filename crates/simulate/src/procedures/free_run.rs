@@ -1,5 +1,6 @@
 use common::{Axis, Columns, Conditions, Error, Recording, procedure};
 use nalgebra::Vector3;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::bench::Bench;
 use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
 
 /// A recording with columns of its own; the readings are added.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FreeRun {
     /// The recording's id.

@@ -25,6 +25,7 @@ pub use sensor_noise::{NoiseProcedure, NoiseSeries};
 pub use temperature::TemperatureProcedure;
 
 use common::Error;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +33,8 @@ use crate::bench::Bench;
 use crate::planned::Planned;
 
 /// One procedure of a plan.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(tag = "procedure", rename_all = "snake_case")]
 pub enum Procedure {
     /// Field of a coil against its current.

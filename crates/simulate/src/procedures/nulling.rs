@@ -1,4 +1,5 @@
 use common::{Axis, Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +10,8 @@ use crate::planned::{Begins, Planned, Reads, Rows};
 
 /// What the nulling leaves at the coils' centre: in each condition of the site 8 hours at 0.2 Hz, one hour at 2 Hz and one
 /// minute at 128 Hz.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NullingProcedure {
     /// Beginning of the recordings' ids.
@@ -29,7 +31,8 @@ pub struct NullingProcedure {
 }
 
 /// A series at an even rate.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NullingSeries {
     /// Length, s.

@@ -1,4 +1,5 @@
 use common::{Axis, Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::planned::{Begins, Planned, Reads, Rows, Step, Surroundings};
 
 /// Offset of each sensor in a shield, turned by 180° again and again: + − − + + − − + …, so that a drift of the shield's
 /// field falls out of each pair of pairs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReversalProcedure {
     /// Beginning of the recordings' ids.
@@ -25,7 +27,8 @@ pub struct ReversalProcedure {
 }
 
 /// Reversals at dates: once a week for a year.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DriftProcedure {
     /// Beginning of the recordings' ids.

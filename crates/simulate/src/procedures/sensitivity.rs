@@ -1,4 +1,5 @@
 use common::{Axis, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +8,8 @@ use crate::bench::{Aligned, Bench, deviation, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows};
 
 /// Readings of each sensor, turned along a coil, against the coil's field: 101 steps of 1 000 nT over ±50 000 nT.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityProcedure {
     /// Beginning of the recordings' ids.

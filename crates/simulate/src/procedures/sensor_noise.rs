@@ -1,4 +1,5 @@
 use common::{Axis, Conditions, Error, procedure};
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +9,8 @@ use crate::bench::{Bench, filled, positive, samples};
 use crate::planned::{Planned, Reads, Rows, Surroundings};
 
 /// Noise of the sensors in a shield: a day at 60 s, an hour at 1 s, a minute at 10 ms.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NoiseProcedure {
     /// Beginning of the recordings' ids.
@@ -25,7 +27,8 @@ pub struct NoiseProcedure {
 }
 
 /// A series at even steps.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct NoiseSeries {
     /// Length, s.

@@ -1,5 +1,6 @@
 use common::{Axis, Error, procedure};
 use nalgebra::Vector3;
+#[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +11,8 @@ use crate::planned::{Planned, Reads, Rows, Step};
 
 /// Sensitivity and offset at ΔT = 0, 5, 15, 30 and back, then −5, −15, −30 and back: of the sensor with the electronics
 /// at its nominal temperature, then of the electronics with the sensor at its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TemperatureProcedure {
     /// Beginning of the recordings' ids.
@@ -45,7 +47,8 @@ pub struct TemperatureProcedure {
 }
 
 /// What is heated and cooled.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum HeatedPart {
     /// The sensors.

@@ -137,14 +137,18 @@ impl Writer {
     }
 }
 
-/// A hidden file in the same folder, with the permissions that a new file has.
+/// A hidden file in the same folder, with the permissions of the one it replaces, else those that a new file has.
 fn create_beside(real: &Path) -> std::io::Result<NamedTempFile> {
     let folder = real.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".").suffix(".part");
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder)
+    let file = builder.tempfile_in(folder)?;
+    if let Ok(existing) = fs::metadata(real) {
+        file.as_file().set_permissions(existing.permissions())?;
+    }
+    Ok(file)
 }
 
 fn check_names(name: &str, columns: &[&str]) -> Result<(), Error> {

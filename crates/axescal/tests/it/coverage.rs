@@ -1,0 +1,286 @@
+//! Coverage: each 95 % interval holds the truth in 95 % of simulated campaigns.
+//!
+//! A small version runs with the tests. The proof is
+//! `FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test it coverage:: -- --nocapture`,
+//! which prints the coverage of every parameter and asks for 93 to 97 % of each.
+
+use axescal::Options;
+use common::{AxesCalibration, AxesDirections, Axis, Quantity};
+use nalgebra::{Matrix3, Vector3};
+use physics::frames::{ARCSEC, matrix, small_rotation};
+use rand::SeedableRng;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use std::collections::BTreeMap;
+
+/// How often each interval held the truth.
+#[derive(Default)]
+struct Tally(BTreeMap<String, (usize, usize)>);
+
+impl Tally {
+    fn add(&mut self, name: String, inside: bool) {
+        let entry = self.0.entry(name).or_default();
+        entry.0 += usize::from(inside);
+        entry.1 += 1;
+    }
+
+    fn quantity(&mut self, name: String, found: &Quantity, truth: f64, factor: f64) {
+        let half = factor * found.std().expect("an uncertainty");
+        self.add(name, (found.value() - truth).abs() <= half);
+    }
+
+    /// Prints all, and fails where a share is outside what chance allows.
+    fn judge(&self, title: &str, campaigns: usize) {
+        let (mut inside, mut total) = (0, 0);
+        println!("{title}: {campaigns} campaigns");
+        let mut outside = Vec::new();
+        // In the full proof 93 to 97 %. With fewer campaigns one of some 200 intervals leaves that range by chance: there,
+        // what a binomial allows with probability 1 − 1e-6.
+        let allowed = if campaigns >= 5000 { 0.02 } else { 4.9 * (0.95 * 0.05 / campaigns as f64).sqrt() };
+        for (name, (hits, tries)) in &self.0 {
+            let share = *hits as f64 / *tries as f64;
+            println!("  {name:<40} {:.1} %", 100.0 * share);
+            if (share - 0.95).abs() > allowed {
+                outside.push(format!("{name}: {:.1} %", 100.0 * share));
+            }
+            inside += hits;
+            total += tries;
+        }
+        let share = inside as f64 / total as f64;
+        println!("  all together {:.2} % of {total} intervals", 100.0 * share);
+        assert!(outside.is_empty(), "{title}: {outside:?}");
+        assert!((share - 0.95).abs() < 0.02, "{title}: all together {share}");
+    }
+}
+
+fn campaigns() -> usize {
+    testkit::campaigns(30) as usize
+}
+
+/// Directions within about half a degree of `nominal`, constants and offsets off by what their uncertainty says.
+fn draw(plan: &simulate::Plan, campaign: usize) -> simulate::Plan {
+    let mut generator = ChaCha8Rng::seed_from_u64(0x0C0FFEE ^ campaign as u64);
+    let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };
+    let mut plan = plan.clone();
+    plan.seed = campaign as u64;
+    let mut truth = plan.calibration.clone().expect("constants");
+    let mut vary = |quantity: &mut Option<Quantity>| {
+        if let Some(known) = quantity {
+            *known = Quantity::Bare(known.value() + normal() * known.std().unwrap_or(0.0));
+        }
+    };
+    for axis in Axis::ALL {
+        if let Some(coil) = truth.coils.as_mut().and_then(|coils| coils.entry(axis).as_mut()) {
+            vary(&mut coil.constant_nt_per_a);
+            // Beside a stated residual field, the coils' offsets are part of what nulling leaves.
+            if plan.facility.as_ref().is_some_and(|facility| facility.residual_field_std_nt.is_some()) {
+                vary(&mut coil.offset_nt);
+            }
+        }
+        if let Some(sensor) = truth.sensors.as_mut().and_then(|sensors| sensors.entry(axis).as_mut()) {
+            vary(&mut sensor.sensitivity_nt_per_v);
+            vary(&mut sensor.offset_nt);
+        }
+    }
+    let tilted = |normal: &mut dyn FnMut() -> f64| {
+        let columns = [0, 1, 2].map(|k| {
+            let turn = Vector3::from_fn(|_, _| normal() * 0.01);
+            small_rotation(&turn) * Vector3::ith(k, 1.0)
+        });
+        physics::frames::rows(&Matrix3::from_columns(&columns))
+    };
+    let part = |rows| Some(AxesDirections { matrix: Some(rows), ..AxesDirections::default() });
+    truth.axes = Some(AxesCalibration {
+        sensors: part(tilted(&mut normal)),
+        coils: part(tilted(&mut normal)),
+        ..Default::default()
+    });
+    plan.truth.calibration = Some(truth);
+    if let Some(std) = plan.facility.as_ref().and_then(|facility| facility.residual_field_std_nt) {
+        plan.truth.residual_field_nt =
+            Some(Axis::ALL.into_iter().map(|axis| (axis, normal() * std)).collect());
+    }
+    plan
+}
+
+fn directions(tally: &mut Tally, name: &str, found: &AxesDirections, truth: &AxesDirections, factor: f64) {
+    let (rows, true_rows) = (found.matrix.expect("a matrix"), truth.matrix.expect("a matrix"));
+    let covariance = found.covariance.as_ref().expect("a covariance");
+    for i in 0..3 {
+        for j in (0..3).filter(|j| *j != i) {
+            let std = covariance[3 * j + i][3 * j + i].sqrt();
+            tally.quantity(
+                format!("{name}[{i}][{j}]"),
+                &Quantity::new(rows[i][j], std),
+                true_rows[i][j],
+                factor,
+            );
+        }
+    }
+    let columns = matrix(&true_rows);
+    for (pair, [a, b]) in [("xy", [0, 1]), ("yz", [1, 2]), ("xz", [0, 2])] {
+        let angle = columns.column(a).dot(&columns.column(b)).asin() / ARCSEC;
+        let all = found.non_orthogonality_arcsec.as_ref().expect("angles");
+        tally.quantity(format!("{name} off orthogonal {pair}"), &all[pair], angle, factor);
+    }
+}
+
+fn run(title: &str, plan: simulate::Plan, options: &Options) {
+    let mut tally = Tally::default();
+    for campaign in 0..campaigns() {
+        let plan = draw(&plan, campaign);
+        let simulate::Campaign { document, truth } = simulate::campaign(&plan).expect("simulated");
+        let stated = document.clone();
+        let document = axescal::run(document, options).expect("directions");
+        let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
+        let true_axes = truth.calibration.axes.as_ref().expect("true axes");
+        let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
+        let pair = |part: &Option<AxesDirections>| part.clone().expect("directions");
+        directions(&mut tally, "sensors", &pair(&axes.sensors), &pair(&true_axes.sensors), factor);
+        directions(&mut tally, "coils", &pair(&axes.coils), &pair(&true_axes.coils), factor);
+        if let Some(field) = &axes.residual_field_nt {
+            for (axis, value) in field.iter() {
+                tally.quantity(
+                    format!("residual field {axis}"),
+                    value,
+                    truth.residual_field_nt[axis.index()],
+                    factor,
+                );
+            }
+        }
+        if let Some(offsets) = &axes.offsets_nt {
+            let of = |calibration: &Option<common::Calibration>, axis: Axis| {
+                let sensors = calibration.as_ref().and_then(|c| c.sensors.as_ref()).expect("sensors");
+                sensors.get(axis).and_then(|s| s.offset_nt.as_ref()).map_or(0.0, Quantity::value)
+            };
+            for (axis, value) in offsets.iter() {
+                let difference = of(&Some(truth.calibration.clone()), axis) - of(&stated.calibration, axis);
+                tally.quantity(format!("offset {axis}"), value, difference, factor);
+            }
+        }
+        for (number, orientation) in axes.orientations.iter().enumerate() {
+            let Some(correction) = &orientation.correction_arcsec else { continue };
+            let recording =
+                stated.recordings.iter().find(|r| r.id == orientation.recordings[0]).expect("there");
+            let references = physics::References::default();
+            let given = physics::Context::new(&stated, recording, references)
+                .expect("a context")
+                .orientation
+                .rotation;
+            let true_rotation =
+                truth.orientations.iter().find(|o| o.recording == recording.id).expect("there");
+            let turn = nalgebra::Rotation3::from_matrix_unchecked(
+                matrix(&true_rotation.orientation) * given.transpose(),
+            )
+            .scaled_axis();
+            for (axis, value) in correction.iter() {
+                let name = format!("orientation {} about {axis}", number + 1);
+                tally.quantity(name, value, turn[axis.index()] / ARCSEC, factor);
+            }
+        }
+        if let Some(scales) = &axes.scales {
+            let relative = |part: fn(&common::Calibration, Axis) -> Option<Quantity>, axis: Axis| {
+                let of =
+                    |calibration: &common::Calibration| part(calibration, axis).expect("a constant").value();
+                (of(&truth.calibration) / of(stated.calibration.as_ref().expect("constants"))).ln()
+            };
+            let sensor = |c: &common::Calibration, axis: Axis| {
+                c.sensors.as_ref()?.get(axis)?.sensitivity_nt_per_v.clone()
+            };
+            let coil =
+                |c: &common::Calibration, axis: Axis| c.coils.as_ref()?.get(axis)?.constant_nt_per_a.clone();
+            // A reading is larger when the true sensitivity in nT/V is smaller.
+            let logs =
+                [Axis::ALL.map(|axis| -relative(sensor, axis)), Axis::ALL.map(|axis| relative(coil, axis))];
+            for (kind, (found, logs)) in
+                ["sensor", "coil"].iter().zip([&scales.sensors, &scales.coils].iter().zip(logs))
+            {
+                let mean = logs.iter().sum::<f64>() / 3.0;
+                for (axis, scale) in found.iter() {
+                    let value = Quantity::new(scale.value, scale.std);
+                    tally.quantity(
+                        format!("scale of {kind} {axis}"),
+                        &value,
+                        (logs[axis.index()] - mean).exp(),
+                        factor,
+                    );
+                }
+            }
+        }
+    }
+    tally.judge(title, campaigns());
+}
+
+fn plan() -> simulate::Plan {
+    simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan")
+}
+
+fn axes_procedure(plan: &mut simulate::Plan) -> &mut simulate::AxesProcedure {
+    match &mut plan.procedures[0] {
+        simulate::Procedure::AxesOrientation(axes) => axes,
+        _ => panic!("the plan begins with the axes"),
+    }
+}
+
+#[test]
+fn noise_of_1_nt_and_theodolites_of_1_arcsec() {
+    run("1 nT, 1\" theodolites read as angles", plan(), &Options::default());
+}
+
+#[test]
+fn noise_from_the_residuals() {
+    undeclared("1 nT undeclared, 1\" theodolites as matrices", &Options::default());
+}
+
+#[test]
+fn robust_with_noise_from_the_residuals() {
+    undeclared("robust, 1 nT undeclared", &Options { robust: true, ..Options::default() });
+}
+
+/// The document does not state the noise, the recordings have it.
+fn undeclared(title: &str, options: &Options) {
+    let mut plan = plan();
+    let instrument = plan.instrument.as_mut().expect("an instrument");
+    let noise = instrument.noise.take();
+    axes_procedure(&mut plan).theodolite_angles = false;
+    let stated = plan.clone();
+    let mut tally = Tally::default();
+    for campaign in 0..campaigns() {
+        let mut plan = draw(&stated, campaign);
+        plan.instrument.as_mut().expect("an instrument").noise = noise.clone();
+        let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+        document.instrument.as_mut().expect("an instrument").noise = None;
+        let document = axescal::run(document, options).expect("directions");
+        let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
+        assert_eq!(axes.fit.as_ref().expect("a fit").noise_source, "residuals");
+        let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
+        let true_axes = truth.calibration.axes.expect("true axes");
+        let pair = |part: &Option<AxesDirections>| part.clone().expect("directions");
+        directions(&mut tally, "sensors", &pair(&axes.sensors), &pair(&true_axes.sensors), factor);
+        directions(&mut tally, "coils", &pair(&axes.coils), &pair(&true_axes.coils), factor);
+    }
+    tally.judge(title, campaigns());
+}
+
+#[test]
+fn free_scales() {
+    let mut plan = plan();
+    axes_procedure(&mut plan).drives.truncate(7);
+    run("free scales", plan, &Options { free_scales: true, ..Options::default() });
+}
+
+#[test]
+fn robust_where_nothing_is_wrong() {
+    run("robust", plan(), &Options { robust: true, ..Options::default() });
+}
+
+#[test]
+fn drives_in_one_sense_with_stated_offsets() {
+    let mut plan = plan();
+    axes_procedure(&mut plan)
+        .drives
+        .retain(|drive| matches!(drive, simulate::Drive::Named(name) if name.len() == 1));
+    // What nulling leaves is stated, and drawn anew in each campaign.
+    plan.facility.as_mut().expect("a facility").residual_field_std_nt = Some(0.2);
+    run("three drives in one sense", plan, &Options::default());
+}

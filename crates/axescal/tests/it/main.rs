@@ -1,0 +1,13 @@
+//! The integration tests of `axescal`: one program, a module for each subject.
+
+mod ac;
+mod bad_input;
+mod coverage;
+mod departures;
+mod golden;
+mod help;
+mod laws;
+mod nasa;
+mod pages;
+mod pipe;
+mod starts;

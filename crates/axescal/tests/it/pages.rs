@@ -1,0 +1,99 @@
+//! The commands of README and docs run as they stand, and print what the page shows.
+
+use std::fs;
+use std::os::unix::fs::symlink;
+use std::path::Path;
+use std::process::Command;
+
+/// A command of a page, and the lines that the page shows of what it prints.
+#[derive(Default)]
+struct Block {
+    command: String,
+    shown: Vec<String>,
+}
+
+/// The ```sh blocks of a page. Below each, up to the next, the page shows what it prints: in ```text blocks, or indented before
+/// any other word.
+fn blocks(page: &str) -> Vec<Block> {
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut fence: Option<&str> = None;
+    let mut below = false;
+    for line in page.lines() {
+        let text = line.trim();
+        match (fence, blocks.last_mut()) {
+            (None, _) if text == "```sh" => {
+                blocks.push(Block::default());
+                (fence, below) = (Some(text), true);
+            }
+            (None, _) if text.starts_with("```") => fence = Some(text),
+            (Some(_), _) if text == "```" => fence = None,
+            (Some("```sh"), Some(block)) => block.command += &format!("{line}\n"),
+            (Some("```text"), Some(block)) => block.shown.push(text.into()),
+            (None, Some(block)) if below && line.starts_with("    ") => block.shown.push(text.into()),
+            (None, _) => below &= text.is_empty(),
+            _ => {}
+        }
+    }
+    blocks
+}
+
+/// Whether a line of a page stands in what was printed. `…` stands for anything left out.
+fn stands_in(shown: &str, printed: &str) -> bool {
+    let parts: Vec<&str> = shown.split('…').map(str::trim).filter(|part| !part.is_empty()).collect();
+    parts.is_empty()
+        || printed.lines().any(|line| {
+            parts.iter().try_fold(line, |rest, part| rest.split_once(part).map(|(_, after)| after)).is_some()
+        })
+}
+
+/// Runs the commands of a page in a folder of its own.
+fn runs(page: &str) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
+    let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
+    for other in ["simulate", "ingest", "coilcal", "sensorcal", "diffmag", "diagnose", "correct", "report"] {
+        assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("target")).expect("a folder");
+    symlink(binaries, folder.path().join("target/release")).expect("a link");
+    symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
+    let mut run = 0;
+    for Block { command, shown } in blocks(&fs::read_to_string(root.join(page)).expect("a page")) {
+        // Building and testing is what runs this test.
+        let command = command.replace("cargo build --release && ", "");
+        if command.starts_with("cargo ") {
+            continue;
+        }
+        let output = Command::new("sh")
+            .args(["-e", "-c", &command])
+            .current_dir(folder.path())
+            .output()
+            .expect("a shell");
+        let printed =
+            [output.stderr, output.stdout].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+        let printed = printed.concat();
+        assert!(output.status.success(), "{page}: {command}{printed}");
+        let wrong: Vec<&String> = shown.iter().filter(|line| !stands_in(line, &printed)).collect();
+        assert!(wrong.is_empty(), "{page}: {command}does not print {wrong:#?} but\n{printed}");
+        run += 1;
+    }
+    assert!(run > 0, "{page}: no block ran");
+}
+
+macro_rules! pages {
+    ($($name:ident: $page:literal),+ $(,)?) => { $(#[test] fn $name() { runs($page); })+ };
+}
+
+pages! {
+    readme: "README.md",
+    document: "docs/document.md",
+    simulate: "docs/simulate.md",
+    ingest: "docs/ingest.md",
+    coilcal: "docs/coilcal.md",
+    sensorcal: "docs/sensorcal.md",
+    axescal: "docs/axescal.md",
+    diffmag: "docs/diffmag.md",
+    diagnose: "docs/diagnose.md",
+    correct: "docs/correct.md",
+    report: "docs/report.md",
+}

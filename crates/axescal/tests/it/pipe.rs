@@ -1,0 +1,199 @@
+//! The binaries in a pipe, as a person or a script would run them.
+
+use serde_json::Value;
+use std::fs;
+use std::process::{Command, Stdio};
+
+const AXESCAL: &str = env!("CARGO_BIN_EXE_axescal");
+
+fn nasa() -> String {
+    testkit::read_fixture("nasa-1977/table-4.json")
+}
+
+#[test]
+fn document_in_document_out() {
+    let run = testkit::run(AXESCAL, &[], &nasa());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let (before, after): (Value, Value) =
+        (serde_json::from_str(&nasa()).expect("JSON"), serde_json::from_str(&run.stdout).expect("JSON"));
+    for key in ["title", "instrument", "recordings"] {
+        assert_eq!(numbers(&before[key]), numbers(&after[key]), "{key} is changed");
+    }
+    assert_eq!(numbers(&before["calibration"]["coils"]), numbers(&after["calibration"]["coils"]));
+    let history = &after["history"][0];
+    assert_eq!(history["stage"], "axescal");
+    assert_eq!(history["input_sha256"].as_str().expect("a digest").len(), 64);
+    assert!(
+        run.stderr.contains("doubtful: orientation 4 (\"orientation-4\", row 0), coil x, sensor y"),
+        "{}",
+        run.stderr
+    );
+}
+
+/// The value with every number as f64: 1 and 1.0 are the same number.
+fn numbers(value: &Value) -> Value {
+    match value {
+        Value::Number(number) => Value::from(number.as_f64()),
+        Value::Array(list) => list.iter().map(numbers).collect(),
+        Value::Object(object) => object.iter().map(|(key, value)| (key.clone(), numbers(value))).collect(),
+        other => other.clone(),
+    }
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes_on_any_number_of_threads() {
+    let runs: Vec<String> = ["1", "2", "7"]
+        .iter()
+        .map(|threads| {
+            let output = Command::new(AXESCAL)
+                .args(["design", "--number", "5"])
+                .env("RAYON_NUM_THREADS", threads)
+                .output()
+                .expect("ran");
+            String::from_utf8(output.stdout).expect("UTF-8")
+        })
+        .collect();
+    assert!(runs[0].contains("worst_arcsec") && runs.iter().all(|run| *run == runs[0]));
+    let twice = [testkit::run(AXESCAL, &[], &nasa()).stdout, testkit::run(AXESCAL, &[], &nasa()).stdout];
+    assert_eq!(twice[0], twice[1]);
+}
+
+#[test]
+fn a_stage_can_be_run_again_on_what_it_wrote() {
+    let first = testkit::run(AXESCAL, &["--quiet"], &nasa());
+    assert_eq!(first.stderr, "");
+    let again = testkit::run(AXESCAL, &["--quiet"], &first.stdout);
+    let axes = |text: &str| serde_json::from_str::<Value>(text).expect("JSON")["calibration"]["axes"].clone();
+    assert_eq!(axes(&first.stdout), axes(&again.stdout));
+    let history = serde_json::from_str::<Value>(&again.stdout).expect("JSON")["history"].clone();
+    assert_eq!(history.as_array().map(Vec::len), Some(2));
+}
+
+#[test]
+fn files_instead_of_a_pipe() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (input, output) = (folder.path().join("in.json"), folder.path().join("out.json"));
+    fs::write(&input, nasa()).expect("written");
+    let path = |path: &std::path::Path| path.to_str().expect("UTF-8").to_string();
+    let run = testkit::run(AXESCAL, &[&path(&input), "-o", &path(&output)], "");
+    assert_eq!((run.code, run.stdout.as_str()), (0, ""));
+    let piped = testkit::run(AXESCAL, &[], &nasa());
+    assert_eq!(fs::read_to_string(&output).expect("there"), piped.stdout);
+
+    // A failure leaves what was there before.
+    fs::write(&input, "{").expect("written");
+    let failed = testkit::run(AXESCAL, &[&path(&input), "-o", &path(&output)], "");
+    assert_eq!(failed.code, 2);
+    assert_eq!(fs::read_to_string(&output).expect("there"), piped.stdout);
+    assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 2);
+    let absent = testkit::run(AXESCAL, &["absent.json"], "");
+    assert!(
+        absent.code == 2 && absent.stderr.starts_with("axescal: absent.json: cannot be read"),
+        "{}",
+        absent.stderr
+    );
+}
+
+#[test]
+fn a_reader_that_goes_is_no_error() {
+    let mut child = Command::new(AXESCAL)
+        .arg("-q")
+        .arg(testkit::fixture("nasa-1977/table-4.json"))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ended");
+    assert!(output.status.success() && output.stderr.is_empty());
+}
+
+#[test]
+fn what_cannot_be_seen_ends_with_1_and_writes_nothing() {
+    let run = testkit::run(AXESCAL, &[], &testkit::read_fixture("nasa-1977/table-4-1-2-3.json"));
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    assert_eq!(
+        run.stderr,
+        "axescal: the directions are not determined: rank 11 of 12 from 3 orientations. Unseen: all sensors turning \
+         together about the axis z of SEN with all coils turning together about the axis z of GEO. All recorded \
+         orientations differ by turns about one axis, z of the block. One more orientation shows it: the block turned by \
+         90° about its x or y axis from \"orientation-1\", driven by the same coils\n"
+    );
+}
+
+#[test]
+fn a_null_takes_out_its_reading_alone() {
+    let run = testkit::run(AXESCAL, &["-q"], &testkit::read_fixture("nasa-1977/table-4-without-29.json"));
+    let document: Value = serde_json::from_str(&run.stdout).expect("JSON");
+    assert_eq!(document["calibration"]["axes"]["fit"]["readings"], 62);
+    assert!(document["recordings"][3]["columns"]["sensor_y_v"][0].is_null());
+}
+
+#[test]
+fn the_order_of_recordings_means_nothing() {
+    let mut document: Value = serde_json::from_str(&nasa()).expect("JSON");
+    document["recordings"].as_array_mut().expect("a list").reverse();
+    let (plain, reversed) =
+        (testkit::run(AXESCAL, &["-q"], &nasa()), testkit::run(AXESCAL, &["-q"], &document.to_string()));
+    let matrix = |text: &str| {
+        let axes = serde_json::from_str::<Value>(text).expect("JSON")["calibration"]["axes"].clone();
+        serde_json::from_value::<[[f64; 3]; 3]>(axes["sensors"]["matrix"].clone()).expect("a matrix")
+    };
+    let (plain, reversed) = (matrix(&plain.stdout), matrix(&reversed.stdout));
+    for (a, b) in plain.iter().flatten().zip(reversed.iter().flatten()) {
+        assert!((a - b).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_best_orientations() {
+    let design =
+        testkit::run(AXESCAL, &["design", "--number", "4", "--noise-nt", "1", "--drive-nt", "50000"], "");
+    assert!(design.code == 0 && design.stderr.contains("2.063"), "{}", design.stderr);
+}
+
+#[test]
+fn design_from_a_file_of_orientations() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("mine.json");
+    let path = file.to_str().expect("UTF-8");
+    fs::write(&file, "[[[1,0,0],[0,1,0],[0,0,1]],[[0,1,0],[-1,0,0],[0,0,1]],[[1,0,0],[0,0,1],[0,-1,0]]]")
+        .expect("written");
+    let run = testkit::run(AXESCAL, &["design", "-n", "3", "--candidates", path], "");
+    assert!(run.code == 0 && run.stderr.contains("3.26"), "{}", run.stderr);
+    fs::write(&file, "[[[1,0,0],[0,1,0],[0,0,1]],[[0,1,0],[1,0,0],[0,0,1]]]").expect("written");
+    let mirrored = testkit::run(AXESCAL, &["design", "--candidates", path], "");
+    assert!(
+        mirrored.code == 2 && mirrored.stderr.contains("[1]: found a left-handed matrix"),
+        "{}",
+        mirrored.stderr
+    );
+    let two = testkit::run(AXESCAL, &["design", "-n", "2"], "");
+    assert!(two.code == 1 && two.stderr.contains("two never suffice"), "{}", two.stderr);
+}
+
+/// A file that is read is not written over by mistake, keeps its permissions where that is meant, and options are numbers.
+#[test]
+fn what_is_read_is_not_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("campaign.json");
+    let name = file.to_str().expect("a path");
+    fs::write(&file, nasa()).expect("written");
+    let refused = testkit::run(AXESCAL, &[name, "-o", name], "");
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    assert!(refused.stderr.contains("is also read"), "{}", refused.stderr);
+    assert_eq!(fs::read_to_string(&file).expect("there"), nasa());
+    let private = std::os::unix::fs::PermissionsExt::from_mode(0o600);
+    fs::set_permissions(&file, private).expect("set");
+    let meant = testkit::run(AXESCAL, &[name, "-o", name, "--in-place"], "");
+    assert_eq!(meant.code, 0, "{}", meant.stderr);
+    assert!(fs::read_to_string(&file).expect("there").contains("\"axes\""));
+    let mode = std::os::unix::fs::PermissionsExt::mode(&fs::metadata(&file).expect("there").permissions());
+    assert_eq!(mode & 0o777, 0o600);
+    for (option, said) in
+        [("--noise-nt=-1", "found -1; expected zero or a number above it"), ("--drive-nt=nan", "found nan")]
+    {
+        let run = testkit::run(AXESCAL, &["design", option], "");
+        assert!(run.code == 2 && run.stderr.contains(said), "{}", run.stderr);
+    }
+}

@@ -1,0 +1,259 @@
+//! Far starts, reversed wiring, swapped columns, a given first model, coils known beforehand.
+
+use axescal::{Coils, Options, Start};
+use common::{AxesCalibration, AxesDirections, Axis, Column, Document, OneOrEach};
+use nalgebra::{Matrix3, Unit, Vector3};
+use physics::frames::{ARCSEC, angle, matrix, rows};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+fn plan() -> simulate::Plan {
+    simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan")
+}
+
+fn directions(matrix: &Matrix3<f64>) -> Option<AxesDirections> {
+    Some(AxesDirections { matrix: Some(rows(matrix)), ..AxesDirections::default() })
+}
+
+fn simulated(mut plan: simulate::Plan, mu: &Matrix3<f64>, eta: &Matrix3<f64>) -> Document {
+    let truth = AxesCalibration { sensors: directions(mu), coils: directions(eta), ..Default::default() };
+    plan.truth.calibration.get_or_insert_default().axes = Some(truth);
+    simulate::campaign(&plan).expect("simulated").document
+}
+
+fn axes(document: &Document) -> &AxesCalibration {
+    document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref()).expect("axes")
+}
+
+/// Largest angle between found and true directions of the sensors, arcsec.
+fn sensors_off(document: &Document, mu: &Matrix3<f64>) -> f64 {
+    let found = matrix(&axes(document).sensors.as_ref().and_then(|part| part.matrix).expect("a matrix"));
+    (0..3)
+        .map(|k| angle(&found.column(k).into_owned(), &mu.column(k).into_owned()) / ARCSEC)
+        .fold(0.0, f64::max)
+}
+
+/// Each axis turned by exactly `degrees` about an axis drawn across it.
+fn tilted(generator: &mut ChaCha8Rng, degrees: f64) -> Matrix3<f64> {
+    Matrix3::from_columns(&[0, 1, 2].map(|k| {
+        let nominal = Vector3::ith(k, 1.0);
+        let across = nominal.cross(&Vector3::from_fn(|_, _| generator.random_range(-1.0..1.0)));
+        nalgebra::Rotation3::from_axis_angle(&Unit::new_normalize(across), degrees.to_radians()) * nominal
+    }))
+}
+
+#[test]
+fn thirty_degrees_from_nominal() {
+    let mut generator = ChaCha8Rng::seed_from_u64(30);
+    for case in 0..40 {
+        let (mu, eta) = (tilted(&mut generator, 30.0), tilted(&mut generator, 5.0));
+        let document = simulated(plan(), &mu, &eta);
+        let document = axescal::run(document, &Options::default())
+            .unwrap_or_else(|error| panic!("case {case}: {error}"));
+        let off = sensors_off(&document, &mu);
+        assert!(off < 8.0, "case {case}: {off} arcsec");
+        assert!(axes(&document).findings.is_empty(), "case {case}: {:?}", axes(&document).findings);
+    }
+}
+
+#[test]
+fn reversed_wiring_is_recognised() {
+    for axis in Axis::ALL {
+        let (mut mu, mut eta) = (Matrix3::identity(), Matrix3::identity());
+        mu.column_mut(axis.index()).neg_mut();
+        let document = axescal::run(simulated(plan(), &mu, &eta), &Options::default()).expect("directions");
+        assert!(sensors_off(&document, &mu) < 8.0);
+        let findings = &axes(&document).findings;
+        assert_eq!(findings.len(), 1, "{findings:?}");
+        assert!(
+            findings[0].starts_with(&format!("sensor {axis} reads with the opposite sign")),
+            "{findings:?}"
+        );
+
+        eta.column_mut(axis.index()).neg_mut();
+        let document = axescal::run(simulated(plan(), &Matrix3::identity(), &eta), &Options::default())
+            .expect("directions");
+        let findings = &axes(&document).findings;
+        assert!(
+            findings[0].starts_with(&format!("the field of coil {axis} has the opposite sign")),
+            "{findings:?}"
+        );
+    }
+}
+
+#[test]
+fn swapped_columns_are_recognised() {
+    let mut document = simulated(plan(), &Matrix3::identity(), &Matrix3::identity());
+    for recording in &mut document.recordings {
+        let x = recording.columns["sensor_x_v"].clone();
+        let y: Column = recording.columns["sensor_y_v"].clone();
+        recording.columns.insert("sensor_x_v".into(), y);
+        recording.columns.insert("sensor_y_v".into(), x);
+    }
+    let document = axescal::run(document, &Options::default()).expect("directions");
+    let findings = &axes(&document).findings;
+    assert!(findings[0].starts_with("sensor x reads along y"), "{findings:?}");
+    assert!(findings[1].starts_with("sensor y reads along x"), "{findings:?}");
+}
+
+#[test]
+fn a_first_model_from_the_document() {
+    // So far from nominal that the identity is no start: the block is mounted turned by 75° about down.
+    let turn = *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 75f64.to_radians()).matrix();
+    let mut document = simulated(plan(), &turn, &Matrix3::identity());
+    let first = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 70f64.to_radians());
+    let model = AxesCalibration {
+        sensors: directions(first.matrix()),
+        coils: directions(&Matrix3::identity()),
+        ..Default::default()
+    };
+    document.calibration.get_or_insert_default().axes = Some(model);
+    let options = Options { start: Start::Document, ..Options::default() };
+    let document = axescal::run(document, &options).expect("directions");
+    assert!(sensors_off(&document, &turn) < 8.0);
+    assert!(axes(&document).findings.is_empty(), "{:?}", axes(&document).findings);
+}
+
+/// One orientation only, three drives: enough when the coils are known (NASA eq. 33).
+fn one_orientation(full_drives: bool) -> simulate::Plan {
+    let mut plan = plan();
+    if let simulate::Procedure::AxesOrientation(procedure) = &mut plan.procedures[0] {
+        procedure.orientations =
+            simulate::Orientations::List(vec![[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]);
+        if full_drives {
+            // B_c not diagonal.
+            let drive = |vector: [f64; 3]| simulate::Drive::Vector(vector);
+            procedure.drives = vec![
+                drive([5e4, 2e4, -1e4]),
+                drive([1e4, 5e4, 2e4]),
+                drive([-2e4, 1e4, 5e4]),
+                drive([0.0, 0.0, 0.0]),
+            ];
+        }
+    }
+    plan
+}
+
+#[test]
+fn known_coils_need_one_orientation_and_any_drives() {
+    let mut generator = ChaCha8Rng::seed_from_u64(2);
+    for full_drives in [false, true] {
+        let (mu, eta) = (tilted(&mut generator, 3.0), tilted(&mut generator, 2.0));
+        let mut document = simulated(one_orientation(full_drives), &mu, &eta);
+        let mut coils = directions(&eta).expect("directions");
+        coils.std_arcsec = Some(OneOrEach::One(1.0));
+        document.calibration.get_or_insert_default().axes =
+            Some(AxesCalibration { coils: Some(coils.clone()), ..Default::default() });
+        let unknown =
+            axescal::run(document.clone(), &Options::default()).expect_err("one orientation, coils unknown");
+        assert!(unknown.to_string().contains("can turn together in 3 independent ways"), "{unknown}");
+        let options = Options { coils: Coils::Known, ..Options::default() };
+        let document = axescal::run(document, &options).expect("directions");
+        assert!(sensors_off(&document, &mu) < 15.0, "{}", sensors_off(&document, &mu));
+        assert_eq!(axes(&document).known_coils, Some(coils), "what was given stands beside what came of it");
+        // Run again, the given coils are used and not their own result.
+        let again = axescal::run(document.clone(), &options).expect("directions");
+        assert_eq!(axes(&again), axes(&document));
+        // The theodolites' 1" and the coils' 1" are always there. On top comes the noise: at worst each direction rests on
+        // three differences to one zero drive, √2 nT, against the smallest singular value of the drives.
+        let std = axes(&document)
+            .sensors
+            .as_ref()
+            .and_then(|part| part.std_arcsec.clone())
+            .expect("an uncertainty");
+        let std = std.get(Axis::X).expect("x");
+        let smallest = if full_drives { smallest_drive() } else { 5e4 };
+        let both = std::f64::consts::SQRT_2;
+        let largest = both.hypot(both / smallest / ARCSEC);
+        assert!(std > both && std < largest, "{std} where {both} to {largest} is expected");
+    }
+}
+
+/// Smallest singular value of the three full drives, nT.
+fn smallest_drive() -> f64 {
+    let drives = Matrix3::new(5e4, 2e4, -1e4, 1e4, 5e4, 2e4, -2e4, 1e4, 5e4);
+    let smallest: f64 = (drives * drives.transpose()).symmetric_eigenvalues().min();
+    smallest.sqrt()
+}
+
+#[test]
+fn noiseless_known_coils_equal_the_closed_form() {
+    // (μᵀ)⁻¹ = R η b⁻¹ with b = B_m B_c⁻¹ (NASA eq. 33), evaluated apart from the fit.
+    let mut plan = one_orientation(true);
+    plan.instrument.as_mut().expect("an instrument").noise = None;
+    plan.truth.residual_field_nt = None;
+    plan.facility = None;
+    let (mu, eta) = {
+        let mut generator = ChaCha8Rng::seed_from_u64(3);
+        (tilted(&mut generator, 3.0), tilted(&mut generator, 2.0))
+    };
+    let mut document = simulated(plan, &mu, &eta);
+    let constant = |axis: Axis, document: &Document| {
+        let calibration = document.calibration.as_ref().expect("constants");
+        let coil = calibration.coils.as_ref().and_then(|coils| coils.get(axis)).expect("a coil");
+        let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis)).expect("a sensor");
+        let value = |quantity: &Option<common::Quantity>| quantity.as_ref().expect("a constant").value();
+        (value(&coil.constant_nt_per_a), value(&sensor.sensitivity_nt_per_v), value(&sensor.offset_nt))
+    };
+    let columns = &document.recordings[0].columns;
+    let coil = |i: usize, row: usize| {
+        let axis = Axis::ALL[i];
+        columns[&format!("coil_{axis}_a")].0[row] * constant(axis, &document).0
+    };
+    let sensor = |i: usize, row: usize| {
+        let axis = Axis::ALL[i];
+        let (_, sensitivity, offset) = constant(axis, &document);
+        columns[&format!("sensor_{axis}_v")].0[row] * sensitivity + offset
+    };
+    let (drive, measured) = (Matrix3::from_fn(coil), Matrix3::from_fn(sensor));
+    let b = measured * drive.try_inverse().expect("independent drives");
+    let rotation = matrix(&document.recordings[0].conditions.theodolite.as_ref().map_or_else(
+        || document.recordings[0].conditions.orientation.expect("an orientation"),
+        |angles| {
+            let orientation =
+                physics::frames::Orientation::from_theodolite(angles, angles.nominal_rotation.as_ref(), None);
+            rows(&orientation.expect("a rotation").rotation)
+        },
+    ));
+    let closed =
+        (rotation * eta * b.try_inverse().expect("regular")).try_inverse().expect("regular").transpose();
+    document.calibration.get_or_insert_default().axes =
+        Some(AxesCalibration { coils: directions(&eta), ..Default::default() });
+    let document =
+        axescal::run(document, &Options { coils: Coils::Known, ..Options::default() }).expect("directions");
+    let found = matrix(&axes(&document).sensors.as_ref().and_then(|part| part.matrix).expect("a matrix"));
+    assert!((found - closed).amax() < 1e-9, "{found} {closed}");
+    assert!((found - mu).amax() < 1e-9);
+}
+
+#[test]
+fn one_wrong_constant_is_named() {
+    let wrong = |change: fn(&mut common::Calibration)| {
+        let mut plan = plan();
+        let mut truth = plan.calibration.clone().expect("constants");
+        change(&mut truth);
+        plan.truth.calibration = Some(truth);
+        let document = simulated(plan, &Matrix3::identity(), &Matrix3::identity());
+        let document =
+            axescal::run(document, &Options { free_scales: true, ..Options::default() }).expect("directions");
+        axes(&document).scales.as_ref().expect("scales").verdict.clone()
+    };
+    let verdict = wrong(|_| {});
+    assert!(verdict.starts_with("the readings agree"), "{verdict}");
+    let named = |verdict: &str, name: &str, ppm: f64| {
+        let found = verdict.split(&format!("one constant explains it, {name} by ")).nth(1).expect(verdict);
+        let numbers: Vec<f64> = found.split([' ', '±']).filter_map(|word| word.parse().ok()).collect();
+        assert!((numbers[0] - ppm).abs() < 4.0 * numbers[1] && numbers[1] < 20.0, "{verdict}");
+    };
+    let verdict = wrong(|truth| {
+        let coil = truth.coils.as_mut().and_then(|coils| coils.x.as_mut()).expect("coil x");
+        coil.constant_nt_per_a = Some(common::Quantity::Bare(41234.5 * 1.0002));
+    });
+    named(&verdict, "coil x", 200.0);
+    // A sensor of more nT for each volt reads less.
+    let verdict = wrong(|truth| {
+        let sensor = truth.sensors.as_mut().and_then(|sensors| sensors.z.as_mut()).expect("sensor z");
+        sensor.sensitivity_nt_per_v = Some(common::Quantity::Bare(6402.6 * 1.001));
+    });
+    named(&verdict, "sensor z", -1000.0);
+}

@@ -1,0 +1,222 @@
+//! What the types of a calibration do not say and every number behind them rests on: directions of length one, sensitivities
+//! that are not zero, covariances that can be.
+
+use std::collections::HashSet;
+
+use crate::{AxesDirections, Axis, Calibration, Error, Quantity};
+
+/// What the length of a direction may differ from one: published matrices have four digits.
+const LENGTH: f64 = 1e-3;
+/// Correlations below this are rounding: published covariances have six digits or more.
+const ROUNDING: f64 = 1e-6;
+
+/// Holds a calibration to all of them.
+pub(crate) fn calibration(calibration: &Calibration) -> Result<(), Error> {
+    for axis in Axis::ALL {
+        if let Some(coil) = calibration.coil(axis) {
+            let path = format!("calibration.coils.{axis}");
+            let keys = |key: &str| ["constant_nt_per_a", "offset_nt"].contains(&key);
+            covariance(&path, coil.covariance.as_deref(), coil.covariance_order.as_deref(), keys)?;
+        }
+        let Some(sensor) = calibration.sensor(axis) else { continue };
+        let path = format!("calibration.sensors.{axis}");
+        for (key, k) in [
+            ("sensitivity_nt_per_v", &sensor.sensitivity_nt_per_v),
+            ("sensitivity_nt_per_nt", &sensor.sensitivity_nt_per_nt),
+        ] {
+            if k.as_ref().is_some_and(|k: &Quantity| k.value() == 0.0) {
+                return Err(Error::document(
+                    format!("{path}.{key}"),
+                    "0",
+                    "a sensitivity, which is not zero; leave the key out where it is not known",
+                ));
+            }
+        }
+        let keys = |key: &str| ["sensitivity_nt_per_v", "sensitivity_nt_per_nt", "offset_nt"].contains(&key);
+        covariance(&path, sensor.covariance.as_deref(), sensor.covariance_order.as_deref(), keys)?;
+        if let Some(fit) = &sensor.temperature {
+            let path = format!("{path}.temperature");
+            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
+        }
+        if let Some(fit) = &sensor.cross_field {
+            let path = format!("{path}.cross_field");
+            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
+        }
+    }
+    if let Some(axes) = &calibration.axes {
+        for (part, found) in
+            [("sensors", &axes.sensors), ("coils", &axes.coils), ("known_coils", &axes.known_coils)]
+        {
+            found.iter().try_for_each(|found| directions(&format!("calibration.axes.{part}"), found))?;
+        }
+    }
+    if let Some(pair) = &calibration.differential {
+        let path = "calibration.differential";
+        covariance(path, pair.covariance.as_deref(), pair.covariance_order.as_deref(), is_element)?;
+    }
+    Ok(())
+}
+
+fn directions(path: &str, found: &AxesDirections) -> Result<(), Error> {
+    if let Some(rows) = &found.matrix {
+        for column in 0..3 {
+            length(&format!("{path}.matrix"), rows.map(|row| row[column]), "a column")?;
+        }
+    }
+    for (axis, direction) in found.directions.iter().flat_map(|directions| directions.iter()) {
+        length(&format!("{path}.directions.{axis}"), *direction, "a direction")?;
+    }
+    covariance(path, found.covariance.as_deref(), found.covariance_order.as_deref(), is_element)
+}
+
+fn length(path: &str, direction: [f64; 3], what: &str) -> Result<(), Error> {
+    let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if (length - 1.0).abs() <= LENGTH {
+        return Ok(());
+    }
+    let expected = "unit vectors (rows and columns may be mixed up, or sensitivities multiplied in)";
+    Err(Error::document(path, format!("{what} of length {length:.6}"), expected))
+}
+
+/// `matrix[row][column]`.
+fn is_element(key: &str) -> bool {
+    let place = |text: &str| matches!(text, "0" | "1" | "2");
+    let inside = key.strip_prefix("matrix[").and_then(|rest| rest.strip_suffix(']'));
+    inside.and_then(|inside| inside.split_once("][")).is_some_and(|(row, column)| place(row) && place(column))
+}
+
+/// A covariance is square, over keys that there are, symmetric, and no variance of any combination is negative.
+fn covariance(
+    path: &str,
+    covariance: Option<&[Vec<f64>]>,
+    order: Option<&[String]>,
+    is_key: impl Fn(&str) -> bool,
+) -> Result<(), Error> {
+    let refuse = |key: &str, found: String, expected: String| {
+        Err(Error::document(format!("{path}.{key}"), found, expected))
+    };
+    let Some(covariance) = covariance else { return Ok(()) };
+    let Some(order) = order else {
+        return refuse(
+            "covariance_order",
+            "no such key".into(),
+            "the keys that `covariance` runs over".into(),
+        );
+    };
+    let mut seen = HashSet::new();
+    if let Some(key) = order.iter().find(|key| !is_key(key) || !seen.insert(*key)) {
+        let expected = "each key beside it that the covariance runs over, once";
+        return refuse("covariance_order", format!("\"{key}\""), expected.into());
+    }
+    let size = order.len();
+    if covariance.len() != size || covariance.iter().any(|row| row.len() != size) {
+        let columns = covariance.iter().map(Vec::len).max().unwrap_or(0);
+        let found = format!("{} rows of up to {columns} numbers", covariance.len());
+        return refuse(
+            "covariance",
+            found,
+            format!("{size} rows of {size}, as its `covariance_order` has names"),
+        );
+    }
+    if let Some(key) = (0..size).find(|k| covariance[*k][*k] < 0.0) {
+        let found = format!("the variance {} of {}", covariance[key][key], order[key]);
+        return refuse("covariance", found, "variances that are not negative".into());
+    }
+    // In units of each standard uncertainty, so that what is rounding does not depend on units.
+    let std: Vec<f64> = (0..size).map(|k| covariance[k][k].sqrt()).collect();
+    let unit = |k: usize| if std[k] > 0.0 { std[k] } else { 1.0 };
+    let correlation: Vec<Vec<f64>> =
+        (0..size).map(|i| (0..size).map(|j| covariance[i][j] / (unit(i) * unit(j))).collect()).collect();
+    for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
+        if (correlation[i][j] - correlation[j][i]).abs() > ROUNDING {
+            let found =
+                format!("{} and {} for {} and {}", covariance[i][j], covariance[j][i], order[i], order[j]);
+            return refuse("covariance", found, "a symmetric matrix".into());
+        }
+    }
+    if !is_possible(correlation) {
+        let found = "a matrix by which some combination of its keys has a negative variance".into();
+        return refuse("covariance", found, "a covariance, which is positive semidefinite".into());
+    }
+    Ok(())
+}
+
+/// Whether a correlation matrix has no negative eigenvalue, by elimination: each pivot is what is left of a variance.
+fn is_possible(mut left: Vec<Vec<f64>>) -> bool {
+    for k in 0..left.len() {
+        let row = left[k].clone();
+        let pivot = row[k].max(0.0);
+        if row[k] < -ROUNDING {
+            return false;
+        }
+        for j in k + 1..row.len() {
+            if row[j] * row[j] > (pivot + ROUNDING) * (left[j][j].max(0.0) + ROUNDING) {
+                return false;
+            }
+        }
+        if pivot > ROUNDING {
+            for i in k + 1..row.len() {
+                (k + 1..row.len()).for_each(|j| left[i][j] -= row[i] * row[j] / pivot);
+            }
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Document;
+
+    fn refused(calibration: &str) -> String {
+        let text = format!("{{\"fluxcal\": 1, \"calibration\": {calibration}}}");
+        Document::parse(&text).expect_err("refused").to_string()
+    }
+
+    #[test]
+    fn directions_have_length_one() {
+        let said = refused(r#"{"axes": {"sensors": {"matrix": [[1.01, 0, 0], [0, 1, 0], [0, 0, 1]]}}}"#);
+        assert!(
+            said.starts_with("calibration.axes.sensors.matrix: found a column of length 1.010000;"),
+            "{said}"
+        );
+        let said = refused(r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#);
+        assert!(
+            said.starts_with("calibration.axes.coils.directions.y: found a direction of length 0.0"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn covariances_can_be() {
+        let sensor = |order: &str, covariance: &str| {
+            refused(&format!(
+                r#"{{"sensors": {{"x": {{"covariance_order": {order}, "covariance": {covariance}}}}}}}"#
+            ))
+        };
+        let two = r#"["sensitivity_nt_per_v", "offset_nt"]"#;
+        for (order, covariance, said) in [
+            (two, "[[1, 2], [2, 1]]", "a negative variance"),
+            (two, "[[-1, 0], [0, 1]]", "the variance -1 of sensitivity_nt_per_v"),
+            (two, "[[1, 0.5], [0.4, 1]]", "0.4 and 0.5 for offset_nt and sensitivity_nt_per_v"),
+            (two, "[[1, 0]]", "1 rows of up to 2 numbers"),
+            (two, "[[0, 1], [1, 1]]", "a negative variance"),
+            (r#"["offset_nt", "gain"]"#, "[[1, 0], [0, 1]]", "covariance_order: found \"gain\""),
+            (r#"["offset_nt", "offset_nt"]"#, "[[1, 0], [0, 1]]", "covariance_order: found \"offset_nt\""),
+        ] {
+            let found = sensor(order, covariance);
+            assert!(found.contains(said), "{found}");
+        }
+        let zero = refused(r#"{"sensors": {"z": {"sensitivity_nt_per_v": 0}}}"#);
+        assert!(zero.starts_with("calibration.sensors.z.sensitivity_nt_per_v: found 0;"), "{zero}");
+    }
+
+    #[test]
+    fn singular_covariances_are_possible() {
+        // Of three quantities with one error in common nothing is negative, though two eigenvalues are zero.
+        assert!(super::is_possible(vec![vec![1.0; 3]; 3]));
+        assert!(super::is_possible(vec![vec![1.0, -1.0], vec![-1.0, 1.0]]));
+        // Each pair can be; the three together cannot.
+        let three = vec![vec![1.0, 0.9, 0.9], vec![0.9, 1.0, -0.9], vec![0.9, -0.9, 1.0]];
+        assert!(!super::is_possible(three));
+    }
+}

@@ -1,0 +1,102 @@
+//! Every number of a result is finite before it is written: JSON has no word for others, and `null` would say that nothing
+//! was found.
+
+use crate::{Document, Error};
+
+/// Looks through everything but the recordings, whose readings may be missing.
+///
+/// # Errors
+///
+/// The path of the first number that is not finite.
+pub(crate) fn check(document: &Document) -> Result<(), Error> {
+    let Document { calibration, model, diagnosis, .. } = document;
+    let parts = [
+        ("calibration", calibration.as_ref().map(|part| format!("{part:#?}"))),
+        ("model", model.as_ref().map(|part| format!("{part:#?}"))),
+        ("diagnosis", diagnosis.as_ref().map(|part| format!("{part:#?}"))),
+    ];
+    for (key, text) in parts {
+        if let Some((path, value)) = text.as_deref().and_then(first) {
+            return Err(Error::Unanswerable(format!(
+                "{key}{path} came out as {value}, which is no result: the recordings do not determine it, or a number in them is \
+                 far from what it stands for. Nothing was written"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The path and the value of the first number of a type's indented debug text that is not finite. That text names every field
+/// as JSON does, a line each, for all types at once.
+fn first(text: &str) -> Option<(String, &str)> {
+    // The fields and list items that are open, each with its indentation, its name and how many items of it there were.
+    let mut open: Vec<(usize, String, usize)> = Vec::new();
+    for line in text.lines() {
+        let indent = line.len() - line.trim_start().len();
+        let line = line.trim_start();
+        open.retain(|(at, ..)| *at < indent);
+        let (name, value) = match line.split_once(": ") {
+            Some((name, value)) if name.chars().all(|c| c.is_alphanumeric() || c == '_') => {
+                (Some(format!(".{name}")), value)
+            }
+            Some((name, value)) if name.starts_with('"') && name.ends_with('"') => {
+                (Some(format!(".{}", name.trim_matches('"'))), value)
+            }
+            _ => (None, line),
+        };
+        if let Some(value) =
+            ["NaN", "inf", "-inf"].into_iter().find(|number| value.trim_end_matches(',') == *number)
+        {
+            let path: String = open.iter().map(|(_, name, _)| name.as_str()).collect();
+            let own =
+                name.unwrap_or_else(|| open.last().map_or(String::new(), |(.., count)| format!("[{count}]")));
+            return Some((path + &own, value));
+        }
+        match name {
+            Some(name) => open.push((indent, name, 0)),
+            // An item of the list that is open.
+            None if !matches!(line, ")" | ")," | "]" | "]," | "}" | "},") => {
+                let Some((.., count)) = open.last_mut() else { continue };
+                *count += 1;
+                let item = format!("[{}]", *count - 1);
+                if line == "[" {
+                    open.push((indent, item, 0));
+                }
+            }
+            None => {}
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Calibration, Document, Quantity, SensorCalibration};
+
+    #[test]
+    fn the_place_is_named() {
+        let mut calibration = Calibration::default();
+        let sensors = calibration.sensors.get_or_insert_default();
+        let sensor: &mut SensorCalibration = sensors.entry(crate::Axis::Y).get_or_insert_default();
+        sensor.offset_nt = Some(Quantity::new(1.0, f64::NAN));
+        let document = Document { fluxcal: 1, calibration: Some(calibration), ..Document::default() };
+        let said = super::check(&document).expect_err("refused").to_string();
+        assert!(said.starts_with("calibration.sensors.y.offset_nt"), "{said}");
+        assert!(said.contains("NaN"), "{said}");
+    }
+
+    #[test]
+    fn items_are_counted() {
+        #[derive(Debug)]
+        struct One {
+            #[expect(dead_code, reason = "only its debug text is read")]
+            name: &'static str,
+            #[expect(dead_code, reason = "only its debug text is read")]
+            list: Vec<f64>,
+        }
+        let at =
+            |list: Vec<f64>| super::first(&format!("{:#?}", One { name: "NaN", list })).map(|found| found.0);
+        assert_eq!(at(vec![1.0, 2.0, f64::INFINITY]), Some(".list[2]".into()));
+        assert_eq!(at(vec![1.0]), None);
+    }
+}

@@ -1,0 +1,9 @@
+//! The integration tests of `correct`: one program, a module for each subject.
+
+mod bad_input;
+mod campaign;
+mod catalogue;
+mod files;
+mod golden;
+mod help;
+mod truth;

@@ -1,0 +1,15 @@
+//! The integration tests of `diagnose`: one program, a module for each subject.
+
+mod ambiguous;
+mod bad_input;
+mod bench;
+mod clean;
+mod dependence;
+mod golden;
+mod help;
+mod nasa;
+mod outside;
+mod pipe;
+mod scalar;
+mod several;
+mod single;

@@ -1,0 +1,105 @@
+//! The program as its users call it.
+
+use common::Document;
+use std::process::Command;
+
+fn diagnose(arguments: &[&str], threads: &str) -> (Vec<u8>, String, Option<i32>) {
+    let output = Command::new(env!("CARGO_BIN_EXE_diagnose"))
+        .args(arguments)
+        .env("RAYON_NUM_THREADS", threads)
+        .current_dir(testkit::fixture(".."))
+        .output()
+        .expect("run");
+    (output.stdout, String::from_utf8_lossy(&output.stderr).into_owned(), output.status.code())
+}
+
+#[test]
+fn the_same_bytes_on_any_number_of_threads() {
+    let one = diagnose(&["fixtures/diagnose/warm/input.json"], "1");
+    let four = diagnose(&["fixtures/diagnose/warm/input.json"], "4");
+    assert!(one.2 == Some(0) && one == four);
+    assert!(one.1.contains("offset_temperature_lag of sensor x"), "{}", one.1);
+    // README and page show what is said.
+    for page in ["../README.md", "../docs/diagnose.md"] {
+        let page = std::fs::read_to_string(testkit::fixture(page)).expect("a page");
+        let (_, shown) = page.split_once("diagnose: explained\n").expect("what it says");
+        for line in shown.lines().take(3) {
+            assert!(one.1.contains(line.trim()), "{line}\n{}", one.1);
+        }
+    }
+}
+
+#[test]
+fn a_document_without_readings_is_refused_with_nothing_on_stdout() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("empty.json");
+    std::fs::write(&file, r#"{"fluxcal": 1, "recordings": []}"#).expect("written");
+    let (out, words, code) = diagnose(&[file.to_str().expect("a path")], "2");
+    assert!(out.is_empty() && code == Some(2), "{words}");
+    assert!(words.contains("no recording whose readings can be predicted"), "{words}");
+}
+
+/// A simulation made elsewhere takes the place of the prediction: against one with the effect, nothing is left.
+#[test]
+fn against_a_simulation() {
+    let expected = testkit::read_fixture("diagnose/warm/expected.json");
+    let document = Document::parse(&expected).expect("a document");
+    let simulated = simulate::replay(&document, None).expect("replayed").document;
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("simulated.json");
+    std::fs::write(&file, common::to_text(&simulated)).expect("written");
+    let file = file.to_str().expect("a path");
+    let (out, words, code) = diagnose(&["fixtures/diagnose/warm/input.json", "--against", file], "2");
+    assert_eq!(code, Some(0), "{words}");
+    assert!(words.starts_with("diagnose: agrees"), "{words}");
+    let found = Document::parse(&String::from_utf8(out).expect("text")).expect("a document");
+    assert_eq!(
+        found.recordings,
+        Document::parse(&testkit::read_fixture("diagnose/warm/input.json")).expect("a document").recordings
+    );
+
+    let (out, words, code) = diagnose(&["fixtures/nasa-1977/table-4.json", "--against", file], "2");
+    assert!(out.is_empty() && code == Some(2), "{words}");
+    assert!(words.contains("the simulation has none of the document's recordings"), "{words}");
+}
+
+/// What is adopted holds without the recordings that it came from: it is relative to a temperature that is stated.
+#[test]
+fn the_reference_temperature_is_stated() {
+    let mut document =
+        Document::parse(&testkit::read_fixture("diagnose/warm/input.json")).expect("a document");
+    document.calibration.as_mut().expect("a calibration").reference_conditions = None;
+    let temperatures: Vec<f64> = document
+        .recordings
+        .iter()
+        .flat_map(|recording| recording.column("sensor_temperature_c").expect("temperatures").to_vec())
+        .collect();
+    let mean = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
+    let found = diagnose::run(document, &diagnose::Options::default()).expect("diagnosed");
+    let stated = found.calibration.as_ref().and_then(|calibration| calibration.reference_conditions.as_ref());
+    let stated = stated.and_then(|stated| stated.sensor_temperature_c);
+    assert!(stated.is_some_and(|stated| (stated - mean).abs() < 1e-9), "{stated:?} where the mean is {mean}");
+}
+
+/// Directions that were fitted again keep an uncertainty, and its covariance is over the cosines: none along a direction itself.
+#[test]
+fn directions_have_their_covariance() {
+    let document = Document::parse(&testkit::read_fixture("diagnose/orbit/input.json")).expect("a document");
+    let found = diagnose::run(document, &diagnose::Options::default()).expect("diagnosed");
+    let axes = found.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let sensors = axes.and_then(|axes| axes.sensors.as_ref()).expect("directions");
+    let (matrix, covariance) = (sensors.matrix.expect("a matrix"), sensors.covariance.as_ref().expect("one"));
+    for axis in [common::Axis::Y, common::Axis::Z] {
+        let std = sensors.std_arcsec.as_ref().and_then(|std| std.get(axis)).expect("an uncertainty");
+        let (column, first) = (axis.index(), 3 * axis.index());
+        let variance: f64 = (0..3).map(|k| covariance[first + k][first + k]).sum();
+        let arcsec = variance.sqrt() * 206_264.806;
+        assert!(std > 0.0 && (0.999 * std..=1.5 * std).contains(&arcsec), "{arcsec} and {std}");
+        let along: f64 = (0..9)
+            .map(|k| (k / 3, k % 3))
+            .map(|(i, j)| matrix[i][column] * covariance[first + i][first + j] * matrix[j][column])
+            .sum();
+        assert!(along.abs() < 1e-9 * variance, "{along} of {variance}");
+    }
+    found.to_text().expect("finite numbers throughout");
+}

@@ -1,0 +1,70 @@
+//! Two and three effects at once; the document that diagnose wrote meets the recording, and a fresh one.
+
+use crate::bench;
+
+use bench::{Scene, noise, simulated, target};
+use common::Verdict;
+use diagnose::Options;
+use serde_json::{Value, json};
+
+fn sets() -> Vec<Vec<Value>> {
+    let warm = json!({"effect": "offset_temperature_lag", "sensor": "x", "parameters": {"coefficient_nt_per_k": 0.3, "lag_s": 300.0}});
+    let bent =
+        json!({"effect": "quadratic_nonlinearity", "sensor": "y", "parameters": {"departure_nt": 3.0}});
+    let eddy = json!({"effect": "eddy_currents", "coil": "y", "parameters": {"share_ppm": 200.0, "time_constant_s": 60.0}});
+    let across = json!({"effect": "cross_field", "sensor": "z", "parameters": {"first_nt": 4.0, "second_nt": -2.0, "mixed_nt": 1.0}});
+    let clock = json!({"effect": "clock_offset", "parameters": {"offset_s": 0.02}});
+    let step =
+        json!({"effect": "reading_step", "sensor": "z", "parameters": {"height_nt": 8.0, "time_s": 2700.0}});
+    vec![
+        vec![warm.clone(), bent.clone()],
+        vec![eddy.clone(), across.clone()],
+        vec![clock.clone(), step.clone()],
+        vec![warm.clone(), step.clone()],
+        vec![bent, across, warm],
+        vec![eddy, clock, step],
+    ]
+}
+
+#[test]
+fn several_effects_are_all_named() {
+    let mut wrong = Vec::new();
+    for (number, effects) in testkit::some(sets().iter().enumerate().collect(), 3) {
+        let document = simulated(Scene::Runs, effects, &noise(), 300 + number as u64);
+        let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+        let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
+        let mut names: Vec<String> =
+            found.model.iter().flat_map(|m| &m.effects).map(|effect| target(&json!(effect))).collect();
+        let mut truth: Vec<String> = effects.iter().map(target).collect();
+        names.sort();
+        truth.sort();
+        println!("{truth:?} -> {} {names:?} {:?}", entry.verdict.word(), entry.ambiguity);
+        if entry.verdict != Verdict::Explained || names != truth {
+            wrong.push(format!("{truth:?}: {names:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// What diagnose wrote agrees with the recording that it came from, and predicts a fresh one of the same instrument as well as the first
+/// was fitted.
+#[test]
+fn the_loop_closes() {
+    let effects = &sets()[0];
+    let first = simulated(Scene::Runs, effects, &noise(), 41);
+    let found = diagnose::run(first, &Options::default()).expect("diagnosed");
+    assert_eq!(found.diagnosis.as_ref().expect("a diagnosis")[0].verdict, Verdict::Explained);
+    let again = diagnose::run(found.clone(), &Options::default()).expect("diagnosed again");
+    let entry = &again.diagnosis.as_ref().expect("a diagnosis")[0];
+    assert_eq!(entry.verdict, Verdict::Agrees, "{}", diagnose::summary(&again));
+    let fit = entry.fit.as_ref().expect("a fit");
+    assert!((fit.rms_before_nt / fit.noise_floor_nt - 1.0).abs() < 0.05, "{}", fit.rms_before_nt);
+
+    let mut fresh = simulated(Scene::Runs, effects, &noise(), 42);
+    (fresh.calibration, fresh.model) = (found.calibration, found.model);
+    let predicted = diagnose::run(fresh, &Options::default()).expect("diagnosed");
+    let entry = &predicted.diagnosis.as_ref().expect("a diagnosis")[0];
+    assert_eq!(entry.verdict, Verdict::Agrees, "{}", diagnose::summary(&predicted));
+    let fit = entry.fit.as_ref().expect("a fit");
+    assert!((fit.rms_before_nt / fit.noise_floor_nt - 1.0).abs() < 0.08, "{}", fit.rms_before_nt);
+}

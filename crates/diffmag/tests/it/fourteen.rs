@@ -1,0 +1,209 @@
+//! The fourteen parameters found again, in closed form and by iteration, and what is refused.
+
+use crate::pairs;
+
+use diffmag::fourteen::{
+    EtaCovariance, Fourteen, Known, KnownAxes, NAMES, UNDETERMINED_RAD, eta_of, solve, solve_numerically,
+};
+use nalgebra::{Matrix3, SMatrix, Vector3};
+use pairs::{parameters, reference, test, tilts};
+use proptest::prelude::*;
+
+/// The answer for an exact η.
+fn exact(p: &[f64; 14], known: &Known) -> Fourteen {
+    solve(&eta_of(p), &EtaCovariance::zeros(), known).unwrap_or_else(|error| panic!("{p:?}: {error}"))
+}
+
+/// The largest difference: rad for angles, a share for ratios. An azimuth counts by the arc that it moves its axis.
+fn difference(found: &[f64; 14], truth: &[f64; 14]) -> f64 {
+    (0..14)
+        .map(|i| {
+            let arc = match i {
+                0 => truth[2].sin(),
+                3 | 5 | 7 => truth[i + 1].sin(),
+                9.. => 1.0 / truth[i],
+                _ => 1.0,
+            };
+            ((found[i] - truth[i]) * arc).abs()
+        })
+        .fold(0.0, f64::max)
+}
+
+fn check(truth: &[f64; 14]) {
+    for known in [reference(truth), tilts(truth), test(truth)] {
+        let found = exact(truth, &known).values;
+        let off = difference(&found, truth);
+        assert!(off < 1e-12, "{:?}: {off:.1e}\n{found:?}\n{truth:?}", known.axes);
+        let iterated = solve_numerically(&eta_of(truth), &known)
+            .unwrap_or_else(|error| panic!("{truth:?} {:?}: {error}", known.axes));
+        let off = difference(&iterated, &found);
+        assert!(off < 1e-12, "{:?}: iteration {off:.1e}\n{iterated:?}\n{found:?}", known.axes);
+    }
+}
+
+#[test]
+fn found_again_on_a_grid_of_tilts() {
+    for tilt in [0.0, 0.001, 0.1, 2.0, 8.0, 20.0] {
+        for [a, b, c] in [[1.0_f64, 1.0, 1.0], [-1.0, 0.5, 0.3], [0.4, -1.0, 1.0], [0.0, 1.0, 0.0]] {
+            for alpha in [-170.0, -45.0, 0.0, 100.0] {
+                let degrees = [
+                    alpha,
+                    b * tilt,
+                    a.abs() * tilt,
+                    90.0 + c * tilt,
+                    90.0 - a * tilt,
+                    b * tilt,
+                    90.0 + a * tilt,
+                    -0.7 * alpha,
+                    c * tilt,
+                ];
+                check(&parameters(degrees, [1.2, 0.9, 1.1, 1.05, 0.8]));
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn found_again_in_any_attitude(
+        alpha in -180.0..180.0f64, beta in -20.0..20.0f64, gamma in 0.0..20.0f64,
+        heading in -180.0..180.0f64,
+        lean in prop::array::uniform5(-12.0..12.0f64),
+        ratios in prop::array::uniform5(0.5..2.0f64),
+        unit in prop::sample::select(vec![1e-3, 1.0, 400.0]),
+        reversed: bool,
+    ) {
+        let turn = |degrees: f64| (degrees + 180.0).rem_euclid(360.0) - 180.0;
+        let degrees = [
+            alpha, beta, gamma, turn(heading + 90.0), 90.0 + lean[0], turn(heading + lean[1]), 90.0 + lean[2],
+            turn(lean[3] * 15.0), if reversed { 180.0 - lean[4].abs() } else { lean[4].abs() },
+        ];
+        let [a, b, c, d, e] = ratios;
+        check(&parameters(degrees, [a * unit, b, c, d, e]));
+    }
+}
+
+#[test]
+fn by_hand() {
+    // Reference: right angles, K = 2, 1, 4. Test: x_t along (3, 4, 0)/5 with K = 10, y_t along −x with K = 3,
+    // z_t along (0, 5, 12)/13 with K = 26. Columns of η: K_tj a_jk/K_rk.
+    let eta = Matrix3::new(3.0, -1.5, 0.0, 8.0, 0.0, 10.0, 0.0, 0.0, 6.0);
+    let known =
+        Known { axes: KnownAxes::Reference([0.0; 3]), ratios: [2.0, 4.0], covariance: SMatrix::zeros() };
+    let found = solve(&eta, &EtaCovariance::zeros(), &known).expect("an answer").values;
+    let right = std::f64::consts::FRAC_PI_2;
+    let expected = [
+        0.0,
+        0.0,
+        0.0,
+        0.6f64.asin(),
+        right,
+        -right,
+        right,
+        0.0,
+        (5.0f64 / 13.0).asin(),
+        5.0,
+        2.0,
+        4.0,
+        10.0 / 3.0,
+        26.0 / 3.0,
+    ];
+    for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert!((found - expected).abs() < 1e-14, "{}: {found} {expected}", NAMES[i]);
+    }
+    // The same from the test's own cosines: x·y = −0.6, y·z = 0, x·z = 4/13.
+    let axes = KnownAxes::Test([-0.6, 0.0, 4.0 / 13.0]);
+    let known = Known { axes, ratios: [10.0 / 3.0, 26.0 / 3.0], covariance: SMatrix::zeros() };
+    let found = solve(&eta, &EtaCovariance::zeros(), &known).expect("an answer");
+    assert!(difference(&found.values, &expected) < 1e-14, "{:?}", found.values);
+    assert_eq!(Fourteen::names()[13], "ratio_zt_yt");
+}
+
+/// The formulas about the reference's own axes, against the axes.
+#[test]
+fn the_reference_about_itself() {
+    for [alpha, beta, gamma] in [[0.4, 0.1, 0.2], [-2.5, -0.3, 0.3], [1.7, 0.25, -0.15]] {
+        let x = Vector3::new(f64::cos(beta), f64::sin(beta), 0.0);
+        let (sin, cos) = (f64::sin(gamma), f64::cos(gamma));
+        let z = Vector3::new(sin * f64::sin(alpha), sin * f64::cos(alpha), cos);
+        assert!((x.y - beta.sin()).abs() < 1e-15);
+        assert!((z.y - sin * alpha.cos()).abs() < 1e-15);
+        assert!((x.dot(&z) - sin * f64::sin(alpha + beta)).abs() < 1e-15);
+        let field = Vector3::new(18_000.0, 1_500.0, 46_000.0);
+        let (along_x, along_y, along_z) = (x.dot(&field), field.y, z.dot(&field));
+        let (tan_beta, tan_gamma) = (f64::tan(beta), f64::tan(gamma));
+        assert!((along_x / beta.cos() - along_y * tan_beta - field.x).abs() < 1e-9);
+        let from_x = along_x * alpha.sin() * tan_gamma / beta.cos();
+        let from_y = along_y * (alpha.cos() - tan_beta * alpha.sin()) * tan_gamma;
+        assert!((along_z / cos - from_x - from_y - field.z).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_vertical_axis_has_no_azimuth() {
+    let truth = parameters([0.0, 3.0, 0.0, 90.0, 90.0, 0.0, 90.0, 0.0, 0.0], [1.0, 1.1, 0.9, 1.0, 1.0]);
+    let covariance = EtaCovariance::identity() * 1e-8;
+    let found = solve(&eta_of(&truth), &covariance, &test(&truth)).expect("an answer");
+    assert_eq!(found.undetermined, ["alpha_rad", "phi_z_rad"]);
+    let sigma = found.uncertainties();
+    for (azimuth, polar, tilt) in [(0, 2, found.reference_tilt), (7, 8, found.test_tilt)] {
+        assert_eq!(sigma[azimuth], UNDETERMINED_RAD);
+        assert!(tilt.value.norm() < 1e-15);
+        assert!(tilt.covariance[(0, 0)] > 1e-9 && tilt.covariance[(1, 1)] > 1e-9);
+        assert!((sigma[polar].powi(2) / tilt.covariance.trace() - 1.0).abs() < 1e-12);
+        assert!((0..14).all(|i| i == azimuth || found.covariance[(i, azimuth)] == 0.0));
+    }
+    assert!(found.values.iter().chain(found.covariance.iter()).all(|value| value.is_finite()));
+    // The same tilt and more than its uncertainty: the azimuth is there again.
+    let mut tilted = truth;
+    tilted[2] = 0.01;
+    let found = solve(&eta_of(&tilted), &covariance, &test(&tilted)).expect("an answer");
+    assert_eq!(found.undetermined, ["phi_z_rad"]);
+    let across = found.reference_tilt.covariance[(0, 0)].sqrt();
+    assert!((found.uncertainties()[0] * 0.01_f64.sin() / across - 1.0).abs() < 1e-9);
+    // A known α stays what it is, also of a vertical axis.
+    let mut known = reference(&truth);
+    known.covariance[(0, 0)] = 0.01;
+    let found = solve(&eta_of(&truth), &covariance, &known).expect("an answer");
+    assert_eq!(found.undetermined, ["phi_z_rad"]);
+    assert!((found.uncertainties()[0] - 0.1).abs() < 1e-15);
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    let truth = parameters([20.0, 3.0, 4.0, 91.0, 88.0, 2.0, 90.0, 5.0, 6.0], [1.0, 1.1, 0.9, 1.0, 1.0]);
+    let eta = eta_of(&truth);
+    let none = EtaCovariance::zeros();
+    let refused = |eta: &Matrix3<f64>, covariance: &EtaCovariance, known: &Known, words: &str| {
+        let message = solve(eta, covariance, known).expect_err(words).to_string();
+        assert!(message.contains(words), "{message}");
+    };
+    let known = reference(&truth);
+    let flat = Matrix3::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0);
+    refused(&flat, &none, &known, "η is singular");
+    refused(&Matrix3::zeros(), &none, &known, "η is singular");
+    refused(&(eta * f64::NAN), &none, &known, "η is singular");
+    refused(&eta, &(EtaCovariance::identity() * 0.25), &known, "output is dead");
+    let mut crooked = none;
+    crooked[(0, 1)] = 1.0;
+    refused(&eta, &crooked, &known, "larger than its variances allow");
+    refused(&eta, &-EtaCovariance::identity(), &known, "variance 1 is -1");
+    let with = |axes: KnownAxes, ratios: [f64; 2]| Known { axes, ratios, covariance: SMatrix::zeros() };
+    refused(&eta, &none, &with(KnownAxes::Test([0.9, 0.9, -0.9]), [1.0, 1.0]), "positive definite");
+    refused(&eta, &none, &with(KnownAxes::Test([0.0, 1.0, 0.0]), [1.0, 1.0]), "positive definite");
+    refused(&eta, &none, &with(KnownAxes::Test([0.0; 3]), [1.0, -1.0]), "a ratio of -1");
+    refused(&eta, &none, &with(KnownAxes::Reference([30.0, 0.2, 0.1]), [1.0, 1.0]), "in rad");
+    refused(
+        &eta,
+        &none,
+        &with(KnownAxes::Reference([0.0, 0.0, f64::INFINITY]), [1.0, 1.0]),
+        "five finite numbers",
+    );
+    refused(&eta, &none, &with(KnownAxes::ReferenceTilts([0.8, 0.7, 0.0]), [1.0, 1.0]), "less than 90°");
+    let mut loose = reference(&truth);
+    loose.covariance[(0, 0)] = 1.0;
+    refused(&eta, &none, &loose, "in place of α and γ");
+    assert!(solve_numerically(&flat, &known).is_err());
+    assert!(solve_numerically(&eta, &with(KnownAxes::Test([0.9, 0.9, -0.9]), [1.0, 1.0])).is_err());
+}

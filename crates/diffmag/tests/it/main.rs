@@ -1,0 +1,21 @@
+//! The integration tests of `diffmag`: one program, a module for each subject.
+
+mod across;
+mod bad_input;
+mod coverage;
+mod drift;
+mod drift_reference;
+mod fourteen;
+mod fourteen_covariance;
+mod fourteen_reference;
+mod golden;
+mod help;
+mod pair_in_time;
+mod pairs;
+mod real;
+mod reference_noise;
+mod stability;
+mod statsmodels;
+mod stream;
+mod stream_coverage;
+mod time;

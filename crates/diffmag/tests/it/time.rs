@@ -1,0 +1,369 @@
+//! Recordings put together by their times, what is kept out of a fit, and the clocks. FLUXCAL_CAMPAIGNS sets how many campaigns.
+
+use crate::pair_in_time;
+
+use common::{Axis, DifferentialCalibration, Document, EventInstrument, EventKind};
+use pair_in_time::{ETA, Made, columns, document, found, recording};
+use rayon::prelude::*;
+
+/// The largest distance of an element from the truth in its standard uncertainties.
+fn worst(found: &DifferentialCalibration) -> f64 {
+    let fit = found.fit.as_ref().expect("a fit");
+    let mut worst = 0.0_f64;
+    for (i, from) in Axis::ALL.into_iter().enumerate() {
+        for (j, to) in Axis::ALL.into_iter().enumerate() {
+            let element = &fit.elements[&format!("{from}{to}")];
+            worst = worst.max((element.weighted - ETA[i][j]).abs() / element.weighted_std);
+        }
+    }
+    worst
+}
+
+#[test]
+fn pieces_of_two_loggers_are_the_recording_of_one() {
+    let made = Made::new(1);
+    let together = found(&document(vec![made.both("all", 0..made.rows)]), false);
+    let cut = |name: &str, id: &str, rows: std::ops::Range<usize>| {
+        let mut piece = recording(id, &made.time(&rows), columns(name, &made.read(name), &rows));
+        // Each counts its times from its own beginning.
+        let begin = piece.columns["time_s"].0[0];
+        piece.columns["time_s"].0.iter_mut().for_each(|t| *t -= begin);
+        piece.start =
+            common::time::Start::parse("2026-03-01T00:00:00Z").expect("a start").after(begin).text();
+        piece
+    };
+    let apart = document(vec![
+        cut("test", "late", 1500..made.rows),
+        cut("reference", "reference", 0..made.rows),
+        cut("test", "early", 0..1500),
+        cut("third", "third", 0..made.rows),
+    ]);
+    let apart = found(&apart, false);
+    let (a, b) = (together.fit.as_ref().expect("a fit"), apart.fit.as_ref().expect("a fit"));
+    assert_eq!(b.recordings, ["late", "reference", "early", "third"]);
+    assert_eq!((a.samples, a.missing), (b.samples, b.missing));
+    for (name, element) in &a.elements {
+        assert!((element.weighted - b.elements[name].weighted).abs() < 1e-12, "{name}");
+    }
+}
+
+#[test]
+fn another_rate_and_another_phase_go_through_the_filter() {
+    // The reference faster, and beside the test instrument's times.
+    let mut alarms = 0;
+    for (case, (ratio, phase)) in (0..).zip([(1.0, 47.0), (5.0, 0.0), (5.0, 7.0), (3.7, 1.0)]) {
+        let (mut off, mut shares) = (0.0_f64, Vec::new());
+        for seed in 10 * case..10 * case + testkit::campaigns(3) {
+            let made = Made { reference_step_s: 60.0 / ratio, reference_phase_s: phase, ..Made::new(seed) };
+            let rows = 0..made.rows;
+            let reference = made.reference_rows();
+            let all = document(vec![
+                recording(
+                    "a",
+                    &made.reference_time(),
+                    columns("reference", &made.read("reference"), &(0..reference)),
+                ),
+                recording("b", &made.time(&rows), columns("test", &made.read("test"), &rows)),
+            ]);
+            let found = found(&all, false);
+            let fit = found.fit.as_ref().expect("a fit");
+            assert!(fit.findings.iter().any(|f| f.contains("filtered")), "{:?}", fit.findings);
+            alarms += usize::from(!fit.kept_out.events.is_empty());
+            off = off.max(worst(&found));
+            let white = fit.axes.x.as_ref().expect("x").white_rms_nt.value();
+            shares.push(white / made.white_nt);
+            let clock = fit.clock.as_ref().expect("a clock");
+            assert!((clock.offset_s.value() / clock.offset_s.std().expect("a std")).abs() < 4.5);
+        }
+        let share = shares.iter().sum::<f64>() / shares.len() as f64;
+        println!(
+            "ratio {ratio}, phase {phase}: worst element {off:.2}σ, white noise {share:.2} of one instrument's"
+        );
+        assert!(off < 4.5, "{off}");
+    }
+    // One in a hundred is meant to have one.
+    assert!(alarms <= 1, "{alarms} of 12 with an event");
+}
+
+#[test]
+fn a_missing_reading_is_missing_for_all() {
+    let made = Made::new(2);
+    let mut recording = made.both("pair", 0..made.rows);
+    for (name, rows) in [("test_x_nt", 100..101), ("reference_z_nt", 700..730), ("test_y_nt", 715..760)] {
+        recording.columns[name].0[rows].fill(f64::NAN);
+    }
+    let found = found(&document(vec![recording]), false);
+    let fit = found.fit.as_ref().expect("a fit");
+    let gaps: Vec<(f64, f64, usize)> =
+        fit.kept_out.gaps.iter().map(|gap| (gap.from_s / 60.0, gap.to_s / 60.0, gap.samples)).collect();
+    assert_eq!(gaps, [(100.0, 100.0, 1), (700.0, 759.0, 60)]);
+    assert_eq!(fit.missing, 61);
+    assert!(fit.kept_out.events.is_empty(), "a bridged gap is no event: {:?}", fit.kept_out.events);
+    assert!(worst(&found) < 4.5);
+}
+
+#[test]
+fn steps_spikes_and_passes_are_found_listed_and_harmless() {
+    let made = Made::new(3);
+    let mut recording = made.both("pair", 0..made.rows);
+    let mut add = |name: &str, rows: std::ops::Range<usize>, size: f64| {
+        recording.columns[name].0[rows].iter_mut().for_each(|value| *value += size);
+    };
+    add("test_x_nt", 1200..made.rows, 3.0);
+    add("test_z_nt", 400..401, 800.0);
+    add("reference_y_nt", 2000..2001, 500.0);
+    add("reference_x_nt", 2400..made.rows, 60.0);
+    // A vehicle: six samples on two axes.
+    for (row, size) in (3000..).zip([4.0, 15.0, 40.0, -35.0, -12.0, -3.0]) {
+        add("test_x_nt", row..row + 1, size);
+        add("test_y_nt", row..row + 1, -0.6 * size);
+    }
+    let found = found(&document(vec![recording]), false);
+    let fit = found.fit.as_ref().expect("a fit");
+    let events = &fit.kept_out.events;
+    for event in events {
+        println!("{event:?}");
+    }
+    use EventInstrument::{Reference, Test};
+    use EventKind::{Interval, Spike, Step};
+    let key: Vec<_> = events.iter().map(|e| (e.kind, e.instrument, e.axis)).collect();
+    let expected = [
+        (Spike, Test, Axis::Z),
+        (Step, Test, Axis::X),
+        (Spike, Reference, Axis::Y),
+        (Step, Reference, Axis::X),
+        (Interval, Test, Axis::X),
+    ];
+    assert_eq!(key, expected);
+    let rows: Vec<[usize; 2]> = events.iter().map(|e| e.rows).collect();
+    assert_eq!(rows[..4], [[400, 400], [1200, 1200], [2000, 2000], [2400, 2400]]);
+    assert!(rows[4][0].abs_diff(3000) <= 1 && rows[4][1].abs_diff(3005) <= 1, "{:?}", rows[4]);
+    for (event, size) in events.iter().zip([800.0, 3.0, 500.0, 60.0]) {
+        let z = (event.size_nt.value() - size) / event.size_nt.std().expect("a std");
+        assert!(z.abs() < 4.0, "{size}: {z}");
+    }
+    assert_eq!(events[1].time_s, 72_000.0);
+    assert!(worst(&found) < 4.5, "{}", worst(&found));
+}
+
+#[test]
+fn a_spike_between_parallel_axes_is_of_either_instrument() {
+    let made = Made::new(4);
+    let mut recording = made.both("pair", 0..made.rows);
+    recording.columns["test_y_nt"].0[900] += 12.0 * made.white_nt;
+    let found = found(&document(vec![recording]), false);
+    let events = &found.fit.as_ref().expect("a fit").kept_out.events;
+    let at: Vec<_> = events.iter().map(|event| (event.rows, event.instrument)).collect();
+    assert!(at.contains(&([900, 900], EventInstrument::Either)), "{at:?}");
+}
+
+/// Shares over campaigns with one spike of 10 and one step of 5 white rms each.
+#[test]
+fn what_is_kept_out_costs_the_intervals_nothing() {
+    let count = testkit::campaigns(4);
+    let all: Vec<(Vec<bool>, usize)> = (0..count)
+        .into_par_iter()
+        .map(|seed| {
+            let made = Made { flicker: seed % 2 == 0, ..Made::new(100 + seed) };
+            let mut recording = made.both("pair", 0..made.rows);
+            for (name, rows, size) in [
+                ("test_x_nt", 1700..made.rows, 20.0),
+                ("test_y_nt", 900..901, 15.0),
+                ("test_z_nt", 2500..made.rows, -20.0),
+            ] {
+                let size = size * made.white_nt;
+                recording.columns[name].0[rows].iter_mut().for_each(|value| *value += size);
+            }
+            let found = found(&document(vec![recording]), false);
+            let fit = found.fit.expect("a fit");
+            let mut inside = Vec::new();
+            for (i, from) in Axis::ALL.into_iter().enumerate() {
+                for (j, to) in Axis::ALL.into_iter().enumerate() {
+                    let element = &fit.elements[&format!("{from}{to}")];
+                    inside.push((element.weighted - ETA[i][j]).abs() <= 1.96 * element.weighted_std);
+                }
+            }
+            for (_, axis) in fit.axes.iter() {
+                let drift = &axis.drift.straight_nt_per_day;
+                inside.push(drift.value().abs() <= 1.96 * drift.std().expect("a std"));
+            }
+            for (row, size) in [(1700, 20.0), (2500, -20.0)] {
+                let step = fit.kept_out.events.iter().find(|event| event.rows[0] == row);
+                inside.push(step.is_some_and(|step| {
+                    (step.size_nt.value() - size * made.white_nt).abs()
+                        <= 1.96 * step.size_nt.std().expect("a std")
+                }));
+            }
+            (inside, fit.kept_out.events.len())
+        })
+        .collect();
+    let share = |index: std::ops::Range<usize>| {
+        let flat: Vec<bool> = all.iter().flat_map(|(inside, _)| inside[index.clone()].to_vec()).collect();
+        flat.iter().filter(|inside| **inside).count() as f64 / flat.len() as f64
+    };
+    let (elements, drifts, sizes) = (share(0..9), share(9..12), share(12..14));
+    let exact = all.iter().filter(|(_, events)| *events == 3).count();
+    println!(
+        "{count} campaigns: exactly three events in {exact}; 95 % intervals hold: η {elements:.3}, drift {drifts:.3}, size of a step {sizes:.3}"
+    );
+    let slack = |n: f64| 4.0 * (0.95 * 0.05 / (n * count as f64)).sqrt();
+    assert!(exact as f64 >= 0.9 * count as f64);
+    assert!((elements - 0.95).abs() < 0.02 + slack(9.0), "{elements}");
+    assert!(sizes > 0.93 - slack(2.0), "{sizes}");
+    assert!(drifts > 0.93 - slack(3.0), "{drifts}");
+}
+
+/// Noise of the reference, and axes that turn in the day's course, pull η while events are looked for; a sudden change of the field then
+/// looks like a step. Under the final fit it is none.
+#[test]
+fn a_sudden_commencement_is_no_step() {
+    let mut plan: serde_json::Value =
+        serde_json::from_str(&testkit::read_fixture("plans/observatory-pair.json")).expect("a plan");
+    plan["procedures"][0]["length_s"] = 864_000.into();
+    plan["truth"]["outside"]["storm"]["time_s"] = 432_000.into();
+    let all: Vec<(bool, usize)> = (0..3)
+        .into_par_iter()
+        .map(|seed: u64| {
+            let mut plan = plan.clone();
+            plan["seed"] = seed.into();
+            let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+            let found = found(&simulate::campaign(&plan).expect("simulated").document, false);
+            let fit = found.fit.expect("a fit");
+            let left_in = fit.findings.iter().any(|finding| finding.contains("does not confirm"));
+            (left_in, fit.kept_out.events.len())
+        })
+        .collect();
+    assert!(
+        all.iter().any(|(left_in, _)| *left_in),
+        "the search alone does not err here: this tests nothing"
+    );
+    assert!(all.iter().all(|(_, listed)| *listed == 0), "{all:?}");
+}
+
+/// A storm's beginning in a weak field, with a reference noisier than the test instrument, says where the clocks stand; it is limited
+/// otherwise in one than in the other when a lag is looked for, and must not look like one. What lags is found all the same.
+#[test]
+fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
+    let mut plan: serde_json::Value =
+        serde_json::from_str(&testkit::read_fixture("plans/observatory-pair.json")).expect("a plan");
+    plan["procedures"][0]["length_s"] = 259_200.into();
+    plan["truth"]["model"]["effects"] = serde_json::json!([]);
+    let outside = &mut plan["truth"]["outside"];
+    outside["background"]["flicker_nt2_per_hz_at_1hz"] = 2e-7.into();
+    outside["storm"]["time_s"] = 142_560.into();
+    outside["storm"]["sudden_nt"] = serde_json::json!([100, -20, 30]);
+    outside["storm"]["unrest"]["flicker_nt2_per_hz_at_1hz"] = 0.into();
+    plan["truth"]["differential"]["reference_noise"]["white_rms_nt"] = 0.2.into();
+    for late in [0, 3] {
+        let all: Vec<(f64, f64, usize)> = (0..testkit::campaigns(4))
+            .into_par_iter()
+            .map(|seed| {
+                let mut plan = plan.clone();
+                plan["seed"] = seed.into();
+                let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+                let mut document = simulate::campaign(&plan).expect("simulated").document;
+                // The test instrument reads now what was there `late` rows ago; before the first row it had read that one.
+                for axis in Axis::ALL {
+                    let column = &mut document.recordings[0]
+                        .columns
+                        .get_mut(&format!("test_{axis}_nt"))
+                        .expect("a column")
+                        .0;
+                    let first = column[0];
+                    column.rotate_right(late);
+                    column[..late].fill(first);
+                }
+                let fit = found(&document, false).fit.expect("a fit");
+                let offset = fit.clock.expect("a clock").offset_s;
+                (offset.value() - 60.0 * late as f64, offset.std().expect("a std"), fit.kept_out.events.len())
+            })
+            .collect();
+        println!("{late} rows late: {all:?}");
+        assert!(all.iter().all(|(off, std, _)| off.abs() < 4.0 * std && *std < 1.0), "{all:?}");
+        assert!(all.iter().all(|(_, _, events)| *events == 0), "{all:?}");
+    }
+}
+
+/// Offsets of a share of a sample to many samples, with a rate: estimated within their intervals, corrected, and no sudden change of the
+/// field is taken for an event.
+#[test]
+fn the_clock_is_found_and_corrected() {
+    let count = testkit::campaigns(2);
+    for (offset_s, rate_ppm) in [(0.0, 0.0), (3.0, 0.0), (30.0, 20.0), (-150.0, 0.0), (2400.0, -50.0)] {
+        let all: Vec<[bool; 5]> = (0..count)
+            .into_par_iter()
+            .map(|seed| {
+                let made = Made {
+                    offset_s,
+                    rate_ppm,
+                    sudden: true,
+                    flicker: seed % 2 == 0,
+                    ..Made::new(500 + seed)
+                };
+                let found = found(&document(vec![made.both("pair", 0..made.rows)]), true);
+                let fit = found.fit.as_ref().expect("a fit");
+                let clock = fit.clock.as_ref().expect("a clock");
+                let z = |quantity: &common::Quantity, truth: f64| {
+                    (quantity.value() - truth) / quantity.std().expect("a std")
+                };
+                let (offset, rate) = (z(&clock.offset_s, offset_s), z(&clock.rate_ppm, rate_ppm));
+                let left = clock.left_offset_s.as_ref().map_or(0.0, |left| z(left, 0.0));
+                if offset.abs() > 4.0 {
+                    println!("seed {seed}: offset {offset:.1}, rate {rate:.1}, {clock:?}");
+                }
+                [
+                    offset.abs() <= 1.96,
+                    rate.abs() <= 1.96,
+                    left.abs() <= 1.96,
+                    fit.kept_out.events.is_empty(),
+                    worst(&found) < 3.5,
+                ]
+            })
+            .collect();
+        let share = |k: usize| all.iter().filter(|inside| inside[k]).count() as f64 / count as f64;
+        println!(
+            "{offset_s} s, {rate_ppm} ppm: 95 % hold: offset {:.3}, rate {:.3}; left {:.3}; without event {:.3}; η within 3.5σ {:.3}",
+            share(0),
+            share(1),
+            share(2),
+            share(3),
+            share(4)
+        );
+        let slack = 3.0 * (0.95 * 0.05 / count as f64).sqrt();
+        assert!(share(0) >= 0.93 - slack && share(1) >= 0.93 - slack);
+        assert!(share(2) >= 0.95 - slack && share(3) >= 0.97 - slack && share(4) >= 0.97 - slack);
+    }
+}
+
+/// Without the correction the clocks' difference is still told in full.
+#[test]
+fn uncorrected_clocks_are_told() {
+    let made = Made { offset_s: -150.0, ..Made::new(7) };
+    let document = document(vec![made.both("pair", 0..made.rows)]);
+    let plain = found(&document, false);
+    let fit = plain.fit.expect("a fit");
+    let clock = fit.clock.expect("a clock");
+    assert!(!clock.corrected && clock.left_offset_s.is_none());
+    assert!((clock.offset_s.value() + 150.0).abs() < 4.0 * clock.offset_s.std().expect("a std"));
+    assert!(fit.findings.iter().any(|finding| finding.contains("--correct-clock")), "{:?}", fit.findings);
+}
+
+/// With the clock in the model, what the document predicts is what was read.
+#[test]
+fn a_corrected_clock_goes_to_the_model() {
+    let made = Made { offset_s: 40.0, rate_ppm: 20.0, ..Made::new(8) };
+    let recorded = document(vec![made.both("pair", 0..made.rows)]);
+    let found = diffmag::run(recorded, &diffmag::Options { correct_clock: true }).expect("fitted");
+    let predicted = simulate::replay(&found, None).expect("predicted").document;
+    let series = |document: &Document| document.recordings[0].column("test_x_nt").expect("readings").to_vec();
+    let squares = |document: &Document| -> f64 {
+        // The first and last rows were never read by the other clock.
+        series(&found).iter().zip(series(document)).skip(5).take(4300).map(|(a, b)| (a - b).powi(2)).sum()
+    };
+    let rms = |document: &Document| (squares(document) / 4300.0).sqrt();
+    let without =
+        simulate::replay(&Document { model: None, ..found.clone() }, None).expect("predicted").document;
+    println!("{} nT, without its clock {} nT", rms(&predicted), rms(&without));
+    // Noise of both instruments, and what interpolation between samples misses; the clock itself moves readings by ten times as much.
+    assert!(rms(&predicted) < 0.2 * rms(&without) && rms(&without) > 10.0 * made.white_nt);
+}

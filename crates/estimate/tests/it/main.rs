@@ -1,0 +1,18 @@
+//! The integration tests of `estimate`: one program, a module for each subject.
+
+mod allan;
+mod cosine;
+mod cross_spectrum;
+mod events;
+mod haar;
+mod hac;
+mod innovations;
+mod nist_linear;
+mod normality;
+mod periodogram;
+mod resample;
+mod sequence;
+mod sources;
+mod welch;
+mod whittle;
+mod whittle_coverage;

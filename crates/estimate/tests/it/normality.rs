@@ -1,0 +1,174 @@
+//! The tests of normality and of runs against SciPy and statsmodels, and how often they reject what is true.
+
+use crate::sequence;
+
+use estimate::normality::{anderson_darling, runs};
+use sequence::Sequence;
+use serde_json::Value;
+
+fn reference() -> Value {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/normality_scipy.json");
+    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
+    serde_json::from_str(&text).expect("the fixture is JSON")
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().expect("a list")
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+fn values(set: &Value) -> Vec<f64> {
+    list(&set["values"]).iter().map(number).collect()
+}
+
+/// Signs as values: `+` is 1, `-` is −1, `0` is 0.
+fn signs(text: &str) -> Vec<f64> {
+    text.chars()
+        .map(|sign| if sign == '0' { 0.0 } else { f64::from(i8::from(sign == '+') * 2 - 1) })
+        .collect()
+}
+
+#[test]
+fn statistic_and_probability_of_scipy() {
+    let (mut worst, mut worst_p) = (0.0_f64, 0.0_f64);
+    for set in list(&reference()["sets"]) {
+        let values = values(set);
+        let (found, p) = anderson_darling(&values).unwrap_or_else(|| panic!("{}", set["name"]));
+        let n = values.len() as f64;
+        let expected = number(&set["a_squared"]) * (1.0 + 0.75 / n + 2.25 / (n * n));
+        let off = (found / expected - 1.0).abs();
+        assert!(off < 1e-10, "{}: {found}, {expected}", set["name"]);
+        let expected_p = number(&set["p"]);
+        if expected_p == 0.0 {
+            assert!(expected > 13.0 && p < 5e-31, "{}: {p}", set["name"]);
+            println!("{}: A*² {off:.1e} off, p {p:.1e} for 0", set["name"]);
+        } else {
+            let off_p = (p / expected_p - 1.0).abs();
+            println!("{}: A*² {off:.1e} off, p {off_p:.1e} off", set["name"]);
+            // statsmodels takes 1 − Φ, which has few digits left far above the mean.
+            assert!(off_p < 1e-9, "{}: {p}, {expected_p}", set["name"]);
+            worst_p = worst_p.max(off_p);
+        }
+        worst = worst.max(off);
+    }
+    println!("the worst A*² {worst:.1e} off, the worst p {worst_p:.1e}");
+}
+
+#[test]
+fn runs_of_statsmodels() {
+    let (mut exact, mut normal) = ((0, 0.0_f64), (0, 0.0_f64));
+    let mut worst_z = 0.0_f64;
+    for set in list(&reference()["sets"]) {
+        let expected = &set["runs"];
+        let found = runs(&values(set));
+        if expected.is_null() {
+            assert_eq!(found, None, "{}", set["name"]);
+            continue;
+        }
+        let (z, p) = found.unwrap_or_else(|| panic!("{}", set["name"]));
+        let off_z = (z - number(&expected["z"])).abs();
+        assert!(off_z < 1e-12, "{}: {z}, {}", set["name"], expected["z"]);
+        worst_z = worst_z.max(off_z);
+        let off = (p / number(&expected["p"]) - 1.0).abs();
+        let counted = number(&expected["above"]).min(number(&expected["below"])) < 20.0;
+        let (branch, most) = if counted { (&mut exact, 1e-13) } else { (&mut normal, 1e-9) };
+        assert!(off < most, "{}: {p}, {}", set["name"], expected["p"]);
+        *branch = (branch.0 + 1, branch.1.max(off));
+    }
+    println!(
+        "worst z {worst_z:.1e} off; p of {} counted {:.1e}, of {} normal {:.1e}",
+        exact.0, exact.1, normal.0, normal.1
+    );
+    assert!(exact.0 > 8 && normal.0 > 8);
+}
+
+#[test]
+fn normal_samples_are_rejected_as_often_as_said() {
+    let mut sequence = Sequence(9);
+    let trials = 2000;
+    let (mut forms, mut orders) = ([0; 3], 0);
+    for _ in 0..trials {
+        let sample = sequence.white(101, 0.3);
+        let (_, p) = anderson_darling(&sample).expect("a test");
+        for (count, level) in forms.iter_mut().zip([0.05, 0.01, 0.5]) {
+            *count += usize::from(p < level);
+        }
+        orders += usize::from(runs(&sample).expect("a test").1 < 0.05);
+    }
+    let share = |count: usize| count as f64 / f64::from(trials);
+    println!(
+        "A*² below 0.05 {:.4}, below 0.01 {:.4}, below 0.5 {:.4}; runs below 0.05 {:.4}",
+        share(forms[0]),
+        share(forms[1]),
+        share(forms[2]),
+        share(orders)
+    );
+    assert!((0.04..=0.06).contains(&share(forms[0])), "{}", share(forms[0]));
+    // The runs are whole numbers: at most the level, and less by what the next number would add.
+    assert!((0.02..=0.06).contains(&share(orders)), "{}", share(orders));
+}
+
+#[test]
+fn no_form_without_values_or_scatter() {
+    let sample = Sequence(10).white(8, 1.0);
+    assert!(anderson_darling(&sample).is_some());
+    assert_eq!(anderson_darling(&sample[..7]), None);
+    assert_eq!(anderson_darling(&[]), None);
+    assert_eq!(anderson_darling(&[0.1; 30]), None);
+    assert_eq!(anderson_darling(&[50_000.1; 31]), None);
+    for spoilt in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut sample = sample.clone();
+        sample[3] = spoilt;
+        assert_eq!(anderson_darling(&sample), None, "{spoilt}");
+    }
+}
+
+#[test]
+fn unit_offset_and_order_do_not_change_the_form() {
+    let sample = Sequence(11).white(60, 1.0);
+    let (expected, _) = anderson_darling(&sample).expect("a test");
+    let mut mirrored: Vec<f64> = sample.iter().map(|x| -8.0 * x + 4096.0).collect();
+    mirrored.reverse();
+    let (found, _) = anderson_darling(&mirrored).expect("a test");
+    assert!((found - expected).abs() < 1e-9, "{found}, {expected}");
+}
+
+#[test]
+fn runs_by_hand() {
+    // Three of either sign have 20 orders: 2, 3, 4, 5, 6 runs in 2, 4, 8, 4, 2 of them.
+    for (order, p) in [("+++---", 0.2), ("++---+", 0.6), ("+-+--+", 0.6), ("+--++-", 1.0), ("-+-+-+", 0.2)] {
+        let (_, found) = runs(&signs(order)).expect("a test");
+        assert!((found - p).abs() < 1e-15, "{order}: {found}");
+    }
+    // μ = 4 and σ² = 6/5.
+    let (z, _) = runs(&signs("0+++00---")).expect("a test");
+    assert!((z + 1.5 / 1.2_f64.sqrt()).abs() < 1e-15, "{z}");
+    assert_eq!(runs(&signs("+-")), Some((0.0, 1.0)));
+    assert_eq!(runs(&signs("-0+")), Some((0.0, 1.0)));
+    // Many of one sign and a single other one, in the middle: three runs, as in nearly all orders.
+    let mut many = vec![1.0; 100_001];
+    many[50_000] = -1.0;
+    assert_eq!(runs(&many).expect("a test").1, 1.0);
+}
+
+#[test]
+fn no_runs_of_one_sign() {
+    for order in ["", "0", "+", "----", "00+0"] {
+        assert_eq!(runs(&signs(order)), None, "{order}");
+    }
+    assert_eq!(runs(&[1.0, f64::NAN, -1.0]), None);
+}
+
+#[test]
+fn neighbours_alike_have_few_runs() {
+    let drift: Vec<f64> =
+        Sequence(12).white(101, 0.1).iter().zip(-50..).map(|(x, i)| x + 0.02 * f64::from(i)).collect();
+    let (z, p) = runs(&drift).expect("a test");
+    assert!(z < -5.0 && p < 1e-6, "{z}, {p}");
+    let turned: Vec<f64> = (0..101).map(|i| if i % 2 == 0 { 1.0 } else { -0.5 }).collect();
+    let (z, p) = runs(&turned).expect("a test");
+    assert!(z > 5.0 && p < 1e-6, "{z}, {p}");
+}

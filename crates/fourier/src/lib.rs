@@ -1,0 +1,44 @@
+//! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in each crate that
+//! uses it. Neither direction is scaled: x → X → x gives N x.
+
+use std::sync::Arc;
+
+pub use realfft::num_complex::Complex;
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+
+/// N real numbers to N/2 + 1 complex ones, X(k) = Σ x(n) exp(-2πi kn/N).
+pub type Forward = Arc<dyn RealToComplex<f64>>;
+
+/// N/2 + 1 complex numbers back to N real ones.
+pub type Inverse = Arc<dyn ComplexToReal<f64>>;
+
+/// Makes transforms and keeps what those of other lengths can share.
+pub struct Planner(RealFftPlanner<f64>);
+
+impl Planner {
+    /// A planner that has made none yet.
+    #[expect(clippy::new_without_default, reason = "a default planner would say no more than a new one")]
+    pub fn new() -> Self {
+        Self(RealFftPlanner::new())
+    }
+
+    /// The forward transform of `points` real numbers.
+    pub fn forward(&mut self, points: usize) -> Forward {
+        self.0.plan_fft_forward(points)
+    }
+
+    /// The inverse transform to `points` real numbers.
+    pub fn inverse(&mut self, points: usize) -> Inverse {
+        self.0.plan_fft_inverse(points)
+    }
+}
+
+/// The forward transform of `points` real numbers.
+pub fn forward(points: usize) -> Forward {
+    Planner::new().forward(points)
+}
+
+/// The inverse transform to `points` real numbers.
+pub fn inverse(points: usize) -> Inverse {
+    Planner::new().inverse(points)
+}

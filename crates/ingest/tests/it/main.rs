@@ -1,0 +1,8 @@
+//! The integration tests of `ingest`: one program, a module for each subject.
+
+mod bad_input;
+mod golden;
+mod help;
+mod pipe;
+mod real;
+mod schema;

@@ -1,0 +1,3 @@
+//! The integration tests of `noise`: one program, a module for each subject.
+
+mod spectra;

@@ -1,0 +1,8 @@
+//! How every fluxcal program behaves: its command line with completions and man pages, the document's way through
+//! standard streams and files, tables beside the document, and the exit code. Types are `common`'s.
+
+pub mod apart;
+pub mod beside;
+pub mod manual;
+pub mod number;
+pub mod pipe;

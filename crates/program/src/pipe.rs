@@ -1,0 +1,293 @@
+//! Reading and writing that all stages share, with good manners in pipes.
+//!
+//! Standard output carries the document or nothing; people's words go to standard error. The exit
+//! code is 0 (done), 1 (the data do not allow the answer) or 2 (the request or the document is wrong).
+
+use clap::Args;
+use sha2::{Digest, Sha256};
+use std::ffi::OsString;
+use std::fs;
+use std::io::{self, ErrorKind, IsTerminal, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process;
+
+use common::{Document, Error, ExitCode, HistoryEntry, line_of};
+
+use crate::{apart, beside};
+
+/// Arguments for the document's way in and out, the same in every stage.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Io {
+    /// The document to read; absent or `-`: standard input
+    #[arg(value_name = "DOCUMENT")]
+    pub file: Option<PathBuf>,
+    /// Write to this file instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Let -o name the document that is read: it is replaced when all is done
+    #[arg(long, requires = "output")]
+    pub in_place: bool,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+impl Io {
+    /// The output is not what is read, unless that is asked for; `others` is what is read besides, which may never be it.
+    ///
+    /// # Errors
+    ///
+    /// As [`apart::check`].
+    pub fn apart<'a>(&'a self, others: impl IntoIterator<Item = &'a Path>) -> Result<(), Error> {
+        let document = self.file.as_deref().filter(|_| !self.in_place);
+        let inputs: Vec<&Path> = document.into_iter().chain(others).collect();
+        apart::check(self.output.as_deref(), inputs)
+    }
+
+    /// The folder of the document: that of its file, else the present one.
+    pub fn folder(&self) -> &Path {
+        self.file.as_deref().and_then(Path::parent).unwrap_or(Path::new(""))
+    }
+}
+
+/// What was read, with what is needed to speak of it.
+pub struct Input {
+    /// The text.
+    pub text: String,
+    /// The file's name, or `standard input`.
+    pub source_name: String,
+}
+
+impl Input {
+    /// Reads a file, or standard input where no file is given.
+    pub fn read(file: Option<&Path>) -> Result<Self, Error> {
+        let (bytes, source_name) = match file.filter(|path| *path != Path::new("-")) {
+            Some(path) => {
+                let bytes = fs::read(path).map_err(|source| unreadable(path, source))?;
+                (bytes, path.display().to_string())
+            }
+            None if io::stdin().is_terminal() => {
+                return Err(Error::Request(
+                    "no document: standard input is a terminal. Give a file, or put this program behind \
+                     another in a pipe; --help shows an example"
+                        .into(),
+                ));
+            }
+            None => {
+                let mut bytes = Vec::new();
+                io::stdin()
+                    .read_to_end(&mut bytes)
+                    .map_err(|source| unreadable(Path::new("standard input"), source))?;
+                (bytes, "standard input".to_string())
+            }
+        };
+        let text = String::from_utf8(bytes).map_err(|error| Error::Syntax {
+            message: format!(
+                "{source_name}: byte {} is not UTF-8; expected JSON text, which is always UTF-8",
+                error.utf8_error().valid_up_to()
+            ),
+        })?;
+        Ok(Input { text, source_name })
+    }
+
+    /// SHA-256 of the text, in hexadecimal.
+    pub fn sha256(&self) -> String {
+        Sha256::digest(self.text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// Adds file and line to an error that names a JSON path.
+    pub fn locate(&self, error: Error) -> Error {
+        let line = error.path().and_then(|path| line_of(&self.text, path));
+        match (line, error) {
+            (Some(line), error) => {
+                Error::At { source_name: self.source_name.clone(), line, error: Box::new(error) }
+            }
+            (None, Error::Syntax { message }) => {
+                Error::Syntax { message: format!("{}: {message}", self.source_name) }
+            }
+            (None, error) => error,
+        }
+    }
+}
+
+fn unreadable(path: &Path, source: io::Error) -> Error {
+    Error::File { path: path.into(), action: "read", source }
+}
+
+/// A stage's name and version, as its history entry states them.
+#[derive(Clone, Copy, Debug)]
+pub struct Program {
+    /// Name of the binary.
+    pub name: &'static str,
+    /// Its version.
+    pub version: &'static str,
+    /// The procedures whose recordings it takes: of those, tables beside the document are read.
+    pub takes: &'static [&'static str],
+}
+
+/// Runs a stage: document in, `run`, words to standard error, document out.
+///
+/// `arguments` is what the history records of the request. Nothing is written when anything fails.
+pub fn stage<E>(
+    program: Program,
+    io: &Io,
+    arguments: Vec<String>,
+    run: impl FnOnce(Document) -> Result<Document, E>,
+    words: impl FnOnce(&Document) -> String,
+) -> Result<(), Error>
+where
+    Error: From<E>,
+{
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    let mut document = Document::parse(&input.text).map_err(located)?;
+    let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
+    let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
+    io.apart(tables.iter().map(PathBuf::as_path))?;
+    beside::read(&mut document, io.folder(), program.takes).map_err(located)?;
+    let mut document = run(document).map_err(Error::from).map_err(located)?;
+    let said = (!io.quiet).then(|| words(&document));
+    beside::put_back(&mut document);
+    document.history.push(HistoryEntry {
+        stage: program.name.into(),
+        version: program.version.into(),
+        arguments,
+        input_sha256: Some(input.sha256()),
+        extra: Default::default(),
+    });
+    write(io.output.as_deref(), &document.to_text()?)?;
+    said.iter().for_each(|words| say(words));
+    Ok(())
+}
+
+/// Writes text to a file (beside it first, then renamed) or to standard output.
+/// A reader that has gone is no error.
+pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
+    let mut sink = Sink::open(output)?;
+    sink.write(text)?;
+    sink.finish()
+}
+
+/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a device.
+pub struct Sink {
+    /// As it is named in errors.
+    path: PathBuf,
+    target: Target,
+}
+
+enum Target {
+    Stdout,
+    /// A link stays a link, and what is no file (a terminal, a named pipe) is written to and not replaced.
+    Device(fs::File),
+    Beside {
+        file: fs::File,
+        beside: PathBuf,
+        real: PathBuf,
+        done: bool,
+    },
+}
+
+impl Sink {
+    /// Opens a file, or standard output where none is given.
+    pub fn open(output: Option<&Path>) -> Result<Self, Error> {
+        let Some(path) = output else {
+            return Ok(Self { path: "standard output".into(), target: Target::Stdout });
+        };
+        let failed = |source| Error::File { path: path.into(), action: "written", source };
+        let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
+        if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
+            let file = fs::OpenOptions::new().write(true).open(&real).map_err(failed)?;
+            return Ok(Self { path: path.into(), target: Target::Device(file) });
+        }
+        let mut name = OsString::from(".");
+        name.push(real.file_name().unwrap_or_default());
+        name.push(format!(".{}.part", process::id()));
+        let beside = real.with_file_name(name);
+        let file = fs::File::create(&beside).map_err(failed)?;
+        // Who may read the old one may read the new one, and nobody else.
+        if let Ok(existing) = fs::metadata(&real) {
+            file.set_permissions(existing.permissions()).map_err(failed)?;
+        }
+        Ok(Self { path: path.into(), target: Target::Beside { file, beside, real, done: false } })
+    }
+
+    /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is wanted.
+    pub fn write(&mut self, text: &str) -> Result<bool, Error> {
+        let result = match &mut self.target {
+            Target::Stdout => {
+                let mut stdout = io::stdout().lock();
+                stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
+            }
+            Target::Device(file) | Target::Beside { file, .. } => file.write_all(text.as_bytes()),
+        };
+        match (&self.target, result) {
+            (_, Ok(())) => Ok(true),
+            (Target::Stdout, Err(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+            (_, Err(source)) => Err(Error::File { path: self.path.clone(), action: "written", source }),
+        }
+    }
+
+    /// Gives the file its name.
+    pub fn finish(mut self) -> Result<(), Error> {
+        if let Target::Beside { beside, real, done, .. } = &mut self.target {
+            let path = self.path.clone();
+            fs::rename(beside, real).map_err(|source| Error::File { path, action: "written", source })?;
+            *done = true;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Sink {
+    fn drop(&mut self) {
+        if let Target::Beside { beside, done: false, .. } = &self.target {
+            // The half-written neighbour is of no use to anyone; that it cannot be removed changes nothing.
+            let _ = fs::remove_file(beside);
+        }
+    }
+}
+
+/// People's words, to standard error. A closed standard error is no reason to fail.
+pub fn say(words: &str) {
+    let _ = writeln!(io::stderr(), "{}", words.trim_end());
+}
+
+/// The end of `main`: the error as one sentence to standard error, and the exit code that it means.
+pub fn finish<E>(program: Program, result: Result<(), E>) -> process::ExitCode
+where
+    E: AsRef<dyn std::error::Error + Send + Sync>,
+{
+    let Err(error) = result else { return process::ExitCode::SUCCESS };
+    let error: &(dyn std::error::Error + Send + Sync) = error.as_ref();
+    say(&format!("{}: {error}", program.name));
+    let code = error.downcast_ref::<Error>().map_or(ExitCode::Refused, Error::exit_code);
+    process::ExitCode::from(code as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_whole_or_not_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("out.json");
+        write(Some(&path), "{}\n").expect("written");
+        assert_eq!(fs::read_to_string(&path).expect("there"), "{}\n");
+        #[cfg(unix)]
+        {
+            let link = folder.path().join("link.json");
+            std::os::unix::fs::symlink(&path, &link).expect("a link");
+            write(Some(&link), "[]\n").expect("written");
+            assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
+            assert_eq!(fs::read_to_string(&path).expect("there"), "[]\n");
+            write(Some(Path::new("/dev/null")), "gone").expect("written");
+            assert!(!fs::metadata("/dev/null").expect("there").is_file());
+            fs::remove_file(&link).expect("removed");
+        }
+        let lost = folder.path().join("absent").join("out.json");
+        let error = write(Some(&lost), "{}").expect_err("no such folder");
+        assert!(error.to_string().contains("cannot be written"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
+    }
+}

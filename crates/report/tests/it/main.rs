@@ -1,0 +1,8 @@
+//! The integration tests of `report`: one program, a module for each subject.
+
+mod bad_input;
+mod browser;
+mod certificate;
+mod golden;
+mod help;
+mod well_formed;

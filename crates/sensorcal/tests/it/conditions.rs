@@ -1,0 +1,271 @@
+//! Temperatures and fields across.
+
+use crate::build;
+
+use build::{COIL, K, read, recording, sensor, sweep, with};
+use common::TemperatureFit;
+use noise::Stream;
+use serde_json::{Value, json};
+
+/// Eleven fields at each of the temperatures, a reading every 11 s, half an hour between; `adds` gives nT for field,
+/// temperature of the sensor and of the electronics.
+fn heated(seed: u64, id: &str, steps: &[(f64, f64)], adds: impl Fn(f64, f64, f64) -> f64) -> Value {
+    let mut stream = Stream::new(seed, id);
+    let (mut time, mut current, mut volts) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut sensor, mut electronics) = (Vec::new(), Vec::new());
+    let mut clock = 0.0;
+    for (s, e) in steps {
+        clock += 1800.0;
+        for field in sweep(50_000.0, 11) {
+            time.push(clock);
+            current.push(field / COIL);
+            volts.push(read(&mut stream, field + adds(field, s - 23.0, e - 23.0), 0.0, 0.1));
+            sensor.push(*s);
+            electronics.push(*e);
+            clock += 11.0;
+        }
+    }
+    let columns = [
+        ("time_s", time),
+        ("coil_x_a", current),
+        ("sensor_x_v", volts),
+        ("sensor_temperature_c", sensor),
+        ("electronics_temperature_c", electronics),
+    ];
+    recording(id, "temperature_run", &columns)
+}
+
+fn document(recordings: Vec<Value>) -> Value {
+    let mut document = with(recordings);
+    document["instrument"]["noise"] = json!({"white_rms_nt": 0.1});
+    document["calibration"]["reference_conditions"] =
+        json!({"sensor_temperature_c": 23.0, "electronics_temperature_c": 23.0});
+    document
+}
+
+const STEPS: [f64; 13] = [0.0, 5.0, 15.0, 30.0, 15.0, 5.0, 0.0, -5.0, -15.0, -30.0, -15.0, -5.0, 0.0];
+
+fn sensor_steps() -> Vec<(f64, f64)> {
+    STEPS.iter().map(|step| (23.0 + step, 23.0)).collect()
+}
+
+fn fitted(document: &Value) -> TemperatureFit {
+    *sensor(document).temperature.expect("temperatures")
+}
+
+#[test]
+fn coefficients_and_the_report_s_slopes() {
+    let adds = |b: f64, s: f64, _: f64| b * 1e-6 * (28.0 * s + 0.05 * s * s) + 0.05 * s - 0.001 * s * s;
+    let fit = fitted(&document(vec![heated(1, "run", &sensor_steps(), adds)]));
+    let part = fit.sensor.expect("the sensor");
+    assert!(fit.electronics.is_none());
+    for (name, quantity, truth) in [
+        ("ppm/K", &part.sensitivity_ppm_per_k, 28.0),
+        ("ppm/K2", part.sensitivity_ppm_per_k2.as_ref().expect("a curvature"), 0.05),
+        ("nT/K", &part.offset_nt_per_k, 0.05),
+        ("nT/K2", part.offset_nt_per_k2.as_ref().expect("a curvature"), -0.001),
+        ("three points, ppm/K", &part.three_point["sensitivity_ppm_per_k"], 28.0),
+        ("three points, nT/K", &part.three_point["offset_nt_per_k"], 0.05),
+    ] {
+        let std = quantity.std().expect("a std");
+        assert!((quantity.value() - truth).abs() < 3.5 * std, "{name}: {quantity:?}");
+    }
+    // 23 + 0.05/(2 · 0.001) = 48 degC.
+    let extremum = &part.extrema_c["offset"];
+    assert!((extremum.value() - 48.0).abs() < 3.5 * extremum.std().expect("a std"), "{extremum:?}");
+    assert_eq!(part.range_c, [-7.0, 53.0]);
+    assert_eq!((fit.levels.branch[3], fit.levels.branch[5], fit.levels.branch[12]), (1, -1, 1));
+    assert!(part.lag.contains("was not recorded"), "{}", part.lag);
+}
+
+#[test]
+fn branches_that_differ_are_told() {
+    // 2 nT more on the way down: the readings themselves do not say the way, their order does.
+    let steps = sensor_steps();
+    let mut run = heated(2, "run", &steps, |_, s, _| 0.05 * s);
+    let volts = run["columns"]["sensor_x_v"].as_array_mut().expect("a list");
+    for (row, value) in volts.iter_mut().enumerate() {
+        let level = row / 11;
+        let cooling = level >= 1 && STEPS[level] < STEPS[level - 1];
+        *value = json!(value.as_f64().expect("a number") + if cooling { 2.0 / K } else { 0.0 });
+    }
+    let fit = fitted(&document(vec![run]));
+    let found: Vec<&str> =
+        fit.departures.iter().filter(|departure| departure.found).map(|d| d.departure.as_str()).collect();
+    assert_eq!(found, ["sensor_offset_branches"]);
+}
+
+#[test]
+fn temperatures_that_move_together_give_no_slopes() {
+    let both: Vec<(f64, f64)> = STEPS.iter().map(|step| (23.0 + step, 23.0 + 0.98 * step)).collect();
+    let fit = fitted(&document(vec![heated(3, "run", &both, |_, s, e| 0.05 * s - 0.02 * e)]));
+    assert!(fit.sensor.is_none() && fit.electronics.is_none());
+    assert!(fit.findings.iter().any(|finding| finding.contains("moved together")), "{:?}", fit.findings);
+}
+
+#[test]
+fn both_parts_apart_and_their_product() {
+    let electronics: Vec<(f64, f64)> = STEPS.iter().map(|step| (23.0, 23.0 + step)).collect();
+    let cross: Vec<(f64, f64)> =
+        [(0.0, 0.0), (20.0, 20.0), (-20.0, 20.0), (20.0, -20.0), (-20.0, -20.0), (0.0, 0.0)]
+            .iter()
+            .map(|(s, e)| (23.0 + s, 23.0 + e))
+            .collect();
+    let adds = |b: f64, s: f64, e: f64| 1e-6 * b * (28.0 * s + 3.0 * e) + 0.05 * s - 0.02 * e + 0.003 * s * e;
+    let runs = vec![
+        heated(4, "sensor", &sensor_steps(), adds),
+        heated(4, "electronics", &electronics, adds),
+        heated(4, "both", &cross, adds),
+    ];
+    let fit = fitted(&document(runs));
+    let found: Vec<&str> =
+        fit.departures.iter().filter(|departure| departure.found).map(|d| d.departure.as_str()).collect();
+    assert_eq!(found, ["offset_product"]);
+    let product = &fit.departures.iter().find(|d| d.found).expect("found").parameter["product_nt_per_k2"];
+    assert!((product.value() - 0.003).abs() < 3.5 * product.std().expect("a std"));
+    let electronics = fit.electronics.expect("the electronics");
+    assert!((electronics.sensitivity_ppm_per_k.value() - 3.0).abs() < 0.2);
+}
+
+/// A temperature that is followed on its way, a reading every 30 s, and an offset that follows it `lag_s` late.
+fn followed(lag_s: f64) -> Value {
+    let mut stream = Stream::new(5, "followed");
+    let rows = 1200;
+    let (mut time, mut current, mut volts, mut temperature) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut late = 23.0;
+    for row in 0..rows {
+        let t = 30.0 * f64::from(row);
+        let now = 23.0 + 15.0 * (std::f64::consts::TAU * t / 12_000.0).sin();
+        let field = if row % 3 == 0 { 0.0 } else { 30_000.0 * f64::from(row % 3 * 2 - 3) };
+        late = if lag_s > 0.0 { late + (now - late) * (1.0 - (-30.0 / lag_s).exp()) } else { now };
+        time.push(t);
+        current.push(field / COIL);
+        temperature.push(now);
+        volts.push(read(&mut stream, field + 0.1 * (late - 23.0), 0.0, 0.1));
+    }
+    let columns = [
+        ("time_s", time),
+        ("coil_x_a", current),
+        ("sensor_x_v", volts),
+        ("electronics_temperature_c", vec![23.0; rows as usize]),
+        ("sensor_temperature_c", temperature),
+    ];
+    document(vec![recording("followed", "temperature_run", &columns)])
+}
+
+#[test]
+fn a_lag_is_found_where_there_is_one() {
+    let part = fitted(&followed(600.0)).sensor.expect("the sensor");
+    let lag = part.lag_s.expect("a lag");
+    // The temperature was stepped, not followed by straight lines: half a step of 30 s.
+    assert!((lag.value() - 600.0).abs() < 20.0 + 3.5 * lag.std().expect("a std"), "{lag:?}");
+    assert!((part.offset_nt_per_k.value() - 0.1).abs() < 0.01);
+    let none = fitted(&followed(0.0)).sensor.expect("the sensor");
+    assert!(none.lag_s.is_none() && none.lag.contains("no lag is seen"), "{}", none.lag);
+}
+
+/// Seven fields along at each field across, from both sides by a quarter turn; the sensor leans by 20″.
+fn across(seed: u64, levels: &[f64], even: f64) -> Vec<Value> {
+    let lean = 20.0 / 206_264.8;
+    let turn = |name: &str, orientation: Value, even: f64| {
+        let mut stream = Stream::new(seed, name);
+        let (mut along, mut side, mut volts) = (Vec::new(), Vec::new(), Vec::new());
+        for level in levels {
+            for field in sweep(50_000.0, 7) {
+                along.push(field / COIL);
+                side.push(level / COIL);
+                let own = field + lean * level + even * (level / 5e4).powi(2);
+                volts.push(read(&mut stream, own, 0.0, 0.1));
+            }
+        }
+        let rows = along.len();
+        let time = (0..rows).map(|row| 11.0 * row as f64).collect();
+        let columns = [("time_s", time), ("coil_x_a", along), ("coil_z_a", side), ("sensor_x_v", volts)];
+        let mut one = recording(name, "cross_field", &columns);
+        one["conditions"]["orientation"] = orientation;
+        one
+    };
+    vec![
+        turn("as-it-is", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), even),
+        turn("turned", json!([[1, 0, 0], [0, 0, -1], [0, 1, 0]]), 0.0),
+    ]
+}
+
+#[test]
+fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
+    let levels = [-60_000.0, -20_000.0, 0.0, 20_000.0, 60_000.0];
+    let leaning = sensor(&document(across(6, &levels, 0.0))).cross_field.expect("fields across");
+    assert!(leaning.significance.expect("a test").p_value > 0.01);
+    for misalignment in &leaning.misalignments {
+        let angle = &misalignment.angle_arcsec;
+        assert!((angle.value() - 20.0).abs() < 3.5 * angle.std().expect("a std"), "{angle:?}");
+    }
+    let found = build::run(&document(across(6, &levels, 0.0))).expect("calibrated");
+    assert!(found.model.is_none_or(|model| model.effects.is_empty()));
+    // 3 nT, even in the field along z (v in SEN); the field from the other side (u) does nothing.
+    let with_effect = sensor(&document(across(6, &levels, 3.0))).cross_field.expect("fields across");
+    let (first, second) = (&with_effect.offset["first_nt"], &with_effect.offset["second_nt"]);
+    let near = |quantity: &common::Quantity, truth: f64| {
+        (quantity.value() - truth).abs() < 3.5 * quantity.std().expect("a std")
+    };
+    assert!(near(second, 3.0) && near(first, 0.0), "{first:?} {second:?}");
+    assert!(with_effect.significance.expect("a test").p_value < 1e-10);
+    assert!(with_effect.difference.expect("a test").p_value < 1e-10);
+    let held_out = with_effect.held_out.expect("held out");
+    assert!(held_out.before_nt > 0.5 && held_out.after_nt < 0.13, "{held_out:?}");
+}
+
+#[test]
+fn one_side_alone_is_said() {
+    let one = across(7, &[-60_000.0, 0.0, 60_000.0], 3.0).remove(0);
+    let cross = sensor(&document(vec![one])).cross_field.expect("fields across");
+    assert!(cross.offset.contains_key("second_nt") && !cross.offset.contains_key("first_nt"));
+    assert!(
+        cross.findings.iter().any(|finding| finding.contains("were not recorded")),
+        "{:?}",
+        cross.findings
+    );
+}
+
+#[test]
+fn without_both_signs_a_lean_cannot_be_told() {
+    let cross = sensor(&document(across(8, &[0.0, 60_000.0], 3.0))).cross_field.expect("fields across");
+    assert!(cross.offset.is_empty());
+    assert!(cross.findings.iter().any(|finding| finding.contains("both signs")), "{:?}", cross.findings);
+}
+
+#[test]
+fn a_ramp_shows_its_curvature_and_no_lag() {
+    let steps: Vec<(f64, f64)> = (0..301).map(|row| (-7.0 + 0.2 * f64::from(row), 23.0)).collect();
+    let mut stream = Stream::new(21, "ramp");
+    let field = |row: usize| 50_000.0 * (row % 11) as f64 / 5.0 - 50_000.0;
+    let adds = |b: f64, s: f64| b * 1e-6 * (28.0 * s + 0.05 * s * s) + 0.05 * s + 0.001 * s * s;
+    let volts = steps
+        .iter()
+        .enumerate()
+        .map(|(row, (s, _))| read(&mut stream, field(row) + adds(field(row), s - 23.0), 0.0, 0.1))
+        .collect();
+    let rows = steps.len();
+    let columns = [
+        ("time_s", (0..rows).map(|row| 60.0 * row as f64).collect()),
+        ("coil_x_a", (0..rows).map(|row| field(row) / COIL).collect()),
+        ("sensor_x_v", volts),
+        ("sensor_temperature_c", steps.iter().map(|step| step.0).collect()),
+        ("electronics_temperature_c", vec![23.0; rows]),
+    ];
+    let part =
+        fitted(&document(vec![recording("ramp", "temperature_run", &columns)])).sensor.expect("the sensor");
+    let curvature = part.sensitivity_ppm_per_k2.expect("a curvature");
+    assert!((curvature.value() - 0.05).abs() < 3.5 * curvature.std().expect("a std"), "{curvature:?}");
+    assert!(part.lag_s.is_none(), "{}", part.lag);
+}
+
+#[test]
+fn small_fields_across_show_what_they_can() {
+    let levels = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
+    let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("fields across");
+    let second = &cross.offset["second_nt"];
+    assert!((second.value() - 8.0).abs() < 3.5 * second.std().expect("a std"), "{second:?}");
+    assert!(cross.significance.expect("a test").p_value < 1e-6);
+}

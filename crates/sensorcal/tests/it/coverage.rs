@@ -1,0 +1,247 @@
+//! Coverage of every interval over simulated campaigns, under white and under flicker noise. FLUXCAL_CAMPAIGNS sets how many.
+
+use common::{Axis, Document, Quantity, SensorCalibration};
+use indexmap::IndexMap;
+use noise::Stream;
+use rayon::prelude::*;
+use serde_json::{Value, json};
+
+fn campaigns() -> u64 {
+    testkit::campaigns(40)
+}
+
+const K: f64 = 6401.2;
+const O: f64 = 0.31;
+const COIL_STD: f64 = 0.05;
+const B0_STD: f64 = 0.02;
+/// Sensor x: ppm/K, ppm/K², nT/K, nT/K² of the sensor, then of the electronics.
+const THERMAL: [f64; 8] = [28.0, 0.3, 0.05, 0.002, 3.0, 0.2, -0.02, 0.004];
+const CROSS: [f64; 5] = [1.5, 0.8, 0.4, 0.6, -0.5];
+
+/// One kind of noise: what is true, and whether the instrument declares it or a recording shows it.
+struct Setting {
+    name: &'static str,
+    noise: Value,
+    declared: bool,
+    measured: bool,
+    wander: Value,
+}
+
+fn plan(setting: &Setting, seed: u64) -> Value {
+    let mut stream = Stream::new(seed, "coils");
+    let stated = json!({"constant_nt_per_a": {"value": 41234.5, "std": COIL_STD}, "offset_nt": {"value": 0.2, "std": B0_STD}});
+    let mut truth_of = || json!({"constant_nt_per_a": 41234.5 + COIL_STD * stream.normal(), "offset_nt": 0.2 + B0_STD * stream.normal()});
+    let coil = json!({"resistor_ohm": 1.0, "max_nt": 65000});
+    let effect = |name: &str, values: &[(&str, f64)]| {
+        let parameters: IndexMap<&str, f64> = values.iter().copied().collect();
+        json!({"effect": name, "sensor": "x", "parameters": parameters})
+    };
+    let thermal = |name: &str, at: usize, unit: &str| {
+        let names = [format!("coefficient_{unit}_per_k"), format!("curvature_{unit}_per_k2")];
+        effect(name, &[(&names[0], THERMAL[at]), (&names[1], THERMAL[at + 1])])
+    };
+    let mut plan = json!({
+        "fluxcal": 1,
+        "seed": seed,
+        "start": "2026-03-02T08:00:00Z",
+        "facility": {"coils": {"x": coil, "y": coil, "z": coil}},
+        "instrument": {"sensors": ["x"], "nominal_sensitivity_nt_per_v": 6400, "noise": setting.noise},
+        "calibration": {
+            "coils": {"x": stated, "y": stated, "z": stated},
+            "sensors": {"x": {"sensitivity_nt_per_v": 6400.0, "offset_nt": 0.0}},
+            "axes": {"sensors": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}, "coils": {"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}},
+            "reference_conditions": {"sensor_temperature_c": 23.0, "electronics_temperature_c": 23.0, "coil_temperature_c": 21.0}
+        },
+        "unstated": ["sensors"],
+        "temperatures": {"sensor_temperature_c": 24.0, "electronics_temperature_c": 22.5, "coil_temperature_c": 21.0},
+        "truth": {
+            "calibration": {
+                "coils": {"x": truth_of(), "y": truth_of(), "z": truth_of()},
+                "sensors": {"x": {"sensitivity_nt_per_v": K, "offset_nt": O}}
+            },
+            "model": {"effects": [
+                thermal("sensitivity_temperature", 0, "ppm"),
+                thermal("offset_temperature", 2, "nt"),
+                thermal("sensitivity_electronics_temperature", 4, "ppm"),
+                thermal("offset_electronics_temperature", 6, "nt"),
+                effect("cross_field", &[("first_nt", CROSS[0]), ("second_nt", CROSS[1]), ("mixed_nt", CROSS[2])]),
+                effect("cross_field_sensitivity", &[("first_nt", CROSS[3]), ("second_nt", CROSS[4])]),
+            ]},
+            "residual_field_nt": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "shield_field_nt": {"x": 2.1, "y": -1.4, "z": 3.2},
+            "offset_wander": setting.wander
+        },
+        "procedures": [
+            {"procedure": "sensor_sensitivity", "id": "sensitivity"},
+            {"procedure": "sensor_offset_reversal", "id": "reversal"},
+            {"procedure": "temperature_run", "id": "temperature"},
+            {"procedure": "cross_field", "id": "cross", "levels_nt": [-60000, -20000, 0, 20000, 60000], "to_nt": 50000, "steps": 7},
+            {"procedure": "offset_drift", "id": "drift", "pairs": 6}
+        ]
+    });
+    if setting.measured {
+        let series = json!([{"length_s": 43200, "step_s": 30}, {"length_s": 1800, "step_s": 1}, {"length_s": 40, "step_s": 0.02}]);
+        let noise = json!({"procedure": "sensor_noise", "id": "noise", "series": series});
+        plan["procedures"].as_array_mut().expect("a list").push(noise);
+    }
+    plan
+}
+
+/// For each parameter: how far it is from the truth, in units of the half-width of its 95 % interval.
+fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
+    let plan = simulate::Plan::parse(&plan(setting, seed).to_string()).expect("a plan");
+    let simulate::Campaign { mut document, truth, .. } = simulate::campaign(&plan).expect("simulated");
+    if !setting.declared {
+        document.instrument.as_mut().expect("an instrument").noise = None;
+    }
+    let found: Document = sensorcal::run(document, &sensorcal::Options::default())
+        .unwrap_or_else(|error| panic!("{seed}: {error}"));
+    let calibration = found.calibration.expect("a calibration");
+    let sensor: &SensorCalibration = calibration.sensor(Axis::X).expect("sensor x");
+    let mut all = IndexMap::new();
+    let mut add = |name: String, quantity: &Quantity, truth: f64, factor: f64| {
+        let std = quantity.std().unwrap_or_else(|| panic!("{name} without std"));
+        all.insert(name, (quantity.value() - truth).abs() / (factor * std));
+    };
+    let fit = sensor.sensitivity.as_ref().expect("a fit");
+    let factor = fit.noise.coverage_factor_95;
+    add("k".into(), sensor.sensitivity_nt_per_v.as_ref().expect("k"), K, factor);
+    add("O in the coil".into(), &fit.offset_nt, O, factor);
+    add("O".into(), sensor.offset_nt.as_ref().expect("O"), O, factor);
+    let reversal = sensor.reversal.as_ref().expect("reversals");
+    add("O by reversals".into(), &reversal.offset_nt, O, reversal.coverage_factor_95);
+    let one = &reversal.recordings[0];
+    add("shield".into(), &one.shield_field_nt, 2.1, one.noise.coverage_factor_95);
+    let drift = one.shield_drift_nt_per_s.as_ref().expect("a drift");
+    add("shield drift".into(), drift, 0.0, one.noise.coverage_factor_95);
+    let temperature = sensor.temperature.as_ref().expect("temperatures");
+    let factor = temperature.noise.coverage_factor_95;
+    for (part, name, at) in [(&temperature.sensor, "T_S", 0), (&temperature.electronics, "T_E", 4)] {
+        let of = part.as_ref().expect("a part");
+        let values = [
+            &of.sensitivity_ppm_per_k,
+            of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
+            &of.offset_nt_per_k,
+            of.offset_nt_per_k2.as_ref().expect("a curvature"),
+        ];
+        let keys = ["ppm/K", "ppm/K2", "nT/K", "nT/K2"];
+        for (number, (value, key)) in values.into_iter().zip(keys).enumerate() {
+            add(format!("{name} {key}"), value, THERMAL[at + number], factor);
+        }
+        add(
+            format!("{name} three-point ppm/K"),
+            &of.three_point["sensitivity_ppm_per_k"],
+            THERMAL[at],
+            factor,
+        );
+        add(format!("{name} three-point nT/K"), &of.three_point["offset_nt_per_k"], THERMAL[at + 2], factor);
+        if let Some(extremum) = of.extrema_c.get("offset") {
+            let truth = 23.0 - THERMAL[at + 2] / (2.0 * THERMAL[at + 3]);
+            add(format!("{name} extremum"), extremum, truth, factor);
+        }
+    }
+    let cross = sensor.cross_field.as_ref().expect("fields across");
+    let factor = cross.noise.coverage_factor_95;
+    for (name, truth) in [("first_nt", CROSS[0]), ("second_nt", CROSS[1])] {
+        add(format!("cross field {name}"), &cross.offset[name], truth, factor);
+    }
+    for (name, truth) in [("first_nt", CROSS[3]), ("second_nt", CROSS[4])] {
+        add(format!("cross field sensitivity {name}"), &cross.sensitivity[name], truth, factor);
+    }
+    for lean in &cross.misalignments {
+        add(format!("lean to {}", lean.coil), &lean.angle_arcsec, 0.0, factor);
+    }
+    let drift = sensor.drift.as_ref().expect("a drift");
+    let wander: Vec<f64> = truth.offset_wander.iter().map(|one| one.offset_nt).collect();
+    let mean = wander.iter().sum::<f64>() / wander.len().max(1) as f64;
+    add("drift mean".into(), &drift.mean_nt, O + mean, 1.96);
+    let own = if setting.wander.get("flicker_nt2_per_hz_at_1hz").is_some() { "flicker" } else { "white" };
+    let factor = drift.coverage_factor_95;
+    add(format!("trend under {own} noise alone"), &drift.trend_by_noise_nt_per_year[own], 0.0, factor);
+    add("trend".into(), drift.trend_nt_per_year.as_ref().expect("a trend"), 0.0, factor);
+    let annual = drift.annual.as_ref().expect("a yearly term");
+    add("annual cosine".into(), &annual.cosine_nt, 0.0, factor);
+    add("annual sine".into(), &annual.sine_nt, 0.0, factor);
+    if let Some(noise) = &sensor.noise {
+        let truth: common::Noise = serde_json::from_value(setting.noise.clone()).expect("a noise");
+        add("white".into(), &noise.white_rms_nt, truth.white_rms_nt.expect("white"), 1.96);
+        if let Some(a) = truth.flicker_nt2_per_hz_at_1hz {
+            let alpha = truth.flicker_exponent.unwrap_or(1.0);
+            add("A".into(), &noise.flicker_nt2_per_hz_at_1hz, a, 1.96);
+            add("alpha".into(), &noise.flicker_exponent, alpha, 1.96);
+            add("density at 1 Hz".into(), &noise.density_at_1hz_nt_per_sqrt_hz, a.sqrt(), 1.96);
+            let [low, high] = noise.bands[0].band_hz;
+            let rms = if alpha == 1.0 {
+                (a * (high / low).ln()).sqrt()
+            } else {
+                (a * (high.powf(1.0 - alpha) - low.powf(1.0 - alpha)) / (1.0 - alpha)).sqrt()
+            };
+            add("rms in the whole band".into(), &noise.bands[0].flicker_rms_nt, rms, 1.96);
+        }
+    }
+    all
+}
+
+/// Fall short over 1 000 campaigns, and by how much. A yearly term of 53 dates rests on noise of a year's length, of which its
+/// own residuals show little: 92 to 98 %. A lean from 35 readings of a noise that nobody states: 92 %. Offsets by reversals of
+/// such a noise take the wider of two intervals, and so do the dates that are made of them: 98 to 99 %.
+const SHORT: [(&str, [f64; 2]); 6] = [
+    ("annual cosine", [0.91, 0.99]),
+    ("annual sine", [0.91, 0.99]),
+    ("lean to y", [0.91, 0.97]),
+    ("lean to z", [0.91, 0.97]),
+    ("O by reversals", [0.93, 0.995]),
+    ("drift mean", [0.93, 0.995]),
+];
+
+/// Share of the campaigns in which each interval covers.
+fn covers(setting: &Setting) {
+    let count = campaigns();
+    let all: Vec<IndexMap<String, f64>> =
+        (0..count).into_par_iter().map(|seed| missed(setting, seed)).collect();
+    let mut shares: IndexMap<&str, (u64, u64)> = IndexMap::new();
+    for (name, missed) in all.iter().flatten() {
+        let (covered, tried) = shares.entry(name).or_default();
+        *covered += u64::from(*missed <= 1.0);
+        *tried += 1;
+    }
+    let mut outside = Vec::new();
+    for (name, (covered, tried)) in shares {
+        let share = covered as f64 / tried as f64;
+        println!("{}: {name}: {:.1} % of {tried}", setting.name, 100.0 * share);
+        // 93 to 97 %, widened by three standard deviations of the binomial for fewer campaigns than 1 000.
+        let slack = if tried < 1000 { 3.0 * (0.95 * 0.05 / tried as f64).sqrt() } else { 0.0 };
+        let short = SHORT.iter().find(|(of, _)| *of == name);
+        let [low, high] = short.map_or([0.93, 0.97], |(_, band)| *band);
+        if !(low - slack..=high + slack).contains(&share) {
+            outside.push(format!("{name}: {share:.3}"));
+        }
+    }
+    assert!(outside.is_empty(), "{}: {}", setting.name, outside.join(", "));
+}
+
+#[test]
+fn under_white_noise() {
+    let noise = json!({"white_rms_nt": 0.3});
+    covers(&Setting {
+        name: "white, declared",
+        noise,
+        declared: true,
+        measured: false,
+        wander: json!({"white_rms_nt": 0.2}),
+    });
+}
+
+#[test]
+fn under_flicker_noise() {
+    let noise = json!({"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.01});
+    let wander = json!({"flicker_nt2_per_hz_at_1hz": 0.05});
+    covers(&Setting { name: "flicker, measured", noise, declared: false, measured: true, wander });
+}
+
+#[test]
+fn under_flicker_noise_that_nobody_states() {
+    let noise = json!({"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.01});
+    let wander = json!({"flicker_nt2_per_hz_at_1hz": 0.05});
+    covers(&Setting { name: "flicker, not stated", noise, declared: false, measured: false, wander });
+}

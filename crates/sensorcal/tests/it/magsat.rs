@@ -1,0 +1,92 @@
+//! The whole campaign of the report, simulated, calibrated, and held against what was true.
+
+use common::{Axis, Document, Quantity, SensorCalibration};
+use simulate::{Campaign, Plan, Truth};
+
+fn campaign() -> (Document, Truth) {
+    let text = std::fs::read_to_string(testkit::fixture("plans/magsat.json")).expect("the plan");
+    let plan: Plan = simulate::Plan::parse(&text).expect("a plan");
+    let Campaign { document, truth, .. } = simulate::campaign(&plan).expect("simulated");
+    let document = coilcal::run(document, &coilcal::Options::default()).expect("the coils");
+    (document, truth)
+}
+
+/// A parameter of an effect that is true; zero where there is no such effect.
+fn true_effect(truth: &Truth, name: &str, sensor: Axis, parameter: &str) -> f64 {
+    let effect = truth.model.effects.iter().find(|e| e.effect == name && e.sensor == Some(sensor));
+    effect.map_or(0.0, |effect| effect.parameters[parameter].value())
+}
+
+#[test]
+fn every_true_coefficient_is_within_its_interval() {
+    let (document, truth) = campaign();
+    let found = sensorcal::run(document, &sensorcal::Options::default()).expect("the sensors");
+    let calibration = found.calibration.as_ref().expect("a calibration");
+    let mut missed: Vec<(String, f64)> = Vec::new();
+    for axis in Axis::ALL {
+        let sensor: &SensorCalibration = calibration.sensor(axis).expect("a sensor");
+        let true_sensor = truth.calibration.sensor(axis).expect("a sensor");
+        let mut add = |name: &str, quantity: &Quantity, truth: f64| {
+            missed.push((
+                format!("{axis} {name}"),
+                (quantity.value() - truth) / quantity.std().expect("a std"),
+            ));
+        };
+        let k = true_sensor.sensitivity_nt_per_v.as_ref().expect("k").value();
+        add("k", sensor.sensitivity_nt_per_v.as_ref().expect("k"), k);
+        // An offset that ages by r each day reads r t more field: O falls.
+        let ageing = true_effect(&truth, "ageing", axis, "rate_nt_per_day");
+        let offset = true_sensor.offset_nt.as_ref().expect("O").value();
+        let days = 6.0;
+        add("O", sensor.offset_nt.as_ref().expect("O"), offset - ageing * days);
+        let temperature = sensor.temperature.as_ref().expect("temperatures");
+        for (part, of) in [("", &temperature.sensor), ("electronics_", &temperature.electronics)] {
+            let of = of.as_ref().expect("a part");
+            let scale = format!("sensitivity_{part}temperature");
+            let shift = format!("offset_{part}temperature");
+            let truth = |name: &str, parameter: &str| true_effect(&truth, name, axis, parameter);
+            add(&format!("{scale} slope"), &of.sensitivity_ppm_per_k, truth(&scale, "coefficient_ppm_per_k"));
+            add(
+                &format!("{scale} curvature"),
+                of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
+                truth(&scale, "curvature_ppm_per_k2"),
+            );
+            add(&format!("{shift} slope"), &of.offset_nt_per_k, truth(&shift, "coefficient_nt_per_k"));
+            add(
+                &format!("{shift} curvature"),
+                of.offset_nt_per_k2.as_ref().expect("a curvature"),
+                truth(&shift, "curvature_nt_per_k2"),
+            );
+        }
+        let cross = sensor.cross_field.as_ref().expect("fields across");
+        for (name, quantity) in &cross.offset {
+            add(&format!("cross_field {name}"), quantity, true_effect(&truth, "cross_field", axis, name));
+        }
+        for (name, quantity) in &cross.sensitivity {
+            let of = true_effect(&truth, "cross_field_sensitivity", axis, name);
+            add(&format!("cross_field_sensitivity {name}"), quantity, of);
+        }
+        let significant = cross.significance.expect("a test").p_value < 0.01;
+        assert_eq!(significant, axis == Axis::X, "sensor {axis}: fields across");
+        let noise = sensor.noise.as_ref().expect("noise");
+        add("A", &noise.flicker_nt2_per_hz_at_1hz, 9.786e-5);
+        add("alpha", &noise.flicker_exponent, 1.0);
+        add("white", &noise.white_rms_nt, 0.02);
+        let drift = sensor.drift.as_ref().expect("a drift");
+        add("trend", drift.trend_nt_per_year.as_ref().expect("a trend"), -ageing * 365.25);
+        assert!(sensor.budget.iter().all(|budget| budget.standard_nt < 1.0), "within 1 nT up to full field");
+    }
+    let outside = missed.iter().filter(|(_, by)| by.abs() > 1.96).count();
+    for (name, by) in &missed {
+        println!("{name}: {by:+.2} standard uncertainties");
+    }
+    println!("{outside} of {} outside their 95 % intervals", missed.len());
+    // One in twenty may be outside, give or take; none by more than chance allows for so many.
+    assert!(outside as f64 <= 0.05 * missed.len() as f64 + 4.0, "{outside} of {}", missed.len());
+    assert!(missed.iter().all(|(_, by)| by.abs() < 3.6), "{missed:?}");
+    let adopted = &found.model.as_ref().expect("a model").effects;
+    let across = adopted.iter().filter(|effect| effect.effect.starts_with("cross_field")).count();
+    assert_eq!((adopted.len(), across), (12 + 2, 2));
+    let words = sensorcal::summary(&found);
+    assert!(words.lines().count() < 60 && words.contains("sensorcal: sensor x: 6401."), "{words}");
+}

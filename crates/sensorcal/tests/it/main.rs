@@ -1,0 +1,11 @@
+//! The integration tests of `sensorcal`: one program, a module for each subject.
+
+mod bad_input;
+mod build;
+mod conditions;
+mod coverage;
+mod golden;
+mod help;
+mod magsat;
+mod sensitivity;
+mod shield;

@@ -1,0 +1,309 @@
+//! What a campaign gives, and what a faulty plan gets.
+
+use serde_json::{Value, json};
+
+const SIMULATE: &str = env!("CARGO_BIN_EXE_simulate");
+
+fn plan() -> Value {
+    serde_json::from_str(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan")
+}
+
+fn document(plan: &Value) -> Value {
+    let run = testkit::run(SIMULATE, &["campaign", "-q"], &plan.to_string());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    serde_json::from_str(&run.stdout).expect("JSON")
+}
+
+#[test]
+fn newsim_gives_table_4() {
+    // NEWSIM's inputs are Tables 2 and 3; its 63 outputs are Table 4, of which two do not survive (see nasa_tables.py).
+    let printed: Value =
+        serde_json::from_str(&testkit::read_fixture("nasa-1977/table-4.json")).expect("JSON");
+    let truth: Value = serde_json::from_str(&testkit::read_fixture("nasa-1977/table-2.json")).expect("JSON");
+    let plan = json!({
+        "fluxcal": 1,
+        "instrument": {"sensors": ["x", "y", "z"]},
+        "calibration": printed["calibration"],
+        "truth": {"calibration": {"axes": truth["calibration"]["axes"]}},
+        "procedures": [{"procedure": "axes_orientation", "id": "orientation", "orientations": "nasa_table_3", "drive_nt": 50000}]
+    });
+    let simulated = document(&plan);
+    let mut far = Vec::new();
+    for (number, (ours, theirs)) in recordings(&simulated).iter().zip(recordings(&printed)).enumerate() {
+        for sensor in ["x", "y", "z"] {
+            for row in 0..3 {
+                let name = format!("sensor_{sensor}_v");
+                let value = |recording: &Value| recording["columns"][&name][row].as_f64().expect("a reading");
+                // Half of the sixth decimal, and columns of Table 2 that are longer than 1 by up to 4.65e-6 (sensor z) and
+                // 1.71e-6 (coil y); the simulation makes unit vectors of them.
+                if (value(ours) - value(&theirs)).abs() > 6.9e-6 {
+                    far.push((number + 1, row + 1, sensor));
+                }
+            }
+        }
+    }
+    assert_eq!(far, [(1, 2, "x"), (4, 1, "y")]);
+}
+
+fn recordings(document: &Value) -> Vec<Value> {
+    document["recordings"].as_array().expect("a list").clone()
+}
+
+#[test]
+fn the_truth_goes_to_its_own_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("truth.json");
+    let path = file.to_str().expect("UTF-8");
+    let run = testkit::run(SIMULATE, &["campaign", "--truth", path], &plan().to_string());
+    assert!(run.code == 0 && run.stderr.contains("7 recordings, 56 rows, seed 1977"), "{}", run.stderr);
+    let truth: Value = serde_json::from_str(&std::fs::read_to_string(&file).expect("there")).expect("JSON");
+    assert_eq!(truth["residual_field_nt"], json!([0.15, -0.1, 0.2]));
+    assert_eq!(truth["orientations"].as_array().map(Vec::len), Some(7));
+    for word in ["truth", "residual_field_nt", "0.99875"] {
+        assert!(!run.stdout.contains(word), "the document tells {word}");
+    }
+}
+
+#[test]
+fn seeds_and_channels() {
+    let first = document(&plan());
+    assert_eq!(first, document(&plan()));
+    let other = testkit::run(SIMULATE, &["campaign", "-q", "--seed", "3"], &plan().to_string());
+    assert_ne!(
+        first["recordings"],
+        serde_json::from_str::<Value>(&other.stdout).expect("JSON")["recordings"]
+    );
+    // A channel less leaves the others as they were.
+    let mut fewer = plan();
+    fewer["procedures"][0]["sensors"] = json!(["x", "z"]);
+    for (all, fewer) in recordings(&first).iter().zip(recordings(&document(&fewer))) {
+        assert_eq!(all["columns"]["sensor_z_v"], fewer["columns"]["sensor_z_v"]);
+        assert!(fewer["columns"].get("sensor_y_v").is_none());
+    }
+}
+
+#[test]
+fn what_the_truth_does_not_mention_is_as_stated() {
+    let mut partial = plan();
+    partial["truth"]["calibration"]["coils"] = json!({"x": {"constant_nt_per_a": 41000.0}});
+    let (all, partial) = (document(&plan()), document(&partial));
+    let reading = |document: &Value, row: usize| {
+        document["recordings"][0]["columns"]["sensor_x_v"][row].as_f64().expect("a reading")
+    };
+    // Row 1 drives coil x, row 3 coil y.
+    assert!((reading(&partial, 1) / reading(&all, 1) - 41000.0 / 41234.5).abs() < 1e-4);
+    assert_eq!(reading(&partial, 3), reading(&all, 3));
+}
+
+#[test]
+fn an_effect_of_temperature_needs_its_reference() {
+    let mut plan = json!({
+        "fluxcal": 1,
+        "calibration": {"coils": {"x": {"constant_nt_per_a": 40000.0}}},
+        "truth": {"model": {"effects": [{"effect": "offset_temperature_lag", "sensor": "x",
+            "parameters": {"coefficient_nt_per_k": 1.0, "lag_s": 1e-6}}]}},
+        "procedures": [{"procedure": "free_run", "id": "run", "columns": {
+            "time_s": [0.0, 600.0], "coil_x_a": [0.0, 0.0], "sensor_temperature_c": [20.0, 26.0]}}]
+    });
+    let refused = testkit::run(SIMULATE, &["campaign", "-q"], &plan.to_string());
+    assert_eq!(refused.code, 2, "{}", refused.stderr);
+    let said = "offset_temperature_lag without calibration.reference_conditions.sensor_temperature_c";
+    assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    plan["calibration"]["reference_conditions"] = json!({"sensor_temperature_c": 23.0});
+    assert_eq!(document(&plan)["recordings"][0]["columns"]["sensor_x_nt"][0], json!(-3.0));
+}
+
+#[test]
+fn effects_act_on_the_readings() {
+    let run = |effects: Value| {
+        document(&json!({
+            "fluxcal": 1,
+            "calibration": {"coils": {"x": {"constant_nt_per_a": 40000.0}}, "reference_conditions": {"sensor_temperature_c": 20.0}},
+            "truth": {"model": {"effects": effects}},
+            "procedures": [{"procedure": "free_run", "id": "run", "columns": {
+                "time_s": [0.0, 600.0, 1e9], "coil_x_a": [1.0, 1.0, 1.0], "sensor_temperature_c": [20.0, 30.0, 30.0]}}]
+        }))
+    };
+    let reading = |document: &Value, row: usize| {
+        document["recordings"][0]["columns"]["sensor_x_nt"][row].as_f64().expect("a reading")
+    };
+    let plain = run(json!([]));
+    let lag = run(json!([{"effect": "offset_temperature_lag", "sensor": "x",
+        "parameters": {"coefficient_nt_per_k": {"value": 0.5, "std": 0.1}, "lag_s": 600.0}}]));
+    assert_eq!(reading(&lag, 0), reading(&plain, 0));
+    // A ramp of 10 K in one time constant: T_lag = 10 (1 − (1 − e⁻¹)) K, times 0.5 nT/K. The central
+    // slope beside the long last step takes 6e-7 of its share from that step, hence 1e-5 and not rounding.
+    assert!((reading(&lag, 1) - reading(&plain, 1) - 5.0 * (-1f64).exp()).abs() < 1e-5);
+    assert!((reading(&lag, 2) - reading(&plain, 2) - 5.0).abs() < 1e-3);
+    let heat = run(
+        json!([{"effect": "coil_heating", "coil": "x", "parameters": {"fall_ppm_per_a2": 100.0, "lag_s": 600.0}}]),
+    );
+    assert!((reading(&heat, 1) - reading(&plain, 1) + 4.0 * (1.0 - (-1f64).exp())).abs() < 1e-5);
+    assert!((reading(&heat, 2) - reading(&plain, 2) + 4.0).abs() < 1e-9);
+}
+
+#[test]
+fn faulty_plans_are_refused_with_their_place() {
+    type Fault = fn(&mut Value);
+    let cases: [(Fault, &str); 31] = [
+        (
+            |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
+            "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",
+        ),
+        (
+            |plan| plan["procedures"][0]["drive_nt"] = json!(0),
+            "procedures[0].drive_nt: found 0; expected a positive number",
+        ),
+        (|plan| plan["procedures"][0]["repeats"] = json!(0), "procedures[0].repeats: found 0"),
+        (
+            |plan| plan["procedures"][0]["drives"][1] = json!("up"),
+            "procedures[0].drives[1]: found \"up\"; expected \"x\", \"-x\"",
+        ),
+        (
+            |plan| plan["procedures"][0]["orientations"] = json!("sphere"),
+            "procedures[0].orientations: found \"sphere\"",
+        ),
+        (
+            |plan| plan["procedures"][0]["orientations"] = json!([[[1, 0, 0], [0, 1, 0], [0, 0, -1]]]),
+            "procedures[0].orientations[0]: found a left-handed matrix",
+        ),
+        (
+            |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
+            "procedures[0].ac: found 1.000e12 samples in one recording; expected at least 5 and at most 5e7",
+        ),
+        (
+            |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
+            "procedures[0].ac.cycles: found 0; expected a positive number",
+        ),
+        (
+            |plan| plan["truth"]["model"] = json!({"effects": [{"effect": "gremlins", "sensor": "x"}]}),
+            "truth.model.effects[0]: found the effect \"gremlins\"; expected one of quadratic_nonlinearity, cubic_nonlinearity",
+        ),
+        (
+            |plan| {
+                plan["truth"]["model"] = json!({"effects": [{"effect": "coil_heating", "coil": "x",
+                    "parameters": {"fall_ppm_per_a2": 10, "lag_s": -1}}]});
+            },
+            "truth.model.effects[0]: found lag_s = -1; expected a positive number",
+        ),
+        (
+            |plan| plan["instrument"]["noise"]["flicker_exponent"] = json!(3),
+            "instrument.noise.flicker_exponent: found 3; expected an exponent from 0 (white) to 2 (random walk)",
+        ),
+        (
+            |plan| plan["procedures"][0]["procedure"] = json!("dance"),
+            "procedures[0].procedure: found unknown variant `dance`",
+        ),
+        (
+            |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
+            "procedures[0]: found 1.920e11 rows so far; expected at most 5e7",
+        ),
+        (|plan| plan["procedures"][0]["drives"] = json!([]), "procedures[0].drives: found an empty list"),
+        (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),
+        (
+            |plan| plan["procedures"][0]["drive_nT"] = json!(1),
+            "procedures[0]: found unknown field `drive_nT`; expected one of",
+        ),
+        (
+            |plan| {
+                let first = plan["procedures"][0].clone();
+                plan["procedures"].as_array_mut().expect("a list").push(first);
+            },
+            "procedures[1].orientations[0]: found a second recording \"axes-1\"",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] = json!({"procedure": "free_run", "id": "run",
+                    "columns": {"time_s": [0.0, 1.0], "coil_x_a": [1.0]}});
+            },
+            "recordings[0].columns.coil_x_a: found 1 rows where another column has 2",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_a": [9.0]}});
+            },
+            "procedures[0].columns.coil_x_a: found 371110.5 nT on coil x; expected at most 60000 nT",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_v": [9.0]}});
+            },
+            "procedures[0].columns.coil_x_v: found a drive in V; expected `coil_x_a`",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "free_run", "id": "run", "columns": {"time_s": []}})
+            },
+            "procedures[0].columns: found no rows",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "coil_constant", "id": "coil", "coil": "x", "to_nt": 61000})
+            },
+            "procedures[0].to_nt: found 61000 nT on coil x; expected at most 60000 nT",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] = json!({"procedure": "nulling_residual", "id": "null", "series": []})
+            },
+            "procedures[0].series: found an empty list",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1e12, "step_s": 1}]}),
+            "procedures[0].series[0]: found 1.000e12 samples in one recording",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "temperature_run", "id": "warm", "monitor_s": 3600})
+            },
+            "procedures[0].monitor_s: found 3600, longer than the 1800 s of timing.temperature_settle_s",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "offset_drift", "id": "drift"}),
+            "start: found no such key; expected the moment at which the campaign begins",
+        ),
+        (
+            |plan| plan["procedures"][0] = json!({"procedure": "differential", "id": "pair"}),
+            "truth.outside: found no such key; expected the natural field",
+        ),
+        (
+            |plan| plan["start"] = json!("1977-05-26T09:00:00"),
+            "start: found \"1977-05-26T09:00:00\"; expected a moment with its offset",
+        ),
+        (
+            |plan| plan["timing"] = json!({"reading_s": -1}),
+            "timing.reading_s: found -1; expected a positive number",
+        ),
+        (
+            |plan| {
+                plan["truth"]["model"] = json!({"effects": [{"effect": "stray_current", "column": "panel_current_a",
+                    "parameters": {"x_nt_per_a": 1, "y_nt_per_a": 1, "z_nt_per_a": 1}}]});
+            },
+            "truth.model.effects[0].column: found \"panel_current_a\"; expected a column that one of the recordings has",
+        ),
+        (
+            |plan| {
+                plan["calibration"]["reference_conditions"] = json!({"sensor_temperature_c": 23});
+                plan["truth"]["model"] = json!({"effects": [{"effect": "offset_temperature", "sensor": "x",
+                    "parameters": {"coefficient_nt_per_k": 1, "curvature_nt_per_k2": 0}}]});
+            },
+            "expected the column `sensor_temperature_c`; state `temperatures` in the plan",
+        ),
+    ];
+    for (fault, message) in cases {
+        let mut plan = plan();
+        fault(&mut plan);
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
+        let arguments = ["campaign", "--truth", &file("truth.json"), "-o", &file("document.json")];
+        let run = testkit::run(SIMULATE, &arguments, &plan.to_string());
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{message}");
+        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{message}");
+        assert!(run.stderr.contains(message), "{}\nwhere this is expected:\n{message}", run.stderr);
+    }
+}

@@ -1,0 +1,12 @@
+//! The integration tests of `simulate`: one program, a module for each subject.
+
+mod campaign;
+mod effects;
+mod golden;
+mod help;
+mod procedures;
+mod reference;
+mod replay;
+mod run_sheet;
+mod schema;
+mod sweep;
