@@ -43,7 +43,12 @@ pub fn parse<C: Parser>() -> C {
 fn write(mut command: Command, asked: Manual) -> ! {
     let name = command.get_name().to_string();
     if let Some(shell) = asked.completions {
-        clap_complete::generate(shell, &mut command, name.clone(), &mut io::stdout());
+        let mut text = Vec::new();
+        clap_complete::generate(shell, &mut command, name.clone(), &mut text);
+        if let Err(error) = pipe::write(None, &String::from_utf8_lossy(&text)) {
+            pipe::say(&format!("{name}: {error}"));
+            process::exit(ExitCode::Refused as i32);
+        }
     }
     if let Some(folder) = asked.man
         && let Err(error) = pages(command, &folder)

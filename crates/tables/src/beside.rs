@@ -26,6 +26,9 @@ pub fn beside(document_folder: &Path, relative: &str) -> Result<PathBuf, Error> 
     if path.file_name().is_none() {
         return refused("names no file");
     }
+    if fs::metadata(document_folder.join(path)).is_ok_and(|found| !found.is_file()) {
+        return refused("names no regular file");
+    }
     let folder = if document_folder.as_os_str().is_empty() { Path::new(".") } else { document_folder };
     let real_folder = fs::canonicalize(folder).map_err(|source| Error::file(folder, "read", source))?;
     let joined = folder.join(path);

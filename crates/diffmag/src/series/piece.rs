@@ -13,6 +13,8 @@ const EVEN: f64 = 0.25;
 pub const EXACT: f64 = 1e-3;
 /// An interval of so many usual ones is a gap.
 const GAP: f64 = 3.0;
+/// An even grid of more times the recorded rows is not made.
+const SPARSE: f64 = 1000.0;
 
 /// One instrument in one recording, its times made even.
 pub struct Piece {
@@ -40,12 +42,16 @@ impl Piece {
         for axis in Axis::ALL {
             columns[axis.index()] = column(recording, path, instrument, axis)?;
         }
-        Ok(place(time, columns, path, &recording.id))
+        place(time, columns, path, &recording.id)
     }
 }
 
 /// Rows at their places on an even grid; rows that were never written are missing there.
-fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Piece {
+///
+/// # Errors
+///
+/// Times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
+fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Result<Piece, Error> {
     let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual = median(&intervals);
     let mut places = vec![0.0];
@@ -53,6 +59,18 @@ fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Piece {
         places.push(places[places.len() - 1] + (interval / usual).round().max(1.0));
     }
     let last = time.len() - 1;
+    if places[last] > SPARSE * time.len() as f64 {
+        let longest = (0..last).max_by(|a, b| intervals[*a].total_cmp(&intervals[*b])).unwrap_or(0);
+        let found = format!(
+            "{} s from row {longest} to row {} where rows are {usual} s apart",
+            intervals[longest],
+            longest + 1
+        );
+        let expected = "times of one clock; was it set there? Put the rows before and after into recordings of their own";
+        return Err(
+            Fault::document(format!("{path}.columns.time_s[{}]", longest + 1), found, expected).into()
+        );
+    }
     let ends = (time[0], (time[last] - time[0]) / places[last]);
     let scatter = |(start_s, step_s): (f64, f64)| {
         let off = places.iter().zip(time).map(|(place, t)| (t - start_s - place * step_s).abs() / step_s);
@@ -69,7 +87,7 @@ fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Piece {
             even
         });
         let told = (scatter > EXACT).then(|| words::scattered(id, scatter * step_s));
-        return Piece { path, start_s, step_s, columns, told };
+        return Ok(Piece { path, start_s, step_s, columns, told });
     }
     let between: Vec<f64> = intervals.iter().copied().filter(|interval| *interval <= GAP * usual).collect();
     let step_s = between.iter().sum::<f64>() / between.len() as f64;
@@ -77,7 +95,7 @@ fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Piece {
     let rows = ((time[last] - start_s) / step_s + 1e-6).floor() as usize + 1;
     let at: Vec<f64> = (0..rows).map(|row| start_s + row as f64 * step_s).collect();
     let columns = columns.map(|column| interpolated(time, &column, &at, GAP * usual));
-    Piece { path, start_s, step_s, columns, told: Some(words::uneven(id, step_s)) }
+    Ok(Piece { path, start_s, step_s, columns, told: Some(words::uneven(id, step_s)) })
 }
 
 /// The line t = a + b k of least squares.
@@ -133,7 +151,19 @@ mod tests {
 
     fn placed(time: &[f64]) -> Piece {
         let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
-        place(time, [column.clone(), column.clone(), column], "recordings[0]", "it")
+        place(time, [column.clone(), column.clone(), column], "recordings[0]", "it").expect("placed")
+    }
+
+    #[test]
+    fn a_clock_that_was_set_is_told_by_its_row() {
+        let time: Vec<f64> = (0..40).map(|row| f64::from(row) + if row < 20 { 0.0 } else { 1.7e9 }).collect();
+        let column = vec![1.0; 40];
+        let refused = place(&time, [column.clone(), column.clone(), column], "recordings[0]", "it");
+        let said = refused.err().expect("refused").to_string();
+        assert!(
+            said.starts_with("recordings[0].columns.time_s[20]: found 1700000001 s from row 19 to row 20"),
+            "{said}"
+        );
     }
 
     #[test]

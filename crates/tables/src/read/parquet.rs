@@ -6,10 +6,12 @@ use ::parquet::file::metadata::{ParquetMetaData, ParquetMetaDataReader};
 use ::parquet::file::serialized_reader::SerializedPageReader;
 use ::parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::fs::File;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::Once;
 
 use super::ahead::{ahead, pool};
 use super::{Reader, check_wish, no_stream, select};
@@ -153,13 +155,35 @@ fn check_kind(source_name: &str, kind: &ColumnDescPtr) -> Result<(), Error> {
 
 /// Does what the decoder does; its errors, and the panics that a damaged file can bring it to, become ours.
 fn guarded<T>(source_name: &str, decode: impl FnOnce() -> Result<T, ParquetError>) -> Result<T, Error> {
-    let why = match catch_unwind(AssertUnwindSafe(decode)) {
+    let why = match silent(|| catch_unwind(AssertUnwindSafe(decode))) {
         Ok(Ok(decoded)) => return Ok(decoded),
         Ok(Err(error)) => error.to_string(),
         Err(_) => "the decoder gave up".into(),
     };
     let found = format!("what cannot be decoded ({why})");
     Err(Error::data(source_name, Place::Whole, found, "a whole Parquet file"))
+}
+
+thread_local! {
+    /// Whether a panic on this thread is expected and becomes an error.
+    static EXPECTED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Does it without a word on standard error where it panics: what comes of that is told as an error.
+fn silent<T>(work: impl FnOnce() -> T) -> T {
+    static HOOK: Once = Once::new();
+    HOOK.call_once(|| {
+        let usual = panic::take_hook();
+        panic::set_hook(Box::new(move |what| {
+            if !EXPECTED.get() {
+                usual(what);
+            }
+        }));
+    });
+    EXPECTED.set(true);
+    let done = work();
+    EXPECTED.set(false);
+    done
 }
 
 struct Batches {
