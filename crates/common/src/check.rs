@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use crate::number::counted;
 use crate::{AxesDirections, Axis, Calibration, Error, Quantity};
 
 /// What the length of a direction may differ from one: published matrices have four digits.
@@ -111,7 +112,7 @@ fn covariance(
     let size = order.len();
     if covariance.len() != size || covariance.iter().any(|row| row.len() != size) {
         let columns = covariance.iter().map(Vec::len).max().unwrap_or(0);
-        let found = format!("{} rows of up to {columns} numbers", covariance.len());
+        let found = format!("{} of up to {columns} numbers", counted(covariance.len(), "row"));
         return refuse(
             "covariance",
             found,
@@ -198,7 +199,7 @@ mod tests {
             (two, "[[1, 2], [2, 1]]", "a negative variance"),
             (two, "[[-1, 0], [0, 1]]", "the variance -1 of sensitivity_nt_per_v"),
             (two, "[[1, 0.5], [0.4, 1]]", "0.4 and 0.5 for offset_nt and sensitivity_nt_per_v"),
-            (two, "[[1, 0]]", "1 rows of up to 2 numbers"),
+            (two, "[[1, 0]]", "1 row of up to 2 numbers"),
             (two, "[[0, 1], [1, 1]]", "a negative variance"),
             (r#"["offset_nt", "gain"]"#, "[[1, 0], [0, 1]]", "covariance_order: found \"gain\""),
             (r#"["offset_nt", "offset_nt"]"#, "[[1, 0], [0, 1]]", "covariance_order: found \"offset_nt\""),

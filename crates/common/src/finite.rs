@@ -29,8 +29,8 @@ pub(crate) fn check(document: &Document) -> Result<(), Error> {
 /// The path and the value of the first number of a type's indented debug text that is not finite. That text names every field
 /// as JSON does, a line each, for all types at once.
 fn first(text: &str) -> Option<(String, &str)> {
-    // The fields and list items that are open, each with its indentation, its name and how many items of it there were.
-    let mut open: Vec<(usize, String, usize)> = Vec::new();
+    // The fields and list items that are open, each with its indentation and its name; of lists, how many items there were.
+    let mut open: Vec<(usize, String, Option<usize>)> = Vec::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start().len();
         let line = line.trim_start();
@@ -48,19 +48,22 @@ fn first(text: &str) -> Option<(String, &str)> {
             ["NaN", "inf", "-inf"].into_iter().find(|number| value.trim_end_matches(',') == *number)
         {
             let path: String = open.iter().map(|(_, name, _)| name.as_str()).collect();
-            let own =
-                name.unwrap_or_else(|| open.last().map_or(String::new(), |(.., count)| format!("[{count}]")));
+            let item = open.last().and_then(|(.., count)| count.map(|count| format!("[{count}]")));
+            let own = name.or(item).unwrap_or_default();
             return Some((path + &own, value));
         }
         match name {
-            Some(name) => open.push((indent, name, 0)),
+            Some(name) => open.push((indent, name, value.ends_with('[').then_some(0))),
             // An item of the list that is open.
             None if !matches!(line, ")" | ")," | "]" | "]," | "}" | "},") => {
-                let Some((.., count)) = open.last_mut() else { continue };
-                *count += 1;
-                let item = format!("[{}]", *count - 1);
+                // What stands in an `Option` is no item.
+                let mut item = String::new();
+                if let Some((.., Some(count))) = open.last_mut() {
+                    item = format!("[{count}]");
+                    *count += 1;
+                }
                 if line == "[" {
-                    open.push((indent, item, 0));
+                    open.push((indent, item, Some(0)));
                 }
             }
             None => {}
@@ -81,8 +84,13 @@ mod tests {
         sensor.offset_nt = Some(Quantity::new(1.0, f64::NAN));
         let document = Document { fluxcal: 1, calibration: Some(calibration), ..Document::default() };
         let said = super::check(&document).expect_err("refused").to_string();
-        assert!(said.starts_with("calibration.sensors.y.offset_nt"), "{said}");
-        assert!(said.contains("NaN"), "{said}");
+        assert!(said.starts_with("calibration.sensors.y.offset_nt.std came out as NaN"), "{said}");
+        let mut bare = document.clone();
+        let sensors = bare.calibration.as_mut().and_then(|calibration| calibration.sensors.as_mut());
+        let sensor = sensors.and_then(|sensors| sensors.entry(crate::Axis::Y).as_mut()).expect("a sensor");
+        sensor.offset_nt = Some(Quantity::Bare(f64::INFINITY));
+        let said = super::check(&bare).expect_err("refused").to_string();
+        assert!(said.starts_with("calibration.sensors.y.offset_nt came out as inf"), "{said}");
     }
 
     #[test]
