@@ -94,7 +94,7 @@ fn first_model(
     options: &Options,
 ) -> Result<AxesState, Error> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| {
+    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_, common::Error> {
         let mut matrix =
             from.and_then(|part| part.matrix).map(|rows| frames::matrix(&rows)).ok_or_else(|| {
                 common::Error::document(
@@ -104,9 +104,9 @@ fn first_model(
                 )
             })?;
         // Of length one but for the digits that are written: a document is held to that when it is read.
-        matrix.column_iter_mut().for_each(|mut column| {
+        for mut column in matrix.column_iter_mut() {
             column.normalize_mut();
-        });
+        }
         Ok(matrix)
     };
     let (mut mu, mut eta) = (Matrix3::identity(), Matrix3::identity());
