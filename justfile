@@ -9,6 +9,11 @@ check:
 test:
     cargo test --workspace
 
+# Tests on real recordings, which are not in the repository: in the folder FLUXCAL_DATA, else in ../shared/data
+recordings:
+    cargo build --workspace
+    cargo test --workspace --test it -- --ignored real::
+
 # Golden cases and schemas only
 golden:
     cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
@@ -37,6 +42,7 @@ bench:
     cargo bench -p diffmag --bench stream
     cargo bench -p diagnose --bench diagnose
     FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
+    cargo build --release && cargo build --profile dist && cargo bench -p program --bench profiles
 
 # Physics concealed and sealed, and what diagnose finds of it (docs/proof.md); coverage of every interval over 5 000 and 1 000 campaigns
 prove:

@@ -6,8 +6,8 @@ use serde_json::Value;
 use std::collections::HashMap;
 
 use crate::{
-    Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, check,
-    finite, to_line, to_text,
+    Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, all_finite,
+    check, to_line, to_text,
 };
 
 /// The format version that this library reads and writes.
@@ -61,9 +61,9 @@ impl Document {
     ///
     /// # Errors
     ///
-    /// A number of the result that is not finite, with its path.
+    /// A number of the result that is not finite, with its path; a reading that no instrument can give.
     pub fn to_text(&self) -> Result<String, Error> {
-        finite::check(self)?;
+        self.check_numbers()?;
         Ok(to_text(self))
     }
 
@@ -73,8 +73,18 @@ impl Document {
     ///
     /// As [`Self::to_text`].
     pub fn to_line(&self) -> Result<String, Error> {
-        finite::check(self)?;
+        self.check_numbers()?;
         Ok(to_line(self))
+    }
+
+    /// The recordings, where a missing reading is none, are held to what instruments can give.
+    fn check_numbers(&self) -> Result<(), Error> {
+        let Document { calibration, model, diagnosis, .. } = self;
+        all_finite("calibration", calibration)?;
+        all_finite("model", model)?;
+        all_finite("diagnosis", diagnosis)?;
+        let mut recordings = self.recordings.iter().enumerate();
+        recordings.try_for_each(|(index, recording)| recording.in_range(&format!("recordings[{index}]")))
     }
 
     /// Ids are unique, the columns of a recording have one length, `start` is a moment, every
@@ -127,12 +137,16 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
     at_path(text)
 }
 
-/// Reads JSON; an error names the path.
-pub(crate) fn at_path<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
+/// Reads JSON, or a part of it; an error names the path.
+///
+/// # Errors
+///
+/// What is no JSON, with line and column; what is not of the type, with its path, what was found and what was expected.
+pub fn at_path<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut deserializer)
-        .map_err(|error| explain(&error.path().to_string(), error.inner()))?;
-    deserializer.end().map_err(|error| explain(".", &error))?;
+        .map_err(|error| explain(text, &error.path().to_string(), error.inner()))?;
+    deserializer.end().map_err(|error| explain(text, ".", &error))?;
     Ok(value)
 }
 
@@ -143,7 +157,7 @@ fn check_version(text: &str) -> Result<(), Error> {
     struct Head {
         fluxcal: Option<Value>,
     }
-    let head: Head = serde_json::from_str(text).map_err(|error| explain(".", &error))?;
+    let head: Head = serde_json::from_str(text).map_err(|error| explain(text, ".", &error))?;
     match head.fluxcal {
         Some(Value::Number(version)) if version.as_u64() == Some(FORMAT_VERSION) => Ok(()),
         Some(Value::Number(version)) if version.as_f64() > Some(FORMAT_VERSION as f64) => {
@@ -184,7 +198,7 @@ pub(crate) fn carried<E: de::Error>(error: Error) -> E {
 }
 
 /// serde's error as a sentence with its path.
-fn explain(path: &str, error: &serde_json::Error) -> Error {
+fn explain(source: &str, path: &str, error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let (line, column) = (error.line(), error.column());
     let message = text.split(" at line ").next().unwrap_or(&text).to_string();
@@ -206,16 +220,56 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
     if let [inner, found, expected] = message.split(CARRIED).collect::<Vec<_>>()[..] {
         return Error::document(inner, found, expected).below(path);
     }
+    let stands = value_at(source, path).map_or("something else".into(), |value| shortened(value));
     let path = if path == "." { "the document".to_string() } else { path.to_string() };
     if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
         return Error::document(path, format!("no key `{key}`"), format!("`{key}`, which is required there"));
     }
-    let message = message.strip_prefix("invalid type: ").unwrap_or(&message);
+    if let Some(rest) = message.strip_prefix("duplicate field ") {
+        return Error::document(path, format!("the key {rest} twice"), "each key once");
+    }
+    if message.starts_with("invalid length ") {
+        return Error::document(
+            path,
+            "a list",
+            in_words(message.split_once(", expected ").map_or("", |(_, e)| e)),
+        );
+    }
     match message.split_once(", expected ") {
-        Some((found, expected)) => Error::document(path, found, in_words(expected)),
-        None if message.starts_with("duplicate field") => Error::document(path, message, "each key once"),
+        Some((found, expected)) => Error::document(path, found_in_words(found), in_words(expected)),
         // Of a choice of forms, serde says only what was expected.
-        None => Error::document(path, "something else", message),
+        None => Error::document(path, stands, message),
+    }
+}
+
+/// The beginning of a value, as an error repeats it.
+fn shortened(value: &str) -> String {
+    const SHOWN: usize = 40;
+    let line = value.split_whitespace().collect::<Vec<_>>().join(" ");
+    match line.char_indices().nth(SHOWN) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line,
+    }
+}
+
+/// What serde found in the words of JSON.
+fn found_in_words(found: &str) -> String {
+    let kinds = ["invalid type: ", "invalid value: "];
+    let found = kinds.iter().find_map(|kind| found.strip_prefix(kind)).unwrap_or(found);
+    for (known, word) in [("unknown field ", "the unknown key "), ("unknown variant ", "")] {
+        if let Some(name) = found.strip_prefix(known) {
+            return format!("{word}{}", name.replace('`', "\""));
+        }
+    }
+    for kind in ["string ", "integer ", "floating point ", "boolean "] {
+        if let Some(value) = found.strip_prefix(kind) {
+            return value.trim_matches('`').into();
+        }
+    }
+    match found {
+        "sequence" => "a list".into(),
+        "map" => "an object".into(),
+        _ => found.into(),
     }
 }
 
@@ -223,16 +277,29 @@ fn explain(path: &str, error: &serde_json::Error) -> Error {
 fn in_words(expected: &str) -> String {
     match expected {
         "f64" => "a number".into(),
-        "u64" | "usize" => "a whole number".into(),
+        "i8" => "a whole number from -128 to 127".into(),
+        "u32" | "u64" | "usize" => "a whole number, not negative".into(),
+        "a nonzero usize" => "a whole number from 1".into(),
+        "a boolean" => "true or false".into(),
+        "a character" => "a single character".into(),
         "a sequence" => "a list".into(),
         "a map" => "an object".into(),
         _ if expected.starts_with("struct ") => "an object".into(),
-        _ => expected.into(),
+        _ if expected.starts_with("an array of length ") => {
+            format!("a list of {}", expected.trim_start_matches("an array of length "))
+        }
+        _ => expected.replace('`', "\""),
     }
 }
 
 /// The line, from 1, on which the value at `path` begins in `text`; None where the path leads nowhere.
 pub fn line_of(text: &str, path: &str) -> Option<usize> {
+    let offset = value_at(text, path)?.as_ptr() as usize - text.as_ptr() as usize;
+    Some(text[..offset].matches('\n').count() + 1)
+}
+
+/// The value at a path, or the innermost one on the way to it that is there.
+fn value_at<'a>(text: &'a str, path: &str) -> Option<&'a str> {
     let mut rest: &serde_json::value::RawValue = serde_json::from_str(text).ok()?;
     for segment in path.split(['.', '[']).filter(|segment| !segment.is_empty()) {
         let next = match segment.strip_suffix(']') {
@@ -251,8 +318,7 @@ pub fn line_of(text: &str, path: &str) -> Option<usize> {
             None => break,
         }
     }
-    let offset = rest.get().as_ptr() as usize - text.as_ptr() as usize;
-    Some(text[..offset].matches('\n').count() + 1)
+    Some(rest.get())
 }
 
 #[cfg(test)]
@@ -272,6 +338,31 @@ mod tests {
         let before: Value = serde_json::from_str(text).expect("JSON");
         let after = serde_json::to_value(&document).expect("JSON");
         assert_eq!(before, after);
+    }
+
+    #[test]
+    fn messages_speak_of_json() {
+        let said =
+            |text: &str| Document::parse(&format!("{{\"fluxcal\": 1, {text}}}")).expect_err(text).to_string();
+        for (text, message) in [
+            (r#""recordings": 5"#, "recordings: found 5; expected a list"),
+            (r#""recordings": [[]]"#, "recordings[0]: found a list; expected an object"),
+            (r#""recordings": [{"id": 1.5}]"#, "recordings[0].id: found 1.5; expected a string"),
+            (
+                r#""recordings": [{"id": "a", "id": "b"}]"#,
+                "recordings[0]: found the key `id` twice; expected each key once",
+            ),
+            (
+                r#""recordings": [{"id": "a"}]"#,
+                "recordings[0]: found no key `procedure`; expected `procedure`, which is required there",
+            ),
+            (
+                r#""calibration": {"axes": {"sensors": {"matrix": [[1, 2]]}}}"#,
+                "calibration.axes.sensors.matrix[0]: found a list; expected a list of 3",
+            ),
+        ] {
+            assert_eq!(said(text), message);
+        }
     }
 
     #[test]

@@ -1,29 +1,23 @@
 //! Every number of a result is finite before it is written: JSON has no word for others, and `null` would say that nothing
 //! was found.
 
-use crate::{Document, Error};
+use std::fmt::Debug;
 
-/// Looks through everything but the recordings, whose readings may be missing.
+use crate::Error;
+
+/// Looks through a result, which `name` stands for in the error.
 ///
 /// # Errors
 ///
 /// The path of the first number that is not finite.
-pub(crate) fn check(document: &Document) -> Result<(), Error> {
-    let Document { calibration, model, diagnosis, .. } = document;
-    let parts = [
-        ("calibration", calibration.as_ref().map(|part| format!("{part:#?}"))),
-        ("model", model.as_ref().map(|part| format!("{part:#?}"))),
-        ("diagnosis", diagnosis.as_ref().map(|part| format!("{part:#?}"))),
-    ];
-    for (key, text) in parts {
-        if let Some((path, value)) = text.as_deref().and_then(first) {
-            return Err(Error::Unanswerable(format!(
-                "{key}{path} came out as {value}, which is no result: the recordings do not determine it, or a number in them is \
-                 far from what it stands for. Nothing was written"
-            )));
-        }
+pub fn all_finite(name: &str, result: &dyn Debug) -> Result<(), Error> {
+    match first(&format!("{result:#?}")) {
+        None => Ok(()),
+        Some((path, value)) => Err(Error::Unanswerable(format!(
+            "{name}{path} came out as {value}, which is no result: the recordings do not determine it, or a number in them is far \
+             from what it stands for. Nothing was written"
+        ))),
     }
-    Ok(())
 }
 
 /// The path and the value of the first number of a type's indented debug text that is not finite. That text names every field
@@ -83,13 +77,13 @@ mod tests {
         let sensor: &mut SensorCalibration = sensors.entry(crate::Axis::Y).get_or_insert_default();
         sensor.offset_nt = Some(Quantity::new(1.0, f64::NAN));
         let document = Document { fluxcal: 1, calibration: Some(calibration), ..Document::default() };
-        let said = super::check(&document).expect_err("refused").to_string();
+        let said = document.to_text().expect_err("refused").to_string();
         assert!(said.starts_with("calibration.sensors.y.offset_nt.std came out as NaN"), "{said}");
         let mut bare = document.clone();
         let sensors = bare.calibration.as_mut().and_then(|calibration| calibration.sensors.as_mut());
         let sensor = sensors.and_then(|sensors| sensors.entry(crate::Axis::Y).as_mut()).expect("a sensor");
         sensor.offset_nt = Some(Quantity::Bare(f64::INFINITY));
-        let said = super::check(&bare).expect_err("refused").to_string();
+        let said = bare.to_text().expect_err("refused").to_string();
         assert!(said.starts_with("calibration.sensors.y.offset_nt came out as inf"), "{said}");
     }
 

@@ -54,9 +54,10 @@ pub use differential::{
     OctaveAgreement, OneMatrix, OwnNoise, PhaseClock, PulledElement, QuietDisturbed, ReferenceNoise,
     ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
 };
-pub use document::{Document, FORMAT_VERSION, line_of, parse};
+pub use document::{Document, FORMAT_VERSION, at_path, line_of, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};
+pub use finite::all_finite;
 pub use history::HistoryEntry;
 pub use instrument::{Instrument, Noise, NoiseOfSensors};
 pub use json::{to_line, to_text};

@@ -1,19 +1,45 @@
 //! What no instrument reads: fill values and faults that would otherwise be taken for readings.
 
+use crate::Error;
+
 /// The unit at the end of a column's name, with the lowest and the highest value that a reading in it may have. The strongest
 /// steady magnets make 45 T; a magnetometer of 1 T has little to do with the field of the Earth.
 const BOUNDS: [(&str, [f64; 2]); 4] =
     [("_nt", [-1e9, 1e9]), ("_v", [-1e6, 1e6]), ("_a", [-1e6, 1e6]), ("_c", [-273.15, 1e4])];
 
-/// The lowest and the highest value that a column of this name may have, by the unit at its end.
-pub fn bounds(column: &str) -> Option<[f64; 2]> {
-    BOUNDS.iter().find(|(unit, _)| column.ends_with(unit)).map(|(_, bounds)| *bounds)
+/// The lowest and the highest value that a column of this name may have, by the unit at its end; any number where that is none
+/// of these.
+pub fn bounds(column: &str) -> [f64; 2] {
+    BOUNDS.iter().find(|(unit, _)| column.ends_with(unit)).map_or([f64::MIN, f64::MAX], |(_, bounds)| *bounds)
 }
 
 /// The first row whose value no instrument reads. A missing reading is none.
 pub fn first_beyond(column: &str, values: &[f64]) -> Option<usize> {
-    let [low, high] = bounds(column)?;
+    let [low, high] = bounds(column);
     values.iter().position(|value| *value < low || *value > high)
+}
+
+/// Rows of a table that is read piece by piece, of which `first_row` (from 0) is the first.
+///
+/// # Errors
+///
+/// The first value that no instrument reads, with row (from 1) and column.
+pub fn rows<'a>(
+    table: &str,
+    first_row: u64,
+    columns: impl IntoIterator<Item = (&'a str, &'a [f64])>,
+) -> Result<(), Error> {
+    for (column, values) in columns {
+        if let Some(row) = first_beyond(column, values) {
+            let [low, high] = bounds(column);
+            return Err(Error::Request(format!(
+                "{table}, row {}, column {column}: found {:e}; expected a reading between {low} and {high}; leave a missing one empty",
+                first_row + row as u64 + 1,
+                values[row]
+            )));
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -26,5 +52,6 @@ mod tests {
         assert_eq!(first_beyond("sensor_temperature_c", &[20.0, -300.0]), Some(1));
         assert_eq!(first_beyond("coil_x_a", &[1e200]), Some(0));
         assert_eq!(first_beyond("time_s", &[1.7e18]), None);
+        assert_eq!(first_beyond("time_s", &[0.0, f64::INFINITY]), Some(1));
     }
 }

@@ -106,9 +106,8 @@ impl Recording {
     /// The column and the row of one that none can.
     pub fn in_range(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
-            if let (Some(row), Some([low, high])) =
-                (range::first_beyond(name, &column.0), range::bounds(name))
-            {
+            if let Some(row) = range::first_beyond(name, &column.0) {
+                let [low, high] = range::bounds(name);
                 return Err(Error::document(
                     format!("{path}.columns.{name}[{row}]"),
                     format!("{:e} in recording \"{}\"", column.0[row], self.id),

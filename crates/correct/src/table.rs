@@ -1,6 +1,6 @@
 //! Long series in files or streams, corrected piece by piece.
 
-use common::{Axis, Column, Columns, Document, Recording, procedure};
+use common::{Axis, Column, Columns, Document, Recording, procedure, range};
 use rayon::prelude::*;
 use std::io;
 use std::path::Path;
@@ -61,7 +61,10 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     let mut series = None;
     let mut whole: Option<Recording> = None;
     for batch in reader {
-        let recording = recording_of(&template, &names, batch?);
+        let batch = batch?;
+        let columns = names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
+        range::rows(&name, batch.first_row, columns)?;
+        let recording = recording_of(&template, &names, batch);
         if !corrector.row_by_row() {
             match &mut whole {
                 None => whole = Some(recording),

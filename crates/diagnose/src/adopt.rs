@@ -196,35 +196,54 @@ fn directions(
     }
 }
 
-/// The covariance of each sensor's k and O as the final fit has them; an older one was of other values.
+/// The covariance of each sensor's k and O and of each coil's constant and offset, as the final fit has them.
 fn together(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
-    let Some(sensors) = document.calibration.as_mut().and_then(|calibration| calibration.sensors.as_mut())
-    else {
-        return;
-    };
-    let scale = outcome.last.rest.scale();
+    let Some(calibration) = document.calibration.as_mut() else { return };
+    for axis in Axis::ALL {
+        if let Some(sensor) = calibration.sensors.as_mut().and_then(|sensors| sensors.entry(axis).as_mut()) {
+            let keys = match (&sensor.sensitivity_nt_per_v, &sensor.sensitivity_nt_per_nt) {
+                (Some(_), None) => Some(["sensitivity_nt_per_v", "offset_nt"]),
+                (None, Some(_)) => Some(["sensitivity_nt_per_nt", "offset_nt"]),
+                _ => None,
+            };
+            let both = [Parameter::Sensitivity(axis), Parameter::SensorOffset(axis)];
+            let stated = (&mut sensor.covariance, &mut sensor.covariance_order);
+            restate(model, outcome, both, keys, stated);
+        }
+        if let Some(coil) = calibration.coils.as_mut().and_then(|coils| coils.entry(axis).as_mut()) {
+            let both = [Parameter::CoilConstant(axis), Parameter::CoilOffset(axis)];
+            let stated = (&mut coil.covariance, &mut coil.covariance_order);
+            restate(model, outcome, both, Some(["constant_nt_per_a", "offset_nt"]), stated);
+        }
+    }
+}
+
+/// Where the fit moved one of two constants, the covariance that was stated is of other values: theirs takes its place, or none where
+/// the fit does not have both.
+fn restate(
+    model: &Model<'_>,
+    outcome: &Outcome,
+    both: [Parameter; 2],
+    keys: Option<[&str; 2]>,
+    (covariance, order): (&mut Option<Vec<Vec<f64>>>, &mut Option<Vec<String>>),
+) {
     let place = |parameter: Parameter| {
         model.unknowns.iter().position(
             |unknown| matches!(unknown, Unknown::Chain(own, Instrument::Read(_)) if *own == parameter),
         )
     };
-    for axis in Axis::ALL {
-        let (k, offset) = (place(Parameter::Sensitivity(axis)), place(Parameter::SensorOffset(axis)));
-        let moved = [k, offset].into_iter().flatten().any(|number| outcome.fit.state.base[number] != 0.0);
-        let Some(sensor) = sensors.entry(axis).as_mut().filter(|_| moved) else { continue };
-        (sensor.covariance, sensor.covariance_order) = (None, None);
-        let key = match (&sensor.sensitivity_nt_per_v, &sensor.sensitivity_nt_per_nt) {
-            (Some(_), None) => "sensitivity_nt_per_v",
-            (None, Some(_)) => "sensitivity_nt_per_nt",
-            _ => continue,
-        };
-        let (Some(k), Some(offset)) = (k, offset) else { continue };
-        let both = [k, offset];
-        let covariance = both.map(|a| both.map(|b| outcome.fit.covariance[(a, b)] * scale).to_vec()).to_vec();
-        if covariance.iter().flatten().all(|value| value.is_finite()) {
-            sensor.covariance = Some(covariance);
-            sensor.covariance_order = Some(vec![key.into(), "offset_nt".into()]);
-        }
+    let places = both.map(place);
+    if places.iter().flatten().all(|number| outcome.fit.state.base[*number] == 0.0) {
+        return;
+    }
+    (*covariance, *order) = (None, None);
+    let ([Some(first), Some(second)], Some(keys)) = (places, keys) else { return };
+    let places = [first, second];
+    let scale = outcome.last.rest.scale();
+    let fitted = places.map(|a| places.map(|b| outcome.fit.covariance[(a, b)] * scale).to_vec()).to_vec();
+    if fitted.iter().flatten().all(|value| value.is_finite()) {
+        *covariance = Some(fitted);
+        *order = Some(keys.map(str::to_string).to_vec());
     }
 }
 

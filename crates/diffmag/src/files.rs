@@ -1,6 +1,6 @@
 //! Pieces of long series from files: tables, documents, and statistics that were written before.
 
-use common::{Axis, Document, Error as Fault, Recording, procedure};
+use common::{Axis, Document, Error as Fault, Recording, procedure, range};
 use std::fs;
 use std::path::Path;
 use tables::Reader;
@@ -27,6 +27,8 @@ pub fn take(path: &Path, step_s: Option<f64>) -> Result<Partial, Error> {
     let mut statistics: Option<Statistics> = None;
     for batch in reader {
         let batch = batch.map_err(|error| refused(error.to_string()))?;
+        let columns = COLUMNS.into_iter().zip(batch.columns.iter().map(Vec::as_slice));
+        range::rows(&path.display().to_string(), batch.first_row, columns)?;
         let [time_s, rx, ry, rz, tx, ty, tz] = std::array::from_fn(|k| batch.columns[k].as_slice());
         let rows = Batch { time_s, reference_nt: [rx, ry, rz], test_nt: [tx, ty, tz] };
         push(&mut statistics, &rows, step_s)

@@ -42,6 +42,11 @@ impl Instrument {
         self.pieces.iter().rev().max_by_key(rows).unwrap_or(&self.pieces[0])
     }
 
+    /// Moments of an even step for which it has rows, at most.
+    fn moments(&self, step_s: f64) -> usize {
+        self.pieces.iter().map(|piece| ((piece.end_s() - piece.start_s) / step_s).round() as usize + 1).sum()
+    }
+
     fn step_s(&self) -> f64 {
         self.longest().step_s
     }
@@ -250,6 +255,16 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         let expected = "recordings that overlap in time; look at `start` and at the clocks";
         return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
     };
+    let sparse = |together: usize| {
+        let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
+        let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
+        Fault::document(format!("{path}.columns.time_s"), found, expected)
+    };
+    // Before a place is made for each moment: recordings may lie years apart.
+    let most = reference.moments(grid.step_s).min(test.moments(grid.step_s));
+    if most.saturating_mul(WHOLE) < grid.rows {
+        return Err(sparse(most).into());
+    }
     let paths = [reference.pieces[0].path.clone(), path.clone()];
     let reads = [&reference, &test].map(|instrument| grid.read(instrument));
     let whole: Vec<bool> = (0..grid.rows)
@@ -262,9 +277,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
     if together * WHOLE < grid.rows {
-        let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
-        let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
-        return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
+        return Err(sparse(together).into());
     }
     let [reference, test] = reads;
     check::check(&paths, &reference.columns, &test.columns)?;

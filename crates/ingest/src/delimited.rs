@@ -69,7 +69,7 @@ pub fn too_many(source: &Source, line: u32, width: usize) -> Error {
 type Header<'a> = (Option<Vec<String>>, u32, &'a [u8]);
 
 fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error> {
-    let (mut names, mut rest, mut number) = (None, source.bytes.as_slice(), 1);
+    let (mut names, mut rest, mut number) = (None, &source.bytes[..], 1);
     let first_row = mapping.first_row_line.unwrap_or(mapping.header_line.map_or(1, |line| line + 1));
     while number < first_row {
         if rest.is_empty() {
@@ -112,7 +112,7 @@ fn slots(
     for (from, slot) in times.chain(values) {
         let place = Place::Line(mapping.header_line.unwrap_or(1).into());
         let column = match (from, names) {
-            (From::Number(number), _) if *number <= width => number - 1,
+            (From::Number(number), _) if number.get() <= width => number.get() - 1,
             (From::Number(number), _) => {
                 let expected = format!("column {number}, which the mapping takes");
                 return Err(source.fault(place, format!("{width} columns"), expected));

@@ -125,6 +125,15 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
         Some(mapping) => (mapping.clone(), Vec::new()),
         None => guess::certain(source, &options.quantity)?,
     };
+    let named = matches!(source.kind, Kind::NdJson | Kind::Parquet);
+    if let Some(number) = mapping.number().filter(|_| named) {
+        let found = format!("a mapping that takes column {number}");
+        return Err(source.fault(
+            tables::Place::Whole,
+            found,
+            "names of columns, which such a file has, in the mapping",
+        ));
+    }
     let mut piece = match source.kind {
         Kind::NdJson => ndjson::read(source, &mapping)?,
         Kind::Parquet => parquet::read(source, &mapping)?,

@@ -5,7 +5,6 @@ use common::{Document, Error as Fault, HistoryEntry};
 use ingest::{Keep, Mapping, Options, Readings};
 use program::pipe::{self, Input, Program, Sink};
 use program::{apart, manual, number};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -195,9 +194,8 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
 }
 
 fn mapping(path: &Path) -> Result<Mapping, Fault> {
-    let failed = |source| Fault::File { path: path.into(), action: "read", source };
-    let text = fs::read_to_string(path).map_err(failed)?;
-    Mapping::parse(&text).map_err(|error| Fault::Request(format!("{}: {error}", path.display())))
+    let input = Input::read(Some(path))?;
+    Mapping::parse(&input.text).map_err(|error| input.locate(error))
 }
 
 /// What the history records: all that changes the answer, without names of files.

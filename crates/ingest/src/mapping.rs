@@ -6,6 +6,7 @@ mod check;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::num::NonZeroUsize;
 
 /// How a file of columns is read. `ingest guess FILE` writes one to begin with.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -55,10 +56,10 @@ fn point() -> char {
 /// A column of the file, by its name or by its number from 1.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(untagged)]
+#[serde(untagged, expecting = "the name of a column, or its number from 1")]
 pub enum From {
     /// Its number, from 1.
-    Number(usize),
+    Number(NonZeroUsize),
     /// Its name in the header.
     Name(String),
 }
@@ -69,6 +70,17 @@ impl fmt::Display for From {
             From::Number(number) => write!(f, "{number}"),
             From::Name(name) => write!(f, "{name:?}"),
         }
+    }
+}
+
+impl Mapping {
+    /// The first column that goes by its number.
+    pub fn number(&self) -> Option<NonZeroUsize> {
+        let times = self.time.iter().flat_map(|time| &time.columns);
+        times.chain(self.columns.iter().map(|column| &column.from)).find_map(|from| match from {
+            From::Number(number) => Some(*number),
+            From::Name(_) => None,
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Parquet, as a mapping describes it.
 
-use tables::{Format, Place, Reader};
+use std::io::Cursor;
+use tables::{Place, Reader};
 
 use crate::Error;
 use crate::mapping::{From, Mapping};
@@ -25,7 +26,7 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
         time.iter().chain(mapping.columns.iter().map(|column| &column.from)).map(name).collect();
     let missing: Vec<f64> = mapping.missing.iter().filter_map(|text| text.parse().ok()).collect();
     let mut rows = Rows { columns: vec![Vec::new(); mapping.columns.len()], ..Rows::default() };
-    for batch in Reader::open_as(&source.path, Format::Parquet, Some(&wanted))? {
+    for batch in Reader::parquet(Cursor::new(source.bytes.clone()), &source.shown, Some(&wanted))? {
         let batch = batch?;
         for row in 0..batch.rows() {
             rows.lines.push((batch.first_row + row as u64 + 1) as u32);

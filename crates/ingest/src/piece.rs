@@ -97,9 +97,8 @@ impl Piece {
                 (factor, 0.0) => values.into_iter().map(|value| value * factor).collect(),
                 (factor, offset) => values.into_iter().map(|value| value * factor + offset).collect(),
             };
-            if let (Some(row), Some([low, high])) =
-                (range::first_beyond(&column.to, &values), range::bounds(&column.to))
-            {
+            if let Some(row) = range::first_beyond(&column.to, &values) {
+                let [low, high] = range::bounds(&column.to);
                 let found = format!("{:e} for {}", values[row], column.to);
                 let expected = format!(
                     "a reading between {low} and {high}; name the value under `missing` of the mapping where it stands for none"

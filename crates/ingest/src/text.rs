@@ -1,25 +1,24 @@
 //! Files as they lie there: bytes, their kind, and the lines of those that are text.
 
+use bytes::Bytes;
 use memchr::{memchr, memchr_iter};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::fs;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::Error;
 use tables::Place;
 
 /// A file that was read.
 pub struct Source {
-    /// Where it is.
-    pub path: PathBuf,
     /// As messages name it: as it was given.
     pub shown: String,
     /// Its name alone, as the document keeps it.
     pub name: String,
     /// What is in it; for text without byte-order mark, each line's end `\n` or `\r\n`.
-    pub bytes: Vec<u8>,
+    pub bytes: Bytes,
     /// SHA-256 of the file as it is, where `bytes` are not.
     original_sha256: Option<String>,
     /// What it is.
@@ -42,8 +41,8 @@ pub enum Kind {
 impl Source {
     /// Text that needs no cleaning.
     #[cfg(test)]
-    pub fn new(path: PathBuf, shown: String, name: String, bytes: Vec<u8>, kind: Kind) -> Self {
-        Source { path, shown, name, bytes, original_sha256: None, kind }
+    pub fn new(shown: String, name: String, bytes: Vec<u8>, kind: Kind) -> Self {
+        Source { shown, name, bytes: bytes.into(), original_sha256: None, kind }
     }
 
     /// Reads a file, `-` for standard input.
@@ -65,8 +64,8 @@ impl Source {
         let kind = kind(&shown, &bytes)?;
         let as_it_is = kind == Kind::Parquet || is_plain(&bytes);
         let original_sha256 = (!as_it_is).then(|| sha256(&bytes));
-        let bytes = if as_it_is { bytes } else { plain(bytes) };
-        Ok(Source { path: path.into(), shown, name, bytes, original_sha256, kind })
+        let bytes = if as_it_is { bytes } else { plain(bytes) }.into();
+        Ok(Source { shown, name, bytes, original_sha256, kind })
     }
 
     /// SHA-256 of the file as it is, in hexadecimal.

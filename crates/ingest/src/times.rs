@@ -258,8 +258,7 @@ mod tests {
     use crate::text::Kind;
 
     fn source(name: &str) -> Source {
-        let (path, shown, name) = (name.into(), name.to_string(), name.to_string());
-        Source::new(path, shown, name, Vec::new(), Kind::Delimited)
+        Source::new(name.to_string(), name.to_string(), Vec::new(), Kind::Delimited)
     }
 
     fn read(format: &str, zone: Option<&str>, text: &str) -> Result<String, String> {

@@ -24,9 +24,16 @@ pub enum NoiseError {
     /// The exponent is none.
     #[error("flicker noise with the exponent {0}")]
     Exponent(f64),
-    /// The times span more steps than fit.
-    #[error("noise with memory over {0:.1e} steps, from gaps or repeats in the times")]
-    Length(f64),
+    /// A row has no time, or one before that of the row above.
+    #[error(
+        "no time in row {0} of time_s, or one before that of the row above, where noise with memory needs times in order"
+    )]
+    Disorder(usize),
+    /// The times span more steps than fit, or none.
+    #[error(
+        "times that span {0:.1e} s in steps of {1:.1e} s, where noise with memory needs at most {MOST_POINTS:.0e} of them"
+    )]
+    Length(f64, f64),
 }
 
 /// The declared noise of one channel, nT: white + flicker + random walk.
@@ -83,6 +90,10 @@ struct Grid {
 
 impl Grid {
     fn of(time: &[f64]) -> Result<Self, NoiseError> {
+        let later = |row: &usize| if *row == 0 { time[0].is_finite() } else { time[*row] >= time[*row - 1] };
+        if let Some(row) = (0..time.len()).find(|row| !later(row)) {
+            return Err(NoiseError::Disorder(row));
+        }
         let length_s = time[time.len() - 1] - time[0];
         let mean = length_s / (time.len() - 1) as f64;
         let steps = || time.windows(2).map(|pair| pair[1] - pair[0]);
@@ -93,12 +104,12 @@ impl Grid {
         }
         let mut sorted: Vec<f64> = steps().filter(|step| *step > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
-        let step_s = sorted.get(sorted.len() / 2).copied().unwrap_or(f64::NAN);
+        let step_s = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let points = length_s / step_s + 2.0;
         if points.is_finite() && points <= MOST_POINTS {
             Ok(Self { points: points as usize, step_s, even: false })
         } else {
-            Err(NoiseError::Length(points))
+            Err(NoiseError::Length(length_s, step_s))
         }
     }
 
@@ -148,7 +159,7 @@ mod tests {
         let ramp: Vec<f64> = (0..7).map(f64::from).collect();
         assert_eq!(grid.read(&time, &ramp).as_ref(), time);
         let far = [0.0, 1e-6, 2e-6, 1e6];
-        assert!(matches!(Grid::of(&far), Err(NoiseError::Length(_))));
+        assert!(matches!(Grid::of(&far), Err(NoiseError::Length(..))));
     }
 
     #[test]

@@ -4,8 +4,8 @@
 //! code is 0 (done), 1 (the data do not allow the answer) or 2 (the request or the document is wrong).
 
 use clap::Args;
+use files::Unfinished;
 use sha2::{Digest, Sha256};
-use std::ffi::OsString;
 use std::fs;
 use std::io::{self, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
@@ -177,14 +177,7 @@ pub struct Sink {
 
 enum Target {
     Stdout,
-    /// A link stays a link, and what is no file (a terminal, a named pipe) is written to and not replaced.
-    Device(fs::File),
-    Beside {
-        file: fs::File,
-        beside: PathBuf,
-        real: PathBuf,
-        done: bool,
-    },
+    File(fs::File, Unfinished),
 }
 
 impl Sink {
@@ -194,21 +187,8 @@ impl Sink {
             return Ok(Self { path: "standard output".into(), target: Target::Stdout });
         };
         let failed = |source| Error::File { path: path.into(), action: "written", source };
-        let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
-        if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
-            let file = fs::OpenOptions::new().write(true).open(&real).map_err(failed)?;
-            return Ok(Self { path: path.into(), target: Target::Device(file) });
-        }
-        let mut name = OsString::from(".");
-        name.push(real.file_name().unwrap_or_default());
-        name.push(format!(".{}.part", process::id()));
-        let beside = real.with_file_name(name);
-        let file = fs::File::create(&beside).map_err(failed)?;
-        // Who may read the old one may read the new one, and nobody else.
-        if let Ok(existing) = fs::metadata(&real) {
-            file.set_permissions(existing.permissions()).map_err(failed)?;
-        }
-        Ok(Self { path: path.into(), target: Target::Beside { file, beside, real, done: false } })
+        let (file, unfinished) = files::create(path).map_err(failed)?;
+        Ok(Self { path: path.into(), target: Target::File(file, unfinished) })
     }
 
     /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is wanted.
@@ -218,7 +198,7 @@ impl Sink {
                 let mut stdout = io::stdout().lock();
                 stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
             }
-            Target::Device(file) | Target::Beside { file, .. } => file.write_all(text.as_bytes()),
+            Target::File(file, _) => file.write_all(text.as_bytes()),
         };
         match (&self.target, result) {
             (_, Ok(())) => Ok(true),
@@ -228,21 +208,14 @@ impl Sink {
     }
 
     /// Gives the file its name.
-    pub fn finish(mut self) -> Result<(), Error> {
-        if let Target::Beside { beside, real, done, .. } = &mut self.target {
-            let path = self.path.clone();
-            fs::rename(beside, real).map_err(|source| Error::File { path, action: "written", source })?;
-            *done = true;
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Sink {
-    fn drop(&mut self) {
-        if let Target::Beside { beside, done: false, .. } = &self.target {
-            // The half-written neighbour is of no use to anyone; that it cannot be removed changes nothing.
-            let _ = fs::remove_file(beside);
+    pub fn finish(self) -> Result<(), Error> {
+        match self.target {
+            Target::Stdout => Ok(()),
+            Target::File(_, unfinished) => unfinished.finish().map_err(|source| Error::File {
+                path: self.path,
+                action: "written",
+                source,
+            }),
         }
     }
 }
@@ -274,17 +247,6 @@ mod tests {
         let path = folder.path().join("out.json");
         write(Some(&path), "{}\n").expect("written");
         assert_eq!(fs::read_to_string(&path).expect("there"), "{}\n");
-        #[cfg(unix)]
-        {
-            let link = folder.path().join("link.json");
-            std::os::unix::fs::symlink(&path, &link).expect("a link");
-            write(Some(&link), "[]\n").expect("written");
-            assert!(fs::symlink_metadata(&link).expect("there").is_symlink());
-            assert_eq!(fs::read_to_string(&path).expect("there"), "[]\n");
-            write(Some(Path::new("/dev/null")), "gone").expect("written");
-            assert!(!fs::metadata("/dev/null").expect("there").is_file());
-            fs::remove_file(&link).expect("removed");
-        }
         let lost = folder.path().join("absent").join("out.json");
         let error = write(Some(&lost), "{}").expect_err("no such folder");
         assert!(error.to_string().contains("cannot be written"), "{error}");

@@ -152,7 +152,7 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
     document.history.push(history(arguments, input.sha256()));
     if let Some(path) = truth {
-        pipe::write(Some(path), &what_is_true.to_text())?;
+        pipe::write(Some(path), &what_is_true.to_text()?)?;
     }
     pipe::write(io.output.as_deref(), &document.to_text()?)?;
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
@@ -204,7 +204,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         let Campaign { mut document, truth } = simulate::campaign(&plan)?;
         let arguments = vec!["sweep".into(), format!("--seed={}", plan.seed), format!("case {}", number + 1)];
         document.history.push(history(arguments, sha256.clone()));
-        let truth = if truth_wanted { truth.to_line() + "\n" } else { String::new() };
+        let truth = if truth_wanted { truth.to_line()? + "\n" } else { String::new() };
         Ok((document.to_line()? + "\n", truth))
     };
     let mut written = 0;

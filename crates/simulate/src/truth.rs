@@ -42,13 +42,23 @@ pub struct Truth {
 
 impl Truth {
     /// As JSON that people read, one key on a line.
-    pub fn to_text(&self) -> String {
-        common::to_text(self)
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite, with its path.
+    pub fn to_text(&self) -> Result<String, Error> {
+        common::all_finite("truth", self)?;
+        Ok(common::to_text(self))
     }
 
     /// As JSON on one line.
-    pub fn to_line(&self) -> String {
-        common::to_line(self)
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::to_text`].
+    pub fn to_line(&self) -> Result<String, Error> {
+        common::all_finite("truth", self)?;
+        Ok(common::to_line(self))
     }
 }
 

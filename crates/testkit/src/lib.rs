@@ -25,6 +25,19 @@ pub fn fixture(relative: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(relative)
 }
 
+/// The folder of a set of real recordings, which are not in the repository: below `FLUXCAL_DATA`, else below `../shared/data` beside
+/// the repository. Tests that need one are ignored unless they are asked for (`just recordings`).
+pub fn recordings(set: &str) -> PathBuf {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = std::env::var("FLUXCAL_DATA").map_or(beside, PathBuf::from).join(set);
+    assert!(
+        folder.is_dir(),
+        "{}: no such folder; name the one with the recordings in FLUXCAL_DATA",
+        folder.display()
+    );
+    folder
+}
+
 /// The text of a fixture.
 pub fn read_fixture(relative: &str) -> String {
     let path = fixture(relative);

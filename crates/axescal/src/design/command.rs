@@ -4,7 +4,8 @@ use clap::Args;
 use common::{Axis, Matrix3x3};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
-use program::{number, pipe};
+use program::number;
+use program::pipe::{self, Input};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -54,6 +55,7 @@ pub fn main(arguments: &Arguments) -> Result<(), common::Error> {
         theodolite_arcsec: arguments.theodolite_arcsec,
     };
     let design = design(&candidates, error_model, arguments.number, arguments.table_to)?;
+    common::all_finite("design", &design)?;
     let document = serde_json::json!({"fluxcal": common::FORMAT_VERSION, "design": design});
     pipe::write(arguments.output.as_deref(), &common::to_text(&document))?;
     if !arguments.quiet {
@@ -84,17 +86,8 @@ fn octagon() -> Vec<Matrix3<f64>> {
 }
 
 fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, common::Error> {
-    let text = std::fs::read_to_string(path).map_err(|source| common::Error::File {
-        path: path.into(),
-        action: "read",
-        source,
-    })?;
-    let list: Vec<Matrix3x3> = serde_json::from_str(&text).map_err(|error| common::Error::Syntax {
-        message: format!(
-            "{}: {error}; expected a JSON list of 3x3 rotations, [[[1,0,0],[0,1,0],[0,0,1]], …]",
-            path.display()
-        ),
-    })?;
+    let input = Input::read(Some(path))?;
+    let list: Vec<Matrix3x3> = common::at_path(&input.text).map_err(|error| input.locate(error))?;
     frames::rotations(&list, &path.display().to_string())
 }
 

@@ -7,20 +7,19 @@ use std::path::Path;
 
 const CONCEALED: &str = env!("CARGO_BIN_EXE_concealed");
 
-/// Whether the program under proof is there; says so where it is not.
-fn diagnose_is_built() -> bool {
-    let built = Path::new(CONCEALED).with_file_name("diagnose").is_file();
-    if !built {
-        println!("skipped: no diagnose beside {CONCEALED}; cargo build builds it");
-    }
-    built
+/// The program under proof is beside this one: `cargo test --workspace` builds both.
+fn diagnose_is_built() {
+    let diagnose = Path::new(CONCEALED).with_file_name("diagnose");
+    assert!(
+        diagnose.is_file(),
+        "no {}; `cargo test --workspace` or `cargo build -p diagnose` makes it",
+        diagnose.display()
+    );
 }
 
 #[test]
 fn a_small_proof_is_made_twice_alike_and_a_changed_truth_is_refused() {
-    if !diagnose_is_built() {
-        return;
-    }
+    diagnose_is_built();
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name).display().to_string();
     let prove = |page: &str| {
@@ -54,9 +53,7 @@ fn a_small_proof_is_made_twice_alike_and_a_changed_truth_is_refused() {
 /// On this orbit the turns of the sensors were once all taken for a turn of them together, and the names that came after were wrong.
 #[test]
 fn an_orbit_is_explained_down_to_its_noise() {
-    if !diagnose_is_built() {
-        return;
-    }
+    diagnose_is_built();
     let folder = tempfile::tempdir().expect("a folder");
     let run = testkit::run(
         CONCEALED,

@@ -28,7 +28,12 @@ fn each_fault_of_a_table_has_its_message() {
     write("short.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n1,2\n");
     write("good.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n");
     write("short.parquet", "PAR1");
-    let faults: [(&[&str], &str); 9] = [
+    write("fill.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n1,-1e31,3\n");
+    let faults: [(&[&str], &str); 10] = [
+        (
+            &["--calibration", "flight.json", "fill.csv", "-o", "out.csv"],
+            "fill.csv, row 2, column sensor_y_v: found -1e31; expected a reading between -1000000 and 1000000",
+        ),
         (
             &["--calibration", "flight.json", "two.csv"],
             "correct: two.csv: found the columns time_s, sensor_x_v, sensor_y_v; expected readings of three sensors, \

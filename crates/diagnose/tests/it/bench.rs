@@ -269,8 +269,12 @@ pub fn worst_sigma(found: &indexmap::IndexMap<String, Quantity>, truth: &Value) 
     found
         .iter()
         .filter_map(|(name, value)| {
-            let std = value.std().filter(|std| *std > 0.0)?;
-            Some((value.value() - truth["parameters"][name].as_f64()?).abs() / std)
+            let off = (value.value() - truth["parameters"][name].as_f64()?).abs();
+            match value.std().filter(|std| *std > 0.0) {
+                Some(std) => Some(off / std),
+                // What is told without an uncertainty is exact.
+                None => Some(if off <= 1e-6 * value.value().abs() { 0.0 } else { f64::INFINITY }),
+            }
         })
         .fold(0.0, f64::max)
 }

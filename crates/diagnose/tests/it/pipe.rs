@@ -1,6 +1,7 @@
 //! The program as its users call it.
 
-use common::Document;
+use crate::bench::{Scene, noise, scaled, simulated};
+use common::{Axis, Document};
 use std::process::Command;
 
 fn diagnose(arguments: &[&str], threads: &str) -> (Vec<u8>, String, Option<i32>) {
@@ -102,4 +103,39 @@ fn directions_have_their_covariance() {
         assert!(along.abs() < 1e-9 * variance, "{along} of {variance}");
     }
     found.to_text().expect("finite numbers throughout");
+}
+
+/// Constants of coils that were fitted again keep the covariance of the fit and lose that of before.
+#[test]
+fn constants_of_coils_have_their_covariance() {
+    let heating = serde_json::json!({"effect": "coil_heating", "coil": "x", "parameters": {"fall_ppm_per_a2": 50.0, "lag_s": 600.0}});
+    let mut document = simulated(Scene::Runs, &[scaled(Scene::Runs, &heating, 3.0)], &noise(), 41);
+    let stale = vec![vec![4.0, 0.0], vec![0.0, 9.0]];
+    let coils =
+        document.calibration.as_mut().and_then(|calibration| calibration.coils.as_mut()).expect("coils");
+    for axis in Axis::ALL {
+        let coil = coils.entry(axis).as_mut().expect("a coil");
+        coil.covariance = Some(stale.clone());
+        coil.covariance_order = Some(vec!["constant_nt_per_a".into(), "offset_nt".into()]);
+    }
+    let before = document.calibration.clone();
+    let found = diagnose::run(document, &diagnose::Options::default()).expect("diagnosed");
+    let coil = |calibration: &Option<common::Calibration>, axis| {
+        calibration.as_ref().and_then(|all| all.coils.as_ref()?.get(axis).cloned()).expect("a coil")
+    };
+    let mut moved = 0;
+    for axis in Axis::ALL {
+        let (old, new) = (coil(&before, axis), coil(&found.calibration, axis));
+        if (&old.constant_nt_per_a, &old.offset_nt) == (&new.constant_nt_per_a, &new.offset_nt) {
+            assert_eq!(new.covariance, old.covariance, "{axis}");
+            continue;
+        }
+        moved += 1;
+        let Some(covariance) = new.covariance else { continue };
+        for (row, quantity) in [new.constant_nt_per_a, new.offset_nt].into_iter().enumerate() {
+            let variance = quantity.and_then(|quantity| quantity.std()).expect("an uncertainty").powi(2);
+            assert!((covariance[row][row] / variance - 1.0).abs() < 1e-9, "{axis}: {covariance:?}");
+        }
+    }
+    assert!(moved > 0, "no coil was fitted again");
 }

@@ -206,6 +206,12 @@ const SHORT: [(&str, f64); 3] = [
     ("offset_electronics_temperature_lag x", 0.3),
 ];
 
+/// No parameter may be farther from the truth than this many standard uncertainties: of some 150 in all the cases, one would be in a
+/// run of a thousand.
+const FARTHEST: f64 = 4.5;
+/// What is left of readings that were left out may exceed the noise by this share: three standard deviations of an rms of 480 rows.
+const ABOVE_NOISE: f64 = 1.1;
+
 /// What came of one case.
 struct Outcome {
     verdict: Verdict,
@@ -311,6 +317,13 @@ fn effects_are_named() {
             let passed = right || held || short || (silent && *times < 3.0);
             if !passed {
                 wrong.push(format!("{name} ×{times}: {:?}", outcome.named));
+            }
+            let (sigma, left) = (outcome.sigma, outcome.held_out_over_floor);
+            if right && (sigma.is_nan() || sigma > FARTHEST) {
+                wrong.push(format!("{name} ×{times}: a parameter is {sigma:.1} standard uncertainties off"));
+            }
+            if right && outcome.verdict == Verdict::Explained && (left.is_nan() || left > ABOVE_NOISE) {
+                wrong.push(format!("{name} ×{times}: {left:.3} times the noise is left"));
             }
         }
         table += &others.map(|words| format!(" {} |", words.join(", "))).concat();

@@ -77,15 +77,15 @@ impl Partial {
             kind: String,
             version: u32,
         }
-        let failed = |error: serde_json::Error| Error::Format(error.to_string());
-        let head: Head = serde_json::from_str(text).map_err(failed)?;
+        let failed = |error: common::Error| Error::Format(error.to_string());
+        let head: Head = common::at_path(text).map_err(failed)?;
         if head.kind != KIND || head.version != VERSION {
             let Head { kind, version } = head;
             return Err(Error::Format(format!(
                 "found `{kind}` in version {version}, expected `{KIND}` in version {VERSION}"
             )));
         }
-        let read: Partial = serde_json::from_str(text).map_err(failed)?;
+        let read: Partial = common::at_path(text).map_err(failed)?;
         let sums = read.factor.is_whole(CHANNELS) && read.pyramid.is_whole() && read.profile.is_whole();
         if !sums || !read.covered.iter().flatten().is_sorted() {
             return Err(Error::Format(

@@ -1,21 +1,9 @@
-//! Real pairs of instruments, where the folder with the recordings is there (`FLUXCAL_DATA`, or `../shared/data` beside the
-//! repository).
+//! Real pairs of instruments, whose recordings are not in the repository: `just recordings` runs these tests.
 
 use common::{Axis, DifferentialCalibration, Document};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
-
-/// The folder of a set; None, with a word, where it is missing.
-fn folder(name: &str) -> Option<PathBuf> {
-    let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var("FLUXCAL_DATA").map_or(beside, PathBuf::from).join(name);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: no recordings of {name}");
-    None
-}
 
 /// Rows of three readings with the time before them, s.
 type Rows = Vec<[f64; 4]>;
@@ -54,8 +42,9 @@ fn csv(path: PathBuf, zero: f64) -> Rows {
 }
 
 #[test]
+#[ignore = "needs the recordings: just recordings"]
 fn conrad_fge_and_lemi_036() {
-    let Some(folder) = folder("wic-conrad-2022-08") else { return };
+    let folder = testkit::recordings("wic-conrad-2022-08");
     let read = |name: &str| csv(folder.join(name), 1_660_089_600.0);
     let start = "2022-08-10T00:00:00Z";
     let result = found(vec![
@@ -101,8 +90,9 @@ fn didd(text: &str, day: f64) -> Rows {
 }
 
 #[test]
+#[ignore = "needs the recordings: just recordings"]
 fn cobenzl_didd_and_lemi_025() {
-    let Some(folder) = folder("wik-cobenzl-2011-09a") else { return };
+    let folder = testkit::recordings("wik-cobenzl-2011-09a");
     let text = |name: String| fs::read_to_string(folder.join(name)).expect("a file");
     let (mut reference, mut test) = (Rows::new(), Rows::new());
     for day in 1..=12 {
@@ -121,8 +111,9 @@ fn cobenzl_didd_and_lemi_025() {
 }
 
 #[test]
+#[ignore = "needs the recordings: just recordings"]
 fn meson_hall_fluxgates() {
-    let Some(folder) = folder("tucan-fluxgates-2019-08-09-quiet") else { return };
+    let folder = testkit::recordings("tucan-fluxgates-2019-08-09-quiet");
     let text = fs::read_to_string(folder.join("online_data.csv")).expect("a file");
     let (mut reference, mut test) = (Rows::new(), Rows::new());
     for line in text.lines() {

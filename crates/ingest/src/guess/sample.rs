@@ -1,7 +1,9 @@
 //! Some rows of a file as text, whatever its format.
 
 use serde_json::{Map, Value};
-use tables::{COLUMN_LIMIT, ColumnKind, Format, Place, Reader};
+use std::io::Cursor;
+use std::num::NonZeroUsize;
+use tables::{COLUMN_LIMIT, ColumnKind, Place, Reader};
 
 use super::notation::Notation;
 use crate::Error;
@@ -69,7 +71,8 @@ impl Sample {
         let alone =
             |name: &String| names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty();
         let from = names.iter().enumerate().map(|(index, name)| {
-            if alone(name) { From::Name(name.clone()) } else { From::Number(index + 1) }
+            let number = NonZeroUsize::MIN.saturating_add(index);
+            if alone(name) { From::Name(name.clone()) } else { From::Number(number) }
         });
         let from = from.collect();
         let cells = (0..width).map(|column| {
@@ -117,7 +120,8 @@ impl Sample {
     }
 
     fn of_parquet(source: &Source) -> Result<Self, Error> {
-        let columns = tables::parquet_columns(&source.path)?;
+        let bytes = || Cursor::new(source.bytes.clone());
+        let columns = tables::parquet_columns(bytes(), &source.shown)?;
         let wanted: Vec<&str> = columns
             .iter()
             .filter(|(_, kind)| *kind != ColumnKind::Other)
@@ -126,7 +130,7 @@ impl Sample {
         if wanted.is_empty() {
             return Err(source.fault(Place::Whole, "no column of numbers", "a table of readings"));
         }
-        let batch = Reader::open_as(&source.path, Format::Parquet, Some(&wanted))?.next().transpose()?;
+        let batch = Reader::parquet(bytes(), &source.shown, Some(&wanted))?.next().transpose()?;
         let values = batch.map_or_else(|| vec![Vec::new(); wanted.len()], |batch| batch.columns);
         let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
         let cells = values.iter().map(|column| column.iter().take(ROWS).map(cell).collect()).collect();

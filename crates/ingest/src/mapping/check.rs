@@ -7,6 +7,9 @@ use super::{ColumnMapping, FORMATS, From, Mapping, TimeMapping};
 use crate::clock::Zone;
 use crate::units::{self, Conversion};
 
+/// The largest scale or offset: no unit of a reading is so far from those of the document.
+const MOST: f64 = 1e12;
+
 impl Mapping {
     /// Reads and checks a mapping.
     ///
@@ -14,12 +17,7 @@ impl Mapping {
     ///
     /// What is no mapping or cannot be followed, with its JSON path.
     pub fn parse(text: &str) -> Result<Self, Fault> {
-        let mut deserializer = serde_json::Deserializer::from_str(text);
-        let mapping: Mapping =
-            serde_path_to_error::deserialize(&mut deserializer).map_err(|error| explain(&error))?;
-        deserializer
-            .end()
-            .map_err(|error| Fault::Syntax { message: format!("after the mapping: {error}") })?;
+        let mapping: Mapping = common::at_path(text)?;
         mapping.check()?;
         Ok(mapping)
     }
@@ -65,17 +63,6 @@ impl Mapping {
             }
         }
         Ok(())
-    }
-}
-
-/// serde's error as a sentence with its path.
-fn explain(error: &serde_path_to_error::Error<serde_json::Error>) -> Fault {
-    let (path, inner) = (error.path().to_string(), error.inner());
-    let place = if path == "." { String::new() } else { format!("{path}: ") };
-    Fault::Syntax {
-        message: format!(
-            "{place}not a mapping ({inner}); expected what `ingest guess FILE` writes: \"fluxcal-mapping\": 1, \"time\", \"columns\""
-        ),
     }
 }
 
@@ -133,21 +120,23 @@ impl ColumnMapping {
         let refused = |key: &str, found: String, expected: &str| {
             Err(Fault::document(format!("{path}.{key}"), found, expected))
         };
-        if self.from == From::Number(0) {
-            return refused("from", "0".into(), "a name, or a number from 1");
-        }
         let good = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
         if self.to.is_empty() || !self.to.bytes().all(good) || self.to == "time_s" {
             let expected = "a name of letters, digits and _ such as sensor_x_nt; `time_s` comes from `time`";
             return refused("to", format!("{:?}", self.to), expected);
         }
         for (key, number) in [("scale", self.scale), ("offset", self.offset)] {
-            if number.is_some_and(|number| !number.is_finite() || (key == "scale" && number == 0.0)) {
-                return refused(key, format!("{number:?}"), "a finite number, for a scale not zero");
+            let Some(number) = number else { continue };
+            if key == "scale" && number == 0.0 || number.abs() > MOST {
+                return refused(
+                    key,
+                    format!("{number:e}"),
+                    "a number up to 1e12 in size, for a scale not zero",
+                );
             }
         }
-        if !matches!(self.sign, None | Some(1 | -1)) {
-            return refused("sign", format!("{:?}", self.sign), "1 or -1");
+        if let Some(sign) = self.sign.filter(|sign| !matches!(sign, 1 | -1)) {
+            return refused("sign", sign.to_string(), "1 or -1");
         }
         self.conversion_at(path).map(drop)
     }

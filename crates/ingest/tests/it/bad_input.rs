@@ -83,7 +83,7 @@ fn each_fault_has_its_message() {
         "million-columns.csv",
         "nowhere.csv",
     ];
-    let asked: [(&str, &[&str]); 27] = [
+    let asked: [(&str, &[&str]); 30] = [
         ("no-file", &[]),
         ("decimal-comma", &["--map", "map-semicolon.json", "decimal-comma.csv"]),
         ("word", &["--map", "map.json", "word.csv"]),
@@ -99,6 +99,9 @@ fn each_fault_has_its_message() {
         ("map-volts", &["--map", "map-volts.json", "word.csv"]),
         ("map-column-absent", &["--map", "map-column-absent.json", "word.csv"]),
         ("map-column-twice", &["--map", "map-column-twice.json", "word.csv"]),
+        ("map-column-zero", &["--map", "map-column-zero.json", "word.csv"]),
+        ("map-column-by-number", &["--map", "map-column-by-number.json", "text-for-number.ndjson"]),
+        ("map-scale-huge", &["--map", "map-scale-huge.json", "word.csv"]),
         ("map-key-unknown", &["--map", "map-key-unknown.json", "word.csv"]),
         ("map-zone", &["--map", "map-zone.json", "word.csv"]),
         ("map-format", &["--map", "map-format.json", "word.csv"]),

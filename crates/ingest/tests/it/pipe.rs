@@ -171,3 +171,30 @@ fn a_guess_is_saved_edited_and_used() {
     assert_eq!((code, nothing.as_str()), (Some(2), ""));
     assert!(said.contains("ingest guess"), "{said}");
 }
+
+/// Parquet from a pipe, which has no end to begin at, is read like the file.
+#[cfg(unix)]
+#[test]
+fn parquet_comes_through_a_pipe() {
+    use std::process::Stdio;
+    let file = fixture("field.parquet");
+    let recordings = |output: std::process::Output| {
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success(), "{said}");
+        document(&String::from_utf8(output.stdout).expect("UTF-8"))["recordings"][0]["columns"].clone()
+    };
+    let of_file = recordings(Command::new(INGEST).arg(&file).output().expect("ingest"));
+    let mut cat = Command::new("cat").arg(&file).stdout(Stdio::piped()).spawn().expect("cat");
+    let piped = Stdio::from(cat.stdout.take().expect("piped"));
+    let of_pipe = recordings(Command::new(INGEST).arg("-").stdin(piped).output().expect("ingest"));
+    cat.wait().expect("ended");
+    assert_eq!(of_pipe, of_file);
+    let folder = tempfile::tempdir().expect("a folder");
+    let fifo = folder.path().join("fifo");
+    assert!(Command::new("mkfifo").arg(&fifo).status().expect("mkfifo").success());
+    let copy = format!("cat '{file}' > '{}'", fifo.display());
+    let mut cat = Command::new("sh").args(["-c", &copy]).spawn().expect("sh");
+    let of_fifo = recordings(Command::new(INGEST).arg(&fifo).output().expect("ingest"));
+    cat.wait().expect("ended");
+    assert_eq!(of_fifo, of_file);
+}

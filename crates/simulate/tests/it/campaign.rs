@@ -192,7 +192,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["procedure"] = json!("dance"),
-            "procedures[0].procedure: found unknown variant `dance`",
+            "procedures[0].procedure: found \"dance\"; expected one of \"coil_constant\"",
         ),
         (
             |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
@@ -202,7 +202,7 @@ fn faulty_plans_are_refused_with_their_place() {
         (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),
         (
             |plan| plan["procedures"][0]["drive_nT"] = json!(1),
-            "procedures[0]: found unknown field `drive_nT`; expected one of",
+            "procedures[0]: found the unknown key \"drive_nT\"; expected one of",
         ),
         (
             |plan| {

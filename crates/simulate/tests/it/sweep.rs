@@ -88,3 +88,31 @@ fn a_fault_is_told_before_the_first_line() {
         assert!(said.contains(message), "{set}: {said}");
     }
 }
+
+/// A program that is ended while it writes leaves nothing behind, and what was there before as it was.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_signal_leaves_nothing_behind() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("sweep.ndjson");
+    std::fs::write(&out, "before\n").expect("written");
+    let mut sweep = std::process::Command::new(SIMULATE)
+        .args(["sweep", "-q", &plan("magsat-axes"), "--seeds", "1..1000000", "-o"])
+        .arg(&out)
+        .spawn()
+        .expect("simulate");
+    // Its file is open as soon as the kernel lists a descriptor that leads into the folder.
+    let open = || {
+        let listed = std::fs::read_dir(format!("/proc/{}/fd", sweep.id())).into_iter().flatten().flatten();
+        let links = listed.filter_map(|entry| std::fs::read_link(entry.path()).ok());
+        links.into_iter().any(|link| link.starts_with(folder.path().canonicalize().expect("a folder")))
+    };
+    while !open() {
+        std::thread::yield_now();
+    }
+    let kill = std::process::Command::new("kill").args(["-TERM", &sweep.id().to_string()]).status();
+    assert!(kill.expect("kill").success());
+    assert!(!sweep.wait().expect("ended").success());
+    assert_eq!(std::fs::read_to_string(&out).expect("there"), "before\n");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}

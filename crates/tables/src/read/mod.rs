@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Seek};
 use std::path::Path;
 
 use crate::{Batch, COLUMN_LIMIT, Error, Format, Place, error::listed};
@@ -44,9 +44,25 @@ impl Reader {
         let file = File::open(path).map_err(|source| Error::file(path, "read", source))?;
         let name = path.display().to_string();
         match format {
-            Format::Parquet => parquet::open(file, name, wanted),
-            text => Self::from_read(file, text, &name, wanted),
+            // A pipe has no end to begin at.
+            Format::Parquet if file.metadata().is_ok_and(|found| found.is_file()) => {
+                parquet::open(file, name, wanted)
+            }
+            streamed => Self::from_read(file, streamed, &name, wanted),
         }
+    }
+
+    /// Reads Parquet from what can be read from any place, such as bytes in memory; `name` stands for it in errors.
+    ///
+    /// # Errors
+    ///
+    /// As [`Reader::open`].
+    pub fn parquet(
+        input: impl Read + Seek + Send + 'static,
+        name: &str,
+        wanted: Option<&[&str]>,
+    ) -> Result<Self, Error> {
+        parquet::open(input, name.into(), wanted)
     }
 
     /// Reads CSV or NDJSON from a stream; `name` stands for it in errors.

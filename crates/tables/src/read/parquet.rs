@@ -7,20 +7,19 @@ use ::parquet::file::serialized_reader::SerializedPageReader;
 use ::parquet::schema::types::ColumnDescPtr;
 use rayon::prelude::*;
 use std::cell::Cell;
-use std::fs::File;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::Once;
 
 use super::ahead::{ahead, pool};
-use super::{Reader, check_wish, no_stream, select};
+use super::{Reader, check_wish, select};
 use crate::batch::rows_per_batch;
 use crate::{Batch, Error, Place};
 
 mod shared;
 
 use shared::Shared;
+pub use shared::Source;
 
 /// Batches that wait for the caller.
 const WAITING: usize = 2;
@@ -28,14 +27,14 @@ const WAITING: usize = 2;
 const EXACT: u64 = 1 << 53;
 
 /// Reads the schema, and the columns ahead.
-pub fn open(file: File, source_name: String, wanted: Option<&[&str]>) -> Result<Reader, Error> {
+pub fn open(
+    source: impl Source + 'static,
+    source_name: String,
+    wanted: Option<&[&str]>,
+) -> Result<Reader, Error> {
     check_wish(&source_name, wanted)?;
     let failed = |source| Error::file(&source_name, "read", source);
-    let description = file.metadata().map_err(failed)?;
-    if !description.is_file() {
-        return Err(no_stream(&source_name));
-    }
-    let file = Arc::new(Shared::new(file, description.len()));
+    let file = Arc::new(Shared::new(source).map_err(failed)?);
     let metadata = guarded(&source_name, || ParquetMetaDataReader::new().parse_and_finish(&*file))?;
     let schema = metadata.file_metadata().schema_descr();
     let names: Vec<String> = schema.columns().iter().map(|column| column.path().string()).collect();
@@ -76,19 +75,16 @@ pub enum ColumnKind {
     Other,
 }
 
-/// Names of a Parquet file's columns, and what they hold.
+/// Names of a Parquet file's columns, and what they hold; `source_name` stands for it in errors.
 ///
 /// # Errors
 ///
 /// [`Error::File`] where it cannot be read, [`Error::Data`] where it is no Parquet file.
-pub fn columns(path: &Path) -> Result<Vec<(String, ColumnKind)>, Error> {
-    let file = File::open(path).map_err(|source| Error::file(path, "read", source))?;
-    let source_name = path.display().to_string();
-    let length = file.metadata().map_err(|source| Error::file(path, "read", source))?.len();
-    let file = Shared::new(file, length);
-    let metadata = guarded(&source_name, || ParquetMetaDataReader::new().parse_and_finish(&file))?;
+pub fn columns(source: impl Source + 'static, source_name: &str) -> Result<Vec<(String, ColumnKind)>, Error> {
+    let file = Shared::new(source).map_err(|source| Error::file(source_name, "read", source))?;
+    let metadata = guarded(source_name, || ParquetMetaDataReader::new().parse_and_finish(&file))?;
     let kinds = metadata.file_metadata().schema_descr().columns().iter().map(|kind| {
-        let holds = match (check_kind(&source_name, kind), ticks_per_second(kind)) {
+        let holds = match (check_kind(source_name, kind), ticks_per_second(kind)) {
             (Err(_), _) => ColumnKind::Other,
             (Ok(()), Some(_)) => ColumnKind::Time,
             (Ok(()), None) => ColumnKind::Number,

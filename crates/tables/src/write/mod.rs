@@ -1,8 +1,7 @@
+use files::Unfinished;
 use std::collections::HashSet;
-use std::fs::{self, OpenOptions};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use tempfile::{NamedTempFile, TempPath};
+use std::path::Path;
 
 use crate::{COLUMN_LIMIT, Error, Format};
 
@@ -11,16 +10,15 @@ mod text;
 
 /// A table, written batch by batch.
 ///
-/// A file is written beside its place and gets its name when [`Writer::finish`] is called: so it is there whole or not at
-/// all. What is no file (a terminal, a named pipe) is written to as it is.
+/// A file gets its name when [`Writer::finish`] is called: so it is there whole or not at all. What is no file (a terminal, a
+/// named pipe) is written to as it is.
 pub struct Writer {
     /// As it is named in errors.
     name: String,
     columns: usize,
     rows: u64,
     output: Output,
-    /// The file beside, with the place it shall have.
-    beside: Option<(TempPath, PathBuf)>,
+    file: Option<Unfinished>,
 }
 
 enum Output {
@@ -43,14 +41,9 @@ impl Writer {
     pub fn create_as(path: &Path, format: Format, columns: &[&str]) -> Result<Self, Error> {
         let name = path.display().to_string();
         check_names(&name, columns)?;
-        let failed = |source| Error::file(path, "written", source);
-        let real = fs::canonicalize(path).unwrap_or_else(|_| path.into());
-        if fs::metadata(&real).is_ok_and(|existing| !existing.is_file()) {
-            let device = OpenOptions::new().write(true).open(&real).map_err(failed)?;
-            return Self::begin(device, format, name, columns);
-        }
-        let (file, beside) = create_beside(&real).map_err(failed)?.into_parts();
-        Ok(Writer { beside: Some((beside, real)), ..Self::begin(file, format, name, columns)? })
+        let (file, unfinished) =
+            files::create(path).map_err(|source| Error::file(path, "written", source))?;
+        Ok(Writer { file: Some(unfinished), ..Self::begin(file, format, name, columns)? })
     }
 
     /// Writes to a stream, in any format; `name` stands for it in errors.
@@ -80,7 +73,7 @@ impl Writer {
             Format::NdJson => Output::Text(text::Text::ndjson(output, columns)),
             Format::Parquet => Output::Parquet(parquet::Groups::new(output, columns).map_err(failed)?),
         };
-        Ok(Writer { name, columns: columns.len(), rows: 0, output, beside: None })
+        Ok(Writer { name, columns: columns.len(), rows: 0, output, file: None })
     }
 
     /// Appends rows, given column by column; NaN is written as missing. Numbers are written with the fewest digits from
@@ -122,33 +115,16 @@ impl Writer {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] where that fails; the file beside is then removed.
+    /// [`Error::File`] where that fails; there is then no file.
     pub fn finish(self) -> Result<(), Error> {
-        let Writer { name, output, beside, .. } = self;
+        let Writer { name, output, file, .. } = self;
         let finished = match output {
             Output::Text(text) => text.finish(),
             Output::Parquet(groups) => groups.finish(),
         };
-        let named = finished.and_then(|()| match beside {
-            Some((beside, real)) => beside.persist(real).map_err(|error| error.error),
-            None => Ok(()),
-        });
+        let named = finished.and_then(|()| file.map_or(Ok(()), Unfinished::finish));
         named.map_err(|source| Error::file(name, "written", source))
     }
-}
-
-/// A hidden file in the same folder, with the permissions of the one it replaces, else those that a new file has.
-fn create_beside(real: &Path) -> std::io::Result<NamedTempFile> {
-    let folder = real.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".").suffix(".part");
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let file = builder.tempfile_in(folder)?;
-    if let Ok(existing) = fs::metadata(real) {
-        file.as_file().set_permissions(existing.permissions())?;
-    }
-    Ok(file)
 }
 
 fn check_names(name: &str, columns: &[&str]) -> Result<(), Error> {

@@ -1,20 +1,25 @@
 use ::parquet::errors::{ParquetError, Result};
 use ::parquet::file::reader::{ChunkReader, Length};
 use bytes::Bytes;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A file that several threads read, each from places of its own. (`File` itself will not do: its clones share one place.)
+/// What can be read from any place: a file, or bytes in memory.
+pub trait Source: Read + Seek + Send {}
+
+impl<T: Read + Seek + Send> Source for T {}
+
+/// A source that several threads read, each from places of its own. (`File` itself will not do: its clones share one place.)
 #[derive(Clone)]
 pub struct Shared {
-    file: Arc<Mutex<File>>,
+    source: Arc<Mutex<dyn Source>>,
     length: u64,
 }
 
 impl Shared {
-    pub fn new(file: File, length: u64) -> Self {
-        Shared { file: Arc::new(Mutex::new(file)), length }
+    pub fn new(mut source: impl Source + 'static) -> io::Result<Self> {
+        let length = source.seek(SeekFrom::End(0))?;
+        Ok(Shared { source: Arc::new(Mutex::new(source)), length })
     }
 }
 
@@ -28,7 +33,7 @@ impl ChunkReader for Shared {
     type T = BufReader<Section>;
 
     fn get_read(&self, start: u64) -> Result<Self::T> {
-        Ok(BufReader::new(Section { file: self.file.clone(), at: start }))
+        Ok(BufReader::new(Section { source: self.source.clone(), at: start }))
     }
 
     fn get_bytes(&self, start: u64, length: usize) -> Result<Bytes> {
@@ -38,22 +43,22 @@ impl ChunkReader for Shared {
             )));
         }
         let mut bytes = Vec::with_capacity(length);
-        Section { file: self.file.clone(), at: start }.take(length as u64).read_to_end(&mut bytes)?;
+        Section { source: self.source.clone(), at: start }.take(length as u64).read_to_end(&mut bytes)?;
         Ok(bytes.into())
     }
 }
 
-/// The file from some place on.
+/// The source from some place on.
 pub struct Section {
-    file: Arc<Mutex<File>>,
+    source: Arc<Mutex<dyn Source>>,
     at: u64,
 }
 
 impl Read for Section {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        file.seek(SeekFrom::Start(self.at))?;
-        let read = file.read(buffer)?;
+        let mut source = self.source.lock().unwrap_or_else(PoisonError::into_inner);
+        source.seek(SeekFrom::Start(self.at))?;
+        let read = source.read(buffer)?;
         self.at += read as u64;
         Ok(read)
     }
