@@ -1,6 +1,7 @@
 //! AC drive: the amplitude of every channel in phase with the drive (NASA, "Errors in Magnetic Axis
 //! Orientation Given Direction Cosines of the Calibration Coils").
 
+use common::number::{significant, uncertain};
 use common::{Axis, Instrument, PhaseResult, Quantity};
 use estimate::sine::{self, Quantiser};
 use estimate::stats;
@@ -65,7 +66,11 @@ pub(crate) fn run(
     if cycles.is_nan() || cycles < LEAST_CYCLES || each_cycle <= 2.0 {
         return Err(common::Error::document(
             format!("{path}.columns.time_s"),
-            format!("{cycles:.2} cycles of {hz} Hz with {each_cycle:.1} samples in each"),
+            format!(
+                "{} cycles of {hz} Hz with {} samples in each",
+                significant(cycles, 3),
+                significant(each_cycle, 3)
+            ),
             "at least one cycle, sampled more than twice in each",
         )
         .into());
@@ -153,11 +158,10 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error
             let (phase, phase_std) = (result.phase_rad.value(), result.phase_rad.std().unwrap_or(0.0));
             if result.p_value * (all.sensors.len() as f64) < PHASE_P {
                 all.findings.push(format!(
-                    "sensor {sensor} answers {:.2e} ± {phase_std:.1e} rad {} the drive at {hz} Hz, as a delay of {:.3} ms would \
-                     make it",
-                    phase.abs(),
+                    "sensor {sensor} answers {} rad {} the drive at {hz} Hz, as a delay of {} ms would make it",
+                    uncertain(phase.abs(), phase_std),
                     if phase < 0.0 { "behind" } else { "ahead of" },
-                    result.delay_s * 1e3
+                    significant(result.delay_s * 1e3, 3)
                 ));
             }
             all.phases.push(result);

@@ -1,5 +1,6 @@
 //! What must be there before readings can be made of a recording, each fault with its own sentence.
 
+use common::number::{counted, significant};
 use common::{Axis, Document, Recording};
 use physics::{Basic, Context, Unit};
 
@@ -46,7 +47,7 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
         if column.iter().all(|reading| reading.is_nan()) {
             return Err(common::Error::document(
                 format!("{path}.columns.{name}"),
-                format!("{} readings, all of them null", column.len()),
+                format!("{}, all of them null", counted(column.len(), "reading")),
                 "at least one reading; take the recording out, or the sensor out of instrument.sensors",
             )
             .into());
@@ -124,7 +125,12 @@ pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> R
             let guess = guess.map_or_else(String::new, |(_, unit)| format!("; they look like {unit}"));
             return Err(common::Error::document(
                 format!("recordings[{index}].columns.{name}"),
-                format!("readings of at most {largest:.3e} nT where the coils make {drive:.3e} nT, a scale of {ratio:.1e}"),
+                format!(
+                    "readings of at most {} nT where the coils make {} nT, a scale of {}",
+                    significant(largest, 4),
+                    significant(drive, 4),
+                    significant(ratio, 2)
+                ),
                 format!(
                     "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or mend the \
                      sensitivity or the coil constants",

@@ -1,6 +1,7 @@
 //! The effects of the document's model: what they add to the readings is taken off before the directions are sought, and what is
 //! uncertain about them is in the uncertainty of the directions.
 
+use common::number::significant;
 use common::{AdoptedEffect, Axis, Document, Quantity, procedure};
 use faer::{Mat, linalg::matmul::matmul};
 use nalgebra::{Matrix3, Vector3};
@@ -169,8 +170,11 @@ fn words(effects: &[EffectInstance], added: &Added) -> Vec<String> {
         }
     }
     let largest = added.largest();
-    let mut words =
-        vec![format!("taken off the readings, at most {largest:.2} nT: {} of the model", names.join(", "))];
+    let mut words = vec![format!(
+        "taken off the readings, at most {} nT: {} of the model",
+        significant(largest, 3),
+        names.join(", ")
+    )];
     let mut told: Vec<(&str, &str)> = Vec::new();
     for LeftOut { recording, who, what } in &added.left_out {
         if !told.contains(&(who, what)) {

@@ -1,5 +1,6 @@
 //! From the recordings of a document to readings in nT.
 
+use common::number::significant;
 use common::{Axis, Document, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
@@ -245,7 +246,8 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
         let field = largest(axis);
         if field > WEAK_NT {
             all.findings.push(format!(
-                "coil {axis} makes at most {field:.1} nT, too little for a direction; its field is taken along its nominal axis"
+                "coil {axis} makes at most {} nT, too little for a direction; its field is taken along its nominal axis",
+                significant(field, 3)
             ));
         }
     }

@@ -4,6 +4,7 @@
 //! prior is held against what the readings alone say of it: its residual over √(1 − h) is a standard normal number
 //! when the statement is true. A constant that is beyond chance is left free, and said.
 
+use common::number::significant;
 use estimate::{Fit, Options as Iteration, Problem, stats};
 
 use crate::unknowns::Unknown;
@@ -51,9 +52,9 @@ pub fn settle(
         }
         freedom.release(*unknown);
         findings.push(format!(
-            "the readings pull {} {:.1} standard uncertainties away from what the document states; it was left free",
+            "the readings pull {} {} standard uncertainties away from what the document states; it was left free",
             name(*unknown),
-            pull.abs()
+            significant(pull.abs(), 3)
         ));
     }
     let problem = AxesProblem::new(observations, &freedom, factor);
@@ -83,7 +84,10 @@ fn orientations(pulls: &[(Unknown, f64)]) -> Option<String> {
     let far = corrections.iter().map(|pull| pull.abs()).fold(0.0, f64::max);
     let p = stats::two_sided_p(far, f64::INFINITY) * corrections.len() as f64;
     (!corrections.is_empty() && p < VIOLATED_P).then(|| {
-        format!("an orientation turns {far:.1} times as far as the theodolites' uncertainty allows; read it again, or state it larger")
+        format!(
+            "an orientation turns {} times as far as the theodolites' uncertainty allows; read it again, or state it larger",
+            significant(far, 3)
+        )
     })
 }
 

@@ -1,6 +1,7 @@
 //! What the recordings cannot show, in words, and which rotation would show it.
 
 use common::Axis;
+use common::number::{counted, fixed};
 use estimate::{Problem, Svd};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents};
@@ -30,11 +31,10 @@ pub fn explain(
             unseen.len()
         ),
     };
-    let orientations = observations.orientations.len();
     let mut text = format!(
-        "the directions are not determined: rank {} of {turns} from {orientations} orientation{}. Unseen: {what}",
+        "the directions are not determined: rank {} of {turns} from {}. Unseen: {what}",
         turns - unseen.len().min(turns),
-        if orientations == 1 { "" } else { "s" }
+        counted(observations.orientations.len(), "orientation")
     );
     if let Some(axis) = common_axis(observations) {
         text.push_str(&format!(
@@ -126,7 +126,7 @@ fn name_axis(axis: &Vector3<f64>) -> String {
         return Axis::ALL[largest].to_string();
     }
     let sign = axis[largest].signum();
-    format!("({:.2}, {:.2}, {:.2})", axis[0] * sign, axis[1] * sign, axis[2] * sign)
+    format!("({})", [0, 1, 2].map(|k| fixed(axis[k] * sign, 2)).join(", "))
 }
 
 /// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out. Of the turns

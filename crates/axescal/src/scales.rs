@@ -3,6 +3,7 @@
 //! μ → s μ, η → η/s leaves every reading as it was, so that one of the six lengths cannot be seen. Five can:
 //! the sensors' among each other, the coils' among each other, and the common product of both.
 
+use common::number::{p_value, signed, significant, uncertain};
 use common::{Axis, Calibration, PerAxis, Quantity, ScaleResult, ScalesResult};
 use estimate::stats;
 use faer::Mat;
@@ -144,8 +145,9 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
     let p = stats::chi_squared_p(chi_squared, freedom);
     if p >= DISAGREES_P {
         return format!(
-            "the readings agree with the sensitivities and coil constants of the calibration (χ² = {chi_squared:.1} of \
-             {freedom}, p = {p:.2})"
+            "the readings agree with the sensitivities and coil constants of the calibration (χ² = {} of {freedom}, {})",
+            significant(chi_squared, 3),
+            p_value(p)
         );
     }
     let mut single: Vec<(f64, String)> = members
@@ -156,7 +158,8 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
             let information = (column.transpose() * &weight * column)[(0, 0)];
             let size = (column.transpose() * &weight * &scales)[(0, 0)] / information;
             let left = chi_squared - size * size * information;
-            (left, format!("{name} by {:+.1} ± {:.1} ppm", size * 1e6, information.sqrt().recip() * 1e6))
+            let ppm = uncertain(size * 1e6, information.sqrt().recip() * 1e6);
+            (left, format!("{name} by {} ppm", signed(&ppm)))
         })
         .collect();
     single.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -171,8 +174,9 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
         several => format!("any one of these explains it: {}", several.join("; ")),
     };
     format!(
-        "the readings disagree with the calibration's sensitivities and coil constants (χ² = {chi_squared:.1} of {freedom}, \
-         p = {p:.1e}); {explained}"
+        "the readings disagree with the calibration's sensitivities and coil constants (χ² = {} of {freedom}, {}); {explained}",
+        significant(chi_squared, 3),
+        p_value(p)
     )
 }
 

@@ -1,6 +1,7 @@
 //! From readings to a solution with its uncertainty.
 
 use common::Document;
+use common::number::{counted, p_value, plural, significant};
 use estimate::influence::{self, Influence};
 use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 use faer::Mat;
@@ -103,8 +104,9 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     if scatter {
         if estimate.degrees_of_freedom < 0.5 {
             return Err(Error::RankShort(format!(
-                "{} readings leave none to judge the noise by; declare it in instrument.noise, or record more orientations",
-                problem.readings()
+                "{} {} none to judge the noise by; declare it in instrument.noise, or record more orientations",
+                counted(problem.readings(), "reading"),
+                plural(problem.readings(), "leaves", "leave")
             )));
         }
         // With priors the fit changes with the noise, and the noise with the fit: a few rounds settle it.
@@ -140,8 +142,8 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         }
         Some((chi_squared, p)) if 1.0 - p < CHI_SQUARED_P && observations.noise == NoiseSource::Declared => {
             findings.push(format!(
-                "the readings scatter only {:.2} times as much as declared; the declared noise may be too large",
-                (chi_squared / estimate.degrees_of_freedom).sqrt()
+                "the readings scatter only {} times as much as declared; the declared noise may be too large",
+                significant((chi_squared / estimate.degrees_of_freedom).sqrt(), 3)
             ));
             source.to_string()
         }
@@ -183,11 +185,13 @@ fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesStat
 
 fn scatters(noise_factor: f64, chi_squared: Option<(f64, f64)>, degrees_of_freedom: f64) -> String {
     let test = chi_squared.map_or_else(String::new, |(chi_squared, p)| {
-        format!(" (χ² = {chi_squared:.1} for {degrees_of_freedom:.0} degrees of freedom, p = {p:.1e})")
+        let freedom = counted(degrees_of_freedom.round() as usize, "degree");
+        format!(" (χ² = {} for {freedom} of freedom, {})", significant(chi_squared, 3), p_value(p))
     });
     format!(
-        "the readings scatter {noise_factor:.2} times as much as declared{test}; the uncertainties are scaled up to it. \
-         --free-scales shows whether a constant is off, --robust what single readings do"
+        "the readings scatter {} times as much as declared{test}; the uncertainties are scaled up to it. \
+         --free-scales shows whether a constant is off, --robust what single readings do",
+        significant(noise_factor, 3)
     )
 }
 
@@ -204,9 +208,10 @@ fn rejected(
         let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
         let noise_nt = noise_factor * readings.iter().map(|r| r.std_nt).sum::<f64>() / readings.len() as f64;
         return Err(Error::RankShort(format!(
-            "{} of {} readings belong to another model than the rest. {}",
+            "{} of {} {} to another model than the rest. {}",
             out.len(),
-            weights.len(),
+            counted(weights.len(), "reading"),
+            plural(out.len(), "belongs", "belong"),
             misfit(observations, residuals_nt, noise_nt, drive)
         )));
     }
@@ -217,9 +222,11 @@ fn rejected(
         orientations.dedup();
         let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
         format!(
-            "{} of {} readings were given no weight, in orientation {}",
+            "{} of {} {} given no weight, in {} {}",
             out.len(),
-            weights.len(),
+            counted(weights.len(), "reading"),
+            plural(out.len(), "was", "were"),
+            plural(list.len(), "orientation", "orientations"),
             list.join(", ")
         )
     }))
@@ -301,8 +308,8 @@ fn check_certainty(
     }
     let explained = rank::explain(problem, freedom, state, &[weakest]);
     Err(Error::RankShort(format!(
-        "{explained} (formally the rank is full, but a direction would be uncertain by {:.1}°)",
-        worst.to_degrees().min(90.0)
+        "{explained} (formally the rank is full, but a direction would be uncertain by {}°)",
+        significant(worst.to_degrees().min(90.0), 2)
     )))
 }
 
@@ -316,11 +323,13 @@ fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, driv
     };
     let worst = (0..observations.orientations.len()).max_by(|a, b| rms(*a).total_cmp(&rms(*b))).unwrap_or(0);
     format!(
-        "the readings do not fit the model: they scatter by {noise_nt:.1} nT where the coils make {drive:.0} nT, most in \
-         orientation {} (\"{}\", {:.1} nT rms). An orientation may be wrong, transposed or at the wrong recording, or a \
+        "the readings do not fit the model: they scatter by {} nT where the coils make {} nT, most in \
+         orientation {} (\"{}\", {} nT rms). An orientation may be wrong, transposed or at the wrong recording, or a \
          constant, a frequency or a column; --robust and --free-scales may show which",
+        significant(noise_nt, 3),
+        significant(drive, 4),
         worst + 1,
         observations.orientations[worst].recordings[0],
-        rms(worst)
+        significant(rms(worst), 3)
     )
 }

@@ -1,7 +1,8 @@
 //! The result in a few lines for people.
 
-use common::number::uncertain;
+use common::number::{counted, figures, p_value, signed, significant, vector};
 use common::{AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
+use physics::frames::ARCSEC;
 use std::fmt::Write;
 
 use crate::Options;
@@ -19,14 +20,14 @@ fn describe(axes: &AxesCalibration) -> String {
     if let Some(fit) = &axes.fit {
         let _ = writeln!(
             text,
-            "axescal: {} readings in {} orientations, {}; rank {} of {}, rms {:.3} nT, noise {:.3} nT ({})",
-            fit.readings,
-            axes.orientations.len(),
+            "axescal: {} in {}, {}; rank {} of {}, rms {} nT, noise {} nT ({})",
+            counted(fit.readings, "reading"),
+            counted(axes.orientations.len(), "orientation"),
             fit.method,
             fit.rank,
             fit.unknowns,
-            fit.rms_nt,
-            fit.noise_nt,
+            significant(fit.rms_nt, 4),
+            significant(fit.noise_nt, 4),
             fit.noise_source
         );
     }
@@ -34,7 +35,9 @@ fn describe(axes: &AxesCalibration) -> String {
         let each: Vec<String> = fit
             .iterations
             .iter()
-            .map(|step| format!("{:.3} nT, turned {:.4}\"", step.rms_nt, step.turn_arcsec))
+            .map(|step| {
+                format!("{} nT, turned {}\"", significant(step.rms_nt, 4), significant(step.turn_arcsec, 2))
+            })
             .collect();
         let _ = writeln!(text, "  steps (rms before each): {}", each.join("; "));
     }
@@ -48,27 +51,30 @@ fn describe(axes: &AxesCalibration) -> String {
     if let Some(pair) = &axes.pair {
         let _ = writeln!(
             text,
-            "  without unit lengths: rank {} of 6, sensor {:.2}\" and coil {:.2}\" from the above, misfit {:.3} nT",
+            "  without unit lengths: rank {} of 6, sensor {}\" and coil {}\" from the above, misfit {} nT",
             pair.unconstrained_rank,
-            pair.sensor_difference_arcsec,
-            pair.coil_difference_arcsec,
-            pair.incompatibility_rms_nt
+            significant(pair.sensor_difference_arcsec, 3),
+            significant(pair.coil_difference_arcsec, 3),
+            significant(pair.incompatibility_rms_nt, 3)
         );
     }
     for phase in &axes.phases {
         let _ = writeln!(
             text,
-            "  phase of sensor {} at {} Hz: {}",
+            "  phase of sensor {} at {} Hz: {:+} rad",
             phase.sensor,
-            phase.drive_hz,
-            scientific(&phase.phase_rad, "rad")
+            significant(phase.drive_hz, 6),
+            phase.phase_rad
         );
     }
     for assumption in &axes.assumptions {
         let bound = match (assumption.arcsec_per_nt, assumption.arcsec_per_arcsec) {
-            (Some(nt), _) => format!("; each nT of it turns a direction by up to {nt:.2}\""),
+            (Some(nt), _) => {
+                format!("; each nT of it turns a direction by up to {}\"", significant(nt, 3))
+            }
             (_, Some(arcsec)) => {
-                format!("; theodolites of 1\" would make a direction uncertain by up to {arcsec:.2}\"")
+                let arcsec = significant(arcsec, 3);
+                format!("; theodolites of 1\" would make a direction uncertain by up to {arcsec}\"")
             }
             _ => String::new(),
         };
@@ -77,16 +83,16 @@ fn describe(axes: &AxesCalibration) -> String {
     for doubt in &axes.doubtful {
         let _ = writeln!(
             text,
-            "  doubtful: orientation {} (\"{}\", row {}), coil {}, sensor {}: {:+.3} nT from what the others predict \
-             (t = {:.1}, adjusted p = {:.1e})",
+            "  doubtful: orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from what the others predict \
+             (t = {}, adjusted {})",
             doubt.orientation,
             doubt.recording,
             doubt.row,
             doubt.coil,
             doubt.sensor,
-            doubt.leave_one_out_nt,
-            doubt.t,
-            doubt.p_adjusted
+            signed(&significant(doubt.leave_one_out_nt, 4)),
+            significant(doubt.t, 3),
+            p_value(doubt.p_adjusted)
         );
     }
     for finding in &axes.findings {
@@ -105,30 +111,20 @@ fn directions(text: &mut String, kind: &str, frame: &str, part: Option<&AxesDire
             (None, Some(directions)) => directions.get(axis).copied(),
             (None, None) => None,
         };
-        let Some([a, b, c]) = column else { continue };
-        let std = part.std_arcsec.as_ref().and_then(|std| std.get(axis)).unwrap_or(0.0);
-        let _ = writeln!(text, "  {kind} {axis} in {frame}: ({a:+.7}, {b:+.7}, {c:+.7}) ± {std:.2}\"");
+        let Some(column) = column else { continue };
+        let std = part.std_arcsec.as_ref().and_then(|std| std.get(axis));
+        let direction = vector(column, std.unwrap_or(0.0) * ARCSEC);
+        let std = std.map_or(String::new(), |std| format!(" ± {}\"", figures(std, 2)));
+        let _ = writeln!(text, "  {kind} {axis} in {frame}: {direction}{std}");
     }
     if let Some(angles) = &part.non_orthogonality_arcsec {
-        let each: Vec<String> = angles
-            .iter()
-            .map(|(pair, angle)| {
-                format!("{pair} {:+.2}\" ± {:.2}\"", angle.value(), angle.std().unwrap_or(0.0))
-            })
-            .collect();
+        let each: Vec<String> = angles.iter().map(|(pair, angle)| format!("{pair} {angle:+}\"")).collect();
         let _ = writeln!(text, "  {kind}s off orthogonal: {}", each.join(", "));
     }
 }
 
 fn constants(text: &mut String, name: &str, values: Option<&PerAxis<Quantity>>) {
     let Some(values) = values else { return };
-    let each: Vec<String> = values
-        .iter()
-        .map(|(axis, value)| format!("{axis} {:+.3} ± {:.3}", value.value(), value.std().unwrap_or(0.0)))
-        .collect();
+    let each: Vec<String> = values.iter().map(|(axis, value)| format!("{axis} {value:+}")).collect();
     let _ = writeln!(text, "  {name}: {} nT", each.join(", "));
-}
-
-fn scientific(quantity: &Quantity, unit: &str) -> String {
-    format!("{} {unit}", uncertain(quantity.value(), quantity.std().unwrap_or(0.0)))
 }

@@ -1,6 +1,6 @@
 //! k and B0 of one coil.
 
-use common::number::uncertain;
+use common::number::p_value;
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
 use estimate::linear::LinearFit;
 use estimate::stats;
@@ -264,16 +264,13 @@ fn residuals(
 fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
     let mut findings = Vec::new();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
-        let size: Vec<String> = departure
-            .parameter
-            .iter()
-            .map(|(key, value)| format!("{key} = {}", uncertain(value.value(), value.std().unwrap_or(0.0))))
-            .collect();
+        let size: Vec<String> =
+            departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         findings.push(format!(
-            "not a straight line: {} (alone {}, adjusted p = {:.1e}); it is fitted beside constant and offset",
+            "not a straight line: {} (alone {}, adjusted {}); it is fitted beside constant and offset",
             departure.departure,
             size.join(", "),
-            departure.p_adjusted
+            p_value(departure.p_adjusted)
         ));
     }
     if !fit.rivals.is_empty() {
@@ -283,14 +280,14 @@ fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
         ));
     }
     if let Some(lack) = fit.lack_of_fit.filter(|lack| lack.p_value < TOLD_BELOW) {
-        let p = lack.p_value;
         let left = if kinds.is_empty() {
             "nothing that was looked for explains it"
         } else {
             "what was fitted does not explain all"
         };
         findings.push(format!(
-            "the levels scatter more than their repeats (lack of fit p = {p:.1e}) and {left}; uncertainties rest on the levels"
+            "the levels scatter more than their repeats (lack of fit {}) and {left}; uncertainties rest on the levels",
+            p_value(lack.p_value)
         ));
     }
     let signs = [1.0, -1.0].map(|sign| coil.readings.iter().any(|reading| reading.current_a * sign > 0.0));

@@ -1,5 +1,6 @@
 //! The field of a coil along its axis (NASA, "Minimize Calibration Coil Gradients").
 
+use common::number::counted;
 use common::{
     Axis, CoilSurvey, Document, Error as Fault, GradientCoil, OffCentre, Quantity, Recording, SurveyPlaces,
     procedure,
@@ -62,9 +63,9 @@ fn survey(
         POWERS.iter().take(places.len().saturating_sub(1).min(POWERS.len())).copied().collect::<Vec<_>>();
     if places.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "recording \"{}\": {} places along coil {coil}; a gradient needs at least three, on both sides of the centre",
+            "recording \"{}\": {} along coil {coil}; a gradient needs at least three, on both sides of the centre",
             recording.id,
-            places.len()
+            counted(places.len(), "place")
         )));
     }
     let fit = fit(&at, &field, &powers)?;

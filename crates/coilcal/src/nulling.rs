@@ -1,5 +1,6 @@
 //! What the nulling leaves, by site condition (NASA, "Test Earth Field Nulling System").
 
+use common::number::counted;
 use common::{
     Axis, Document, Error as Fault, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity,
     Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
@@ -118,7 +119,7 @@ fn field(
         }
     };
     let filled = series::filled(column).map_err(|missing| {
-        let found = format!("{missing} of {} readings missing", column.len());
+        let found = format!("{missing} of {} missing", counted(column.len(), "reading"));
         let expected = "at most one in a hundred; a spectrum needs an even series";
         Fault::document(format!("{path}.sensor_{axis}"), found, expected)
     })?;

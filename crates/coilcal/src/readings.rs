@@ -1,5 +1,6 @@
 //! The readings of one coil, with what is wrong told by row.
 
+use common::number::plural;
 use common::{Axis, Document, Error, Recording, procedure};
 
 /// Range of a proton magnetometer where the facility states none, nT (NASA).
@@ -122,7 +123,10 @@ pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), E
     let more = if rows.len() > 10 { format!(" and {} more", rows.len() - 10) } else { String::new() };
     Err(Error::document(
         column,
-        format!("fields outside the scalar magnetometer's range in rows {shown}{more}"),
+        format!(
+            "fields outside the scalar magnetometer's range in {} {shown}{more}",
+            plural(rows.len(), "row", "rows")
+        ),
         format!("{low} to {high} nT; take the rows out, or state `facility.reference_range_nt`"),
     ))
 }

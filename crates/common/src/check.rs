@@ -3,7 +3,7 @@
 
 use std::collections::HashSet;
 
-use crate::number::counted;
+use crate::number::{bare, counted};
 use crate::{AxesDirections, Axis, Calibration, Error, Quantity};
 
 /// What the length of a direction may differ from one: published matrices have four digits.
@@ -76,7 +76,7 @@ fn length(path: &str, direction: [f64; 3], what: &str) -> Result<(), Error> {
         return Ok(());
     }
     let expected = "unit vectors (rows and columns may be mixed up, or sensitivities multiplied in)";
-    Err(Error::document(path, format!("{what} of length {length:.6}"), expected))
+    Err(Error::document(path, format!("{what} of length {}", bare(length)), expected))
 }
 
 /// `matrix[row][column]`.
@@ -177,7 +177,7 @@ mod tests {
     fn directions_have_length_one() {
         let said = refused(r#"{"axes": {"sensors": {"matrix": [[1.01, 0, 0], [0, 1, 0], [0, 0, 1]]}}}"#);
         assert!(
-            said.starts_with("calibration.axes.sensors.matrix: found a column of length 1.010000;"),
+            said.starts_with("calibration.axes.sensors.matrix: found a column of length 1.01;"),
             "{said}"
         );
         let said = refused(r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#);

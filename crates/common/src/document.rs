@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::HashMap;
 
+use crate::number::counted;
 use crate::{
     Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, all_finite,
     check, to_line, to_text,
@@ -114,7 +115,7 @@ impl Document {
                 if column.0.len() != rows {
                     return Err(Error::document(
                         format!("{path}.columns.{name}"),
-                        format!("{} rows where another column has {rows}", column.0.len()),
+                        format!("{} where another column has {rows}", counted(column.0.len(), "row")),
                         "columns of one length; write null for a missing reading",
                     ));
                 }

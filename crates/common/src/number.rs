@@ -1,5 +1,6 @@
-//! Numbers as people read them: a value and its uncertainty end at the same decimal, the uncertainty has two digits, and powers of
-//! ten are written only where plain digits would be too many.
+//! Numbers as people read them, in words, tables and messages alike: a value and its uncertainty end at the same decimal, the
+//! uncertainty has two digits, a minus is `−`, and powers of ten are written, as `5.2·10⁻¹⁵`, only below 0.0001 and from ten
+//! million on. What machines read, and what a message quotes of a file, stays as it is.
 
 /// A number without an uncertainty, to six significant digits.
 pub fn bare(value: f64) -> String {
@@ -43,7 +44,7 @@ pub fn uncertain(value: f64, std: f64) -> String {
         return format!("{} ± 0", bare(value));
     }
     let power = exponent(value.abs().max(std), 2);
-    let decimals = 1 - exponent(std, 2);
+    let decimals = decimals(std);
     if (-4..7).contains(&power) {
         return format!("{} ± {}", fixed(value, decimals), fixed(std, decimals));
     }
@@ -52,18 +53,63 @@ pub fn uncertain(value: f64, std: f64) -> String {
     format!("({value} ± {std}){}", times_ten_to(power))
 }
 
-/// A probability to two figures.
-pub fn probability(p: f64) -> String {
-    if p == 0.0 { "below 10⁻³⁰⁰".into() } else { significant(p, 2) }
+/// Such a number with its sign also where it is above zero, as offsets and changes have it: `+0.31 ± 0.03`.
+pub fn signed(text: &str) -> String {
+    let (open, number) = text.split_at(usize::from(text.starts_with('(')));
+    let value = number.split(' ').next().unwrap_or_default();
+    let above_zero =
+        number.starts_with(|c: char| c.is_ascii_digit()) && value.contains(|c| ('1'..='9').contains(&c));
+    format!("{open}{}{number}", if above_zero { "+" } else { "" })
 }
+
+/// The components of a vector, signed, to the decimal of the uncertainty that they share: `(+0.99975, −0.01000, +0.02001)`.
+pub fn vector(components: [f64; 3], std: f64) -> String {
+    format!("({})", components.map(|one| signed(&as_known(one, std))).join(", "))
+}
+
+/// A value alone, to the decimal of its uncertainty, where that is written elsewhere or in another unit.
+pub fn as_known(value: f64, std: f64) -> String {
+    if std.is_finite() && std > 0.0 { fixed(value, decimals(std)) } else { bare(value) }
+}
+
+/// A probability to two figures; tests that say less than 10⁻³⁰⁰ cannot tell how much less.
+pub fn probability(p: f64) -> String {
+    if p < LEAST_PROBABILITY { "below 10⁻³⁰⁰".into() } else { significant(p, 2) }
+}
+
+/// The same as the outcome of a test: `p = 0.024`, `p < 10⁻³⁰⁰`.
+pub fn p_value(p: f64) -> String {
+    if p < LEAST_PROBABILITY { "p < 10⁻³⁰⁰".into() } else { format!("p = {}", probability(p)) }
+}
+
+/// A time in the unit that suits it: `90 s`, `59 min`, `5.25 h`, `365 days`.
+pub fn duration(seconds: f64) -> String {
+    let (unit, name) = match seconds.abs() {
+        s if s < 120.0 => (1.0, "s"),
+        s if s < 7_200.0 => (60.0, "min"),
+        s if s < 172_800.0 => (3_600.0, "h"),
+        _ => (86_400.0, "days"),
+    };
+    format!("{} {name}", significant(seconds / unit, 4))
+}
+
+const LEAST_PROBABILITY: f64 = 1e-300;
 
 /// `1 reading`, `2 readings`.
 pub fn counted(count: usize, of: &str) -> String {
-    if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
+    format!("{count} {of}{}", if count == 1 { "" } else { "s" })
+}
+
+/// The first form for one, the second for any other number: where `s` is not the plural, and for the verb.
+pub fn plural<'a>(count: usize, one: &'a str, more: &'a str) -> &'a str {
+    if count == 1 { one } else { more }
 }
 
 /// A number to so many decimals; below zero they count tens, hundreds, ….
 pub fn fixed(value: f64, decimals: i32) -> String {
+    if !value.is_finite() {
+        return missing(value).into();
+    }
     let text = if decimals >= 0 {
         format!("{value:.*}", decimals as usize)
     } else {
@@ -75,6 +121,16 @@ pub fn fixed(value: f64, decimals: i32) -> String {
         Some(size) => format!("−{size}"),
         None => text,
     }
+}
+
+/// The decimals to which an uncertainty has two digits; below zero they count tens, hundreds, ….
+fn decimals(std: f64) -> i32 {
+    1 - exponent(std, 2)
+}
+
+/// A number as a file has it, for messages that quote it: `-1e31`.
+pub fn quoted(value: f64) -> String {
+    serde_json::Value::from(value).to_string()
 }
 
 /// The power of ten of a number that is rounded to so many significant digits.
@@ -118,11 +174,51 @@ mod tests {
     }
 
     #[test]
+    fn signs_are_written_where_they_matter() {
+        let with_sign = |value, std| signed(&uncertain(value, std));
+        assert_eq!(with_sign(0.30851, 0.00432), "+0.3085 ± 0.0043");
+        assert_eq!(with_sign(-0.30851, 0.00432), "−0.3085 ± 0.0043");
+        assert_eq!(with_sign(0.0004, 0.0996), "0.00 ± 0.10");
+        assert_eq!(with_sign(1.84655e-7, 1.1328e-7), "(+1.8 ± 1.1)·10⁻⁷");
+        assert_eq!(with_sign(-1.84655e-7, 1.1328e-7), "(−1.8 ± 1.1)·10⁻⁷");
+        assert_eq!(with_sign(f64::NAN, 1.0), "missing");
+        assert_eq!((signed(&bare(2.5)), signed(&bare(0.0))), ("+2.5".into(), "0".into()));
+    }
+
+    #[test]
+    fn the_components_of_a_vector_share_their_decimals() {
+        let arcsec = 1f64.to_radians() / 3600.0;
+        let direction = [0.99974982, -0.01000172, 0.0];
+        assert_eq!(vector(direction, 1.3 * arcsec), "(+0.9997498, −0.0100017, 0.0000000)");
+        assert_eq!(vector(direction, 20.0 * arcsec), "(+0.999750, −0.010002, 0.000000)");
+        assert_eq!(as_known(89.9912345, 0.43 * arcsec.to_degrees()), "89.99123");
+        assert_eq!(vector([1.0, 0.0, -0.5], 0.0), "(+1, 0, −0.5)");
+        assert_eq!(vector([12345.0, 0.0, f64::NAN], 1234.0), "(+12300, 0, missing)");
+    }
+
+    #[test]
+    fn times_have_the_unit_that_suits_them() {
+        let all = [0.0, 0.02, 119.9, 3540.0, 18_900.0, 31_536_000.0, -90.0].map(duration);
+        assert_eq!(all, ["0 s", "0.02 s", "119.9 s", "59 min", "5.25 h", "365 days", "−90 s"]);
+    }
+
+    #[test]
+    fn plurals() {
+        assert_eq!([0, 1, 2].map(|count| counted(count, "row")), ["0 rows", "1 row", "2 rows"]);
+        assert_eq!([0, 1, 2].map(|count| plural(count, "agrees", "agree")), ["agree", "agrees", "agree"]);
+    }
+
+    #[test]
     fn what_is_missing_is_said() {
         assert_eq!(uncertain(f64::NAN, 1.0), "missing");
         assert_eq!(uncertain(2.5, f64::INFINITY), "2.5, uncertainty not finite");
         assert_eq!(uncertain(2.5, 0.0), "2.5 ± 0");
         assert_eq!(bare(f64::NEG_INFINITY), "not finite");
+    }
+
+    #[test]
+    fn what_is_quoted_stays_as_it_is() {
+        assert_eq!((quoted(-1e31), quoted(-300.5)), ("-1e31".into(), "-300.5".into()));
     }
 
     #[test]
@@ -135,7 +231,12 @@ mod tests {
         assert_eq!((figures(3.04e-9, 2), figures(1234.5, 2)), ("3.0·10⁻⁹".into(), "1200".into()));
         assert_eq!(bare(2.5e-9), "2.5·10⁻⁹");
         assert_eq!(bare(12345678.0), "1.23457·10⁷");
-        assert_eq!(probability(0.02449), "0.024");
-        assert_eq!(probability(2.94e-106), "2.9·10⁻¹⁰⁶");
+    }
+
+    #[test]
+    fn probabilities() {
+        assert_eq!((probability(0.02449), p_value(0.02449)), ("0.024".into(), "p = 0.024".into()));
+        assert_eq!((probability(2.94e-106), p_value(1.0)), ("2.9·10⁻¹⁰⁶".into(), "p = 1".into()));
+        assert_eq!((probability(0.0), p_value(1e-301)), ("below 10⁻³⁰⁰".into(), "p < 10⁻³⁰⁰".into()));
     }
 }

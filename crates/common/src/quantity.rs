@@ -1,8 +1,9 @@
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
+use std::fmt;
 
-use crate::{Axis, Extra, PerAxis};
+use crate::{Axis, Extra, PerAxis, number};
 
 /// A 3×3 matrix as JSON writes it: a list of rows.
 pub type Matrix3x3 = [[f64; 3]; 3];
@@ -61,6 +62,17 @@ impl Quantity {
     }
 }
 
+/// As people read it: `0.3085 ± 0.0043`, with `{:+}` `+0.3085 ± 0.0043`; without an uncertainty, or with one of zero, the value alone.
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self.std() {
+            None | Some(0.0) => number::bare(self.value()),
+            Some(std) => number::uncertain(self.value(), std),
+        };
+        f.write_str(&if f.sign_plus() { number::signed(&text) } else { text })
+    }
+}
+
 /// One number for all three axes, or one for each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -89,5 +101,23 @@ pub(crate) fn not_negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result
             Err(de::Error::invalid_value(de::Unexpected::Float(value), &"a number that is not negative"))
         }
         value => Ok(value),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Quantity;
+
+    #[test]
+    fn as_people_read_them() {
+        let stated = Quantity::new(0.30851, 0.00432);
+        assert_eq!(
+            (stated.to_string(), format!("{stated:+}")),
+            ("0.3085 ± 0.0043".into(), "+0.3085 ± 0.0043".into())
+        );
+        assert_eq!(
+            (Quantity::Bare(-2.5).to_string(), Quantity::new(2.5, 0.0).to_string()),
+            ("−2.5".into(), "2.5".into())
+        );
     }
 }

@@ -1,6 +1,7 @@
 //! What no instrument reads: fill values and faults that would otherwise be taken for readings.
 
 use crate::Error;
+use crate::number::{bare, quoted};
 
 /// The unit at the end of a column's name, with the lowest and the highest value that a reading in it may have. The strongest
 /// steady magnets make 45 T; a magnetometer of 1 T has little to do with the field of the Earth.
@@ -33,9 +34,11 @@ pub fn rows<'a>(
         if let Some(row) = first_beyond(column, values) {
             let [low, high] = bounds(column);
             return Err(Error::Request(format!(
-                "{table}, row {}, column {column}: found {:e}; expected a reading between {low} and {high}; leave a missing one empty",
+                "{table}, row {}, column {column}: found {}; expected a reading between {} and {}; leave a missing one empty",
                 first_row + row as u64 + 1,
-                values[row]
+                quoted(values[row]),
+                bare(low),
+                bare(high)
             )));
         }
     }

@@ -4,6 +4,7 @@ use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
 use std::fmt;
 
+use crate::number::{bare, quoted};
 use crate::time::Start;
 use crate::{Axis, Error, Extra, Matrix3x3, NoiseOfSensors, range};
 
@@ -110,8 +111,12 @@ impl Recording {
                 let [low, high] = range::bounds(name);
                 return Err(Error::document(
                     format!("{path}.columns.{name}[{row}]"),
-                    format!("{:e} in recording \"{}\"", column.0[row], self.id),
-                    format!("a reading between {low} and {high}; write null for a missing reading"),
+                    format!("{} in recording \"{}\"", quoted(column.0[row]), self.id),
+                    format!(
+                        "a reading between {} and {}; write null for a missing reading",
+                        bare(low),
+                        bare(high)
+                    ),
                 ));
             }
         }

@@ -1,6 +1,6 @@
 //! What people are told.
 
-use common::number::counted;
+use common::number::{counted, figures, plural};
 use common::{Axis, Document, Recording};
 
 use crate::flags::MEANINGS;
@@ -54,12 +54,8 @@ impl Tally {
             .iter()
             .zip(&self.std_nt)
             .filter_map(|(axis, span)| {
-                let [low, high] = (*span)?;
-                Some(if high > 1.01 * low {
-                    format!("{axis} {low:.3} to {high:.3}")
-                } else {
-                    format!("{axis} {high:.3}")
-                })
+                let [low, high] = (*span)?.map(|std| figures(std, 2));
+                Some(if low == high { format!("{axis} {high}") } else { format!("{axis} {low} to {high}") })
             })
             .collect();
         if !spans.is_empty() {
@@ -87,8 +83,7 @@ pub fn summary(document: &Document, frame: Frame) -> String {
         let flags: Vec<u32> = column(6).iter().map(|flags| *flags as u32).collect();
         tally.count(&flags, &[column(3), column(4), column(5)]);
     }
-    let plural = if corrected.len() == 1 { "" } else { "s" };
-    let head = format!("correct: {} recording{plural}, ", corrected.len());
+    let head = format!("correct: {}, ", counted(corrected.len(), "recording"));
     text(&head, &tally, frame, notes(document, frame, corrected.iter().copied()))
 }
 
@@ -103,7 +98,8 @@ fn text(head: &str, tally: &Tally, frame: Frame, notes: Vec<String>) -> String {
         Frame::Sen => "SEN",
         Frame::Geo => "GEO",
     };
-    let mut lines = vec![format!("{head}{} of {} rows have a field in {frame}", tally.found, tally.rows)];
+    let (rows, have) = (counted(tally.rows as usize, "row"), plural(tally.found as usize, "has", "have"));
+    let mut lines = vec![format!("{head}{} of {rows} {have} a field in {frame}", tally.found)];
     lines.extend(tally.lines().into_iter().chain(notes).map(|line| format!("  {line}")));
     lines.join("\n")
 }

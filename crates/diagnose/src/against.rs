@@ -1,6 +1,7 @@
 //! A simulation made elsewhere in the place of the prediction.
 
 use common::Document;
+use common::number::counted;
 
 use crate::Error;
 use crate::model::Model;
@@ -42,8 +43,8 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
             return Err(common::Error::document(
                 format!("{}.columns.{}", run.path, channel.column),
                 format!(
-                    "{} rows where the simulation of \"{id}\" has {}",
-                    run.recording.rows(),
+                    "{} where the simulation of \"{id}\" has {}",
+                    counted(run.recording.rows(), "row"),
                     values.len()
                 ),
                 "the same rows in both, at the same times",

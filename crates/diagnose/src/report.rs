@@ -8,6 +8,7 @@ mod places;
 mod residuals;
 mod series;
 
+use common::number::{bare, p_value, probability, significant};
 use common::{Diagnosis, Remaining, Share, Verdict};
 
 use crate::candidates::{What, named};
@@ -65,18 +66,20 @@ pub fn report(
         _ => None,
     };
     let first = outcome.first.rest.omnibus();
-    let in_words = |p: Option<f64>| p.map_or("not declared".to_string(), |p| format!("p = {p:.2e}"));
+    let in_words = |p: Option<f64>| p.map_or("not declared".to_string(), p_value);
     let mut reasons = vec![
         format!(
-            "sum of squares over degrees of freedom {:.3} with the calibration fitted again ({}), {:.3} with what was found ({})",
-            outcome.first.rest.sum_of_squares / outcome.first.rest.freedom,
+            "sum of squares over degrees of freedom {} with the calibration fitted again ({}), {} with what was found ({})",
+            significant(outcome.first.rest.sum_of_squares / outcome.first.rest.freedom, 4),
             in_words(first),
-            rest.sum_of_squares / rest.freedom,
+            significant(rest.sum_of_squares / rest.freedom, 4),
             in_words(omnibus)
         ),
         format!(
-            "most striking structure by chance: {:.2e} before, {:.2e} after, level {}",
-            outcome.first.least_p, outcome.last.least_p, options.level
+            "most striking structure by chance: {} before, {} after, level {}",
+            probability(outcome.first.least_p),
+            probability(outcome.last.least_p),
+            bare(options.level)
         ),
     ];
     if left {

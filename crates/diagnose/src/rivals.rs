@@ -1,5 +1,6 @@
 //! Which of several answers: the best, those that fit as well, and those that lost.
 
+use common::number::{counted, significant};
 use estimate::screen::Screen;
 use estimate::stats::chi_squared_quantile;
 use physics::{EffectInstance, Kind};
@@ -137,8 +138,11 @@ pub fn rivals(
         let behind = other.criterion() - best.criterion();
         if behind > odds {
             let odds = (behind / 2.0).exp();
-            let odds =
-                if odds < 1e300 { format!("odds of {odds:.1e}") } else { "odds beyond all counting".into() };
+            let odds = if odds < 1e300 {
+                format!("odds of {}", significant(odds, 2))
+            } else {
+                "odds beyond all counting".into()
+            };
             lost.push((name, format!("it fits worse: {odds} against it")));
             continue;
         }
@@ -146,7 +150,8 @@ pub fn rivals(
         let better = best.deviance - other.deviance;
         let needless = more > 0.0 && better < chi_squared_quantile(1.0 - NEEDED, more);
         if needless && follows_the_same(other, best) && holds(fitter, other, best)? {
-            lost.push((name, format!("it says the same with {more:.0} more unknowns that nothing asks for")));
+            let more = counted(more.round() as usize, "more unknown");
+            lost.push((name, format!("it says the same with {more} that nothing asks for")));
             continue;
         }
         equal.push(name);

@@ -1,6 +1,7 @@
 //! The result in a few lines for people.
 
-use common::{Diagnosis, Document, Quantity};
+use common::number::{p_value, signed, significant};
+use common::{Diagnosis, Document};
 use std::fmt::Write;
 
 /// Most parameters of an effect that are said.
@@ -21,12 +22,12 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(fit) = &entry.fit {
         let _ = writeln!(
             text,
-            "  rms {:.4} nT as it came, {:.4} with the calibration fitted again, {:.4} with what was found; left out {:.4}, noise {:.4} ({})",
-            fit.rms_before_nt,
-            fit.rms_refitted_nt,
-            fit.rms_after_nt,
-            fit.held_out_after_nt,
-            fit.noise_floor_nt,
+            "  rms {} nT as it came, {} with the calibration fitted again, {} with what was found; left out {}, noise {} ({})",
+            significant(fit.rms_before_nt, 4),
+            significant(fit.rms_refitted_nt, 4),
+            significant(fit.rms_after_nt, 4),
+            significant(fit.held_out_after_nt, 4),
+            significant(fit.noise_floor_nt, 4),
             fit.noise_source
         );
     }
@@ -35,12 +36,12 @@ fn one(text: &mut String, entry: &Diagnosis) {
         let target =
             target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
         let _ =
-            writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, chance(effect.p_adjusted));
+            writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, p_value(effect.p_adjusted));
         let parameters: Vec<String> = effect
             .parameters
             .iter()
             .take(PARAMETERS)
-            .map(|(name, value)| format!("{name} = {}", plus_minus(value)))
+            .map(|(name, value)| format!("{name} = {value}"))
             .collect();
         let more = effect.parameters.len() - parameters.len();
         let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
@@ -56,11 +57,11 @@ fn one(text: &mut String, entry: &Diagnosis) {
     for share in entry.places.iter().flat_map(|share| &share.readings) {
         let _ = writeln!(
             text,
-            "  reading {} of {} in \"{}\" is off by {:.4} nT",
+            "  reading {} of {} in \"{}\" is off by {} nT",
             share.row,
             share.column,
             share.recording,
-            share.departure_nt.value()
+            signed(&significant(share.departure_nt.value(), 4))
         );
     }
     if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
@@ -73,18 +74,4 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(next) = &entry.next_experiment {
         let _ = writeln!(text, "  next: {next}");
     }
-}
-
-/// A probability by chance; what is too small for a number is said to be.
-pub fn chance(p: f64) -> String {
-    if p < 1e-300 { "p < 1e-300".into() } else { format!("p = {p:.1e}") }
-}
-
-/// Value and standard uncertainty, to two digits of the uncertainty.
-fn plus_minus(quantity: &Quantity) -> String {
-    let Some(std) = quantity.std().filter(|std| *std > 0.0 && std.is_finite()) else {
-        return format!("{:.5}", quantity.value());
-    };
-    let digits = (1.0 - std.log10().floor()).clamp(0.0, 15.0) as usize;
-    format!("{:.digits$} ± {std:.digits$}", quantity.value())
 }

@@ -1,5 +1,6 @@
 //! The instruments' readings on one even grid of times, with what is wrong told by its place.
 
+use common::number::{counted, duration};
 use common::time::Start;
 use common::{Axis, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
@@ -186,7 +187,7 @@ fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, E
     recording.at_hand(path)?;
     let rows = recording.rows();
     if rows < LEAST {
-        let found = format!("{rows} rows");
+        let found = counted(rows, "row");
         let expected = "at least five: a regression has four unknowns for each axis";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
@@ -227,11 +228,11 @@ fn order(instrument: &mut Instrument) -> Result<(), Error> {
     for pair in instrument.pieces.windows(2) {
         if pair[1].start_s <= pair[0].end_s() {
             let found = format!(
-                "readings of the {} instrument from {} s on, where {} goes on to {} s",
+                "readings of the {} instrument from {} on, where {} goes on to {}",
                 instrument.name,
-                pair[1].start_s,
+                duration(pair[1].start_s),
                 pair[0].path,
-                pair[0].end_s()
+                duration(pair[0].end_s())
             );
             let expected =
                 "pieces of one instrument that follow each other; take out what was recorded twice";
@@ -246,11 +247,11 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     let path = test.pieces[0].path.clone();
     let Some(grid) = Grid::of(&reference, &test) else {
         let found = format!(
-            "readings of the test instrument from {} to {} s, of the reference from {} to {} s",
-            test.start_s(),
-            test.end_s(),
-            reference.start_s(),
-            reference.end_s()
+            "readings of the test instrument from {} to {}, of the reference from {} to {}",
+            duration(test.start_s()),
+            duration(test.end_s()),
+            duration(reference.start_s()),
+            duration(reference.end_s())
         );
         let expected = "recordings that overlap in time; look at `start` and at the clocks";
         return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
@@ -272,7 +273,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         .collect();
     let together = whole.iter().filter(|whole| **whole).count();
     if together < LEAST {
-        let found = format!("{together} rows in which both instruments read");
+        let found = format!("{} in which both instruments read", counted(together, "row"));
         let expected = "at least five: do the two recordings overlap in time?";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }

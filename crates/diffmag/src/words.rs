@@ -1,8 +1,11 @@
 //! The result in a few lines for people.
 
+use common::number::{
+    as_known, bare, counted, duration, figures, p_value, plural, signed, significant, uncertain,
+};
 use common::{
     Axis, DifferentialFit, Document, Drift, DriftForm, EventInstrument, EventKind, FourteenParameters,
-    KeptOut, Magnetometer, OneMatrix, Quantity,
+    KeptOut, Magnetometer, OneMatrix,
 };
 use std::fmt::Write;
 
@@ -30,16 +33,17 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
         findings.push(format!(
-            "the errors have memory: intervals as if the samples were independent would be up to {ratio:.1} times too narrow"
+            "the errors have memory: intervals as if the samples were independent would be up to {} times too narrow",
+            significant(ratio, 2)
         ));
     }
     for (axis, of) in fit.axes.iter() {
         if of.goodness_p < UNLIKE_BELOW {
             findings.push(format!(
-                "axis {axis}: the difference is not A/f^α and white noise (p = {:.1e}); something else is in it. `weighted_std` takes \
-                 that form as true; by what is left itself it would be up to {:.1} times as wide",
-                of.goodness_p,
-                wider[axis.index()]
+                "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. `weighted_std` takes \
+                 that form as true; by what is left itself it would be up to {} times as wide",
+                p_value(of.goodness_p),
+                significant(wider[axis.index()], 2)
             ));
         }
         if let Some(highest) = of.weighted_up_to_hz {
@@ -55,10 +59,10 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
         let mend =
             if clock.corrected { "corrected for" } else { "the matrix suffers; ask for --correct-clock" };
         if late < told_below {
-            findings.push(format!("the clocks differ (p = {late:.1e}): {mend}"));
+            findings.push(format!("the clocks differ ({}): {mend}", p_value(late)));
         }
         if fast < told_below {
-            findings.push(format!("the clocks run at different rates (p = {fast:.1e}): {mend}"));
+            findings.push(format!("the clocks run at different rates ({}): {mend}", p_value(fast)));
         }
         if clock.corrected {
             findings.push(moved());
@@ -67,8 +71,8 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
     findings.extend(kept_out(&fit.kept_out));
     if fit.missing > 0 {
         findings.push(format!(
-            "{} samples lack a reading or were taken out; in their places stand the most likely readings under the fitted noise",
-            fit.missing
+            "{} without a reading or taken out; the most likely reading under the fitted noise stands in each place",
+            counted(fit.missing, "sample")
         ));
     }
     findings
@@ -80,8 +84,10 @@ fn kept_out(kept_out: &KeptOut) -> Vec<String> {
     let mut findings = Vec::new();
     if steps + spikes + intervals > 0 {
         findings.push(format!(
-            "kept out of the fit: {steps} steps (fitted with it), {spikes} spikes and {intervals} disturbed intervals (taken out); \
-             `kept_out` lists them"
+            "kept out of the fit: {} (fitted with it), {} and {} (taken out); `kept_out` lists them",
+            counted(steps, "step"),
+            counted(spikes, "spike"),
+            counted(intervals, "disturbed interval")
         ));
     }
     if kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
@@ -97,13 +103,19 @@ fn kept_out(kept_out: &KeptOut) -> Vec<String> {
 
 /// Events that were found and are none.
 pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
-    let counted = |count: usize, one: &str| match count {
-        0 => None,
-        1 => Some(format!("one {one}")),
-        _ => Some(format!("{count} {one}s")),
-    };
-    let both = [counted(steps, "step"), counted(others, "spike or disturbed interval")];
-    let what = both.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+    let both = [
+        (steps, counted(steps, "step")),
+        (
+            others,
+            format!(
+                "{others} {}",
+                plural(others, "spike or disturbed interval", "spikes or disturbed intervals")
+            ),
+        ),
+    ];
+    let what: Vec<String> =
+        both.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
+    let what = what.join(" and ");
     (!what.is_empty()).then(|| {
         format!(
             "the search took the readings for {what} that the final fit does not confirm: below {CONFIRMED} uncertainties of its size; \
@@ -127,41 +139,43 @@ pub fn third() -> String {
 
 /// Times that are not quite even.
 pub fn scattered(id: &str, by_s: f64) -> String {
-    format!("\"{id}\": its times scatter by up to {by_s:.3} s about even ones and are taken as even")
+    format!(
+        "\"{id}\": its times scatter by up to {} s about even ones and are taken as even",
+        significant(by_s, 2)
+    )
 }
 
 /// Times that were made even.
 pub fn uneven(id: &str, step_s: f64) -> String {
     format!(
-        "\"{id}\": its times are uneven; its readings were interpolated to steps of {step_s:.6} s, which lowers their noise unevenly"
+        "\"{id}\": its times are uneven; its readings were interpolated to steps of {} s, which lowers their noise unevenly",
+        bare(step_s)
     )
 }
 
 /// An instrument that was brought to another grid.
 pub fn filtered(instrument: &str, from_s: f64, to_s: f64, white: f64) -> String {
     format!(
-        "the {instrument} instrument's readings, {from_s} s apart, were filtered to the grid of {to_s} s: {:.0} % of the rms of its white \
+        "the {instrument} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white \
          noise pass, and the noise is told from the band below 0.9 of half the sampling rate",
-        100.0 * white
+        bare(from_s),
+        bare(to_s),
+        significant(100.0 * white, 2)
     )
 }
 
 /// Which drift the readings demand.
 fn drift(of: &Drift) -> Option<String> {
-    let straight = || {
-        let rate = plus_minus(&of.straight_nt_per_day, 4);
-        format!("by {rate} nT a day (p = {:.1e})", of.straight_p)
-    };
+    let straight = || format!("by {:+} nT a day ({})", of.straight_nt_per_day, p_value(of.straight_p));
     let exponential = || {
         let joint = of.joint.as_ref()?;
+        let [low, high] = joint.time_constant_interval_s.map(|end| significant(end, 3));
         let limit = if joint.time_constant_at_limit { ", at the limit of what is sought" } else { "" };
         Some(format!(
-            "exponentially, {} nT at the beginning with a time constant of {:.0} s ({:.0} to {:.0}{limit}; p = {:.1e})",
-            plus_minus(&joint.amplitude_nt, 3),
-            joint.time_constant_s.value(),
-            joint.time_constant_interval_s[0],
-            joint.time_constant_interval_s[1],
-            of.exponential_p
+            "exponentially, {:+} nT at the beginning with a time constant of {} s ({low} to {high}{limit}; {})",
+            joint.amplitude_nt,
+            significant(joint.time_constant_s.value(), 3),
+            p_value(of.exponential_p)
         ))
     };
     match of.demanded {
@@ -178,20 +192,6 @@ pub fn p_of_one(test: &OneMatrix) -> f64 {
     axes.fold(2.0 * test.p, f64::min).min(1.0)
 }
 
-/// A time or a period in the unit that suits it.
-pub fn duration(seconds: f64) -> String {
-    match seconds.abs() {
-        s if s < 120.0 => format!("{seconds:.3} s"),
-        s if s < 7_200.0 => format!("{:.1} min", seconds / 60.0),
-        s if s < 172_800.0 => format!("{:.1} h", seconds / 3_600.0),
-        _ => format!("{:.2} days", seconds / 86_400.0),
-    }
-}
-
-fn plus_minus(quantity: &Quantity, digits: usize) -> String {
-    format!("{:+.digits$} ± {:.digits$}", quantity.value(), quantity.std().unwrap_or(0.0))
-}
-
 /// What was found, with ± and units.
 pub fn summary(document: &Document) -> String {
     let mut text = String::new();
@@ -200,16 +200,16 @@ pub fn summary(document: &Document) -> String {
     // Writing to a String cannot fail.
     let _ = writeln!(
         text,
-        "diffmag: \"{}\", {} samples of {} s",
+        "diffmag: \"{}\", {} of {} s",
         fit.recordings.join("\", \""),
-        fit.samples,
-        fit.step_s
+        counted(fit.samples, "sample"),
+        bare(fit.step_s)
     );
     for axis in Axis::ALL {
         let row: Vec<String> = Axis::ALL
             .iter()
             .filter_map(|from| fit.elements.get(&format!("{from}{axis}")))
-            .map(|element| format!("{:+.6} ± {:.6}", element.weighted, element.weighted_std))
+            .map(|element| signed(&uncertain(element.weighted, element.weighted_std)))
             .collect();
         let _ = writeln!(text, "  test {axis} from the reference's x, y, z: {}", row.join(", "));
     }
@@ -217,30 +217,26 @@ pub fn summary(document: &Document) -> String {
         let offset = found.and_then(|found| found.offset_nt.as_ref()?.get(axis));
         let (day, month) = (&of.drift.per_day, &of.drift.per_month);
         let per_day = day.as_ref().map_or(&of.drift.straight_nt_per_day, |day| &day.drift_nt);
-        let per_month =
-            month.as_ref().map(|month| format!(", {} nT a month", plus_minus(&month.drift_nt, 3)));
+        let per_month = month.as_ref().map(|month| format!(", {:+} nT a month", month.drift_nt));
+        let density = &of.density_at_1hz_nt_per_sqrt_hz;
         let _ = writeln!(
             text,
-            "  test {axis}: offset {} nT, rms {:.3} nT, {:.2} ± {:.2} pT/√Hz at 1 Hz as f^{:.2}, drift {} nT a day{}",
-            offset.map_or(String::new(), |offset| plus_minus(offset, 3)),
-            of.rms_nt,
-            1e3 * of.density_at_1hz_nt_per_sqrt_hz.value(),
-            1e3 * of.density_at_1hz_nt_per_sqrt_hz.std().unwrap_or(0.0),
-            -of.flicker_exponent.value(),
-            plus_minus(per_day, 4),
+            "  test {axis}: offset {} nT, rms {} nT, {} pT/√Hz at 1 Hz, as 1/f^α with α = {}, drift {per_day:+} nT a day{}",
+            offset.map_or("missing".into(), |offset| format!("{offset:+}")),
+            significant(of.rms_nt, 3),
+            uncertain(1e3 * density.value(), 1e3 * density.std().unwrap_or(0.0)),
+            of.flicker_exponent,
             per_month.unwrap_or_default()
         );
     }
     if let Some(clock) = &fit.clock {
         let _ = writeln!(
             text,
-            "  clock of the test instrument: {} s late, {} ppm",
-            plus_minus(&clock.offset_s, 4),
-            plus_minus(&clock.rate_ppm, 3)
+            "  clock of the test instrument: {:+} s late, {:+} ppm",
+            clock.offset_s, clock.rate_ppm
         );
         if let (Some(offset), Some(rate)) = (&clock.left_offset_s, &clock.left_rate_ppm) {
-            let _ =
-                writeln!(text, "  corrected; left: {} s, {} ppm", plus_minus(offset, 4), plus_minus(rate, 3));
+            let _ = writeln!(text, "  corrected; left: {offset:+} s, {rate:+} ppm");
         }
     }
     let of_reference = fit.reference_noise.as_ref();
@@ -273,24 +269,24 @@ fn mutual(fourteen: &FourteenParameters) -> String {
         .angles
         .iter()
         .filter(|(name, angle)| angle.std_arcsec > 0.0 && !fourteen.undetermined.contains(name))
-        .map(|(name, angle)| format!("{name} {:.5}° ± {:.2}″", angle.value_deg, angle.std_arcsec))
+        .map(|(name, angle)| {
+            let degrees = as_known(angle.value_deg, angle.std_arcsec / 3600.0);
+            format!("{name} {degrees}° ± {}″", figures(angle.std_arcsec, 2))
+        })
         .collect();
     let _ = writeln!(text, "    {}", angles.join(", "));
     let ratios: Vec<String> = fourteen
         .ratios
         .iter()
         .filter(|(_, ratio)| ratio.std() != Some(0.0))
-        .map(|(name, ratio)| {
-            format!("{} {:.6} ± {:.6}", name.replace('_', "/"), ratio.value(), ratio.std().unwrap_or(0.0))
-        })
+        .map(|(name, ratio)| format!("{} {ratio}", name.replace('_', "/")))
         .collect();
     let _ = writeln!(text, "    scales {}", ratios.join(", "));
     let (whose, angles) = match fourteen.known {
         Magnetometer::Reference => ("test instrument", &fourteen.test_non_orthogonality_arcsec),
         Magnetometer::Test => ("reference", &fourteen.reference_non_orthogonality_arcsec),
     };
-    let angles: Vec<String> =
-        angles.iter().map(|(pair, angle)| format!("{pair} {}″", plus_minus(angle, 1))).collect();
+    let angles: Vec<String> = angles.iter().map(|(pair, angle)| format!("{pair} {angle:+}″")).collect();
     let _ = writeln!(text, "    {whose} off right angles: {}", angles.join(", "));
     text
 }

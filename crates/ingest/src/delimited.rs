@@ -3,6 +3,7 @@
 mod fields;
 mod parser;
 
+use common::number::counted;
 use tables::{COLUMN_LIMIT, Place};
 
 use crate::Error;
@@ -62,7 +63,7 @@ pub fn too_many(source: &Source, line: u32, width: usize) -> Error {
     let expected = format!(
         "at most {COLUMN_LIMIT}; is the separator right, and is it a table with a row for each time?"
     );
-    source.fault(Place::Line(line.into()), format!("{width} columns"), expected)
+    source.fault(Place::Line(line.into()), counted(width, "column"), expected)
 }
 
 /// Names of the columns where a line has them, the number of the line of the first row, and the text from there.
@@ -75,7 +76,7 @@ fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error
         if rest.is_empty() {
             let expected =
                 format!("the first row on line {first_row}, as the mapping says; was it copied in full?");
-            return Err(source.fault(Place::Whole, format!("{} lines", number - 1), expected));
+            return Err(source.fault(Place::Whole, counted(number as usize - 1, "line"), expected));
         }
         let (line, after) = split_line(rest);
         if Some(number) == mapping.header_line {
@@ -115,7 +116,7 @@ fn slots(
             (From::Number(number), _) if number.get() <= width => number.get() - 1,
             (From::Number(number), _) => {
                 let expected = format!("column {number}, which the mapping takes");
-                return Err(source.fault(place, format!("{width} columns"), expected));
+                return Err(source.fault(place, counted(width, "column"), expected));
             }
             (From::Name(name), None) => {
                 let expected =

@@ -5,6 +5,7 @@ mod notation;
 mod sample;
 mod time;
 
+use common::number::counted;
 use common::{Error as Fault, to_text};
 use serde_json::json;
 use std::path::Path;
@@ -34,7 +35,8 @@ impl Guess {
     /// Words for people.
     pub fn words(&self, file: &Path) -> String {
         let (all, known) = (self.mapping.columns.len(), self.doubts.is_empty());
-        let mut lines = vec![format!("ingest guess: {}: {all} columns of readings", file.display())];
+        let mut lines =
+            vec![format!("ingest guess: {}: {} of readings", file.display(), counted(all, "column"))];
         lines.extend(self.notes.iter().map(|note| format!("  {note}")));
         lines.extend(self.doubts.iter().map(|doubt| format!("  to be settled: {doubt}")));
         lines.push(if known {

@@ -1,5 +1,6 @@
 //! What one file says, before files are joined.
 
+use common::number::{bare, counted, quoted};
 use common::{Extra, range};
 use indexmap::IndexMap;
 use tables::Place;
@@ -86,11 +87,8 @@ impl Piece {
             let conversion = column.conversion()?;
             let Fill { missing, not_observed } = fill::without(&mut values, column.to.ends_with("_nt"));
             if missing + not_observed > 0 {
-                let count = missing + not_observed;
-                let what = if count == 1 { "fill value" } else { "fill values" };
-                piece
-                    .notes
-                    .push(format!("{count} {what} (99999, 88888, 1e31) of {}, taken as missing", column.to));
+                let fills = counted(missing + not_observed, "fill value");
+                piece.notes.push(format!("{fills} (99999, 88888, 1e31) of {}, taken as missing", column.to));
             }
             let values = match (conversion.factor, conversion.offset) {
                 (1.0, 0.0) => values,
@@ -99,9 +97,11 @@ impl Piece {
             };
             if let Some(row) = range::first_beyond(&column.to, &values) {
                 let [low, high] = range::bounds(&column.to);
-                let found = format!("{:e} for {}", values[row], column.to);
+                let found = format!("{} for {}", quoted(values[row]), column.to);
                 let expected = format!(
-                    "a reading between {low} and {high}; name the value under `missing` of the mapping where it stands for none"
+                    "a reading between {} and {}; name the value under `missing` of the mapping where it stands for none",
+                    bare(low),
+                    bare(high)
                 );
                 return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
             }

@@ -1,6 +1,6 @@
 //! What is said on standard error.
 
-use common::number::counted;
+use common::number::{bare, counted, duration, plural, significant};
 use rayon::prelude::*;
 
 use crate::clock;
@@ -22,7 +22,7 @@ pub fn words(
     let format = pieces.first().map_or("", |piece| piece.format);
     let rows = series.times_ns.len();
     let files = counted(pieces.len(), "file");
-    let step = step_s.map(|step_s| format!(" of {step_s} s")).unwrap_or_default();
+    let step = step_s.map(|step_s| format!(" of {} s", bare(step_s))).unwrap_or_default();
     let span = match (start, series.times_ns.last()) {
         (Some(start), Some(last)) => format!(", {start} to {}", clock::text(*last)),
         _ => String::new(),
@@ -38,8 +38,8 @@ pub fn words(
     }
     if gaps.count > 0 {
         let longest = gaps.longest.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        let longest =
-            longest.map(|gap| format!("; the longest is {} s after {} s", gap.seconds, gap.after_s));
+        let longest = longest
+            .map(|gap| format!("; the longest is {} after {}", duration(gap.seconds), duration(gap.after_s)));
         let (count, missing) = (counted(gaps.count, "gap"), counted(gaps.missing_rows as usize, "row"));
         lines.push(format!("  {count}, {missing} missing{}", longest.unwrap_or_default()));
     }
@@ -65,7 +65,8 @@ pub fn words(
         [] => format!("  {note}"),
     }));
     if notes.len() > SAID {
-        lines.push(format!("  … and {} such words more", notes.len() - SAID));
+        let more = notes.len() - SAID;
+        lines.push(format!("  … and {more} such {} more", plural(more, "word", "words")));
     }
     lines.join("\n")
 }
@@ -80,13 +81,10 @@ fn range(name: &str, values: &[f64]) -> String {
     }
     let missing = values.len() - count;
     let missing = if missing > 0 { format!(", {missing} missing") } else { String::new() };
-    let range = if count > 0 { format!("{} to {}", short(least), short(most)) } else { "no reading".into() };
+    let range = if count > 0 {
+        format!("{} to {}", significant(least, 8), significant(most, 8))
+    } else {
+        "no reading".into()
+    };
     format!("  {name}: {range}{missing}")
-}
-
-/// A number with the digits that a person reads.
-fn short(value: f64) -> String {
-    let text = format!("{value:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if value != 0.0 && value.abs() < 1e-3 { format!("{value:.3e}") } else { text.to_string() }
 }

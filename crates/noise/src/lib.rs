@@ -12,6 +12,7 @@ pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
 
 use common::Noise;
+use common::number::significant;
 use std::borrow::Cow;
 use thiserror::Error;
 
@@ -31,7 +32,10 @@ pub enum NoiseError {
     Disorder(usize),
     /// The times span more steps than fit, or none.
     #[error(
-        "times that span {0:.1e} s in steps of {1:.1e} s, where noise with memory needs at most {MOST_POINTS:.0e} of them"
+        "times that span {} s in steps of {} s, where noise with memory needs at most {} of them",
+        significant(*.0, 2),
+        significant(*.1, 2),
+        significant(MOST_POINTS, 2)
     )]
     Length(f64, f64),
 }

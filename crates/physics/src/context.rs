@@ -1,5 +1,6 @@
 //! What a recording says besides its readings: times, drive, temperatures, orientation.
 
+use common::number::bare;
 use common::{Axis, Document, Instrument, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::borrow::Cow;
@@ -314,7 +315,11 @@ fn attitude(recording: &Recording) -> Result<Vec<Matrix3<f64>>, Error> {
         let q = Quaternion::new(w[row], x[row], y[row], z[row]);
         if q.norm().is_finite() && (q.norm() - 1.0).abs() > 1e-3 {
             return Err(Error::NotARotation {
-                found: format!("an attitude of length {:.4} in row {row} of \"{}\"", q.norm(), recording.id),
+                found: format!(
+                    "an attitude of length {} in row {row} of \"{}\"",
+                    bare(q.norm()),
+                    recording.id
+                ),
                 expected: "unit quaternions in attitude_{w,x,y,z}".into(),
             });
         }

@@ -1,3 +1,4 @@
+use common::number::counted;
 use thiserror::Error;
 
 /// Why a recording cannot be predicted or corrected.
@@ -45,7 +46,8 @@ pub enum Error {
     },
     /// The chain has no inverse for these readings.
     #[error(
-        "recording \"{recording}\": the chain cannot be run backwards in {rows} rows, the first of them row {first}; {effects} may hide the field that made them"
+        "recording \"{recording}\": the chain cannot be run backwards in {}, the first of them row {first}; {effects} may hide the field that made them",
+        counted(*.rows, "row")
     )]
     NotInvertible {
         /// The recording.

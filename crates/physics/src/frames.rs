@@ -1,5 +1,6 @@
 //! Frames and directions: rotations from theodolites, the nearest rotation, turns of unit vectors.
 
+use common::number::{bare, significant};
 use common::{Matrix3x3, Theodolite};
 use nalgebra::{Matrix3, Vector3};
 use num_dual::Dual64;
@@ -102,7 +103,7 @@ fn nearest_rotation(given: &Matrix3<f64>, theodolite_rad: Option<f64>) -> Result
     }
     let determinant = given.determinant();
     if determinant < -0.5 {
-        return Err(refuse(format!("a left-handed matrix (its determinant is {determinant:.5})")));
+        return Err(refuse(format!("a left-handed matrix (its determinant is {})", bare(determinant))));
     }
     let mut rotation = *given;
     for _ in 0..30 {
@@ -125,9 +126,9 @@ fn nearest_rotation(given: &Matrix3<f64>, theodolite_rad: Option<f64>) -> Result
     };
     if moved.is_nan() || moved > limit {
         return Err(refuse(format!(
-            "a matrix that is not orthogonal: {:.1} arcsec from the nearest rotation, where {:.1} arcsec can be allowed",
-            moved / ARCSEC,
-            limit / ARCSEC
+            "a matrix that is not orthogonal: {} arcsec from the nearest rotation, where {} arcsec can be allowed",
+            significant(moved / ARCSEC, 3),
+            significant(limit / ARCSEC, 3)
         )));
     }
     Ok((rotation, moved))
@@ -229,10 +230,7 @@ mod tests {
         assert!((orientation.rotation[(0, 1)] - skew / 2.0).abs() < 1e-9);
         let far = [[1.0, 10.0 * skew, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let refused = Orientation::from_matrix(&far, sigma).expect_err("too far");
-        assert!(
-            refused.to_string().contains("30.0 arcsec from the nearest rotation, where 10.0"),
-            "{refused}"
-        );
+        assert!(refused.to_string().contains("30 arcsec from the nearest rotation, where 10 "), "{refused}");
     }
 
     #[test]

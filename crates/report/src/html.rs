@@ -117,7 +117,11 @@ fn paragraphs(out: &mut String, all: &[String]) {
 fn table(out: &mut String, table: &Table) {
     let caption = escape(&table.caption);
     if table.rows.len() > FOLDED {
-        let _ = writeln!(out, "<details>\n<summary>{caption} ({} rows)</summary>", table.rows.len());
+        let _ = writeln!(
+            out,
+            "<details>\n<summary>{caption} ({})</summary>",
+            number::counted(table.rows.len(), "row")
+        );
         grid(out, table, "");
         out.push_str("</details>\n");
     } else {
@@ -174,15 +178,16 @@ fn figure(out: &mut String, plot: &Plot) {
     if !notes.trim().is_empty() {
         let _ = writeln!(out, "<p class=\"note\">{}</p>", prose(notes.trim()));
     }
-    let rows: usize = plot.series.iter().map(|series| series.values().count()).sum();
-    if rows <= IN_TABLE {
-        let _ = writeln!(out, "<details>\n<summary>Numbers ({rows} rows)</summary>");
+    let count: usize = plot.series.iter().map(|series| series.values().count()).sum();
+    let rows = number::counted(count, "row");
+    if count <= IN_TABLE {
+        let _ = writeln!(out, "<details>\n<summary>Numbers ({rows})</summary>");
         grid(out, &plot.table(), "");
         out.push_str("</details>\n");
     }
     let _ = writeln!(
         out,
-        "<p class=\"data\"><a download=\"{0}.csv\" href=\"data:text/csv;charset=utf-8;base64,{1}\">Data of this plot (CSV, {rows} rows)</a></p>\n</figure>",
+        "<p class=\"data\"><a download=\"{0}.csv\" href=\"data:text/csv;charset=utf-8;base64,{1}\">Data of this plot (CSV, {rows})</a></p>\n</figure>",
         plot.id,
         STANDARD.encode(plot::csv(&plot))
     );

@@ -1,5 +1,6 @@
 //! One k and one O for a sensor, from the coil's field and from the reversals.
 
+use common::number::{p_value, signed, uncertain};
 use common::{Quantity, SensorCalibration};
 use estimate::stats;
 
@@ -64,9 +65,10 @@ fn joined(constants: &Constants, reversal: Option<&Quantity>) -> Joined {
     let p = stats::chi_squared_p(difference * difference / variance, 1.0);
     if p < DISAGREE_BELOW {
         let finding = format!(
-            "the offset in the coil is {:+.3} ± {:.3} nT, by reversals {offset:+.3} ± {std:.3} nT: they do not agree (p = {p:.1e}), and the reversals count; what is left in the coil, or its offset, may be wrong",
-            constants.offset_nt,
-            c[1][1].sqrt()
+            "the offset in the coil is {} nT, by reversals {} nT: they do not agree ({}), and the reversals count; what is left in the coil, or its offset, may be wrong",
+            signed(&uncertain(constants.offset_nt, c[1][1].sqrt())),
+            signed(&uncertain(offset, std)),
+            p_value(p)
         );
         // k as it was, O as the reversals have it.
         return ([constants.sensitivity, offset], [[c[0][0], 0.0], [0.0, std * std]], Some(finding));

@@ -4,6 +4,7 @@
 //! depend on the field along: it belongs to the axes and is kept apart. What is even in the field across (the catalogue's
 //! `cross_field`) or goes with the field along (`cross_field_sensitivity`) is the sensor's own.
 
+use common::number::p_value;
 use common::{
     Axis, CrossFieldFit, CrossFieldLevels, Document, Error as Fault, FTest, HeldOut, Misalignment, Quantity,
     TestResult, procedure,
@@ -424,14 +425,14 @@ fn findings(
     found.findings.push(if found.offset.is_empty() {
         format!("whether fields across change sensor {sensor} cannot be told")
     } else if p < FOUND_BELOW {
-        format!("fields across change sensor {sensor} (p = {p:.1e})")
+        format!("fields across change sensor {sensor} ({})", p_value(p))
     } else {
-        format!("fields across do not change sensor {sensor} beyond the experimental error (p = {p:.2})")
+        format!("fields across do not change sensor {sensor} beyond the experimental error ({})", p_value(p))
     });
     for departure in found.departures.iter().filter(|departure| departure.found) {
         found.findings.push(format!(
-            "k also depends on the square of the field across (adjusted p = {:.1e}), which no effect of the catalogue describes",
-            departure.p_adjusted
+            "k also depends on the square of the field across (adjusted {}), which no effect of the catalogue describes",
+            p_value(departure.p_adjusted)
         ));
     }
     found.findings.extend(conditions.not_recorded(runs));

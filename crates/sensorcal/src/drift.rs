@@ -1,6 +1,7 @@
 //! Offset drift: offsets from date to date ("Measurement of Sensor Noise in Low Field": what takes longer than a day to a week is
 //! offset).
 
+use common::number::{counted, figures, p_value, plural, significant};
 use common::{
     AnnualTerm, Axis, Document, DriftDates, Error as Fault, Noise, OffsetDrift, Quantity, procedure,
 };
@@ -109,7 +110,11 @@ fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift, Error>
     if dates.len() >= 5 {
         trend(dates, &columns, (conditions, &common), &mut found)?;
     } else {
-        found.findings.push(format!("{} dates show no trend: at least five are needed", dates.len()));
+        found.findings.push(format!(
+            "{} {} no trend: at least five are needed",
+            counted(dates.len(), "date"),
+            plural(dates.len(), "shows", "show")
+        ));
     }
     if corrected {
         found.findings.push(
@@ -205,11 +210,11 @@ fn trend(
     found.trend_nt_per_year = Some(of(&fit, 1));
     found.trend_p = Some(p(1));
     found.dates.residual_nt = fit.residuals.clone();
-    let significant = if p(1) < TOLD_BELOW { "is real" } else { "is not significant" };
-    let std = |name: &str| found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0);
+    let verdict = if p(1) < TOLD_BELOW { "is real" } else { "is not significant" };
+    let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
     found.findings.push(format!(
-        "the trend {significant} under noise with memory (p = {:.1e}); it would be ± {:.4} nT a year under white noise, {:.4} under flicker noise, {:.4} under a random walk",
-        p(1),
+        "the trend {verdict} under noise with memory ({}); it would be ± {} nT a year under white noise, {} under flicker noise, {} under a random walk",
+        p_value(p(1)),
         std("white"),
         std("flicker"),
         std("random_walk")
@@ -218,8 +223,9 @@ fn trend(
         let annual = annual(&fit, at);
         if annual.p_value < TOLD_BELOW {
             found.findings.push(format!(
-                "a yearly term of {:.3} nT is significant (p = {:.1e})",
-                annual.amplitude_nt, annual.p_value
+                "a yearly term of {} nT is significant ({})",
+                significant(annual.amplitude_nt, 2),
+                p_value(annual.p_value)
             ));
         }
         found.annual = Some(annual);
@@ -227,7 +233,7 @@ fn trend(
     if let Some(at) = columns.temperature {
         found.temperature_nt_per_k = Some(of(&fit, at));
         if p(at) < TOLD_BELOW {
-            found.findings.push(format!("the offset follows the sensor's temperature (p = {:.1e})", p(at)));
+            found.findings.push(format!("the offset follows the sensor's temperature ({})", p_value(p(at))));
         }
     }
     Ok(())

@@ -1,6 +1,7 @@
 //! Whether k and O follow a temperature late.
 
 use common::Axis;
+use common::number::{bare, significant, uncertain};
 use estimate::stats;
 use physics::{EffectInstance, Kind, Parameter};
 
@@ -101,14 +102,15 @@ fn one<'p, 'b>(
         if gain > 0.0 && tries * stats::chi_squared_p(gain, 2.0) < FOUND_BELOW {
             let place = unknown(&trial, kinds[1], 1);
             let lag = place.map_or((lag_s, f64::NAN), |at| (fit.values[at], fit.type_a(at)));
-            let text = format!("{name} follows {:.0} ± {:.0} s late (χ² falls by {gain:.0})", lag.0, lag.1);
+            let (lag, gain) = (uncertain(lag.0, lag.1), significant(gain, 3));
+            let text = format!("{name} follows {lag} s late (χ² falls by {gain})");
             return Ok((text, Some(trial)));
         }
     }
     let text = if allowed >= TRIED_S[TRIED_S.len() - 1] {
         format!("{name}: these readings do not show a lag, whatever it is")
     } else {
-        format!("{name}: no lag is seen; more than {allowed:.0} s is excluded")
+        format!("{name}: no lag is seen; more than {} s is excluded", bare(allowed))
     };
     Ok((text, None))
 }

@@ -1,5 +1,6 @@
 //! Noise of a sensor in a shield ("Measurement of Sensor Noise in Low Field").
 
+use common::number::{counted, p_value, significant};
 use common::{
     AllanDeviation, Axis, BandRms, Document, Error as Fault, MergedSpectrum, Noise, NoiseSeriesResult,
     Quantity, Recording, SensorNoise, SpectralLine, procedure, series,
@@ -100,7 +101,7 @@ fn read<'a>(
         return Err(Fault::document(column, "readings in V without a sensitivity", expected).into());
     };
     let filled = series::filled(reading).map_err(|missing| {
-        let found = format!("{missing} of {} readings missing", reading.len());
+        let found = format!("{missing} of {} missing", counted(reading.len(), "reading"));
         Fault::document(&column, found, "at most one in a hundred; a spectrum needs an even series")
     })?;
     let field_nt: Vec<f64> = filled.iter().map(|value| k * value).collect();
@@ -279,22 +280,22 @@ fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
     for series in found.series.iter().filter(|series| series.measured != "sensor") {
         let more = series.amplification_needed.map_or_else(
             || "; amplify before the converter until the readings scatter over several codes".to_string(),
-            |gain| format!("; amplify at least {gain:.1} times more before the converter"),
+            |gain| format!("; amplify at least {} times more before the converter", significant(gain, 2)),
         );
         let what = match series.measured.as_str() {
             "both" => "sensor and quantiser together",
             _ => "the quantiser and not the sensor",
         };
         findings.push(format!(
-            "recording \"{}\": codes of {:.4} nT; at its fast end {what} was measured{more}",
+            "recording \"{}\": codes of {} nT; at its fast end {what} was measured{more}",
             series.recording,
-            series.code_nt.unwrap_or(0.0)
+            significant(series.code_nt.unwrap_or(0.0), 3)
         ));
     }
     if found.goodness_p < UNLIKE_BELOW {
         findings.push(format!(
-            "the spectrum is not that of A/f^α and white noise (p = {:.1e}); the intervals are those of the form",
-            found.goodness_p
+            "the spectrum is not that of A/f^α and white noise ({}); the intervals are those of the form",
+            p_value(found.goodness_p)
         ));
     }
     if fit.exponent_at_limit {

@@ -1,5 +1,6 @@
 //! The readings of a sensor in a coil's field, with what is wrong told by its place.
 
+use common::number::{bare, counted, significant};
 use common::{Axis, Document, Error as Fault, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
@@ -157,8 +158,8 @@ fn run<'a>(
     let cosine = along.dot(&basic.mu.column(sensor.index()));
     if oriented && cosine.abs() < ALONG {
         let found = format!(
-            "an orientation by which sensor {sensor} stands {:.0}° from coil {coil}",
-            cosine.clamp(-1.0, 1.0).acos().to_degrees()
+            "an orientation by which sensor {sensor} stands {}° from coil {coil}",
+            significant(cosine.clamp(-1.0, 1.0).acos().to_degrees(), 3)
         );
         let expected = "the orientation in which the sensor was turned along the coil";
         return Err(Fault::document(format!("{path}.conditions.orientation"), found, expected).into());
@@ -181,7 +182,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     let points: Vec<(f64, f64)> =
         run.rows.iter().map(|row| (direction * run.applied_nt(*row), run.reading[*row])).collect();
     if points.len() < 4 {
-        let found = format!("{} readings beside a known field", points.len());
+        let found = format!("{} beside a known field", counted(points.len(), "reading"));
         return Err(Fault::document(column, found, "at least four").into());
     }
     let line = Line::through(&points);
@@ -192,11 +193,12 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         return Err(Fault::document(key, "a drive that never changes", expected).into());
     }
     if line.vv <= 1e-12 * line.mean.1 * line.mean.1 {
-        let found = format!("the constant reading {}", line.mean.1);
+        let found = format!("the constant reading {}", bare(line.mean.1));
+        let span = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max)
+            - points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let expected = format!(
-            "readings that follow the {:.0} nT by which the field changes; was the sensor connected?",
-            points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max)
-                - points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min)
+            "readings that follow the {} nT by which the field changes; was the sensor connected?",
+            significant(span, 4)
         );
         return Err(Fault::document(column, found, expected).into());
     }
@@ -207,8 +209,8 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     let line = if inner.explained() > line.explained() { inner } else { line };
     let explained = line.explained();
     if explained < FOLLOWS {
-        let found =
-            format!("readings that follow the field of coil {} by {:.1} % only", run.coil, 100.0 * explained);
+        let percent = significant(100.0 * explained, 3);
+        let found = format!("readings that follow the field of coil {} by {percent} % only", run.coil);
         let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped, or is the output clipped?";
         return Err(Fault::document(column, found, expected).into());
     }
@@ -227,8 +229,8 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         return Err(Fault::document(column, "readings that fall as the field rises", expected).into());
     }
     if compared && !(1.0 / STATED_WITHIN..=STATED_WITHIN).contains(&ratio) {
-        let found = format!("a sensitivity of {sensitivity:.6} nT for each unit read");
-        let expected = format!("about {stated}, as is stated; are units, columns or coils mistaken?");
+        let found = format!("a sensitivity of {} nT for each unit read", bare(sensitivity));
+        let expected = format!("about {}, as is stated; are units, columns or coils mistaken?", bare(stated));
         return Err(Fault::document(column, found, expected).into());
     }
     let first = &mut run.basic.sensors[sensor.index()];

@@ -2,6 +2,7 @@
 //!
 //! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2: the report's eq. 26 has the sign wrong and k on the wrong side.
 
+use common::number::{counted, plural};
 use common::{
     Axis, Document, Error as Fault, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset,
     ReversalPairs, procedure,
@@ -56,9 +57,11 @@ pub fn offset(
                 .map(|(row, _)| row.to_string())
                 .collect();
             found.findings.push(format!(
-                "recording \"{}\": the pair from row {} does not belong to the rest and is left out",
+                "recording \"{}\": the {} {} {} and left out",
                 recording.id,
-                rows.join(", ")
+                plural(rows.len(), "pair from row", "pairs from rows"),
+                rows.join(", "),
+                plural(rows.len(), "is unlike the rest", "are unlike the rest")
             ));
         }
         found.recordings.push(reversal);
@@ -134,7 +137,7 @@ pub fn one(
         (0..recording.rows()).filter(|row| reading[*row].is_finite() && position[*row].is_finite()).collect();
     let (ups, downs) = [1.0, -1.0].map(|p| rows.iter().filter(|row| position[**row] == p).count()).into();
     if ups < 2 || downs < 2 {
-        let found = format!("{ups} readings in position +1 and {downs} in −1");
+        let found = format!("{} in position +1 and {downs} in −1", counted(ups, "reading"));
         return Err(
             Fault::document(key, found, "at least two in each; one position alone shows no offset").into()
         );
@@ -256,8 +259,9 @@ impl Series<'_> {
         if fit.freedom < 1.0 {
             let id = &self.recording.id;
             let more = format!(
-                "recording \"{id}\": {} readings show an offset but not its scatter; take more pairs",
-                rows.len()
+                "recording \"{id}\": {} {} an offset but not its scatter; take more pairs",
+                counted(rows.len(), "reading"),
+                plural(rows.len(), "shows", "show")
             );
             return Err(Error::Undetermined(more));
         }

@@ -1,5 +1,6 @@
 //! Readings that no longer follow the field.
 
+use common::number::counted;
 use common::{Axis, Document, Saturation};
 
 use crate::Error;
@@ -37,9 +38,9 @@ pub fn take_out(
         }
         if run.rows.len() < 4 {
             return Err(Error::Undetermined(format!(
-                "recording \"{}\": the output of sensor {sensor} stands still in all but {} readings; smaller fields are needed",
+                "recording \"{}\": the output of sensor {sensor} stands still in all but {}; smaller fields are needed",
                 run.context.recording.id,
-                run.rows.len()
+                counted(run.rows.len(), "reading")
             )));
         }
     }

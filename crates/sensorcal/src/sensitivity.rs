@@ -1,5 +1,6 @@
 //! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and Nonlinearity").
 
+use common::number::{bare, counted, p_value, plural, significant};
 use common::{
     Axis, Budget, Document, FieldErrors, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals,
     TestResult, procedure,
@@ -70,8 +71,8 @@ pub fn calibrate(
     let line = problem.solve()?;
     if line.linear.freedom < 2.0 {
         return Err(Error::Undetermined(format!(
-            "sensor {sensor}: {} readings; a line and its scatter need at least four",
-            line.linear.residuals.len()
+            "sensor {sensor}: {}; a line and its scatter need at least four",
+            counted(line.linear.residuals.len(), "reading")
         )));
     }
     let mut extended = departure::extend(&problem, &candidates)?;
@@ -152,7 +153,8 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
     }
     extended.fit.widen(f);
     Ok(Some(format!(
-        "the recordings do not agree on k and O (p = {p:.1e}); the uncertainties rest on their differences"
+        "the recordings do not agree on k and O ({}); the uncertainties rest on their differences",
+        p_value(p)
     )))
 }
 
@@ -253,12 +255,14 @@ fn order_in_words(orders: &[PolynomialOrder]) -> String {
     let least = orders.iter().skip(1).map(|order| order.p_value).fold(1.0, f64::min);
     match chosen(orders) {
         Some(order) => format!(
-            "order {}: its last term is significant (p = {:.1e}), none above it is",
-            order.order, order.p_value
+            "order {}: its last term is significant ({}), none above it is",
+            order.order,
+            p_value(order.p_value)
         ),
         None => format!(
-            "order 1: of the terms up to order {} none is significant (smallest p = {least:.2})",
-            orders.len()
+            "order 1: of the terms up to order {} none is significant (smallest {})",
+            orders.len(),
+            p_value(least)
         ),
     }
 }
@@ -293,16 +297,13 @@ fn residuals(runs: &[Run<'_>], line: &Fit, fit: &Fit) -> SensitivityResiduals {
 fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &[Run<'_>]) -> Vec<String> {
     let mut findings = Vec::new();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
-        let size: Vec<String> = departure
-            .parameter
-            .iter()
-            .map(|(key, value)| format!("{key} = {:.4} ± {:.4}", value.value(), value.std().unwrap_or(0.0)))
-            .collect();
+        let size: Vec<String> =
+            departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         findings.push(format!(
-            "not a straight line: {} (alone {}, adjusted p = {:.1e}); it is fitted beside k and O",
+            "not a straight line: {} (alone {}, adjusted {}); it is fitted beside k and O",
             departure.departure,
             size.join(", "),
-            departure.p_adjusted
+            p_value(departure.p_adjusted)
         ));
     }
     if !fit.rivals.is_empty() {
@@ -313,8 +314,9 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
     }
     if let Some(order) = chosen(&fit.orders).filter(|order| order.order > 3) {
         findings.push(format!(
-            "a term of order {} is significant (p = {:.1e}), which no effect of the catalogue describes and the fit does not hold; see the deviations",
-            order.order, order.p_value
+            "a term of order {} is significant ({}), which no effect of the catalogue describes and the fit does not hold; see the deviations",
+            order.order,
+            p_value(order.p_value)
         ));
     }
     if let Some(saturation) = &fit.saturation {
@@ -322,36 +324,37 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
             .iter()
             .zip(saturation.readings.iter().zip(&saturation.fields_nt))
             .filter_map(|(side, (reading, field))| {
-                Some(format!("{side} {:.0} nT at {:.6}", (*field)?, (*reading)?))
+                Some(format!("{side} {} nT at {}", significant((*field)?, 4), bare((*reading)?)))
             })
             .collect();
         findings.push(format!(
-            "the output stands still {}; {} readings are left out",
+            "the output stands still {}; {} {} left out",
             sides.join(" and "),
-            saturation.count
+            counted(saturation.count, "reading"),
+            plural(saturation.count, "is", "are")
         ));
     }
     if let Some(normality) = fit.normality.filter(|test| test.p_value < FOUND_BELOW) {
         let reason = if code_nt > 2.0 * fit.noise.rms_nt {
-            format!(", as codes of {code_nt:.3} nT make them")
+            format!(", as codes of {} nT make them", significant(code_nt, 3))
         } else {
             String::new()
         };
         findings.push(format!(
-            "the residuals are not normal (Anderson-Darling p = {:.1e}){reason}",
-            normality.p_value
+            "the residuals are not normal (Anderson-Darling {}){reason}",
+            p_value(normality.p_value)
         ));
     }
     if let Some(runs) = fit.runs.filter(|test| test.p_value < FOUND_BELOW) {
-        findings.push(format!("the residuals come in runs of one sign (p = {:.1e})", runs.p_value));
+        findings.push(format!("the residuals come in runs of one sign ({})", p_value(runs.p_value)));
     }
     if let Some(factor) = fit.noise.variance_factor
         && stats::chi_squared_p(factor * fit.noise.degrees_of_freedom, fit.noise.degrees_of_freedom)
             < FOUND_BELOW
     {
         findings.push(format!(
-            "the residuals scatter {:.2} times as much as the sensor's own noise: that of the field is allowed for",
-            factor.sqrt()
+            "the residuals scatter {} times as much as the sensor's own noise: that of the field is allowed for",
+            significant(factor.sqrt(), 3)
         ));
     }
     findings.extend(conditions.not_recorded(runs));

@@ -1,5 +1,6 @@
 //! k and O against the temperatures of sensor and electronics (NASA eq. 28 and 29).
 
+use common::number::significant;
 use common::{
     Axis, CommonExtremum, Document, PerAxis, Quantity, SensorCalibration, TemperatureFit, TemperatureOfPart,
     procedure,
@@ -187,8 +188,8 @@ fn parts(
         let apart = share(0, 1).min(share(1, 0));
         if apart < APART {
             findings.push(format!(
-                "the temperatures of sensor and electronics moved together (all but {:.1} % of the one is in the other): no slope is given, for it could belong to either; heat one with the other held",
-                100.0 * apart
+                "the temperatures of sensor and electronics moved together (all but {} % of the one is in the other): no slope is given, for it could belong to either; heat one with the other held",
+                significant(100.0 * apart, 2)
             ));
             return Ok(Vec::new());
         }

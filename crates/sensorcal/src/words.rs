@@ -1,5 +1,6 @@
 //! The result in a few lines for people.
 
+use common::number::{bare, counted, figures, p_value, significant, uncertain};
 use common::{
     Axis, CrossFieldFit, Document, ErrorBudget, OffsetDrift, PerAxis, Quantity, SensorCalibration,
     SensorNoise, TemperatureFit, TemperatureOfPart,
@@ -18,11 +19,11 @@ pub fn summary(document: &Document) -> String {
         line(
             &mut text,
             &format!(
-                "{} of all sensors stands still at {} degC of the {} (p = {:.2}): a good temperature to hold",
+                "{} of all sensors stands still at {} degC of the {} ({}): a good temperature to hold",
                 extremum.quantity,
-                plus_minus(&extremum.temperature_c, 1),
+                extremum.temperature_c,
                 extremum.part,
-                extremum.p_value
+                p_value(extremum.p_value)
             ),
         );
     }
@@ -40,29 +41,19 @@ fn line(text: &mut String, what: &str) {
     let _ = writeln!(text, "{what}");
 }
 
-/// `6401.2000 ± 0.0030`
-fn plus_minus(quantity: &Quantity, digits: usize) -> String {
-    format!("{:.digits$} ± {:.digits$}", quantity.value(), quantity.std().unwrap_or(0.0))
-}
-
-/// `+0.310 ± 0.030`
-fn signed(quantity: &Quantity, digits: usize) -> String {
-    format!("{:+.digits$} ± {:.digits$}", quantity.value(), quantity.std().unwrap_or(0.0))
-}
-
 fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
     let volts = sensor.sensitivity_nt_per_v.as_ref().map(|k| (k, "nT/V"));
     let k = volts.or(sensor.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nT/nT")));
     let mut head = format!("sensorcal: sensor {axis}:");
     if let Some((k, unit)) = k {
-        let digits = if unit == "nT/V" { 4 } else { 8 };
-        let _ = write!(head, " {} {unit}", plus_minus(k, digits));
+        let _ = write!(head, " {k} {unit}");
     }
     if let Some(offset) = &sensor.offset_nt {
-        let _ = write!(head, ", offset {} nT", signed(offset, 3));
+        let _ = write!(head, ", offset {offset:+} nT");
     }
     if let Some(fit) = &sensor.sensitivity {
-        let _ = write!(head, "; {}, {} readings, rms {:.3} nT", fit.model, fit.readings, fit.noise.rms_nt);
+        let (readings, rms) = (counted(fit.readings, "reading"), significant(fit.noise.rms_nt, 3));
+        let _ = write!(head, "; {}, {readings}, rms {rms} nT", fit.model);
     }
     line(text, &head);
     let mut findings: Vec<&String> = sensor.sensitivity.iter().flat_map(|fit| &fit.findings).collect();
@@ -72,10 +63,11 @@ fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
         line(
             text,
             &format!(
-                "  reversals: offset {} nT from {pairs} pairs; a turn {}° off would move it by at most {:.3} nT",
-                signed(&reversal.offset_nt, 4),
-                turn.angle_deg,
-                turn.bound_nt
+                "  reversals: offset {:+} nT from {}; a turn {}° off would move it by at most {} nT",
+                reversal.offset_nt,
+                counted(pairs, "pair"),
+                bare(turn.angle_deg),
+                significant(turn.bound_nt, 2)
             ),
         );
         findings.extend(&reversal.findings);
@@ -106,21 +98,20 @@ fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
 
 fn noise_line(noise: &SensorNoise) -> String {
     let flicker = match noise.flicker_below_nt2_per_hz {
-        Some(bound) => format!("flicker below {:.1} pT/√Hz at 1 Hz", 1e3 * bound.sqrt()),
-        None => format!(
-            "{:.2} ± {:.2} pT/√Hz at 1 Hz, as f^-{}",
-            1e3 * noise.density_at_1hz_nt_per_sqrt_hz.value(),
-            1e3 * noise.density_at_1hz_nt_per_sqrt_hz.std().unwrap_or(0.0),
-            plus_minus(&noise.flicker_exponent, 3)
-        ),
+        Some(bound) => format!("flicker below {} pT/√Hz at 1 Hz", significant(1e3 * bound.sqrt(), 2)),
+        None => {
+            let density = &noise.density_at_1hz_nt_per_sqrt_hz;
+            let density = uncertain(1e3 * density.value(), 1e3 * density.std().unwrap_or(0.0));
+            format!("{density} pT/√Hz at 1 Hz, as 1/f^α with α = {}", noise.flicker_exponent)
+        }
     };
     let white = match noise.white_below_nt {
-        Some(bound) => format!("white below {bound:.4} nT a reading"),
-        None => format!("white {} nT a reading", plus_minus(&noise.white_rms_nt, 4)),
+        Some(bound) => format!("white below {} nT a reading", significant(bound, 2)),
+        None => format!("white {} nT a reading", noise.white_rms_nt),
     };
     let band = noise.bands.first().map_or(String::new(), |band| {
-        let [low, high] = band.band_hz;
-        format!("; flicker rms {} nT from {low:.1e} to {high:.1e} Hz", plus_minus(&band.flicker_rms_nt, 4))
+        let [low, high] = band.band_hz.map(|hz| significant(hz, 2));
+        format!("; flicker rms {} nT from {low} to {high} Hz", band.flicker_rms_nt)
     });
     format!("  noise: {flicker}; {white}{band}")
 }
@@ -130,13 +121,13 @@ fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
         line(
             text,
             &format!(
-                "  {name} from {:.0} to {:.0} degC: the field that is read moves by {} ppm/K{}, and by {} nT/K{}",
-                of.range_c[0],
-                of.range_c[1],
-                signed(&of.sensitivity_ppm_per_k, 3),
-                curvature(&of.sensitivity_ppm_per_k2, 4, "ppm/K²"),
-                signed(&of.offset_nt_per_k, 4),
-                curvature(&of.offset_nt_per_k2, 5, "nT/K²")
+                "  {name} from {} to {} degC: the field that is read moves by {:+} ppm/K{}, and by {:+} nT/K{}",
+                significant(of.range_c[0], 3),
+                significant(of.range_c[1], 3),
+                of.sensitivity_ppm_per_k,
+                curvature(&of.sensitivity_ppm_per_k2, "ppm/K²"),
+                of.offset_nt_per_k,
+                curvature(&of.offset_nt_per_k2, "nT/K²")
             ),
         );
     };
@@ -147,19 +138,19 @@ fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
     }
 }
 
-fn curvature(quantity: &Option<Quantity>, digits: usize, unit: &str) -> String {
-    quantity.as_ref().map_or(String::new(), |quantity| format!(" and {} {unit}", signed(quantity, digits)))
+fn curvature(quantity: &Option<Quantity>, unit: &str) -> String {
+    quantity.as_ref().map_or(String::new(), |quantity| format!(" and {quantity:+} {unit}"))
 }
 
 fn cross_line(cross: &CrossFieldFit) -> String {
-    let each = cross.offset.iter().map(|(name, size)| format!("offset {name} {}", signed(size, 3)));
-    let scale =
-        cross.sensitivity.iter().map(|(name, size)| format!("sensitivity {name} {}", signed(size, 3)));
+    let each = cross.offset.iter().map(|(name, size)| format!("offset {name} {size:+}"));
+    let scale = cross.sensitivity.iter().map(|(name, size)| format!("sensitivity {name} {size:+}"));
     let all: Vec<String> = each.chain(scale).collect();
     let gain = cross.held_out.map_or(String::new(), |held| {
-        format!("; held-out rms {:.3} → {:.3} nT", held.before_nt, held.after_nt)
+        let [before, after] = [held.before_nt, held.after_nt].map(|nt| significant(nt, 3));
+        format!("; held-out rms {before} → {after} nT")
     });
-    format!("  50 000 nT across: {}{gain}", all.join(", "))
+    format!("  50000 nT across: {}{gain}", all.join(", "))
 }
 
 fn drift_line(drift: &OffsetDrift) -> String {
@@ -167,23 +158,25 @@ fn drift_line(drift: &OffsetDrift) -> String {
     let trend = drift
         .trend_nt_per_year
         .as_ref()
-        .map_or(String::new(), |trend| format!(", trend {} nT a year", signed(trend, 3)));
+        .map_or(String::new(), |trend| format!(", trend {trend:+} nT a year"));
     format!(
-        "  offset on {} dates in {days:.0} days: mean {} nT, rms {:.4} nT about it{trend}",
-        drift.dates.time_d.len(),
-        signed(&drift.mean_nt, 4),
-        drift.rms_nt
+        "  offset on {} in {} days: mean {:+} nT, rms {} nT about it{trend}",
+        counted(drift.dates.time_d.len(), "date"),
+        significant(days, 4),
+        drift.mean_nt,
+        significant(drift.rms_nt, 3)
     )
 }
 
 fn budget_line(budget: &ErrorBudget) -> String {
+    let largest = budget.terms.iter().take(3);
     let terms: Vec<String> =
-        budget.terms.iter().take(3).map(|term| format!("{} {:.3}", term.term, term.std_nt)).collect();
+        largest.map(|term| format!("{} {}", term.term, significant(term.std_nt, 2))).collect();
     format!(
-        "  at {:.0} nT: ± {:.3} nT (most from {}); worst case {:.3} nT",
-        budget.field_nt,
-        budget.standard_nt,
+        "  at {} nT: ± {} nT (most from {}); worst case {} nT",
+        bare(budget.field_nt),
+        figures(budget.standard_nt, 2),
         terms.join(", "),
-        budget.worst_case_nt
+        significant(budget.worst_case_nt, 2)
     )
 }

@@ -1,5 +1,6 @@
 //! What all procedures are planned with: the facility as it is stated, its limits, and the fixture.
 
+use common::number::bare;
 use common::{Axis, Conditions, Document, Error};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
@@ -66,7 +67,7 @@ impl Bench<'_> {
         match self.max_nt(coil).filter(|max| field_nt.abs() > *max) {
             Some(max) => Err(Error::document(
                 path,
-                format!("{} nT on coil {coil}", field_nt.abs()),
+                format!("{} nT on coil {coil}", bare(field_nt.abs())),
                 format!("at most {max} nT, which is what facility.coils.{coil}.max_nt allows"),
             )),
             None => Ok(()),
@@ -200,9 +201,9 @@ pub fn samples(path: &str, count: f64, least: f64) -> Result<f64, Error> {
     if (least..=MOST_ROWS).contains(&count) {
         return Ok(count);
     }
-    let count = if count < 1e6 { format!("{count}") } else { format!("{count:.3e}") };
-    let found = format!("{count} samples in one recording");
-    Err(Error::document(path, found, format!("at least {least} and at most {MOST_ROWS:.0e}")))
+    let found =
+        format!("{} {} in one recording", bare(count), if count == 1.0 { "sample" } else { "samples" });
+    Err(Error::document(path, found, format!("at least {} and at most {}", bare(least), bare(MOST_ROWS))))
 }
 
 /// Numbers from −to to +to in so many points.

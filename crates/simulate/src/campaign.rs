@@ -1,5 +1,6 @@
 //! A whole campaign: every procedure of a plan, with what is true behind it.
 
+use common::number::bare;
 use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Noise, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, EffectInstance, References, Unit, frames};
@@ -146,8 +147,8 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
         let path = format!("procedures[{index}]");
         rows += procedure.sequence().rows(&bench, &path)?;
         if rows > MOST_ROWS {
-            let found = format!("{rows:.3e} rows so far");
-            return Err(Error::document(path, found, format!("at most {MOST_ROWS:.0e} in all")));
+            let found = format!("{} rows so far", bare(rows));
+            return Err(Error::document(path, found, format!("at most {} in all", bare(MOST_ROWS))));
         }
     }
     let mut planned = Vec::new();
@@ -273,7 +274,7 @@ fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, E
             let length = matrix.column(axis).norm();
             if (length - 1.0).abs() > 1e-3 {
                 let path = format!("truth.calibration.axes.{key}.matrix");
-                let found = format!("a column of length {length:.6}");
+                let found = format!("a column of length {}", bare(length));
                 let expected = "columns that are unit vectors, here or, where the truth says nothing, in `calibration.axes`";
                 return Err(Error::document(path, found, expected));
             }

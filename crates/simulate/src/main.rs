@@ -144,7 +144,8 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     if *run_sheet {
         let RunSheet { csv, steps, length_s, work_s } = simulate::run_sheet(&plan).map_err(located)?;
         pipe::write(io.output.as_deref(), &csv)?;
-        let words = format!("{steps} settings, {} of work in {}", duration(work_s), duration(length_s));
+        let words =
+            format!("{}, {} of work in {}", counted(steps, "setting"), duration(work_s), duration(length_s));
         say(io, &words);
         return Ok(());
     }
@@ -230,7 +231,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         truths.finish()?;
     }
     documents.finish()?;
-    say(io, &format!("{written} documents"));
+    say(io, &counted(written, "document"));
     Ok(())
 }
 

@@ -1,5 +1,6 @@
 //! When each recording begins.
 
+use common::number::duration;
 use common::time::{Start, day_of_week, hour_of_day};
 use common::{Column, Error};
 
@@ -59,7 +60,7 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
         if let Some(start) = start {
             let moment = start.after(begins_s);
             planned.recording.start = Some(moment.text().ok_or_else(|| {
-                let found = format!("a recording {begins_s:.3e} s after the beginning");
+                let found = format!("a recording {} after the beginning", duration(begins_s));
                 Error::document(planned.path.clone(), found, "dates before the year 10000")
             })?);
             (clock_s, local_s) = (begins_s, Some(moment.local_s()));

@@ -17,11 +17,16 @@ pub struct Tolerance {
 }
 
 /// Runs one golden case: the fixture `input` through `run`, against `<case>/expected.json` within the
-/// `tolerances.json` of its stage (`default`, and others by the beginning of a JSON path; the longest holds).
+/// `tolerances.json` of its stage (`default`, and others by the beginning of a JSON path; the longest holds). Its words must be well written
+/// ([`crate::ill_written`]).
 /// With BLESS=1 in the environment the expected document is written anew: read the difference.
 pub fn golden(case: &str, input: &str, run: impl FnOnce(&str) -> String) {
     let folder = fixture(case);
     let found = run(&crate::read_fixture(input));
+    let parse = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_else(|e| panic!("{case}: {e}"));
+    let texts = words(&parse(&found)).into_iter().filter(|text| text.contains(' '));
+    let wrong = texts.flat_map(|text| crate::ill_written(&text)).collect::<Vec<_>>();
+    assert!(wrong.is_empty(), "{case}: {wrong:?}");
     if bless() {
         fs::create_dir_all(&folder)
             .and_then(|()| fs::write(folder.join("expected.json"), &found))
@@ -32,10 +37,21 @@ pub fn golden(case: &str, input: &str, run: impl FnOnce(&str) -> String) {
     let tolerances: BTreeMap<String, Tolerance> =
         serde_json::from_str(&tolerances).unwrap_or_else(|e| panic!("{case}: tolerances: {e}"));
     let expected = crate::read_fixture(&format!("{case}/expected.json"));
-    let parse = |text: &str| serde_json::from_str::<Value>(text).unwrap_or_else(|e| panic!("{case}: {e}"));
     let mut differences = Vec::new();
     compare("", &parse(&found), &parse(&expected), &tolerances, &mut differences);
     assert!(differences.is_empty(), "{case}:\n{}", differences.join("\n"));
+}
+
+/// All texts of a document but those of its history.
+fn words(value: &Value) -> Vec<String> {
+    match value {
+        Value::String(text) => vec![text.clone()],
+        Value::Array(all) => all.iter().flat_map(words).collect(),
+        Value::Object(all) => {
+            all.iter().filter(|(key, _)| *key != "history").flat_map(|(_, value)| words(value)).collect()
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// Whether expected files are to be written anew.

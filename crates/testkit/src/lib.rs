@@ -11,6 +11,7 @@ mod faults;
 mod golden;
 mod help;
 mod jacobian;
+mod words;
 
 pub use beside::beside;
 pub use binary::{Run, run, run_in};
@@ -19,6 +20,7 @@ pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};
 pub use jacobian::check_jacobian;
+pub use words::ill_written;
 
 /// A path below the workspace's `fixtures`.
 pub fn fixture(relative: &str) -> PathBuf {

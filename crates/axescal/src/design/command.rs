@@ -1,6 +1,7 @@
 //! The command `axescal design`: its arguments, the candidates, JSON and table out.
 
 use clap::Args;
+use common::number::{bare, counted, figures};
 use common::{Axis, Matrix3x3};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
@@ -94,24 +95,27 @@ fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, common::Error> {
 fn words(design: &Design) -> String {
     let model = &design.error_model;
     let mut text = format!(
-        "axescal design: {} candidate orientations, {} nT noise and {} nT codes in {} nT, theodolites {}\"\n  \
+        "axescal design: {}, {} nT noise and {} nT codes in {} nT, theodolites {}\"\n  \
          orientations  worst arcsec  search\n",
-        design.candidates, model.noise_nt, model.quantisation_nt, model.drive_nt, model.theodolite_arcsec
+        counted(design.candidates, "candidate orientation"),
+        bare(model.noise_nt),
+        bare(model.quantisation_nt),
+        bare(model.drive_nt),
+        bare(model.theodolite_arcsec)
     );
     // Writing to a String cannot fail.
     for row in &design.table {
-        let worst =
-            row.worst_arcsec.map_or_else(|| "undetermined".to_string(), |worst| format!("{worst:.3}"));
+        let worst = row.worst_arcsec.map_or_else(|| "undetermined".to_string(), |worst| figures(worst, 4));
         let mark = if row.number == design.orientations.len() { " <- chosen" } else { "" };
         let _ = writeln!(text, "  {:>12}  {worst:>12}  {}{mark}", row.number, row.search);
     }
     if let Some(more) = &design.one_more {
         let _ = writeln!(
             text,
-            "  one more beside the chosen {}: {:.3}\" instead of {:.3}\"",
+            "  one more beside the chosen {}: {}\" instead of {}\"",
             design.orientations.len(),
-            more.worst_arcsec,
-            design.worst_arcsec
+            figures(more.worst_arcsec, 4),
+            figures(design.worst_arcsec, 4)
         );
     }
     text

@@ -11,6 +11,7 @@ mod search;
 pub use command::{Arguments, main};
 
 use common::Matrix3x3;
+use common::number::counted;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use physics::frames::{self, ARCSEC, tangents};
 use physics::reading;
@@ -148,14 +149,15 @@ fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Resu
     }
     if candidates.len() < 3 {
         return Err(common::Error::Request(format!(
-            "{} candidate orientations; at least 3 are needed",
-            candidates.len()
+            "{}; at least 3 are needed",
+            counted(candidates.len(), "candidate orientation")
         )));
     }
     if number > candidates.len() || number < 2 {
         return Err(common::Error::Request(format!(
-            "{number} orientations of {} candidates; choose at least 3 and at most {}",
-            candidates.len(),
+            "{} of {}; choose at least 3 and at most {}",
+            counted(number, "orientation"),
+            counted(candidates.len(), "candidate"),
             candidates.len()
         )));
     }

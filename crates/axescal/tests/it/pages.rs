@@ -1,4 +1,4 @@
-//! The commands of README and docs run as they stand, and print what the page shows.
+//! The commands of README and docs run as they stand, print what the page shows, and write numbers in words as people read them.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -69,12 +69,14 @@ fn runs(page: &str) {
             .current_dir(folder.path())
             .output()
             .expect("a shell");
-        let printed =
+        let [said, given] =
             [output.stderr, output.stdout].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-        let printed = printed.concat();
+        let printed = said.clone() + &given;
         assert!(output.status.success(), "{page}: {command}{printed}");
         let wrong: Vec<&String> = shown.iter().filter(|line| !stands_in(line, &printed)).collect();
         assert!(wrong.is_empty(), "{page}: {command}does not print {wrong:#?} but\n{printed}");
+        let wrong = testkit::ill_written(&said);
+        assert!(wrong.is_empty(), "{page}: {command}writes {wrong:#?} in\n{said}");
         run += 1;
     }
     assert!(run > 0, "{page}: no block ran");

@@ -32,7 +32,7 @@ fn each_fault_of_a_table_has_its_message() {
     let faults: [(&[&str], &str); 10] = [
         (
             &["--calibration", "flight.json", "fill.csv", "-o", "out.csv"],
-            "fill.csv, row 2, column sensor_y_v: found -1e31; expected a reading between -1000000 and 1000000",
+            "fill.csv, row 2, column sensor_y_v: found -1e31; expected a reading between −1000000 and 1000000",
         ),
         (
             &["--calibration", "flight.json", "two.csv"],

@@ -1,5 +1,6 @@
 //! Where the difference lies.
 
+use common::number::{bare, p_value};
 use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
@@ -10,7 +11,6 @@ use crate::covariates;
 use crate::fit::square;
 use crate::model::{Column, Model};
 use crate::observed::Channel;
-use crate::words::chance;
 use crate::{Options, Outcome};
 
 pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {
@@ -80,7 +80,7 @@ pub(super) fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Sha
         return line.map(|line| Share {
             recordings: vec![line.recording.clone()],
             band_hz: Some([line.frequency_hz; 2]),
-            description: format!("a line at {:.6} Hz", line.frequency_hz),
+            description: format!("a line at {} Hz", bare(line.frequency_hz)),
             ..Share::default()
         });
     };
@@ -102,18 +102,18 @@ pub(super) fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Sha
 pub(super) fn structure(outcome: &Outcome, options: &Options) -> String {
     let mut words = Vec::new();
     if let Some(structure) = outcome.last.structures.first() {
-        words.push(format!("{} ({})", structure.what.name(), chance(structure.p_adjusted)));
+        words.push(format!("{} ({})", structure.what.name(), p_value(structure.p_adjusted)));
     }
     if let Some(line) = outcome.last.line.as_ref().filter(|line| line.p < options.level / 3.0) {
         words.push(format!(
-            "a line at {:.6} Hz in \"{}\" ({})",
-            line.frequency_hz,
+            "a line at {} Hz in \"{}\" ({})",
+            bare(line.frequency_hz),
             line.recording,
-            chance(line.p)
+            p_value(line.p)
         ));
     }
     words.extend(
-        outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} ({})", p.name, chance(p.p))),
+        outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} ({})", p.name, p_value(p.p))),
     );
     words.join("; ")
 }

@@ -1,5 +1,6 @@
 //! Proposals fitted together with all else, and why some are not taken.
 
+use common::number::{duration, significant};
 use physics::{EffectInstance, Kind, Role, Stage};
 use rayon::prelude::*;
 
@@ -198,7 +199,7 @@ impl Searcher<'_> {
         if let (Kind::VehiclePass, [.., duration_s]) = (found.kind, &found.parameters[..])
             && *duration_s > LONGEST_PASS * fitter.model.observed.longest_s()
         {
-            return idle(format!("a pass of {duration_s:.0} s does not end within its recording"));
+            return idle(format!("a pass of {} does not end within its recording", duration(*duration_s)));
         }
         if let (Kind::CoilHeating, [brought, before, ..]) = (found.kind, &found.parameters[..])
             && brought * before < 0.0
@@ -216,7 +217,11 @@ impl Searcher<'_> {
                 Role::Epoch => false,
             };
             if beyond {
-                let words = format!("{} would have to be {value:.3e}, which is not plausible", info.name);
+                let words = format!(
+                    "{} would have to be {}, which is not plausible",
+                    info.name,
+                    significant(*value, 3)
+                );
                 let amplitude = info.role == Role::Amplitude;
                 return Some(if amplitude { Fault::Implausible(words) } else { Fault::Idle(words) });
             }

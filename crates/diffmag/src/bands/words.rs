@@ -1,10 +1,11 @@
 //! What the bands say of the matrix, in words.
 
+use common::number::{duration, p_value, signed, significant, uncertain};
 use common::{Axis, TransferBand, TransferBands};
 
 use super::LONG_S;
 use crate::regression::p_of;
-use crate::words::{TOLD_BELOW, duration, p_of_one};
+use crate::words::{TOLD_BELOW, p_of_one};
 
 /// One element in one band.
 struct Element<'a> {
@@ -20,7 +21,7 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
         .bands
         .iter()
         .filter(|band| !band.tested)
-        .map(|band| format!("{} ({:.0})", periods(band), band.freedom))
+        .map(|band| format!("{} ({})", periods(band), significant(band.freedom, 2)))
         .collect();
     if !few.is_empty() {
         findings.push(format!(
@@ -32,10 +33,10 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
     if clock < TOLD_BELOW && found.clock.alike_p >= TOLD_BELOW {
         findings.push(format!(
             "the phases between the instruments grow with frequency, alike on all axes: the test instrument's clock is {} by \
-             {:.4} ± {:.4} s (p = {clock:.1e})",
+             {} s ({})",
             if found.clock.offset_s.value() > 0.0 { "late" } else { "early" },
-            found.clock.offset_s.value().abs(),
-            found.clock.offset_s.std().unwrap_or(0.0)
+            uncertain(found.clock.offset_s.value().abs(), found.clock.offset_s.std().unwrap_or(0.0)),
+            p_value(clock)
         ));
     }
     let p = p_of_one(&found.one_matrix_with_clock);
@@ -59,13 +60,12 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
     };
     let Some((name, a, b)) = pair else { return findings };
     findings.push(format!(
-        "the matrix depends on the period (p = {p:.1e}): {} {name} is {:+.5} ± {:.5}, {} {:+.5} ± {:.5}; {cause}",
+        "the matrix depends on the period ({}): {} {name} is {}, {} {}; {cause}",
+        p_value(p),
         periods(a.band),
-        a.value,
-        a.std,
+        signed(&uncertain(a.value, a.std)),
         periods(b.band),
-        b.value,
-        b.std
+        signed(&uncertain(b.value, b.std))
     ));
     findings
 }

@@ -1,3 +1,4 @@
+use common::number::uncertain;
 use nalgebra::Matrix3;
 use thiserror::Error;
 
@@ -13,7 +14,8 @@ const SIGMAS: f64 = 3.0;
 pub enum Error {
     /// η has no inverse.
     #[error(
-        "η is singular within its uncertainty: its determinant is {determinant:.3e} ± {uncertainty:.1e}; three axes of one instrument lie in a plane, an output is dead or connected twice, or the field did not vary in three directions"
+        "η is singular within its uncertainty: its determinant is {}; three axes of one instrument lie in a plane, an output is dead or connected twice, or the field did not vary in three directions",
+        uncertain(*.determinant, *.uncertainty)
     )]
     Singular {
         /// Determinant of η.

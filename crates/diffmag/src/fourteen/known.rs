@@ -1,3 +1,4 @@
+use common::number::{figures, significant};
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -87,7 +88,7 @@ impl Known {
                 let loose = self.covariance[(0, 0)].sqrt();
                 if loose > LOOSE_RAD {
                     let expected = "α known to better than 0.25 rad; otherwise sin γ sin α and sin γ cos α in place of α and γ";
-                    return refuse(format!("α with an uncertainty of {loose:.2} rad"), expected);
+                    return refuse(format!("α with an uncertainty of {} rad", figures(loose, 2)), expected);
                 }
             }
             KnownAxes::ReferenceTilts(_) => {
@@ -100,7 +101,8 @@ impl Known {
                 if smallest < FLAT {
                     return refuse(
                         format!(
-                            "cosines {a}, {b} and {c}, whose matrix has an eigenvalue of {smallest:.3e} (it must be positive definite)"
+                            "cosines {a}, {b} and {c}, whose matrix has an eigenvalue of {} (it must be positive definite)",
+                            significant(smallest, 3)
                         ),
                         expected,
                     );
@@ -126,7 +128,7 @@ pub(super) fn check_covariance<const N: usize>(
         return refuse("an element is not finite".into());
     }
     if let Some(i) = (0..N).find(|&i| covariance[(i, i)] < 0.0) {
-        return refuse(format!("variance {} is {:.3e}", i + 1, covariance[(i, i)]));
+        return refuse(format!("variance {} is {}", i + 1, significant(covariance[(i, i)], 3)));
     }
     // Floor of the smallest number keeps a variance of zero from dividing by it.
     let scale = |i: usize| covariance[(i, i)].sqrt().max(f64::MIN_POSITIVE);
@@ -139,7 +141,7 @@ pub(super) fn check_covariance<const N: usize>(
     }
     let smallest = correlation.symmetric_eigenvalues().min();
     if smallest < -ROUNDING {
-        return refuse(format!("its correlations have an eigenvalue of {smallest:.3e}"));
+        return refuse(format!("its correlations have an eigenvalue of {}", significant(smallest, 3)));
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! Sentences about noise of the reference.
 
+use common::number::{figures, p_value, uncertain};
 use common::{Axis, OwnNoise, PerAxis, Quantity, ReferenceNoise, ReferenceNoiseSource, ThreeCornered};
 
 /// Which interval to quote where the matrix is corrected.
@@ -41,7 +42,7 @@ pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> Strin
                 format!(
                     "the pull on the matrix is below half of each uncertainty where the reference has less than {} % of \
                      that power",
-                    digits(100.0 * harmless)
+                    figures(100.0 * harmless, 2)
                 )
             } else {
                 "whichever instrument has it, the pull on the matrix is below half of each uncertainty".into()
@@ -64,7 +65,7 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
     match worst(&pulled) {
         Some((name, pull)) if pull > 0.5 => findings.push(format!(
             "noise of the reference had pulled the matrix by up to {} of its uncertainties ({name})",
-            digits(pull)
+            figures(pull, 2)
         )),
         _ => {}
     }
@@ -82,7 +83,7 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
         findings.push(format!(
             "noise of the reference may have pulled the matrix by up to {} of its uncertainties ({name}); declare it in \
              `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
-            digits(most)
+            figures(most, 2)
         ));
     }
     if let Some(spectrum) = &report.in_spectrum {
@@ -95,17 +96,17 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
             );
         } else if told && report.known_from == ReferenceNoiseSource::Unknown {
             findings.push(format!(
-                "the coefficients fall where the field is weak, but not as noise of the reference makes them (p = {:.1e}): \
+                "the coefficients fall where the field is weak, but not as noise of the reference makes them ({}): \
                  the two instruments do not answer alike at all frequencies",
-                spectrum.consistency_p
+                p_value(spectrum.consistency_p)
             ));
         }
     }
     if let Some(three) = three.filter(|three| three.goodness_p < told_below) {
         findings.push(format!(
-            "the noises of the three instruments are not independent, or not A/f^α and white (p = {:.1e}): something is \
+            "the noises of the three instruments are not independent, or not A/f^α and white ({}): something is \
              common to two of them, and the split is not to be trusted",
-            three.goodness_p
+            p_value(three.goodness_p)
         ));
     }
     findings
@@ -130,7 +131,7 @@ fn of_instrument(noise: &PerAxis<OwnNoise>) -> String {
     let of = |unit: &str, factor: f64, value: &dyn Fn(&OwnNoise) -> (f64, f64)| {
         let each = Axis::ALL.iter().filter_map(|axis| noise.get(*axis)).map(|own| {
             let (value, high) = value(own);
-            if value > 0.0 { digits(factor * value) } else { format!("< {}", digits(factor * high)) }
+            if value > 0.0 { figures(factor * value, 2) } else { format!("< {}", figures(factor * high, 2)) }
         });
         format!("{} {unit}", each.collect::<Vec<_>>().join(", "))
     };
@@ -142,18 +143,7 @@ fn of_instrument(noise: &PerAxis<OwnNoise>) -> String {
 
 /// Shares along x, y, z.
 fn of_axes(shares: &PerAxis<Quantity>) -> String {
-    let percent = |share: &Quantity| {
-        format!("{} ± {}", digits(100.0 * share.value()), digits(100.0 * share.std().unwrap_or(0.0)))
-    };
+    let percent = |share: &Quantity| uncertain(100.0 * share.value(), 100.0 * share.std().unwrap_or(0.0));
     let each: Vec<String> = Axis::ALL.iter().filter_map(|axis| shares.get(*axis)).map(percent).collect();
     format!("{} % (x, y, z)", each.join(", "))
-}
-
-/// Two digits.
-fn digits(value: f64) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return "0".into();
-    }
-    let places = (1 - value.abs().log10().floor() as i32).max(0) as usize;
-    format!("{value:.places$}")
 }

@@ -1,5 +1,6 @@
 //! Columns that are one, and units that cannot be the same.
 
+use common::number::significant;
 use common::{Axis, Error as Fault};
 use estimate::tsqr::Tsqr;
 
@@ -57,7 +58,7 @@ pub fn check(paths: &[String; 2], reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3
         |columns: &[Vec<f64>; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
     let ratio = size(test) / size(reference);
     if !(1.0 / UNITS..=UNITS).contains(&ratio) {
-        let found = format!("changes {ratio:.2e} times those of the reference");
+        let found = format!("changes {} times those of the reference", significant(ratio, 3));
         let expected = "readings of both instruments in nT; are those of one in V, or in µT?";
         return Err(Fault::document(format!("{path}.columns.test_x_nt"), found, expected).into());
     }

@@ -1,5 +1,6 @@
 //! Readings of one instrument that are even in time: one piece of what its logger recorded.
 
+use common::number::{counted, duration};
 use common::{Axis, Error as Fault, Recording};
 use estimate::resample::pchip;
 use estimate::stats::median;
@@ -62,9 +63,10 @@ fn place(time: &[f64], columns: [Vec<f64>; 3], path: &str, id: &str) -> Result<P
     if places[last] > SPARSE * time.len() as f64 {
         let longest = (0..last).max_by(|a, b| intervals[*a].total_cmp(&intervals[*b])).unwrap_or(0);
         let found = format!(
-            "{} s from row {longest} to row {} where rows are {usual} s apart",
-            intervals[longest],
-            longest + 1
+            "{} from row {longest} to row {} where rows are {} apart",
+            duration(intervals[longest]),
+            longest + 1,
+            duration(usual)
         );
         let expected = "times of one clock; was it set there? Put the rows before and after into recordings of their own";
         return Err(
@@ -134,7 +136,7 @@ fn column(recording: &Recording, path: &str, instrument: &str, axis: Axis) -> Re
     };
     let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
     if known.len() < LEAST {
-        let found = format!("{} readings", known.len());
+        let found = counted(known.len(), "reading");
         return Err(Fault::document(format!("{path}.columns.{name}"), found, "at least five").into());
     }
     if known.iter().all(|value| *value == known[0]) {
@@ -161,7 +163,7 @@ mod tests {
         let refused = place(&time, [column.clone(), column.clone(), column], "recordings[0]", "it");
         let said = refused.err().expect("refused").to_string();
         assert!(
-            said.starts_with("recordings[0].columns.time_s[20]: found 1700000001 s from row 19 to row 20"),
+            said.starts_with("recordings[0].columns.time_s[20]: found 19680 days from row 19 to row 20"),
             "{said}"
         );
     }

@@ -1,5 +1,6 @@
 //! Columns of which no matrix can be told.
 
+use common::number::significant;
 use common::{Axis, Error as Fault};
 use estimate::tsqr::Tsqr;
 
@@ -44,8 +45,9 @@ pub fn columns(factor: &Tsqr) -> Result<(), Error> {
     let ratio = size(&squares[3..]) / size(&squares[..3]);
     if !(1.0 / UNITS..=UNITS).contains(&ratio) {
         return refused(format!(
-            "test_x_nt, …: found changes {ratio:.2e} times those of the reference; expected readings of both instruments in nT; are \
-             those of one in V, or in µT?"
+            "test_x_nt, …: found changes {} times those of the reference; expected readings of both instruments in nT; are \
+             those of one in V, or in µT?",
+            significant(ratio, 3)
         ));
     }
     Ok(())

@@ -1,3 +1,4 @@
+use common::number::significant;
 use thiserror::Error;
 
 /// Why rows cannot be taken, or pieces not be joined.
@@ -19,7 +20,8 @@ pub enum Error {
     },
     /// A row does not stand on the grid.
     #[error(
-        "row {row}: found {time_s} s, {off:.2} of a step from the grid of {step_s} s; expected less than 0.4 (is the step right? does the clock jump?)"
+        "row {row}: found {time_s} s, {} of a step from the grid of {step_s} s; expected less than 0.4 (is the step right? does the clock jump?)",
+        significant(*.off, 2)
     )]
     OffGrid {
         /// Row from 0 over all batches.

@@ -1,9 +1,10 @@
 //! What windows and disturbed times say of the matrix, in words.
 
+use common::number::{counted, duration, p_value, signed, significant, uncertain};
 use common::{Axis, Matrix3x3, MatrixWindows, Quantity, QuietDisturbed};
 use physics::frames::ARCSEC;
 
-use crate::words::{TOLD_BELOW, duration, p_of_one};
+use crate::words::{TOLD_BELOW, p_of_one};
 
 /// Of windows.
 pub fn findings(found: &MatrixWindows) -> Vec<String> {
@@ -12,8 +13,9 @@ pub fn findings(found: &MatrixWindows) -> Vec<String> {
     if moved < TOLD_BELOW {
         let change = &found.largest_change;
         findings.push(format!(
-            "the matrix does not hold still: {} windows do not have one η (p = {moved:.1e}); what stands out most is {} by {} at {}",
-            found.windows.len(),
+            "the matrix does not hold still: {} do not have one η ({}); what stands out most is {} by {} at {}",
+            counted(found.windows.len(), "window"),
+            p_value(moved),
             named(&change.element),
             amount(&change.element, &change.change_ppm),
             duration(change.at_s),
@@ -23,7 +25,8 @@ pub fn findings(found: &MatrixWindows) -> Vec<String> {
         && let Some((element, change)) = largest(&found.trend_per_day, &found.trend_std_per_day)
     {
         findings.push(format!(
-            "the matrix changes steadily (p = {trend:.1e}): {} by {} a day most clearly; a pillar that settles, or a course of temperature, would turn it so",
+            "the matrix changes steadily ({}): {} by {} a day most clearly; a pillar that settles, or a course of temperature, would turn it so",
+            p_value(trend),
             named(&element),
             amount(&element, &change),
         ));
@@ -36,9 +39,9 @@ pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
     let (Some(quiet), Some(disturbed), Some(test)) = (&found.quiet, &found.disturbed, &found.one_matrix)
     else {
         return vec![format!(
-            "the field is nearly as lively in quiet as in disturbed times (a factor of {:.1}): whether the matrix differs between \
+            "the field is nearly as lively in quiet as in disturbed times (a factor of {}): whether the matrix differs between \
              them cannot be asked of this recording",
-            found.activity_ratio
+            significant(found.activity_ratio, 2)
         )];
     };
     let p = p_of_one(test);
@@ -60,9 +63,10 @@ pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
         format!(", the longest from {} to {}", duration(*from), duration(*to))
     });
     vec![format!(
-        "disturbed times ({} of them{when}) have another matrix than quiet ones (p = {p:.1e}){most}; induced currents that differ \
+        "disturbed times ({} of them{when}) have another matrix than quiet ones ({}){most}; induced currents that differ \
          between the sites would do that",
-        disturbed.times_s.len()
+        disturbed.times_s.len(),
+        p_value(p)
     )]
 }
 
@@ -87,5 +91,5 @@ fn amount(element: &str, change_ppm: &Quantity) -> String {
     let (from, to) = element.split_at(element.len().min(1));
     let (unit, size) = if from == to { ("ppm", 1.0) } else { ("arcsec", 1e-6 / ARCSEC) };
     let (value, std) = (change_ppm.value() * size, change_ppm.std().unwrap_or(0.0) * size);
-    format!("{value:+.1} ± {std:.1} {unit}")
+    format!("{} {unit}", signed(&uncertain(value, std)))
 }

@@ -1,5 +1,6 @@
 //! Rows of values, as the mapping writes them.
 
+use common::number::counted;
 use tables::LINE_LIMIT;
 
 use super::Slot;
@@ -186,7 +187,7 @@ impl Parser<'_> {
     }
 
     fn unequal(&self, line: &[u8], number: u32) -> RowFault {
-        let found = format!("{} values", fields(line, self.mapping.separator).len());
+        let found = counted(fields(line, self.mapping.separator).len(), "value");
         let expected = match &self.names {
             Some(names) => format!(
                 "{}, one for each name in the header; was the file cut, or is the separator another?",

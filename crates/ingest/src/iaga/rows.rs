@@ -8,6 +8,7 @@ use crate::fill;
 use crate::number;
 use crate::parts::{Room, RowFault, Rows, in_parts};
 use crate::text::{Source, split_line};
+use common::number::counted;
 
 /// A row has a date, a time of day, a day of the year and a value.
 const LEAST_BYTES: usize = 20;
@@ -96,7 +97,7 @@ impl Parser<'_> {
         for (index, title) in self.titles.iter().enumerate() {
             rest = rest.trim_ascii_start();
             if rest.is_empty() {
-                let found = format!("{index} of {} values", self.titles.len());
+                let found = format!("{index} of {}", counted(self.titles.len(), "value"));
                 return fault(None, found, "one for each title; was the file cut?".into());
             }
             match number::plain(rest, b'.').or_else(|| fast_float2::parse_partial(rest).ok()) {
@@ -115,7 +116,11 @@ impl Parser<'_> {
         }
         if !rest.trim_ascii().is_empty() {
             let found = format!("{} after the last value", quoted(rest.trim_ascii()));
-            return fault(None, found, format!("{} values, one for each title", self.titles.len()));
+            return fault(
+                None,
+                found,
+                format!("{}, one for each title", counted(self.titles.len(), "value")),
+            );
         }
         room.end_row(day.start_ns + time_ns, line);
         Ok(())
@@ -130,7 +135,8 @@ impl Parser<'_> {
         if before.len() == first.len() && last.len() < before.len() && !last.is_empty() {
             let cut = last.rsplit(u8::is_ascii_whitespace).next().unwrap_or(last);
             let found = format!("a last line that breaks off at {}", quoted(cut));
-            let expected = format!("{} characters as on the lines before; was the file cut?", before.len());
+            let expected =
+                format!("{} as on the lines before; was the file cut?", counted(before.len(), "character"));
             return Err(RowFault {
                 line: rows.lines.last().copied().unwrap_or(0),
                 column: None,

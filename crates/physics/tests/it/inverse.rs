@@ -86,7 +86,7 @@ fn a_reading_beyond_saturation_is_said_to_have_no_field() {
         assert!((solved.field_sen[row] - truth[row]).amax() < 1e-6);
     }
     let error = physics::field_in_sen(&basic, &effects, &context, &readings).expect_err("one row");
-    assert!(error.to_string().contains("in 1 rows, the first of them row 7"), "{error}");
+    assert!(error.to_string().contains("in 1 row, the first of them row 7"), "{error}");
 }
 
 #[test]

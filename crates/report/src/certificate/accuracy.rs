@@ -3,6 +3,7 @@
 mod across;
 mod sensor;
 
+use common::number::{bare, fixed, signed, significant};
 use common::{Axis, Document};
 use nalgebra::{Matrix3, Vector3};
 
@@ -84,7 +85,9 @@ impl Budget {
                 Some(reached) if reached < asked_nt => {
                     along_nt[axis.index()] = reached;
                     let gap = format!(
-                        "calibrated up to {reached:.0} nT (`sensor_sensitivity` up to {asked_nt:.0} nT would show the rest)"
+                        "calibrated up to {} nT (`sensor_sensitivity` up to {} nT would show the rest)",
+                        bare(reached),
+                        bare(asked_nt)
                     );
                     gaps.add(axis, &gap);
                 }
@@ -99,7 +102,12 @@ impl Budget {
                 across.map(|fields| fields.iter().fold(0.0, |most: f64, field| most.max(field.abs())));
             if let Some(across) = across.filter(|across| *across < asked_nt) {
                 range_nt = range_nt.min(across);
-                gaps.add(axis, &format!("fields across went up to {across:.0} nT (`cross_field` up to {asked_nt:.0} nT would show the rest)"));
+                let gap = format!(
+                    "fields across went up to {} nT (`cross_field` up to {} nT would show the rest)",
+                    bare(across),
+                    bare(asked_nt)
+                );
+                gaps.add(axis, &gap);
             }
         }
         let ends = |part: Part| {
@@ -181,18 +189,19 @@ impl Budget {
 }
 
 fn words(size: f64, error: &ComponentError, case: &Case) -> String {
-    let [x, y, z] = [0, 1, 2].map(|row| case.field[row]);
-    let [sensor, electronics] = case.warmer;
+    let field = [0, 1, 2].map(|row| fixed(case.field[row], 0)).join(", ");
+    let [sensor, electronics] = case.warmer.map(|kelvin| signed(&significant(kelvin, 3)));
     let largest: Vec<String> = error
         .terms
         .iter()
         .take(4)
         .filter(|(_, std)| *std > 0.0)
-        .map(|(name, std)| format!("{name} {std:.3}"))
+        .map(|(name, std)| format!("{name} {}", significant(*std, 2)))
         .collect();
     format!(
-        "|e| + k u = {size:.2} nT, with a field of ({x:.0}, {y:.0}, {z:.0}) nT, the sensors {sensor:+.1} K and the electronics {electronics:+.1} K from the \
+        "|e| + k u = {} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the \
          reference; most from {}",
+        significant(size, 3),
         largest.join(", ")
     )
 }

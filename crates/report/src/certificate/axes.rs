@@ -1,3 +1,4 @@
+use common::number::{bare, counted};
 use common::{Axis, Document, Quantity};
 use nalgebra::Vector3;
 use physics::frames::{ARCSEC, angle, matrix};
@@ -40,7 +41,7 @@ pub fn known(document: &Document) -> Vec<Shown> {
         let value = directions.largest_std(axis) / ARCSEC;
         let std = directions.freedom.map_or(0.0, |freedom| value / (2.0 * freedom).sqrt());
         let how = match directions.freedom {
-            Some(freedom) => format!("{freedom:.0} degrees of freedom"),
+            Some(freedom) => format!("{} of freedom", counted(freedom.round() as usize, "degree")),
             None => "as stated, without degrees of freedom".into(),
         };
         (value, std, how)
@@ -98,7 +99,7 @@ pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<S
             value: a.value().hypot(b.value()) * far,
             std: std * far,
             gaps: range.gap.into_iter().collect(),
-            how: format!("{far:.1} K from the reference"),
+            how: format!("{} K from the reference", bare(far)),
         })
     })
 }

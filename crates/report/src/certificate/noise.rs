@@ -1,3 +1,4 @@
+use common::number::{bare, duration, p_value, significant};
 use common::{Axis, Document, SensorNoise};
 
 use super::verdict::{Found, Missing, Shown};
@@ -31,8 +32,8 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
         fastest.filter(|series| series.rate_hz >= 2.0 * band[1] * (1.0 - 1e-9)).ok_or_else(|| {
             missing(format!(
                 "no series of `sensor_noise` has the {} readings a second that show noise up to {} Hz",
-                2.0 * band[1],
-                band[1]
+                bare(2.0 * band[1]),
+                bare(band[1])
             ))
         })?;
     let spectrum = Spectrum::of(noise, fastest);
@@ -41,26 +42,34 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
     let mut gaps = Vec::new();
     if noise.goodness_p < UNLIKE_BELOW {
         gaps.push(format!(
-            "the spectrum is not of the form that is integrated (p = {:.1e})",
-            noise.goodness_p
+            "the spectrum is not of the form that is integrated ({})",
+            p_value(noise.goodness_p)
         ));
     }
     let longest =
         noise.series.iter().map(|series| series.samples as f64 / series.rate_hz).fold(0.0, f64::max);
     if longest * band[0] < 1.0 {
-        gaps.push(format!("the longest series of {longest:.0} s shows nothing of {} Hz", band[0]));
+        gaps.push(format!(
+            "the longest series of {} shows nothing of {} Hz",
+            duration(longest),
+            bare(band[0])
+        ));
     }
     let lines = noise.lines.iter().filter(|line| line.recording == fastest.recording);
     let inside = lines.filter(|line| (band[0]..=band[1]).contains(&line.frequency_hz));
     gaps.extend(inside.map(|line| {
-        format!("a line of {:.3} nT at {:.3} Hz is not in the figure", line.amplitude_nt, line.frequency_hz)
+        let (size, frequency) = (significant(line.amplitude_nt, 3), significant(line.frequency_hz, 5));
+        format!("a line of {size} nT at {frequency} Hz is not in the figure")
     }));
     let (rms, often) = (spectrum.rms(band), spectrum.crossings_hz(band));
     let how = if rms > 0.0 {
         let exceeded = rms * (2.0 * (2.0 * often * over_s / -(0.95f64.ln())).ln()).max(0.0).sqrt();
         format!(
-            "{rms:.4} nT rms, {often:.1} crossings a second, peak {:.2} times the rms; one record in twenty exceeds {exceeded:.3} nT",
-            value / rms
+            "{} nT rms, {} crossings a second, peak {} times the rms; one record in twenty exceeds {} nT",
+            significant(rms, 3),
+            significant(often, 3),
+            significant(value / rms, 3),
+            significant(exceeded, 3)
         )
     } else {
         "no noise was found".into()

@@ -1,3 +1,4 @@
+use common::number::{signed, significant, uncertain};
 use common::{Axis, Document, OffsetDrift, Quantity};
 
 use super::temperature::{Coefficients, Part, asked};
@@ -60,9 +61,12 @@ fn one(document: &Document, requirement: &Requirement, axis: Axis) -> Shown {
             }
         }
         let (value, std, warmer) = worst;
-        let at: Vec<String> =
-            warmer.iter().map(|(part, kelvin)| format!("the {} {kelvin:+.1} K", part.word())).collect();
-        how.push(format!("{value:+.3} ± {std:.3} nT with {} from the reference", at.join(" and ")));
+        let at: Vec<String> = warmer
+            .iter()
+            .map(|(part, kelvin)| format!("the {} {} K", part.word(), signed(&significant(*kelvin, 3))))
+            .collect();
+        let change = signed(&uncertain(value, std));
+        how.push(format!("{change} nT with {} from the reference", at.join(" and ")));
         (found.value, found.std) = (value.abs(), std);
         found.gaps.extend(parts.iter().filter_map(|(_, range)| range.gap.clone()));
     }
@@ -108,19 +112,20 @@ pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
         trend.std().ok_or("the trend of the offsets has no uncertainty; sensorcal gives one")? * widened;
     let mut std = own * years;
     let mut size = trend.value().abs() * years;
-    let mut how = format!("{:+.3} ± {own:.3} nT a year", trend.value());
+    let mut how = format!("{} nT a year", signed(&uncertain(trend.value(), own)));
     if let Some(annual) = drift.annual.as_ref().filter(|annual| annual.p_value < YEARLY_BELOW) {
         let of = |quantity: &Quantity| quantity.std().unwrap_or(0.0);
         let own = of(&annual.cosine_nt).max(of(&annual.sine_nt)) * widened;
         size += 2.0 * annual.amplitude_nt;
         std = std.hypot(2.0 * own);
-        how += &format!(", and {:.3} nT to either side within the year", annual.amplitude_nt);
+        how += &format!(", and {} nT to either side within the year", significant(annual.amplitude_nt, 3));
     }
     let days = drift.dates.time_d.last().copied().unwrap_or(0.0);
     let gap = (days < SPAN * years * YEAR_D).then(|| {
         format!(
-            "offsets were followed over {days:.0} days of {:.0} (go on with `offset_drift`)",
-            years * YEAR_D
+            "offsets were followed over {} days of {} (go on with `offset_drift`)",
+            significant(days, 4),
+            significant(years * YEAR_D, 4)
         )
     });
     Ok(Drift { value: size.copysign(trend.value()), std, gap, how })

@@ -1,3 +1,4 @@
+use common::number::{significant, uncertain};
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
 use super::verdict::{Found, Missing, Shown, normal_std};
@@ -62,7 +63,11 @@ fn one_resolution(document: &Document, axis: Axis) -> Shown {
     let (value, how) = match (declared, seen) {
         (Some(declared), Some(seen)) if (seen / declared - 1.0).abs() > UNLIKE => (
             declared.max(seen),
-            format!("declared {declared:.4} nT, the noise recordings show {seen:.4} nT; the larger counts"),
+            format!(
+                "declared {} nT, the noise recordings show {} nT; the larger counts",
+                significant(declared, 3),
+                significant(seen, 3)
+            ),
         ),
         (Some(declared), Some(seen)) => {
             (declared.max(seen), "as declared and as the noise recordings show".into())
@@ -108,11 +113,13 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
         .filter(|lag| lag.value() > 0.0);
     if let Some(lag) = lag {
         let value = 1.0 / (std::f64::consts::TAU * lag.value());
-        let std = lag.std().map(|std| value * std / lag.value()).ok_or_else(|| Missing {
+        let lag_std = lag.std().ok_or_else(|| Missing {
             of: sensor_name(axis),
             why: "`loop_bandwidth` of the model has no uncertainty; state one".into(),
         })?;
-        let how = format!("the loop follows with a lag of {:.3} ms", lag.value() * 1e3);
+        let std = value * lag_std / lag.value();
+        let how =
+            format!("the loop follows with a lag of {} ms", uncertain(lag.value() * 1e3, lag_std * 1e3));
         return Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how });
     }
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());

@@ -2,7 +2,7 @@ use common::Document;
 
 use super::verdict::{Found, Missing, Rule, Side, Verdict};
 use super::{ID, Judged, Kind, Requirement, Spec, judge};
-use crate::number::{bare, uncertain};
+use crate::number::{bare, counted, significant, uncertain};
 use crate::{Cell, Error, Item, Section, Table};
 
 /// The certificate: its first sentence counts the verdicts.
@@ -57,9 +57,8 @@ fn head(document: &Document, spec: &Spec, judged: &[Judged<'_>]) -> Vec<String> 
     let instrument = document.instrument.as_ref().and_then(|instrument| instrument.name.as_deref());
     vec![
         format!(
-            "{} requirement{}: {} pass, {} fail, {} not shown.",
-            judged.len(),
-            if judged.len() == 1 { "" } else { "s" },
+            "{}: {} pass, {} fail, {} not shown.",
+            counted(judged.len(), "requirement"),
             count(Verdict::Pass),
             count(Verdict::Fail),
             count(Verdict::NotShown)
@@ -114,14 +113,14 @@ fn failure(one: &Judged<'_>) -> String {
 /// The decision rule with its numbers.
 fn decision(rule: Rule) -> String {
     format!(
-        "Guard band of k standard uncertainties u (JCGM 106:2012, 8.3; ILAC-G8:09/2019), k = {:.3} where a value can miss its limit on one side, {:.3} \
-         where it can on both: either way a verdict of pass or fail is right with a probability of {:.1} % or more where errors are normal and u is right, for each sensor by itself. \
+        "Guard band of k standard uncertainties u (JCGM 106:2012, 8.3; ILAC-G8:09/2019), k = {} where a value can miss its limit on one side, {} \
+         where it can on both: either way a verdict of pass or fail is right with a probability of {} % or more where errors are normal and u is right, for each sensor by itself. \
          Pass: |value| + k u is within the limit. Fail: |value| − k u is beyond it. Not shown: neither, or the document lacks what is needed. \
          A limit that must be exceeded is read the other way round. The margin is what is left to the limit after k u. A value that is \
          \"at least\" so large can fail a limit from above, and pass one from below, and no more. Of several sensors or directions the worst decides; it is the one in the table.",
-        rule.factor(Side::Below),
-        rule.factor(Side::Within),
-        100.0 * rule.probability()
+        significant(rule.factor(Side::Below), 4),
+        significant(rule.factor(Side::Within), 4),
+        significant(100.0 * rule.probability(), 3)
     )
 }
 

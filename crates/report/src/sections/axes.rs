@@ -23,7 +23,7 @@ pub fn section(document: &Document) -> Option<Section> {
 fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
     section.warnings.extend(axes.findings.iter().cloned());
     if let Some(fit) = &axes.fit {
-        let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: p = {}", number::probability(p)));
+        let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: {}", number::p_value(p)));
         section.say(format!(
             "{} in {}, {}: rank {} of {}. Residuals {} nT rms, noise of a reading {} nT ({}){}. A 95 % interval is ± {} standard \
              uncertainties.",

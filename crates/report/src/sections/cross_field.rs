@@ -12,7 +12,7 @@ pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("cross-field", "Fields across the sensor");
     let mut table = Table::new(
-        "Coefficients, at 50 000 nT across (and along, for the sensitivity)",
+        "Coefficients, at 50000 nT across (and along, for the sensitivity)",
         [("sensor", ""), ("of", ""), ("coefficient", ""), ("value", "nT")],
     );
     let mut tests = Table::new(

@@ -28,8 +28,8 @@ pub fn noise(section: &mut Section, fit: &DifferentialFit) {
     }
     if let Some(three) = &fit.three_cornered {
         section.say(format!(
-            "Three instruments in one field; spectra that agree worse with independent noises: p = {}.",
-            number::probability(three.goodness_p)
+            "Three instruments in one field; spectra that agree worse with independent noises: {}.",
+            number::p_value(three.goodness_p)
         ));
         add(&mut own, "reference", Some(&three.reference));
         add(&mut own, "test", Some(&three.test));

@@ -1,3 +1,4 @@
+use common::number::{bare, vector};
 use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, procedure};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
@@ -142,7 +143,7 @@ impl Sequence for AxesProcedure {
             let Some(ac) = &self.ac else {
                 let mut rows = turn();
                 for drive in &drives {
-                    let action = format!("drive {:?} nT", [drive.x, drive.y, drive.z]);
+                    let action = format!("drive {} nT", vector([drive.x, drive.y, drive.z], 0.0));
                     rows.step(bench.set(action, *drive, self.repeats), bench.timing(), &[]);
                 }
                 planned.push(recording(id, rows, conditions));
@@ -151,8 +152,11 @@ impl Sequence for AxesProcedure {
             for (number, drive) in drives.iter().enumerate() {
                 let amplitude = drive.map(|field| if field == 0.0 { ac.dither_nt } else { field });
                 let mut rows = if number == 0 { turn() } else { Rows::new("same orientation", 0.0) };
-                let action =
-                    format!("drive {:?} nT at {} Hz", [amplitude.x, amplitude.y, amplitude.z], ac.hz);
+                let action = format!(
+                    "drive {} nT at {} Hz",
+                    vector([amplitude.x, amplitude.y, amplitude.z], 0.0),
+                    bare(ac.hz)
+                );
                 let mut step = bench.record(action, ac.cycles / ac.hz, 1.0 / ac.rate_hz);
                 step.current_a = bench.currents(amplitude);
                 rows.series(step, 1.0 / ac.rate_hz, |t| {

@@ -1,3 +1,4 @@
+use common::number::bare;
 use common::{Axis, Conditions, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -72,7 +73,7 @@ impl Sequence for CoilConstantProcedure {
             for level in 0..self.levels() as usize {
                 let field = sign * (self.from_nt + level as f64 * self.step_nt);
                 let step = bench.set(
-                    format!("{field} nT on coil {}", self.coil),
+                    format!("{} nT on coil {}", bare(field), self.coil),
                     on(self.coil, field),
                     self.repeats,
                 );

@@ -1,3 +1,4 @@
+use common::number::bare;
 use common::{Axis, Conditions, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -64,10 +65,11 @@ impl Sequence for CoilGradientProcedure {
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
         let field = self.field(bench);
-        let mut rows = Rows::new(format!("{field} nT on coil {}", self.coil), bench.timing().orientation_s);
+        let mut rows =
+            Rows::new(format!("{} nT on coil {}", bare(field), self.coil), bench.timing().orientation_s);
         for place in 0..2 * self.steps + 1 {
             let position = (place as f64 - self.steps as f64) * self.step_m;
-            let action = format!("scalar magnetometer to {position:.4} m along coil {}", self.coil);
+            let action = format!("scalar magnetometer to {} m along coil {}", bare(position), self.coil);
             let step = bench.set(action, on(self.coil, field), self.repeats);
             rows.step(step, bench.timing(), &[("position_m", position)]);
         }

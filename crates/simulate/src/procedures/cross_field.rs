@@ -1,3 +1,4 @@
+use common::number::bare;
 use common::{Axis, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -98,7 +99,11 @@ impl Sequence for CrossFieldProcedure {
                     Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
                 for level in &self.levels_nt {
                     for field in sweep(self.to_nt, self.steps) {
-                        let action = format!("{field} nT on coil {coil}, {level} nT on coil {across}");
+                        let action = format!(
+                            "{} nT on coil {coil}, {} nT on coil {across}",
+                            bare(field),
+                            bare(*level)
+                        );
                         let step = bench.set(action, on(coil, field) + on(across, *level), 1);
                         rows.step(step, bench.timing(), &[]);
                     }

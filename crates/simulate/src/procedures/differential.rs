@@ -1,3 +1,4 @@
+use common::number::{bare, duration};
 use common::{Conditions, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -47,7 +48,7 @@ impl Sequence for DifferentialProcedure {
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
         let mut rows = Rows::new("both magnetometers on their pillars", bench.timing().orientation_s);
-        let action = format!("record {} s at {} s", self.length_s, self.step_s);
+        let action = format!("record {} at {} s", duration(self.length_s), bare(self.step_s));
         rows.series(bench.record(action, self.length_s, self.step_s), self.step_s, |_| {
             nalgebra::Vector3::zeros()
         });

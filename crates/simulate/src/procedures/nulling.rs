@@ -1,3 +1,4 @@
+use common::number::{bare, duration};
 use common::{Axis, Conditions, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -73,8 +74,12 @@ impl Sequence for NullingProcedure {
                 let setup =
                     if number == 0 { "sensors along the coils, field nulled" } else { "same setting" };
                 let mut rows = Rows::new(setup, 0.0);
-                let action =
-                    format!("record {} s at {} Hz, {}", series.length_s, series.rate_hz, site.name());
+                let action = format!(
+                    "record {} at {} Hz, {}",
+                    duration(series.length_s),
+                    bare(series.rate_hz),
+                    site.name()
+                );
                 let step = bench.record(action, series.length_s, 1.0 / series.rate_hz);
                 rows.series(step, 1.0 / series.rate_hz, |_| nalgebra::Vector3::zeros());
                 let mut conditions = Conditions::default();

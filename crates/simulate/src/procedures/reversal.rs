@@ -1,3 +1,4 @@
+use common::number::{bare, signed};
 use common::{Axis, Conditions, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -121,7 +122,7 @@ fn reversal(bench: &Bench<'_>, kind: &str, id: String, path: &str, sensor: Axis,
         let turned = row > 0 && position != last;
         last = position;
         let step = Step {
-            action: format!("position {position:+}"),
+            action: format!("position {}", signed(&bare(position))),
             current_a: nalgebra::Vector3::zeros(),
             temperatures_c: None,
             wait_s: if turned { timing.reversal_s } else { 0.0 },

@@ -1,3 +1,4 @@
+use common::number::bare;
 use common::{Axis, Error, procedure};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -68,7 +69,8 @@ impl Sequence for SensitivityProcedure {
             let mut rows =
                 Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
             for field in sweep(self.to_nt, self.steps) {
-                let step = bench.set(format!("{field} nT on coil {coil}"), on(coil, field), self.repeats);
+                let step =
+                    bench.set(format!("{} nT on coil {coil}", bare(field)), on(coil, field), self.repeats);
                 rows.step(step, bench.timing(), &[]);
             }
             let mut recording =

@@ -1,3 +1,4 @@
+use common::number::bare;
 use common::{Axis, Error, procedure};
 use nalgebra::Vector3;
 #[cfg(feature = "schema")]
@@ -123,7 +124,7 @@ impl TemperatureProcedure {
             self.settle(bench, part, reached, target, &mut rows);
             reached = target;
             for field in sweep(self.to_nt, self.steps) {
-                let step = bench.set(format!("{field} nT on coil {coil}"), on(coil, field), 1);
+                let step = bench.set(format!("{} nT on coil {coil}", bare(field)), on(coil, field), 1);
                 self.row(bench, part, target, step, &mut rows);
             }
         }
@@ -141,8 +142,8 @@ impl TemperatureProcedure {
     fn settle(&self, bench: &Bench<'_>, part: HeatedPart, from: f64, to: f64, rows: &mut Rows) {
         let wait = bench.timing().temperature_settle_s;
         let action = match part {
-            HeatedPart::Sensor => format!("sensor to {to} degC"),
-            HeatedPart::Electronics => format!("electronics to {to} degC"),
+            HeatedPart::Sensor => format!("sensor to {} degC", bare(to)),
+            HeatedPart::Electronics => format!("electronics to {} degC", bare(to)),
         };
         let still = |action: String, wait_s: f64, readings: usize, length_s: f64| Step {
             action,

@@ -169,7 +169,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
-            "procedures[0].ac: found 1.000e12 samples in one recording; expected at least 5 and at most 5e7",
+            "procedures[0].ac: found 1·10¹² samples in one recording; expected at least 5 and at most 5·10⁷",
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
@@ -196,7 +196,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
-            "procedures[0]: found 1.920e11 rows so far; expected at most 5e7",
+            "procedures[0]: found 1.92·10¹¹ rows so far; expected at most 5·10⁷",
         ),
         (|plan| plan["procedures"][0]["drives"] = json!([]), "procedures[0].drives: found an empty list"),
         (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),
@@ -216,7 +216,7 @@ fn faulty_plans_are_refused_with_their_place() {
                 plan["procedures"][0] = json!({"procedure": "free_run", "id": "run",
                     "columns": {"time_s": [0.0, 1.0], "coil_x_a": [1.0]}});
             },
-            "recordings[0].columns.coil_x_a: found 1 rows where another column has 2",
+            "recordings[0].columns.coil_x_a: found 1 row where another column has 2",
         ),
         (
             |plan| {
@@ -254,7 +254,7 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| plan["procedures"][0] = json!({"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1e12, "step_s": 1}]}),
-            "procedures[0].series[0]: found 1.000e12 samples in one recording",
+            "procedures[0].series[0]: found 1·10¹² samples in one recording",
         ),
         (
             |plan| {

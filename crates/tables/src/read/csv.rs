@@ -138,7 +138,7 @@ impl Csv {
         Error::data(
             &self.source_name,
             Place::Line(chunk.line_at(start)),
-            format!("{fields} values"),
+            format!("{fields} value{}", if fields == 1 { "" } else { "s" }),
             format!("{}, one for each name in the header", self.names.len()),
         )
     }

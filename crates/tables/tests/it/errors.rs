@@ -94,9 +94,9 @@ fn rows_of_csv() {
     let row = |line: u64, found: &str| {
         format!("x, line {line}: found {found}; expected 2, one for each name in the header")
     };
-    assert_eq!(csv("a,b\n1,2\n3\n"), row(3, "1 values"));
+    assert_eq!(csv("a,b\n1,2\n3\n"), row(3, "1 value"));
     assert_eq!(csv("a,b\n1,2,3\n"), row(2, "3 values"));
-    assert_eq!(csv("a,b\n1,2\n3,4\n5"), row(4, "1 values"));
+    assert_eq!(csv("a,b\n1,2\n3,4\n5"), row(4, "1 value"));
     assert_eq!(csv("a,b\n1,2,\r\n"), row(2, "3 values"));
     assert_eq!(message(Format::Csv, "a,b\n1,2\n3,4,\"5,6\"\n", Some(&["a"])), row(3, "3 values"));
     let empty =
