@@ -1,6 +1,7 @@
 //! Even series at other times: band-limited interpolation; and uneven series made even.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 mod pchip;
 
@@ -60,7 +61,6 @@ pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) ->
         }))
         .collect();
     let stretch = stretch.max(1.0);
-    let table = table();
     let reach = HALF as f64 * stretch;
     let mut outputs = vec![Vec::with_capacity(places.len()); columns.len()];
     let (mut weights, mut phase, mut size, mut squares) = (Vec::new(), f64::NAN, 0.0, 0.0);
@@ -71,7 +71,7 @@ pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) ->
         let same = (place - first - phase).abs() < SAME_PHASE;
         if !same {
             phase = place - first;
-            fill(&mut weights, &table, phase, stretch);
+            fill(&mut weights, &KERNEL, phase, stretch);
             size = weights.iter().map(|w| w.abs()).sum();
             squares = weights.iter().map(|w| w * w).sum();
         }
@@ -131,8 +131,8 @@ fn bridged(column: &[f64], missing: &[bool]) -> Vec<f64> {
     filled
 }
 
-/// The kernel at u = 0 … 26, [`TABLE`] points a step, and a zero beyond the end.
-fn table() -> Vec<f64> {
+/// The kernel at u = 0 … 26, [`TABLE`] points a step, and a zero beyond the end; made once.
+static KERNEL: LazyLock<Vec<f64>> = LazyLock::new(|| {
     let end = HALF * TABLE;
     let mut values: Vec<f64> = (0..=end)
         .map(|i| {
@@ -144,7 +144,7 @@ fn table() -> Vec<f64> {
         .collect();
     values.push(0.0);
     values
-}
+});
 
 /// Weights of the rows from the first within reach on, for a place `phase` rows after that; their sum is one.
 fn fill(weights: &mut Vec<f64>, table: &[f64], phase: f64, stretch: f64) {

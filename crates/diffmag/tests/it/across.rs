@@ -11,7 +11,7 @@ const OWN_NT: f64 = 0.02;
 
 #[test]
 fn common_noise_is_in_the_covariance() {
-    let count = testkit::campaigns(12);
+    let count = testkit::campaigns(6);
     // Squares of η_ix ∓ η_iy over their standard uncertainties.
     let all: Vec<[f64; 6]> = (0..count)
         .into_par_iter()

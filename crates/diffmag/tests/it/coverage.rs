@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use simulate::DifferentialTruth;
 
 fn campaigns() -> u64 {
-    testkit::campaigns(4)
+    testkit::campaigns(2)
 }
 
 fn plan(noise: &Value, seed: u64) -> simulate::Plan {

@@ -16,7 +16,7 @@ const DAY: usize = 1440;
 const DAY_S: f64 = 86_400.0;
 
 fn campaigns() -> u64 {
-    testkit::campaigns(5)
+    testkit::campaigns(3)
 }
 
 #[derive(Clone, Copy)]
