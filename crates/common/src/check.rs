@@ -182,7 +182,7 @@ mod tests {
         );
         let said = refused(r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#);
         assert!(
-            said.starts_with("calibration.axes.coils.directions.y: found a direction of length 0.0"),
+            said.starts_with("calibration.axes.coils.directions.y: found a direction of length 0;"),
             "{said}"
         );
     }

@@ -162,7 +162,7 @@ fn runs_that_are_too_short_or_too_few_are_refused_in_words() {
     }
     let document = simulate::campaign(&plan).expect("simulated").document;
     let error = axescal::run(document, &Options::default()).expect_err("too short").to_string();
-    assert!(error.contains("found 0.6 cycles of 0.1 Hz"), "{error}");
+    assert!(error.contains("found 0.599 cycles of 0.1 Hz"), "{error}");
 
     if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
         axes.ac.as_mut().expect("an AC drive").cycles = 3.0;

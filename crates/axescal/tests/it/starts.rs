@@ -242,7 +242,8 @@ fn one_wrong_constant_is_named() {
     assert!(verdict.starts_with("the readings agree"), "{verdict}");
     let named = |verdict: &str, name: &str, ppm: f64| {
         let found = verdict.split(&format!("one constant explains it, {name} by ")).nth(1).expect(verdict);
-        let numbers: Vec<f64> = found.split([' ', '±']).filter_map(|word| word.parse().ok()).collect();
+        let numbers: Vec<f64> =
+            found.split([' ', '±']).filter_map(|word| word.replace('−', "-").parse().ok()).collect();
         assert!((numbers[0] - ppm).abs() < 4.0 * numbers[1] && numbers[1] < 20.0, "{verdict}");
     };
     let verdict = wrong(|truth| {

@@ -188,7 +188,7 @@ fn what_cannot_be_is_refused() {
     let mut crooked = none;
     crooked[(0, 1)] = 1.0;
     refused(&eta, &crooked, &known, "larger than its variances allow");
-    refused(&eta, &-EtaCovariance::identity(), &known, "variance 1 is -1");
+    refused(&eta, &-EtaCovariance::identity(), &known, "variance 1 is −1");
     let with = |axes: KnownAxes, ratios: [f64; 2]| Known { axes, ratios, covariance: SMatrix::zeros() };
     refused(&eta, &none, &with(KnownAxes::Test([0.9, 0.9, -0.9]), [1.0, 1.0]), "positive definite");
     refused(&eta, &none, &with(KnownAxes::Test([0.0, 1.0, 0.0]), [1.0, 1.0]), "positive definite");
