@@ -32,6 +32,10 @@ times:
 bless:
     BLESS=1 cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
 
+# Every program on fixtures that were changed: ten minutes from a seed, the files of findings kept (`--case N` repeats one)
+fuzz seed="1" minutes="10":
+    cargo run --release -p fuzz -- --build --seed {{seed}} --minutes {{minutes}} --keep target/fuzz
+
 # Speed, as ratios against a peer in the same run
 bench:
     cargo bench -p axescal --bench axescal

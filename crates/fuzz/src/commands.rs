@@ -1,0 +1,186 @@
+//! The command lines that read each kind of file.
+//!
+//! `IN` stands for the changed file, `-` for the same on standard input, `OUT.csv` for a file to write; what begins with `fixtures/`
+//! is read as it is. `AROUND` is a document whose readings are the changed file beside it.
+
+use crate::kind::Kind;
+
+/// What a program writes where it succeeds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Writes {
+    /// A document, which other programs read.
+    Document,
+    /// A document a line.
+    Documents,
+    /// A mapping.
+    Mapping,
+    /// Statistics of a piece.
+    Piece,
+    /// Other JSON.
+    Json,
+    /// Words, a page or a table.
+    Text,
+}
+
+/// A command line, and what it reads and writes.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    /// What is changed.
+    pub kind: Kind,
+    /// How often, among the lines of its kind.
+    pub weight: usize,
+    /// Program and arguments.
+    pub words: &'static str,
+    /// What it writes.
+    pub writes: Writes,
+}
+
+impl Line {
+    /// The program's name.
+    pub fn program(&self) -> &'static str {
+        self.words.split(' ').next().unwrap_or_default()
+    }
+}
+
+/// How often each kind is read.
+pub const KINDS: [(usize, Kind); 10] = [
+    (56, Kind::Document),
+    (8, Kind::Plan),
+    (6, Kind::Mapping),
+    (4, Kind::Spec),
+    (3, Kind::Piece),
+    (1, Kind::Orientations),
+    (6, Kind::Iaga),
+    (8, Kind::Csv),
+    (3, Kind::Ndjson),
+    (5, Kind::Parquet),
+];
+
+const fn line(kind: Kind, weight: usize, words: &'static str, writes: Writes) -> Line {
+    Line { kind, weight, words, writes }
+}
+
+/// All command lines.
+pub const LINES: [Line; 61] = {
+    use Kind::{Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
+    use Writes::{Documents, Json, Text};
+    const DOC: Kind = Kind::Document;
+    const TO_DOC: Writes = Writes::Document;
+    [
+        line(DOC, 10, "coilcal IN", TO_DOC),
+        line(DOC, 1, "coilcal -", TO_DOC),
+        line(DOC, 10, "sensorcal IN", TO_DOC),
+        line(DOC, 1, "sensorcal -", TO_DOC),
+        line(DOC, 8, "axescal IN", TO_DOC),
+        line(DOC, 3, "axescal --known-coils IN", TO_DOC),
+        line(DOC, 2, "axescal --start document IN", TO_DOC),
+        line(DOC, 2, "axescal --free-scales IN", TO_DOC),
+        line(DOC, 2, "axescal --robust IN", TO_DOC),
+        line(DOC, 1, "axescal --sensor x --coil y IN", TO_DOC),
+        line(DOC, 5, "diffmag IN", TO_DOC),
+        line(DOC, 1, "diffmag --correct-clock IN", TO_DOC),
+        line(DOC, 4, "diagnose IN", TO_DOC),
+        line(DOC, 1, "diagnose --refit IN", TO_DOC),
+        line(DOC, 1, "diagnose --against fixtures/diagnose/warm/input.json IN", TO_DOC),
+        line(DOC, 1, "diagnose --against IN fixtures/diagnose/warm/input.json", TO_DOC),
+        line(DOC, 8, "correct IN", TO_DOC),
+        line(DOC, 2, "correct --frame geo IN", TO_DOC),
+        line(
+            DOC,
+            4,
+            "correct --calibration IN fixtures/correct/flight/readings.csv -o OUT.csv",
+            Writes::Text,
+        ),
+        line(
+            DOC,
+            1,
+            "correct --frame geo --calibration IN --recording flight fixtures/correct/flight/readings.csv -o OUT.ndjson",
+            Writes::Text,
+        ),
+        line(
+            DOC,
+            2,
+            "correct --calibration IN --iaga FLX --start 2026-05-26T00:00:00Z fixtures/correct/flight/readings.csv -o OUT.min",
+            Writes::Text,
+        ),
+        line(DOC, 5, "report IN", Text),
+        line(DOC, 7, "report --text IN", Text),
+        line(DOC, 3, "report --text --spec fixtures/specs/magsat.json IN", Text),
+        line(DOC, 5, "simulate replay IN", TO_DOC),
+        line(DOC, 3, "simulate replay --noise IN", TO_DOC),
+        line(DOC, 3, "ingest --add IN fixtures/ingest/field.csv", TO_DOC),
+        line(Plan, 6, "simulate campaign IN", TO_DOC),
+        line(Plan, 2, "simulate campaign --truth OUT-truth.json IN", TO_DOC),
+        line(Plan, 2, "simulate campaign --run-sheet IN", Text),
+        line(Plan, 2, "simulate sweep --seeds 1..2 IN", Documents),
+        line(Mapping, 4, "ingest --map IN fixtures/ingest/logger.csv", TO_DOC),
+        line(Mapping, 3, "ingest --map IN fixtures/bad/ingest/word.csv", TO_DOC),
+        line(Mapping, 3, "ingest --map IN fixtures/ingest/counts.txt", TO_DOC),
+        line(Mapping, 2, "ingest --map IN fixtures/ingest/field.csv", TO_DOC),
+        line(Mapping, 1, "ingest --map IN fixtures/ingest/field.ndjson", TO_DOC),
+        line(Mapping, 1, "ingest --map IN fixtures/ingest/field.parquet", TO_DOC),
+        line(Spec, 3, "report --text --spec IN fixtures/specs/calibrated/input.json", Text),
+        line(Spec, 1, "report --spec IN fixtures/specs/calibrated/input.json", Text),
+        line(Piece, 2, "diffmag merge IN", TO_DOC),
+        line(Piece, 1, "diffmag merge --partial IN", Writes::Piece),
+        line(Orientations, 1, "axescal design --candidates IN", Json),
+        line(Iaga, 4, "ingest IN", TO_DOC),
+        line(Iaga, 1, "ingest -", TO_DOC),
+        line(Iaga, 2, "ingest --trust-rows --sort --keep first IN", TO_DOC),
+        line(Iaga, 2, "ingest --keep last IN fixtures/ingest/flx20240310b.min", TO_DOC),
+        line(Iaga, 1, "ingest --beside IN -o OUT.json", Text),
+        line(Csv, 4, "ingest IN", TO_DOC),
+        line(Csv, 2, "ingest guess IN", Writes::Mapping),
+        line(Csv, 3, "ingest --map fixtures/ingest/counts-map.json IN", TO_DOC),
+        line(Csv, 3, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.csv", Text),
+        line(Csv, 3, "diffmag stream IN", TO_DOC),
+        line(Csv, 1, "diffmag stream --partial IN", Writes::Piece),
+        line(Csv, 2, "correct AROUND", TO_DOC),
+        line(Ndjson, 2, "ingest IN", TO_DOC),
+        line(Ndjson, 1, "ingest guess IN", Writes::Mapping),
+        line(Ndjson, 1, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.ndjson", Text),
+        line(Parquet, 3, "ingest IN", TO_DOC),
+        line(Parquet, 1, "ingest guess IN", Writes::Mapping),
+        line(Parquet, 1, "diffmag stream IN", TO_DOC),
+        line(Parquet, 1, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.parquet", Text),
+    ]
+};
+
+/// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the command line.
+pub const OPTIONS: [(&str, &[&str]); 10] = [
+    ("coilcal", &["--off-centre-m #", "--nyquist-hz #"]),
+    ("sensorcal", &["--turn-deg #", "--axes-std-deg #", "--budget-field-nt #", "--budget-warmer-k #"]),
+    (
+        "axescal design",
+        &[
+            "--number #",
+            "--noise-nt #",
+            "--quantisation-nt #",
+            "--drive-nt #",
+            "--theodolite-arcsec #",
+            "--table-to #",
+        ],
+    ),
+    ("diffmag stream", &["--step-s #"]),
+    ("diagnose", &["--level #", "--seed #"]),
+    ("correct", &["--recording @", "--start @", "--iaga @"]),
+    ("simulate campaign", &["--seed #"]),
+    ("simulate replay", &["--seed #"]),
+    ("simulate sweep", &["--set noise=#", "--set seed=#,#", "--set @=#", "--seeds #..#"]),
+    ("ingest", &["--declination-base-arcmin #", "--id @", "--procedure @", "--as reference", "--as test"]),
+];
+
+/// The programs that read what a program wrote.
+pub fn next(program: &str) -> &'static [&'static str] {
+    match program {
+        "simulate" => &["coilcal", "sensorcal", "axescal", "diffmag", "correct", "report --text"],
+        "ingest" => &["report --text", "diagnose", "diffmag", "correct", "sensorcal"],
+        "coilcal" => &["sensorcal", "axescal", "diagnose", "correct", "report --text", "coilcal"],
+        "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
+        "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],
+        "diffmag" => &["report --text", "diffmag", "correct"],
+        "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
+        "correct" => &["report --text", "diagnose", "correct"],
+        _ => &[],
+    }
+}

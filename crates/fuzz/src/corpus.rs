@@ -1,0 +1,121 @@
+//! All fixtures, by what they are.
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+use crate::draw::Draw;
+use crate::kind::Kind;
+
+/// A file to begin with.
+#[derive(Clone, Debug)]
+pub struct Seed {
+    /// Its path below `fixtures`, or how it was made.
+    pub name: String,
+    /// What it is.
+    pub kind: Kind,
+    /// Its content.
+    pub bytes: Vec<u8>,
+    /// The same, where it is one JSON value.
+    pub value: Option<Value>,
+}
+
+impl Seed {
+    /// A file of that name and content, of a kind.
+    pub fn new(name: impl Into<String>, kind: Kind, bytes: Vec<u8>) -> Self {
+        let value = if kind.is_json() { serde_json::from_slice(&bytes).ok() } else { None };
+        Self { name: name.into(), kind, bytes, value }
+    }
+
+    fn is_bad(&self) -> bool {
+        self.name.contains("bad/")
+    }
+}
+
+/// What cases begin with.
+#[derive(Clone, Debug, Default)]
+pub struct Corpus {
+    /// Where the fixtures are.
+    pub fixtures: PathBuf,
+    /// All files, in the order of their names.
+    pub seeds: Vec<Seed>,
+}
+
+impl Corpus {
+    /// All files below a folder that a program reads.
+    pub fn read(fixtures: &Path) -> Result<Self, Error> {
+        let fixtures = fs::canonicalize(fixtures).map_err(|e| Error::file(fixtures, "read", e))?;
+        let mut files = Vec::new();
+        below(&fixtures, &mut files)?;
+        files.sort();
+        let mut seeds = Vec::new();
+        for path in files {
+            let name = path.strip_prefix(&fixtures).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+            let bytes = fs::read(&path).map_err(|e| Error::file(&path, "read", e))?;
+            if let Some(kind) = Kind::of(&name, &bytes) {
+                seeds.push(Seed::new(name, kind, bytes));
+            }
+        }
+        seeds.push(Seed::new("orientations", Kind::Orientations, ORIENTATIONS.into()));
+        Ok(Self { fixtures, seeds })
+    }
+
+    /// One for a program: mostly a good one that was made for it, sometimes a bad one or any of its kind.
+    pub fn choose(&self, kind: Kind, program: &str, draw: &mut Draw) -> &Seed {
+        let is_near = |seed: &Seed| near(program).iter().any(|part| seed.name.contains(part));
+        let (good, bad, any): (Vec<_>, Vec<_>, Vec<_>) = {
+            let all: Vec<&Seed> = self.seeds.iter().filter(|seed| seed.kind == kind).collect();
+            let near: Vec<&Seed> = all.iter().copied().filter(|seed| is_near(seed)).collect();
+            let (bad, good) = near.into_iter().partition(|seed| seed.is_bad());
+            (good, bad, all)
+        };
+        let choices: [(usize, &[&Seed]); 3] = [(64, &good), (14, &bad), (22, &any)];
+        let list = *draw.weighted::<&[&Seed]>(&choices);
+        let list = if list.is_empty() { &any } else { list };
+        list[draw.below(list.len())]
+    }
+
+    /// Any JSON value of a kind.
+    pub fn any_value(&self, kind: Kind, draw: &mut Draw) -> Option<&Value> {
+        let all: Vec<&Value> = self
+            .seeds
+            .iter()
+            .filter(|seed| seed.kind == kind)
+            .filter_map(|seed| seed.value.as_ref())
+            .collect();
+        if all.is_empty() { None } else { Some(*draw.of(&all)) }
+    }
+}
+
+/// What stands in the names of fixtures with something for a program.
+fn near(program: &str) -> &'static [&'static str] {
+    match program {
+        "coilcal" => &["coilcal/", "simulate/every-procedure/expected", "specs/calibrated/input", "made"],
+        "sensorcal" => &["sensorcal/", "simulate/every-procedure/expected", "specs/calibrated/input"],
+        "axescal" => &["axescal/", "nasa-1977/", "simulate/", "bad/axes", "made"],
+        "diffmag" => &["diffmag/", "ingest/", "made"],
+        "diagnose" => &["diagnose/", "correct/flight", "simulate/replay"],
+        "correct" => &["correct/", "diagnose/warm", "axescal/magsat"],
+        "report" => &["expected", "specs/", "bad/report/"],
+        "simulate" => &["plans/", "simulate/", "diagnose/", "correct/flight", "campaign_plan"],
+        "ingest" => &["ingest/", "real/", "tables/"],
+        _ => &[],
+    }
+}
+
+fn below(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
+    for entry in fs::read_dir(folder).map_err(|e| Error::file(folder, "read", e))? {
+        let path = entry.map_err(|e| Error::file(folder, "read", e))?.path();
+        if path.is_dir() {
+            below(&path, files)?;
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// Six orientations that a fixture could take.
+const ORIENTATIONS: &str = "[[[1,0,0],[0,1,0],[0,0,1]],[[0,1,0],[-1,0,0],[0,0,1]],[[-1,0,0],[0,-1,0],[0,0,1]],\
+    [[0,-1,0],[1,0,0],[0,0,1]],[[1,0,0],[0,0,1],[0,-1,0]],[[0,0,1],[0,1,0],[-1,0,0]]]";

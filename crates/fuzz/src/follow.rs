@@ -1,0 +1,70 @@
+//! What a program wrote goes to the next one, which may not refuse it.
+
+use serde_json::Value;
+
+use crate::check::{Fault, Rule};
+
+/// A refusal as a fault of the program before, unless what is refused was there before it.
+///
+/// `read` is what the program before read, with what the refusing one says of that, where it reads such files; `written` what it
+/// wrote, with the same. A refusal without a place in the document says that there is nothing to do, and is none of what others read.
+pub fn refused(read: (&[u8], Option<&str>), written: (&[u8], &str)) -> Option<Fault> {
+    let now = said(written.1);
+    let is_alike = match (path(&now), read.1) {
+        (None, None) => true,
+        (None, Some(then)) => now == said(then),
+        (Some(path), then) => {
+            let at = |text: &[u8]| serde_json::from_slice::<Value>(text).ok()?.pointer(&path).map(rounded);
+            then.is_some_and(|then| now == said(then)) || at(read.0) == at(written.0)
+        }
+    };
+    (!is_alike).then(|| Fault::new(Rule::Refused, now))
+}
+
+/// A message without the place in the file, which differs.
+fn said(message: &str) -> String {
+    let message = message.trim();
+    match message.split_once(", line ") {
+        Some((_, rest)) => {
+            rest.trim_start_matches(|c: char| c.is_ascii_digit()).trim_start_matches(": ").into()
+        }
+        None => message.split_once(": ").map_or(message, |(_, rest)| rest).into(),
+    }
+}
+
+/// The place that a message begins with, as a JSON pointer.
+fn path(message: &str) -> Option<String> {
+    let (path, _) = message.split_once(": found ")?;
+    if path.contains(' ') {
+        return None;
+    }
+    Some(format!("/{}", path.replace(['.', '['], "/").replace(']', "")))
+}
+
+/// A value in which a number has one spelling.
+fn rounded(value: &Value) -> Value {
+    match value {
+        Value::Number(number) => serde_json::json!(number.as_f64()),
+        Value::Array(list) => list.iter().map(rounded).collect(),
+        Value::Object(map) => map.iter().map(|(key, value)| (key.clone(), rounded(value))).collect(),
+        other => other.clone(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whose_fault_it_is() {
+        let read = br#"{"a": [{"b": 1}], "c": 2}"#;
+        let written = br#"{"a": [{"b": 1.0}], "c": -1}"#;
+        let told =
+            |then: &str, now: &str| refused((read, Some(then)), (written, now)).map(|fault| fault.found);
+        assert_eq!(told("correct: x.json, line 3: c: found 2", "correct: x.json, line 9: c: found 2"), None);
+        assert_eq!(told("", "correct: in.json, line 9: a[0].b: found 1; expected 2"), None);
+        assert_eq!(told("", "correct: in.json, line 9: c: found -1"), Some("c: found -1".into()));
+        assert_eq!(told("correct: no", "correct: never"), Some("never".into()));
+        assert_eq!(refused((b"", None), (written, "correct: never")), None);
+    }
+}

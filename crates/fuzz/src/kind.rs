@@ -1,0 +1,78 @@
+//! What a fixture is, and so which programs read it.
+
+use serde_json::Value;
+
+/// A kind of file that a program reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Kind {
+    /// A campaign's document.
+    Document,
+    /// What `simulate` carries out.
+    Plan,
+    /// How `ingest` reads columns.
+    Mapping,
+    /// What `report` holds a document against.
+    Spec,
+    /// Statistics of one piece of a long series.
+    Piece,
+    /// Orientations that a fixture can take.
+    Orientations,
+    /// An observatory's day.
+    Iaga,
+    /// Columns of text.
+    Csv,
+    /// An object a line.
+    Ndjson,
+    /// Columns in binary.
+    Parquet,
+}
+
+impl Kind {
+    /// Of a file by its name and, where that is JSON, by its keys. Absent: no program reads it.
+    pub fn of(name: &str, bytes: &[u8]) -> Option<Self> {
+        match name.rsplit_once('.')?.1 {
+            "min" | "sec" => Some(Kind::Iaga),
+            "csv" => Some(Kind::Csv),
+            "ndjson" => Some(Kind::Ndjson),
+            "parquet" => Some(Kind::Parquet),
+            "txt" if name.ends_with("counts.txt") => Some(Kind::Csv),
+            "json" if !name.ends_with("tolerances.json") && !name.contains("reference/") => {
+                Some(Self::of_json(name, bytes))
+            }
+            "json" if name.ends_with("campaign_plan.json") => Some(Kind::Plan),
+            _ => None,
+        }
+    }
+
+    fn of_json(name: &str, bytes: &[u8]) -> Self {
+        let value: Value = serde_json::from_slice(bytes).unwrap_or_default();
+        let has = |key: &str| value.get(key).is_some();
+        if has("fluxcal-mapping") {
+            Kind::Mapping
+        } else if has("fluxcal-partial") || name.contains("not-a-piece") {
+            Kind::Piece
+        } else if has("requirements") || name.contains("specs/bad/") {
+            Kind::Spec
+        } else if has("procedures") {
+            Kind::Plan
+        } else {
+            Kind::Document
+        }
+    }
+
+    /// The name that a changed file of this kind is given.
+    pub fn file(self) -> &'static str {
+        match self {
+            Kind::Iaga => "in.min",
+            Kind::Csv => "in.csv",
+            Kind::Ndjson => "in.ndjson",
+            Kind::Parquet => "in.parquet",
+            _ => "in.json",
+        }
+    }
+
+    /// Whether it is one JSON value.
+    pub fn is_json(self) -> bool {
+        !matches!(self, Kind::Iaga | Kind::Csv | Kind::Ndjson | Kind::Parquet)
+    }
+}

@@ -1,0 +1,39 @@
+//! Files to begin with that only the programs can make.
+
+use std::fs;
+
+use crate::Error;
+use crate::corpus::{Corpus, Seed};
+use crate::kind::Kind;
+use crate::programs::Programs;
+use crate::run::{self, End};
+
+/// Each with the command line that makes it.
+const MADE: [(Kind, &str); 5] = [
+    (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
+    (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
+    (Kind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
+    (Kind::Document, "simulate campaign fixtures/plans/magsat-axes-ac.json"),
+    (Kind::Mapping, "ingest guess fixtures/ingest/field.csv"),
+];
+
+/// Adds them to the fixtures.
+///
+/// # Errors
+///
+/// A program that does not do what its own examples do.
+pub fn add(corpus: &mut Corpus, programs: &Programs) -> Result<(), Error> {
+    let folder = tempfile::tempdir().map_err(|e| Error::file("a temporary folder", "written", e))?;
+    let fixtures = format!("{}/", corpus.fixtures.display());
+    for (kind, line) in MADE {
+        let words: Vec<String> =
+            line.split(' ').map(|word| word.replacen("fixtures/", &fixtures, 1)).collect();
+        let done = run::run(&programs.path(&words[0]), &words[1..], folder.path(), folder.path(), None)?;
+        if done.end != End::Code(0) {
+            return Err(Error::request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
+        }
+        corpus.seeds.push(Seed::new(format!("made by {line}"), kind, done.stdout));
+    }
+    // What the programs made depends on their version; the folder is empty again.
+    fs::remove_dir_all(folder.path()).map_err(|e| Error::file(folder.path(), "written", e))
+}

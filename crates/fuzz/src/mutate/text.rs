@@ -1,0 +1,183 @@
+//! Changes to lines of text: tables, an observatory's days, and the text of JSON.
+
+use crate::draw::Draw;
+use crate::kind::Kind;
+
+/// What somebody's program writes into a cell.
+const CELLS: [&str; 32] = [
+    "",
+    " ",
+    "nan",
+    "NaN",
+    "inf",
+    "-inf",
+    "1e308",
+    "-1e31",
+    "1e400",
+    "99999.00",
+    "88888.88",
+    "99999",
+    "-99999",
+    "0",
+    "-0",
+    "1e-400",
+    "null",
+    "x",
+    "\"",
+    "\"a",
+    "1,5",
+    "1.5.5",
+    "+1",
+    "0x1F",
+    "1e",
+    "--1",
+    "2024-02-30",
+    "24:00:00",
+    "Infinity",
+    "123456789012345678901234567890",
+    "1_000",
+    "µ",
+];
+
+/// Numbers as JSON texts have them and JSON values do not.
+const LITERALS: [&str; 14] = [
+    "1e400",
+    "-1e400",
+    "NaN",
+    "Infinity",
+    "-Infinity",
+    "01",
+    "1.",
+    ".5",
+    "+1",
+    "1e",
+    "-",
+    "0x1F",
+    "1e-400",
+    "123456789012345678901234567890",
+];
+
+/// Makes one change, and says which.
+pub fn edit(bytes: &mut Vec<u8>, kind: Kind, draw: &mut Draw) -> &'static str {
+    let mut lines: Vec<Vec<u8>> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
+    let (one, other) = (draw.below(lines.len()), draw.below(lines.len()));
+    let done = match draw.below(16) {
+        0 => {
+            lines.remove(one);
+            "a line left out"
+        }
+        1 => {
+            lines.insert(one, lines[other].clone());
+            "a line twice"
+        }
+        2 => {
+            lines.swap(one, other);
+            "lines exchanged"
+        }
+        3 => {
+            lines.truncate(one + 1);
+            "lines cut"
+        }
+        4 => {
+            *bytes = bytes.repeat(2);
+            return "all twice";
+        }
+        5 => {
+            lines.insert(one, vec![b'1'; *draw.of(&[300, 70_000, 2_000_000])]);
+            "a very long line"
+        }
+        6 => {
+            let ends: [&[u8]; 4] = [b"\r\n", b"\r", b"\n\n", b"\0"];
+            let ends = ends[draw.below(ends.len())];
+            *bytes = lines.join(ends);
+            return "other line ends";
+        }
+        7 => {
+            replace(bytes, *draw.of(b",;\t |"), *draw.of(b",;\t |."));
+            return "another separator";
+        }
+        8 if !kind.is_json() && kind != Kind::Iaga => {
+            exchange(&mut lines, separator(bytes), draw);
+            "columns exchanged"
+        }
+        _ => {
+            let rows = lines.len();
+            let line = if draw.chance(25) { draw.below(rows.min(20)) } else { one };
+            cell(&mut lines[line], kind, separator(bytes), draw);
+            "a cell replaced"
+        }
+    };
+    *bytes = lines.join(&b'\n');
+    done
+}
+
+fn replace(bytes: &mut [u8], from: u8, to: u8) {
+    bytes.iter_mut().filter(|byte| **byte == from).for_each(|byte| *byte = to);
+}
+
+/// The separator that there is most of.
+fn separator(bytes: &[u8]) -> u8 {
+    let count = |mark: u8| bytes.iter().filter(|byte| **byte == mark).count();
+    *b",;\t ".iter().max_by_key(|mark| count(**mark)).unwrap_or(&b',')
+}
+
+/// Two cells of every line in one another's place.
+fn exchange(lines: &mut [Vec<u8>], separator: u8, draw: &mut Draw) {
+    let (one, other) = (draw.below(6), draw.below(6));
+    for line in lines {
+        let mut cells: Vec<&[u8]> = line.split(|byte| *byte == separator).collect();
+        if cells.len() > one.max(other) {
+            cells.swap(one, other);
+            *line = cells.join(&separator);
+        }
+    }
+}
+
+/// A cell, a number of JSON text, or as many columns of a fixed width.
+fn cell(line: &mut Vec<u8>, kind: Kind, separator: u8, draw: &mut Draw) {
+    if kind.is_json() || kind == Kind::Ndjson {
+        let is_number = |byte: &u8| byte.is_ascii_digit() || b"+-.eE".contains(byte);
+        let starts: Vec<usize> = (0..line.len())
+            .filter(|at| line[*at].is_ascii_digit() && (*at == 0 || !is_number(&line[at - 1])))
+            .collect();
+        if let Some(start) = starts.get(draw.below(starts.len())) {
+            let end = start + line[*start..].iter().take_while(|byte| is_number(byte)).count();
+            line.splice(*start..end, draw.of(&LITERALS).bytes());
+        }
+        return;
+    }
+    if kind == Kind::Iaga {
+        let text = if draw.chance(50) { draw.of(&CELLS).as_bytes() } else { b"99999.00".as_slice() };
+        let start = draw.below(line.len() + 1);
+        let end = (start + text.len()).min(line.len());
+        line.splice(start..end, text.iter().copied());
+        return;
+    }
+    let mut cells: Vec<Vec<u8>> = line.split(|byte| *byte == separator).map(<[u8]>::to_vec).collect();
+    let at = draw.below(cells.len());
+    match draw.below(8) {
+        0 => {
+            cells.remove(at);
+        }
+        1 => cells.insert(at, b"1".to_vec()),
+        _ => cells[at] = draw.of(&CELLS).as_bytes().to_vec(),
+    }
+    *line = cells.join(&separator);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_text_will_do() {
+        let mut draw = Draw::new(1, 1);
+        for kind in [Kind::Csv, Kind::Iaga, Kind::Ndjson, Kind::Document] {
+            for text in ["", "\n", "a,b\n1,2\n", "{\"a\": -1.5e3}\n"] {
+                for _ in 0..200 {
+                    edit(&mut text.as_bytes().to_vec(), kind, &mut draw);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! Cases one after another on all cores, until the time is over.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::Error;
+use crate::case::{self, Case};
+use crate::check::json::Schemas;
+use crate::check::{self, Fault, Judged, Rule};
+use crate::commands::{self, Writes};
+use crate::corpus::Corpus;
+use crate::draw::Draw;
+use crate::finding::Finding;
+use crate::follow;
+use crate::kind::Kind;
+use crate::made;
+use crate::programs::Programs;
+use crate::run::{self, End, Ended};
+
+/// How many further programs may read what one wrote.
+const FURTHER: usize = 3;
+
+/// What is run.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Where all choices come from.
+    pub seed: u64,
+    /// How long.
+    pub time: Duration,
+    /// One case alone.
+    pub case: Option<u64>,
+    /// The cases of one program alone, as they are numbered among all.
+    pub only: Option<String>,
+    /// Where the files of findings are kept.
+    pub keep: Option<PathBuf>,
+}
+
+/// What was run, and what was found.
+#[derive(Clone, Debug, Default)]
+pub struct Summary {
+    /// Cases.
+    pub cases: u64,
+    /// Runs by program and how they ended.
+    pub runs: BTreeMap<(String, String), u64>,
+    /// All that broke a rule, in the order of cases.
+    pub findings: Vec<Finding>,
+}
+
+/// Programs, fixtures and schemas.
+pub struct Session {
+    programs: Programs,
+    corpus: Corpus,
+    schemas: Schemas,
+}
+
+impl Session {
+    /// With the fixtures of the workspace.
+    ///
+    /// # Errors
+    ///
+    /// Fixtures or schemas that cannot be read; a program that does not run.
+    pub fn new(programs: Programs) -> Result<Self, Error> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let mut corpus = Corpus::read(&root.join("fixtures"))?;
+        made::add(&mut corpus, &programs)?;
+        Ok(Self { programs, corpus, schemas: Schemas::read(&root.join("schemas"))? })
+    }
+
+    /// Runs cases, and tells each finding as it comes by `tell`.
+    ///
+    /// # Errors
+    ///
+    /// A folder that cannot be written to, a program that cannot be run.
+    pub fn run(&self, settings: &Settings, tell: impl Fn(&Finding) + Sync) -> Result<Summary, Error> {
+        let (next, begun) = (AtomicU64::new(0), Instant::now());
+        let summary = Mutex::new(Summary::default());
+        let work = || -> Result<(), Error> {
+            while begun.elapsed() < settings.time {
+                let number = settings.case.unwrap_or_else(|| next.fetch_add(1, Ordering::Relaxed));
+                let Some(done) = self.case(settings, number)? else { continue };
+                if let Some(finding) = &done.finding {
+                    tell(finding);
+                    settings.keep.iter().try_for_each(|folder| finding.keep(folder))?;
+                }
+                let mut summary = summary.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+                summary.cases += 1;
+                done.runs.into_iter().for_each(|run| *summary.runs.entry(run).or_default() += 1);
+                summary.findings.extend(done.finding);
+                if settings.case.is_some() {
+                    break;
+                }
+            }
+            Ok(())
+        };
+        let cores =
+            if settings.case.is_some() { 1 } else { thread::available_parallelism().map_or(1, usize::from) };
+        thread::scope(|scope| {
+            let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+            let mut ended = workers.into_iter().map(|worker| worker.join());
+            ended.try_for_each(|ended| {
+                ended.unwrap_or_else(|_| Err(Error::request("a thread panicked; see above")))
+            })
+        })?;
+        let mut summary = summary.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+        summary.findings.sort_by_key(|finding| finding.case);
+        Ok(summary)
+    }
+
+    /// One case with the programs after it. Absent: it is not one of those that are asked for.
+    fn case(&self, settings: &Settings, number: u64) -> Result<Option<Done>, Error> {
+        let mut draw = Draw::new(settings.seed, number);
+        let line = case::line(&mut draw);
+        if settings.only.as_deref().is_some_and(|only| only != line.program()) {
+            return Ok(None);
+        }
+        let case = Case::make(line, &self.corpus, &mut draw);
+        let mut place = Place::new(&self.programs)?;
+        case.write(&place.folder)?;
+        let stdin = case.on_stdin.then(|| place.folder.join(line.kind.file()));
+        let first = place.run(&case.words, stdin.as_deref())?;
+        let mut read = case.input().to_vec();
+        let mut faults = self.judge(&place, &first, line.writes, &read, &case.words);
+        if first.ended.end == End::Code(0) && place.folder.join("out-truth.json").is_file() {
+            let truth = fs::read(place.folder.join("out-truth.json")).unwrap_or_default();
+            faults.extend(self.schemas.of_truth(&truth));
+        }
+        let mut files = case.files.clone();
+        let mut last = first;
+        let mut program = line.program();
+        let mut writes = line.writes;
+        let mut is_document = line.kind == Kind::Document;
+        for _ in 0..FURTHER {
+            let after = if writes == Writes::Piece { &["diffmag merge"] } else { commands::next(program) };
+            let reads_on = matches!(writes, Writes::Document | Writes::Piece);
+            if !faults.is_empty()
+                || last.ended.end != End::Code(0)
+                || !reads_on
+                || after.is_empty()
+                || draw.chance(25)
+            {
+                break;
+            }
+            let next = *draw.of(after);
+            let written = last.written.clone();
+            files.push(("next.json".into(), written.clone()));
+            let words: Vec<String> = next.split(' ').chain(["next.json"]).map(String::from).collect();
+            place.clear(&files)?;
+            let done = place.run(&words, None)?;
+            writes = if next.starts_with("report") { Writes::Text } else { Writes::Document };
+            faults = self.judge(&place, &done, writes, &written, &words);
+            if done.ended.end == End::Code(2) {
+                faults.extend(self.refused(&mut place, &words, (&read, is_document), &written, &done)?);
+            }
+            is_document = writes == Writes::Document;
+            (program, read, last) = (words_program(next), written, done);
+        }
+        let finding = (!faults.is_empty()).then(|| Finding {
+            seed: settings.seed,
+            case: number,
+            told: case.told.clone(),
+            commands: place.commands.clone(),
+            faults,
+            stderr: last.ended.stderr.clone(),
+            files,
+        });
+        Ok(Some(Done { runs: place.runs, finding }))
+    }
+
+    fn judge(
+        &self,
+        place: &Place<'_>,
+        done: &Run,
+        writes: Writes,
+        read: &[u8],
+        words: &[String],
+    ) -> Vec<Fault> {
+        let asked = words.join(" ");
+        let judged = Judged {
+            ended: &done.ended,
+            before: &done.before,
+            after: &done.after,
+            writes,
+            written: &done.written,
+            read,
+            asked: &asked,
+        };
+        let mut faults = check::faults(&judged, &self.schemas);
+        // A long line of the input is repeated in part; the folder's name is never said.
+        if done.ended.stderr.contains(&*place.folder.to_string_lossy()) && faults.is_empty() {
+            faults.push(Fault::new(Rule::Message, "a path that nobody gave"));
+        }
+        faults
+    }
+
+    /// Whether a refusal is the fault of the program before.
+    fn refused(
+        &self,
+        place: &mut Place<'_>,
+        words: &[String],
+        (read, is_document): (&[u8], bool),
+        written: &[u8],
+        done: &Run,
+    ) -> Result<Option<Fault>, Error> {
+        let mut then = None;
+        if is_document {
+            place.clear(&[("next.json".into(), read.to_vec())])?;
+            then = Some(place.run(words, None)?.ended.stderr);
+            place.commands.pop();
+        }
+        Ok(follow::refused((read, then.as_deref()), (written, &done.ended.stderr)))
+    }
+}
+
+fn words_program(line: &'static str) -> &'static str {
+    line.split(' ').next().unwrap_or_default()
+}
+
+/// A case that was run.
+struct Done {
+    runs: Vec<(String, String)>,
+    finding: Option<Finding>,
+}
+
+/// A program that was run.
+struct Run {
+    ended: Ended,
+    before: check::Listing,
+    after: check::Listing,
+    written: Vec<u8>,
+}
+
+/// The folder of a case.
+struct Place<'a> {
+    programs: &'a Programs,
+    root: tempfile::TempDir,
+    folder: PathBuf,
+    commands: Vec<String>,
+    runs: Vec<(String, String)>,
+}
+
+impl<'a> Place<'a> {
+    fn new(programs: &'a Programs) -> Result<Self, Error> {
+        let root = tempfile::tempdir().map_err(|e| Error::file("a temporary folder", "written", e))?;
+        let folder = root.path().join("case");
+        fs::create_dir(&folder).map_err(|e| Error::file(&folder, "written", e))?;
+        Ok(Self { programs, root, folder, commands: Vec::new(), runs: Vec::new() })
+    }
+
+    /// Leaves only these files in the folder.
+    fn clear(&self, files: &[(String, Vec<u8>)]) -> Result<(), Error> {
+        let failed = |e| Error::file(&self.folder, "written", e);
+        fs::remove_dir_all(&self.folder).and_then(|()| fs::create_dir(&self.folder)).map_err(failed)?;
+        files.iter().try_for_each(|(name, bytes)| fs::write(self.folder.join(name), bytes)).map_err(failed)
+    }
+
+    fn run(&mut self, words: &[String], stdin: Option<&Path>) -> Result<Run, Error> {
+        let before = check::listing(&self.folder)?;
+        let program = self.programs.path(&words[0]);
+        let ended = run::run(&program, &words[1..], &self.folder, self.root.path(), stdin)?;
+        let after = check::listing(&self.folder)?;
+        let output = words.iter().position(|word| word == "-o").and_then(|at| words.get(at + 1));
+        let written = match output {
+            Some(name) if ended.end == End::Code(0) => fs::read(self.folder.join(name)).unwrap_or_default(),
+            _ => ended.stdout.clone(),
+        };
+        let mut command: String = words.join(" ").chars().take(400).collect();
+        if let Some(path) = stdin {
+            command += &format!(" < {}", path.file_name().unwrap_or_default().to_string_lossy());
+        }
+        self.commands.push(command);
+        self.runs.push((words[0].clone(), format!("{:?}", ended.end)));
+        Ok(Run { ended, before, after, written })
+    }
+}
