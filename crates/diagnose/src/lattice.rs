@@ -95,8 +95,20 @@ fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
     let power = power_along(x, &ones, cell, points);
     let (from, to) = ((1.0 / largest / grid).ceil() as usize, (1.0 / least / grid).floor() as usize);
     let striking = (from..=to.min(power.len() - 1)).filter(|k| power[*k] > STRIKING * count * count);
+    let share = |frequency: f64| power_at(x, &ones, frequency) / (count * count);
+    let slope = slope(x);
+    // Readings that are mostly alike, as in a shield, are striking at every frequency and close to whole numbers of none: what the
+    // share can be at most about four places tells most of those without looking at all between.
+    let could_be = |k: &usize| {
+        let least = 1.0 - CLOSER * (1.0 - (-(TAU * std * (*k as f64 + 1.0) * grid).powi(2)).exp());
+        [-0.75, -0.25, 0.25, 0.75].into_iter().any(|off| {
+            let most = share((*k as f64 + off) * grid).sqrt() + 0.25 * grid * slope;
+            most * most > least
+        })
+    };
     striking
-        .map(|k| sharpened(k as f64 * grid, grid, FINER, |f| power_at(x, &ones, f) / (count * count)))
+        .filter(could_be)
+        .map(|k| sharpened(k as f64 * grid, grid, FINER, share))
         .find(|(frequency, share)| {
             let of_noise = (-(TAU * std * frequency).powi(2)).exp();
             1.0 - share < CLOSER * (1.0 - of_noise)
@@ -107,9 +119,28 @@ fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
         })
 }
 
+/// How fast |Σ exp(2πi ν x)|/n changes with ν at most: 2π times the mean distance from any place, here from the median.
+fn slope(x: &[f64]) -> f64 {
+    let mut sorted = x.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let median = sorted[sorted.len() / 2];
+    TAU * x.iter().map(|x| (x - median).abs()).sum::<f64>() / x.len() as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_share_changes_no_faster_than_its_slope() {
+        let x: Vec<f64> = (0..200).map(|k| if k % 3 == 0 { f64::from(k * k) } else { 0.1 }).collect();
+        let (ones, slope) = (vec![1.0; x.len()], slope(&x));
+        let root = |frequency: f64| power_at(&x, &ones, frequency).sqrt() / x.len() as f64;
+        for k in 0..1000 {
+            let (at, step) = (1e-6 * f64::from(k), 3e-7);
+            assert!((root(at + step) - root(at)).abs() <= slope * step, "{at}");
+        }
+    }
 
     #[test]
     fn codes_are_found_and_fields_that_are_held_are_no_codes() {
