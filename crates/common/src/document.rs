@@ -84,8 +84,7 @@ impl Document {
         all_finite("calibration", calibration)?;
         all_finite("model", model)?;
         all_finite("diagnosis", diagnosis)?;
-        let mut recordings = self.recordings.iter().enumerate();
-        recordings.try_for_each(|(index, recording)| recording.in_range(&format!("recordings[{index}]")))
+        finite::readings(&self.recordings)
     }
 
     /// Ids are unique, the columns of a recording have one length, `start` is a moment, every

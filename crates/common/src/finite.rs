@@ -1,9 +1,9 @@
 //! Every number of a result is finite before it is written: JSON has no word for others, and `null` would say that nothing
-//! was found.
+//! was found. Readings that a program made are such as an instrument gives: others would be refused by whoever reads them.
 
 use std::fmt::Debug;
 
-use crate::Error;
+use crate::{Error, Recording, range};
 
 /// Looks through a result, which `name` stands for in the error.
 ///
@@ -18,6 +18,26 @@ pub fn all_finite(name: &str, result: &dyn Debug) -> Result<(), Error> {
              from what it stands for. Nothing was written"
         ))),
     }
+}
+
+/// Looks through readings, which may be missing.
+///
+/// # Errors
+///
+/// The path of the first one that no instrument reads.
+pub(crate) fn readings(recordings: &[Recording]) -> Result<(), Error> {
+    for (index, recording) in recordings.iter().enumerate() {
+        for (name, column) in &recording.columns {
+            if let Some(row) = range::first_beyond(name, &column.0) {
+                return Err(Error::Unanswerable(format!(
+                    "recordings[{index}].columns.{name}[{row}] came out as {:e} in recording \"{}\", which no instrument reads: a \
+                     number that it follows from is far from what it stands for. Nothing was written",
+                    column.0[row], recording.id
+                )));
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The path and the value of the first number of a type's indented debug text that is not finite. That text names every field
@@ -68,7 +88,7 @@ fn first(text: &str) -> Option<(String, &str)> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Calibration, Document, Quantity, SensorCalibration};
+    use crate::{Calibration, Column, Document, Quantity, Recording, SensorCalibration};
 
     #[test]
     fn the_place_is_named() {
@@ -85,6 +105,22 @@ mod tests {
         sensor.offset_nt = Some(Quantity::Bare(f64::INFINITY));
         let said = bare.to_text().expect_err("refused").to_string();
         assert!(said.starts_with("calibration.sensors.y.offset_nt came out as inf"), "{said}");
+    }
+
+    #[test]
+    fn readings_are_such_as_are_read_again() {
+        let written = |name: &str, value: f64| {
+            let columns = [(name.to_string(), Column(vec![f64::NAN, value]))].into_iter().collect();
+            let recording = Recording { id: "sweep".into(), columns, ..Recording::default() };
+            Document { fluxcal: 1, recordings: vec![recording], ..Document::default() }.to_text()
+        };
+        let said = written("sensor_x_v", 4e34).expect_err("refused").to_string();
+        assert!(
+            said.starts_with("recordings[0].columns.sensor_x_v[1] came out as 4e34 in recording \"sweep\""),
+            "{said}"
+        );
+        assert!(written("time_s", f64::INFINITY).is_err());
+        assert!(written("sensor_x_v", 5.0).is_ok() && written("time_s", 1e300).is_ok());
     }
 
     #[test]
