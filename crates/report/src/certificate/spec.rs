@@ -4,6 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use common::{Error, Matrix3x3};
 
+/// Largest factor of the guard band. Beyond it the probability that a verdict is wrong is no number of double precision.
+const LARGEST_FACTOR: f64 = 30.0;
+
 /// What an instrument must do, and how it is decided whether it does.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -18,7 +21,7 @@ pub struct Spec {
     pub source: Option<String>,
     /// Guard band in standard uncertainties, for a limit that can be missed on one side: 1.645 is 95 %.
     #[serde(default = "one_sided_95")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 30.0)))]
     pub guard_factor: f64,
     /// The requirements, in the order of the certificate.
     pub requirements: Vec<Requirement>,
@@ -177,8 +180,8 @@ impl Spec {
         if spec.requirements.is_empty() {
             return Err(Error::document("requirements", "none", "at least one requirement"));
         }
-        if !(spec.guard_factor.is_finite() && spec.guard_factor >= 0.0) {
-            let expected = "a factor of zero or more; 1.645 is 95 % on one side";
+        if !(0.0..=LARGEST_FACTOR).contains(&spec.guard_factor) {
+            let expected = "a factor from zero to 30; 1.645 is 95 % on one side";
             return Err(Error::document("guard_factor", spec.guard_factor.to_string(), expected));
         }
         for (index, requirement) in spec.requirements.iter().enumerate() {

@@ -91,7 +91,8 @@ impl Rule {
     /// sides together, 1.960 for 1.645.
     pub fn factor(self, side: Side) -> f64 {
         match side {
-            Side::Within => Normal::standard().inverse_cdf(0.5 * (1.0 + self.probability())),
+            // From the tail, which has digits where the probability has none left.
+            Side::Within => -Normal::standard().inverse_cdf(0.5 * Normal::standard().sf(self.factor)),
             Side::Below | Side::Above => self.factor,
         }
     }
@@ -186,6 +187,9 @@ mod tests {
         assert!((RULE.probability() - 0.95).abs() < 2e-5);
         assert!((RULE.factor(Side::Within) - 1.960).abs() < 2e-4);
         assert_eq!(RULE.factor(Side::Above), 1.645);
+        // Where Φ(k) is one to all digits, there is still a k for both sides: half the tail of k = 10 is that of 10.068.
+        assert!((Rule { factor: 10.0 }.factor(Side::Within) - 10.068).abs() < 1e-3);
+        assert!(Rule { factor: 30.0 }.factor(Side::Within) > 30.0);
         assert_eq!(normal_std(2.0, 1.959_963_984_540_054), 2.0);
         // Ten degrees of freedom: t = 2.228139.
         assert!((normal_std(1.0, 2.228_139) - 1.136_827).abs() < 1e-6);
