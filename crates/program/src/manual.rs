@@ -9,7 +9,7 @@ use std::{env, io, process};
 
 use crate::pipe;
 
-/// What a program says of itself.
+// What a program says of itself. No comment of documentation, which would take the place of the program's own words in its help.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Manual")]
 struct Manual {

@@ -36,9 +36,11 @@ pub fn examples(program: &str, subcommands: &[&str]) -> TempDir {
     folder
 }
 
-/// A program prints completions and writes man pages.
+/// A program prints completions and writes man pages; its help begins with what it does.
 pub fn manual(program: &str) {
     let name = Path::new(program).file_name().and_then(|name| name.to_str()).expect("a name");
+    let help = run(program, &["--help"], "").stdout;
+    assert!(!help.starts_with("What a program says of itself"), "{help}");
     for (shell, option) in [("bash", "--man"), ("zsh", "--man"), ("fish", "-l man")] {
         let completions = run(program, &["--completions", shell], "");
         assert_eq!(completions.code, 0, "{}", completions.stderr);
