@@ -19,6 +19,7 @@ const DEPENDENT: f64 = 1e-13;
 /// factorizations, SIAM J. Sci. Comput. 34 (2012) A206–A239; T. F. Chan, G. H. Golub, R. J. LeVeque, Algorithms for computing
 /// the sample variance, Am. Stat. 37 (1983) 242–247.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Tsqr {
     count: u64,
     sums: Vec<Sum>,

@@ -14,6 +14,7 @@ const DIGITS: i32 = 6;
 /// So the place of a sample does not depend on where its piece begins. Loggers that sample off the whole step are within a
 /// quarter of one of the two grids, and their jitter has room.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Grid {
     /// Δt, s.
     pub step_s: f64,

@@ -13,6 +13,7 @@ pub const fn at(i: usize, j: usize) -> usize {
 
 /// The samples of a block of places: how many are whole, and their sums.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Block {
     /// Whole samples.
     pub count: u64,
@@ -64,6 +65,7 @@ impl Block {
 
 /// Haar differences of one level: blocks of 2^L places less the blocks before them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Level {
     /// Differences.
     pub count: u64,

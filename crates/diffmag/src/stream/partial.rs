@@ -20,6 +20,7 @@ pub struct Row(pub i64, pub [f64; 6]);
 /// All that is kept of a piece of a series, whatever its length: 80 kB of JSON at most. Pieces are joined by [`merge`] and answered
 /// by [`super::answer`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Partial {
     /// What kind of piece this is: `diffmag`.
     #[serde(rename = "fluxcal-partial")]

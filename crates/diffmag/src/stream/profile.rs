@@ -9,6 +9,7 @@ const MOST: i64 = 64;
 
 /// A block of 2^level places with the places at which its samples begin and end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Stretch {
     place: i64,
     /// First place with a sample.
@@ -22,6 +23,7 @@ pub struct Stretch {
 
 /// The series in a few blocks, so long that all lie within 64: what is slowest in it, gaps and ragged ends included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Profile {
     /// A block has 2^level places.
     pub level: u8,

@@ -8,6 +8,7 @@ pub const HIGHEST: u8 = 50;
 
 /// A block of 2^level places whose neighbour is not known yet.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Orphan {
     level: u8,
     place: i64,
@@ -18,6 +19,7 @@ pub struct Orphan {
 /// Sums of the products of Haar differences by level. Block k of level L holds the places k 2^L … (k + 1) 2^L − 1, whatever
 /// piece they come from; the difference is that of 2k + 1 and 2k. A block waits until its neighbour comes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Pyramid {
     /// From level 0.
     pub levels: Vec<Level>,
