@@ -1,12 +1,8 @@
 //! The readings of one coil, with what is wrong told by row.
 
 use common::number::plural;
+use common::range::{SCALAR_MARGIN, SCALAR_NT};
 use common::{Axis, Document, Error, Recording, procedure};
-
-/// Range of a proton magnetometer where the facility states none, nT (NASA).
-const PROTON_NT: [f64; 2] = [20_000.0, 60_000.0];
-/// How far beyond its range a reading may lie: a step to the end of the range does not land on it exactly.
-const MARGIN: f64 = 0.005;
 
 /// All readings of one coil.
 pub struct Readings {
@@ -108,8 +104,8 @@ pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), E
         return Err(Error::document(column, found, "the field's magnitude, which is never negative"));
     }
     let stated = document.facility.as_ref().and_then(|facility| facility.reference_range_nt);
-    let [low, high] = stated.unwrap_or(PROTON_NT);
-    let outside = |field: &f64| *field < low * (1.0 - MARGIN) || *field > high * (1.0 + MARGIN);
+    let [low, high] = stated.unwrap_or(SCALAR_NT);
+    let outside = |field: &f64| *field < low * (1.0 - SCALAR_MARGIN) || *field > high * (1.0 + SCALAR_MARGIN);
     let rows: Vec<String> = reference
         .iter()
         .enumerate()

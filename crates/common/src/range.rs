@@ -8,6 +8,11 @@ use crate::number::{bare, quoted};
 const BOUNDS: [(&str, [f64; 2]); 4] =
     [("_nt", [-1e9, 1e9]), ("_v", [-1e6, 1e6]), ("_a", [-1e6, 1e6]), ("_c", [-273.15, 1e4])];
 
+/// The range of a proton magnetometer, the scalar reference where the facility states no range, nT (NASA).
+pub const SCALAR_NT: [f64; 2] = [20_000.0, 60_000.0];
+/// How far beyond the scalar reference's range a reading may lie, as a share: a step to its end does not land on it exactly.
+pub const SCALAR_MARGIN: f64 = 0.005;
+
 /// The lowest and the highest value that a column of this name may have, by the unit at its end; any number where that is none
 /// of these.
 pub fn bounds(column: &str) -> [f64; 2] {

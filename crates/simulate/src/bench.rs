@@ -1,6 +1,7 @@
 //! What all procedures are planned with: the facility as it is stated, its limits, and the fixture.
 
 use common::number::bare;
+use common::range::{SCALAR_MARGIN, SCALAR_NT};
 use common::{Axis, Conditions, Document, Error};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
@@ -72,6 +73,20 @@ impl Bench<'_> {
             )),
             None => Ok(()),
         }
+    }
+
+    /// The scalar magnetometer reads such a field: `coilcal` refuses readings beyond its range.
+    pub fn scalar_reads(&self, field_nt: f64, path: &str) -> Result<(), Error> {
+        let stated = self.plan.facility.as_ref().and_then(|facility| facility.reference_range_nt);
+        let [low, high] = stated.unwrap_or(SCALAR_NT);
+        if (low * (1.0 - SCALAR_MARGIN)..=high * (1.0 + SCALAR_MARGIN)).contains(&field_nt) {
+            return Ok(());
+        }
+        Err(Error::document(
+            path,
+            format!("{field_nt} nT, which the scalar magnetometer does not read"),
+            format!("{low} to {high} nT; another magnetometer's range is `facility.reference_range_nt`"),
+        ))
     }
 
     /// The largest field of a coil, nT, where it is stated.

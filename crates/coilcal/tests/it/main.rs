@@ -7,3 +7,4 @@ mod golden;
 mod gradient;
 mod help;
 mod nulling;
+mod plans;

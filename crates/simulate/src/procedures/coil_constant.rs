@@ -64,6 +64,8 @@ impl Sequence for CoilConstantProcedure {
             return Err(Error::document(format!("{path}.to_nt"), found, "the largest field of the range"));
         }
         bench.within(self.coil, self.to_nt, &format!("{path}.to_nt"))?;
+        bench.scalar_reads(self.from_nt, &format!("{path}.from_nt"))?;
+        bench.scalar_reads(self.to_nt, &format!("{path}.to_nt"))?;
         samples(path, 2.0 * self.levels() * self.repeats as f64, 2.0)
     }
 

@@ -60,6 +60,7 @@ impl Sequence for CoilGradientProcedure {
         }
         positive(path, "field_nt", self.field(bench))?;
         bench.within(self.coil, self.field(bench), &format!("{path}.field_nt"))?;
+        bench.scalar_reads(self.field(bench), &format!("{path}.field_nt"))?;
         samples(path, (2.0 * self.steps as f64 + 1.0) * self.repeats as f64, 1.0)
     }
 

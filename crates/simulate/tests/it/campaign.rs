@@ -248,6 +248,13 @@ fn faulty_plans_are_refused_with_their_place() {
         ),
         (
             |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "coil_constant", "id": "coil", "coil": "x", "from_nt": 15000})
+            },
+            "procedures[0].from_nt: found 15000 nT, which the scalar magnetometer does not read; expected 20000 to 60000 nT",
+        ),
+        (
+            |plan| {
                 plan["procedures"][0] = json!({"procedure": "nulling_residual", "id": "null", "series": []})
             },
             "procedures[0].series: found an empty list",
