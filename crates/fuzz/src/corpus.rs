@@ -70,7 +70,7 @@ impl Corpus {
             let (bad, good) = near.into_iter().partition(|seed| seed.is_bad());
             (good, bad, all)
         };
-        let choices: [(usize, &[&Seed]); 3] = [(64, &good), (14, &bad), (22, &any)];
+        let choices: [(usize, &[&Seed]); 3] = [(80, &good), (8, &bad), (12, &any)];
         let list = *draw.weighted::<&[&Seed]>(&choices);
         let list = if list.is_empty() { &any } else { list };
         list[draw.below(list.len())]

@@ -3,22 +3,24 @@
 use serde_json::Value;
 
 use crate::check::{Fault, Rule};
+use crate::run::{End, Ended};
 
 /// A refusal as a fault of the program before, unless what is refused was there before it.
 ///
-/// `read` is what the program before read, with what the refusing one says of that, where it reads such files; `written` what it
-/// wrote, with the same. A refusal without a place in the document says that there is nothing to do, and is none of what others read.
-pub fn refused(read: (&[u8], Option<&str>), written: (&[u8], &str)) -> Option<Fault> {
+/// `read` is what the program before read, with how the refusing one ended on that, where it reads such files; `written` what it
+/// wrote, with what is said of it. That something is missing, and that there is nothing to do, is no fault of what was written,
+/// unless there was something to do before.
+pub fn refused(read: (&[u8], Option<&Ended>), written: (&[u8], &str)) -> Option<Fault> {
     let now = said(written.1);
-    let is_alike = match (path(&now), read.1) {
-        (None, None) => true,
-        (None, Some(then)) => now == said(then),
-        (Some(path), then) => {
-            let at = |text: &[u8]| serde_json::from_slice::<Value>(text).ok()?.pointer(&path).map(rounded);
-            then.is_some_and(|then| now == said(then)) || at(read.0) == at(written.0)
-        }
-    };
-    (!is_alike).then(|| Fault::new(Rule::Refused, now))
+    let then = read.1.filter(|then| then.end != End::Code(0)).map(|then| said(&then.stderr));
+    let was_done = read.1.is_some() && then.is_none();
+    let place = path(&now);
+    let at = |text: &[u8]| serde_json::from_slice::<Value>(text).ok()?.pointer(place.as_ref()?).map(rounded);
+    let is_missing = place.is_none()
+        || at(written.0).is_none()
+        || ["found no ", "found nothing", "found neither "].iter().any(|words| now.contains(words));
+    let is_alike = if is_missing { !was_done } else { at(read.0) == at(written.0) };
+    (then.as_ref() != Some(&now) && !is_alike).then(|| Fault::new(Rule::Refused, now))
 }
 
 /// A message without the place in the file, which differs.
@@ -59,12 +61,18 @@ mod tests {
     fn whose_fault_it_is() {
         let read = br#"{"a": [{"b": 1}], "c": 2}"#;
         let written = br#"{"a": [{"b": 1.0}], "c": -1}"#;
-        let told =
-            |then: &str, now: &str| refused((read, Some(then)), (written, now)).map(|fault| fault.found);
+        let ended =
+            |code: i32, said: &str| Ended { end: End::Code(code), stdout: Vec::new(), stderr: said.into() };
+        let told = |then: &str, now: &str| {
+            refused((read, Some(&ended(2, then))), (written, now)).map(|fault| fault.found)
+        };
         assert_eq!(told("correct: x.json, line 3: c: found 2", "correct: x.json, line 9: c: found 2"), None);
         assert_eq!(told("", "correct: in.json, line 9: a[0].b: found 1; expected 2"), None);
         assert_eq!(told("", "correct: in.json, line 9: c: found -1"), Some("c: found -1".into()));
-        assert_eq!(told("correct: no", "correct: never"), Some("never".into()));
-        assert_eq!(refused((b"", None), (written, "correct: never")), None);
+        assert_eq!(told("correct: a: found 1", "correct: in.json, line 1: d: found nothing"), None);
+        assert_eq!(told("correct: no", "correct: nothing to do"), None);
+        let done = ended(0, "");
+        assert!(refused((read, Some(&done)), (written, "correct: nothing to do")).is_some());
+        assert!(refused((b"", None), (written, "correct: nothing to do")).is_none());
     }
 }

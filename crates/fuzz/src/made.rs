@@ -9,11 +9,10 @@ use crate::programs::Programs;
 use crate::run::{self, End};
 
 /// Each with the command line that makes it.
-const MADE: [(Kind, &str); 5] = [
+const MADE: [(Kind, &str); 4] = [
     (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
     (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
     (Kind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
-    (Kind::Document, "simulate campaign fixtures/plans/magsat-axes-ac.json"),
     (Kind::Mapping, "ingest guess fixtures/ingest/field.csv"),
 ];
 

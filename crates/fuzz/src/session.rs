@@ -24,6 +24,8 @@ use crate::run::{self, End, Ended};
 
 /// How many further programs may read what one wrote.
 const FURTHER: usize = 3;
+/// The largest document that goes on, bytes: what a campaign of minutes writes, not one of a million readings.
+const LARGEST: usize = 8_000_000;
 
 /// What is run.
 #[derive(Clone, Debug)]
@@ -137,7 +139,9 @@ impl Session {
         for _ in 0..FURTHER {
             let after = if writes == Writes::Piece { &["diffmag merge"] } else { commands::next(program) };
             let reads_on = matches!(writes, Writes::Document | Writes::Piece);
-            if !faults.is_empty()
+            let is_small = last.written.len() <= LARGEST;
+            if !is_small
+                || !faults.is_empty()
                 || last.ended.end != End::Code(0)
                 || !reads_on
                 || after.is_empty()
@@ -151,12 +155,13 @@ impl Session {
             let words: Vec<String> = next.split(' ').chain(["next.json"]).map(String::from).collect();
             place.clear(&files)?;
             let done = place.run(&words, None)?;
+            let was_document = writes == Writes::Document;
             writes = if next.starts_with("report") { Writes::Text } else { Writes::Document };
             faults = self.judge(&place, &done, writes, &written, &words);
             if done.ended.end == End::Code(2) {
                 faults.extend(self.refused(&mut place, &words, (&read, is_document), &written, &done)?);
             }
-            is_document = writes == Writes::Document;
+            is_document = was_document;
             (program, read, last) = (words_program(next), written, done);
         }
         let finding = (!faults.is_empty()).then(|| Finding {
@@ -209,10 +214,10 @@ impl Session {
         let mut then = None;
         if is_document {
             place.clear(&[("next.json".into(), read.to_vec())])?;
-            then = Some(place.run(words, None)?.ended.stderr);
+            then = Some(place.run(words, None)?.ended);
             place.commands.pop();
         }
-        Ok(follow::refused((read, then.as_deref()), (written, &done.ended.stderr)))
+        Ok(follow::refused((read, then.as_ref()), (written, &done.ended.stderr)))
     }
 }
 

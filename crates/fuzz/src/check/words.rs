@@ -6,12 +6,11 @@ use super::{Fault, Rule};
 const NO_NUMBERS: [&str; 5] = ["NaN", "inf", "nan", "Infinity", "infinity"];
 
 /// What only those who wrote the program understand.
-const INSIDES: [&str; 9] = [
+const INSIDES: [&str; 8] = [
     "untagged enum",
     "Some(",
     "invalid length",
     "expected struct",
-    "expected a map",
     "expected a string key",
     "called `",
     "Err(",
@@ -47,7 +46,10 @@ pub fn message(said: &str, read: &[u8], asked: &str) -> Option<Fault> {
         return Some(Fault::new(Rule::Message, "it failed without a word"));
     }
     let is_repeated = |word: &str| asked.contains(word) || is_in(read, word);
-    let inside = INSIDES.into_iter().find(|word| said.contains(word) && !is_repeated(word));
+    // Of words that begin so, not of those that have it within.
+    let begins =
+        |word: &str| said.match_indices(word).any(|(at, _)| !said[..at].ends_with(char::is_alphanumeric));
+    let inside = INSIDES.into_iter().find(|word| begins(word) && !is_repeated(word));
     let none = (tokens(said).any(|token| token == "None") && !is_repeated("None")).then_some("None");
     let found: String = said.trim().chars().take(300).collect();
     inside.or(none).map(|word| Fault::new(Rule::Message, format!("`{word}` in: {found}")))
@@ -73,5 +75,6 @@ mod tests {
         assert_eq!(fault("found None"), Some("`None` in: found None".into()));
         assert_eq!(fault("Nonetheless, None-such"), Some("`None` in: Nonetheless, None-such".into()));
         assert!(message("found None", b"\"None\"", "").is_none());
+        assert!(fault("expected struct Grid").is_some() && fault("Unexpected struct field").is_none());
     }
 }
