@@ -85,8 +85,13 @@ impl Conditions {
 
     /// Variance of a sum of the parameters with the weights `by`.
     pub fn variance(&self, by: &[f64]) -> f64 {
-        let rows = self.covariance.iter().zip(by);
-        rows.map(|(row, a)| row.iter().zip(by).map(|(c, b)| a * c * b).sum::<f64>()).sum()
+        self.between(by, by)
+    }
+
+    /// Covariance of two sums of the parameters, by their weights.
+    pub fn between(&self, one: &[f64], other: &[f64]) -> f64 {
+        let rows = self.covariance.iter().zip(one);
+        rows.map(|(row, a)| row.iter().zip(other).map(|(c, b)| a * c * b).sum::<f64>()).sum()
     }
 }
 

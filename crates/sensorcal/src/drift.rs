@@ -52,7 +52,7 @@ pub fn drift(
             let expected = "the date of the recording, as in 1977-05-26T14:44:35Z";
             return Err(Fault::document(format!("{path}.start"), "no such key", expected).into());
         };
-        let Outcome { reversal, scatter_nt2, by_temperature } =
+        let Outcome { reversal, scatter_nt2, by_temperature, .. } =
             reversal::one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
         let column = recording.column("sensor_temperature_c").unwrap_or_default();
         let known: Vec<f64> = column.iter().copied().filter(|t| t.is_finite()).collect();

@@ -78,6 +78,8 @@ pub struct Fit {
     pub scatter: Mat<f64>,
     /// Covariance from what is known with an uncertainty, common to all readings.
     pub common: Mat<f64>,
+    /// How the unknowns move with what is known with an uncertainty: for each [`Known`], for each of its parameters.
+    pub by_known: Vec<Vec<Vec<f64>>>,
     /// The linear fit at the minimum; its residuals are in nT.
     pub linear: CorrelatedFit,
     /// Derivatives of the predicted field by the unknowns, nT, over the used rows of all runs.
@@ -166,19 +168,21 @@ impl Problem<'_, '_> {
     fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
+        let mut by_known = Vec::new();
         let best = (0..linear.weights.len())
             .max_by(|a, b| linear.weights[*a].total_cmp(&linear.weights[*b]))
             .unwrap_or(0);
         for known in &self.known {
             // An error of what is known leaves the readings where they are: the unknowns take it up.
-            let shifts: Vec<Vec<f64>> = self
+            let shifts = self
                 .derivatives(state, &known.parameters)?
                 .iter()
                 .map(|column| {
                     let one = &self.allowed.whitenings[best..=best];
-                    Ok(correlated::fit(design.as_ref(), column, one, Scale::Fitted)?.coefficients)
+                    let taken = correlated::fit(design.as_ref(), column, one, Scale::Fitted)?.coefficients;
+                    Ok(taken.iter().map(|shift| -shift).collect())
                 })
-                .collect::<Result<_, Error>>()?;
+                .collect::<Result<Vec<Vec<f64>>, Error>>()?;
             for i in 0..unknowns {
                 for j in 0..unknowns {
                     for (a, row) in known.covariance.iter().enumerate() {
@@ -188,11 +192,13 @@ impl Problem<'_, '_> {
                     }
                 }
             }
+            by_known.push(shifts);
         }
         Ok(Fit {
             values: (0..unknowns).map(|unknown| self.value(state, unknown)).collect(),
             scatter: linear.covariance.clone(),
             common,
+            by_known,
             design: design.clone(),
             noise: self.allowed.describe(&linear),
             linear,

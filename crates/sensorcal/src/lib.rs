@@ -34,6 +34,7 @@ use physics::{EffectInstance, References, Unit};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
+use crate::reversal::Turned;
 use crate::sensitivity::Constants;
 use crate::shape::Shape;
 
@@ -71,6 +72,8 @@ struct Found {
     calibration: SensorCalibration,
     conditions: Conditions,
     constants: Option<Constants>,
+    /// The offset by reversals, by what its uncertainty comes from.
+    turned: Option<Turned>,
 }
 
 /// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to `model.effects`; a
@@ -98,7 +101,12 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         adopt::adopt(&mut document, sensor, &found);
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
         let entry = sensors.entry(sensor).get_or_insert_default();
-        combine::into(entry, found.calibration, found.constants.as_ref());
+        let seen = combine::Seen {
+            constants: found.constants.as_ref(),
+            turned: found.turned.as_ref(),
+            conditions: &found.conditions,
+        };
+        combine::into(entry, found.calibration, &seen);
         let terms = budget::Terms { constants: found.constants.as_ref(), conditions: &found.conditions };
         let budget = budget::budget(entry, &terms, options);
         if !budget.is_empty() {
@@ -113,9 +121,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     Ok(document)
 }
 
-/// Field of the shield along a sensor, nT.
+/// Field of the shield along a sensor, nT: the largest of all its recordings.
 fn shield(calibration: &SensorCalibration) -> Option<f64> {
-    Some(calibration.reversal.as_ref()?.recordings.first()?.shield_field_nt.value())
+    let recordings = calibration.reversal.as_ref()?.recordings.iter();
+    recordings.map(|reversal| reversal.shield_field_nt.value().abs()).reduce(f64::max)
 }
 
 /// All six procedures on one sensor.
@@ -132,7 +141,7 @@ fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Er
         Some(found) if found.unit == unit => Some((found.sensitivity, found.covariance[0][0].sqrt())),
         _ => first(unit),
     };
-    let reversal = reversal::offset(document, sensor, &k, &shape, &conditions)?;
+    let (reversal, turned) = reversal::offset(document, sensor, &k, &shape, &conditions)?.unzip();
     let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
     let cross_field = cross_field::coefficients(document, sensor, &shape, &conditions, options.axes_std_deg)?;
     let calibration = SensorCalibration {
@@ -144,15 +153,15 @@ fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Er
         cross_field: cross_field.map(Box::new),
         ..SensorCalibration::default()
     };
-    Ok(Found { calibration, conditions, constants })
+    Ok(Found { calibration, conditions, constants, turned })
 }
 
-/// The sensitivity as it is known before the fits, with its standard uncertainty: from a straight line through the first
-/// recording in a coil, else as the document states it, else nominal.
+/// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through the recordings in a
+/// coil, else as the document states it, else nominal.
 fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f64, f64)> {
     let runs = readings::runs(document, procedure::SENSOR_SENSITIVITY, sensor).unwrap_or_default();
-    if let Some(run) = runs.iter().find(|run| run.context.unit == unit) {
-        return Some((run.basic.sensors[sensor.index()].sensitivity, 0.0));
+    if runs.first().is_some_and(|run| run.context.unit == unit) {
+        return Some((readings::first_sensitivity(&runs), 0.0));
     }
     let stated = document.calibration.as_ref().and_then(|c| c.sensor(sensor));
     if let Some(quantity) = stated.and_then(|stated| physics::sensitivity(stated, unit)) {

@@ -64,7 +64,8 @@ pub fn times(recording: &Recording, rows: &[usize]) -> Option<Vec<f64>> {
     (times.iter().all(|t| t.is_finite()) && times.windows(2).all(|pair| pair[1] >= pair[0])).then_some(times)
 }
 
-/// The recordings of a procedure and a sensor, with their places.
+/// The recordings of a procedure and a sensor, with their places, in the order in which they were taken: their order in the
+/// document means nothing.
 pub fn recordings<'a>(
     document: &'a Document,
     procedure: &str,
@@ -85,6 +86,12 @@ pub fn recordings<'a>(
             found.push((path, recording));
         }
     }
+    let beginning_s = References::stated(document).beginning_s.unwrap_or(0.0);
+    let moment = |recording: &Recording| {
+        let first = recording.column("time_s").into_iter().flatten().find(|t| t.is_finite());
+        recording.start().map_or(beginning_s, |start| start.unix_s) + first.copied().unwrap_or(0.0)
+    };
+    found.sort_by(|(_, a), (_, b)| moment(a).total_cmp(&moment(b)).then_with(|| a.id.cmp(&b.id)));
     Ok(found)
 }
 
@@ -264,6 +271,11 @@ impl Line {
         let share = self.bv * self.bv / (self.bb * self.vv);
         if share.is_finite() { share } else { 0.0 }
     }
+}
+
+/// The mean of the sensitivities that straight lines through each run give.
+pub fn first_sensitivity(runs: &[Run<'_>]) -> f64 {
+    runs.iter().map(|run| run.basic.sensors[run.sensor.index()].sensitivity).sum::<f64>() / runs.len() as f64
 }
 
 /// Width of a code as a series of readings shows it: the smallest step between different readings, where all steps are whole

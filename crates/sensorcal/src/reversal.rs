@@ -34,6 +34,20 @@ pub struct Turn {
     pub across_nt: Option<f64>,
 }
 
+/// The offset over all recordings, by what its uncertainty comes from.
+#[derive(Clone, Debug)]
+pub struct Turned {
+    /// O, nT.
+    pub offset_nt: f64,
+    /// Variance from scatter and from the sensitivity, nT².
+    pub own_nt2: f64,
+    /// From standard uncertainty to 95 % interval.
+    pub coverage_factor_95: f64,
+    /// Derivative by each parameter of the temperatures, which is common to all recordings and to what a coil shows; empty where
+    /// none were taken off.
+    pub by_temperature: Vec<f64>,
+}
+
 /// O from all recordings of reversals; None without one.
 pub fn offset(
     document: &Document,
@@ -41,11 +55,12 @@ pub fn offset(
     sensitivity: Sensitivity<'_>,
     noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
-) -> Result<Option<ReversalOffset>, Error> {
+) -> Result<Option<(ReversalOffset, Turned)>, Error> {
     let mut found = ReversalOffset::default();
+    let mut outcomes = Vec::new();
     for (path, recording) in recordings(document, procedure::SENSOR_OFFSET_REVERSAL, sensor)? {
-        let Outcome { reversal, .. } =
-            one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
+        let outcome = one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
+        let reversal = &outcome.reversal;
         let out = reversal.pairs.used.iter().filter(|used| !**used).count();
         if out > 0 {
             let rows: Vec<String> = reversal
@@ -64,30 +79,58 @@ pub fn offset(
                 plural(rows.len(), "is unlike the rest", "are unlike the rest")
             ));
         }
-        found.recordings.push(reversal);
+        found.recordings.push(reversal.clone());
+        outcomes.push(outcome);
     }
-    if found.recordings.is_empty() {
+    if outcomes.is_empty() {
         return Ok(None);
     }
-    let weight = |reversal: &Reversal| reversal.offset_nt.std().unwrap_or(f64::INFINITY).powi(-2);
-    let sum: f64 = found.recordings.iter().map(weight).sum();
-    let mean = found.recordings.iter().map(|r| weight(r) * r.offset_nt.value()).sum::<f64>() / sum;
-    found.offset_nt = Quantity::new(mean, sum.recip().sqrt());
-    let freedom: f64 = found.recordings.iter().map(|r| r.noise.degrees_of_freedom).sum();
-    found.coverage_factor_95 = stats::coverage_factor(0.95, freedom);
-    if found.recordings.len() > 1 {
-        let chi =
-            found.recordings.iter().map(|r| weight(r) * (r.offset_nt.value() - mean).powi(2)).sum::<f64>();
-        let above = found.recordings.len() as f64 - 1.0;
+    let turned = mean_of(&outcomes, conditions, &mut found.findings);
+    let variance = turned.own_nt2 + conditions.variance(&turned.by_temperature);
+    found.offset_nt = Quantity::new(turned.offset_nt, variance.sqrt());
+    found.coverage_factor_95 = turned.coverage_factor_95;
+    Ok(Some((found, turned)))
+}
+
+/// The mean over recordings, weighted by their own scatter: errors of the sensitivity and of the coefficients of temperature are
+/// common to all, weigh for none of them and do not average down.
+fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<String>) -> Turned {
+    let sum: f64 = outcomes.iter().map(|outcome| outcome.scatter_nt2.recip()).sum();
+    let weight = |outcome: &Outcome| outcome.scatter_nt2.recip() / sum;
+    let offset = |outcome: &Outcome| outcome.reversal.offset_nt.value();
+    let offset_nt = outcomes.iter().map(|outcome| weight(outcome) * offset(outcome)).sum::<f64>();
+    let by = |parameter: usize| -> f64 {
+        let of = |outcome: &Outcome| outcome.by_temperature.as_ref().map_or(0.0, |by| by[parameter]);
+        outcomes.iter().map(|outcome| weight(outcome) * of(outcome)).sum()
+    };
+    let by_temperature: Vec<f64> = (0..conditions.covariance.len()).map(by).collect();
+    let freedom: f64 = outcomes.iter().map(|outcome| outcome.reversal.noise.degrees_of_freedom).sum();
+    let mut scatter_nt2 = sum.recip();
+    if outcomes.len() > 1 {
+        // At other temperatures than the mean's, errors of the coefficients are part of a difference.
+        let apart = |one: &Outcome| -> f64 {
+            let by = one.by_temperature.iter().flatten().zip(&by_temperature).map(|(by, mean)| by - mean);
+            conditions.variance(&by.collect::<Vec<_>>())
+        };
+        let chi_of = |one: &Outcome| (offset(one) - offset_nt).powi(2) / (one.scatter_nt2 + apart(one));
+        let chi: f64 = outcomes.iter().map(chi_of).sum();
+        let above = outcomes.len() as f64 - 1.0;
         if stats::chi_squared_p(chi, above) < 0.01 {
-            found.offset_nt = Quantity::new(mean, (chi / above / sum).sqrt());
-            found.findings.push(
+            scatter_nt2 *= chi / above;
+            findings.push(
                 "the recordings differ by more than their scatter; the offset's uncertainty rests on the differences"
                     .into(),
             );
         }
     }
-    Ok(Some(found))
+    let by_sensitivity: f64 =
+        outcomes.iter().map(|outcome| weight(outcome) * outcome.by_sensitivity_nt).sum();
+    Turned {
+        offset_nt,
+        own_nt2: scatter_nt2 + by_sensitivity.powi(2),
+        coverage_factor_95: stats::coverage_factor(0.95, freedom),
+        by_temperature,
+    }
 }
 
 /// The bound of a turn that is not quite 180°: for V₂ the sensor sees −B∥ cos ε + B⊥ sin ε in place of −B∥.
@@ -109,6 +152,8 @@ pub struct Outcome {
     pub reversal: Reversal,
     /// Variance of the offset from scatter, nT²; the rest is common to recordings.
     pub scatter_nt2: f64,
+    /// What one standard uncertainty of the sensitivity moves it by, nT.
+    pub by_sensitivity_nt: f64,
     /// Derivative of the offset by each parameter of the temperatures; None where they were not taken off.
     pub by_temperature: Option<Vec<f64>>,
 }
@@ -176,7 +221,8 @@ pub fn one(
         .map(|contribution| contribution.derivatives.iter().map(|column| mean(column, &kept)).collect());
     let scatter_nt2 = scatter(&series, &kept, &fit, code_nt)?;
     let common = by_temperature.as_ref().map_or(0.0, |by| conditions.variance(by));
-    let variance = scatter_nt2 + (offset * k_std / k).powi(2) + common;
+    let by_sensitivity_nt = offset * k_std / k;
+    let variance = scatter_nt2 + by_sensitivity_nt.powi(2) + common;
     let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.covariance[(i, i)].sqrt());
     let reversal = Reversal {
         recording: recording.id.clone(),
@@ -186,7 +232,7 @@ pub fn one(
         pairs,
         noise,
     };
-    Ok(Outcome { reversal, scatter_nt2, by_temperature })
+    Ok(Outcome { reversal, scatter_nt2, by_sensitivity_nt, by_temperature })
 }
 
 /// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and what the readings

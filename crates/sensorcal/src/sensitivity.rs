@@ -12,7 +12,7 @@ use crate::Error;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::{Run, code_width, runs};
+use crate::readings::{Run, code_width, first_sensitivity, runs};
 use crate::saturation;
 use crate::shape::Shape;
 
@@ -33,6 +33,8 @@ pub struct Constants {
     pub covariance: [[f64; 2]; 2],
     /// Its type B part.
     pub common: [[f64; 2]; 2],
+    /// Derivatives of k and O by the parameters of the effects of temperature that were taken off, whose errors are part of it.
+    pub by_temperature: Vec<[f64; 2]>,
     /// Effects of the catalogue that were found, with their covariance.
     pub nonlinearity: Vec<(Kind, Quantity)>,
     /// Largest field that was applied, nT.
@@ -54,12 +56,13 @@ pub fn calibrate(
     }
     let unit = runs[0].context.unit;
     let saturation = saturation::take_out(document, &mut runs, sensor)?;
-    let k0 = runs[0].basic.sensors[sensor.index()].sensitivity;
-    let code_nt = runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k0;
+    let code_nt =
+        runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * first_sensitivity(&runs);
     let shape = noise(code_nt);
     let all: Vec<usize> = (0..runs.len()).collect();
     let (effects, known) = conditions.effects_in(&runs);
     let mut knowns = fit::coils(document, &runs);
+    let coils = knowns.len();
     knowns.extend(known);
     let constants = [Parameter::Sensitivity(sensor), Parameter::SensorOffset(sensor)];
     let unknowns = constants.map(|parameter| Unknown::Chain(parameter, all.clone())).to_vec();
@@ -124,6 +127,7 @@ pub fn calibrate(
         offset_nt: fit.values[1],
         covariance: pair(&|i, j| fit.covariance(i, j)),
         common: pair(&|i, j| fit.common[(i, j)]),
+        by_temperature: fit.by_known[coils..].iter().flatten().map(|by| [by[0], by[1]]).collect(),
         nonlinearity,
         largest_nt,
         fit: result,

@@ -1,5 +1,6 @@
 //! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
-//! intervals that hold, other methods to hold answers against.
+//! intervals that hold, other methods to hold answers against,
+//! laws that hold whatever was recorded.
 
 use std::path::{Path, PathBuf};
 
@@ -11,6 +12,7 @@ mod faults;
 mod golden;
 mod help;
 mod jacobian;
+pub mod laws;
 mod words;
 
 pub use beside::beside;

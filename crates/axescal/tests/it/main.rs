@@ -7,6 +7,7 @@ mod departures;
 mod golden;
 mod help;
 mod laws;
+mod laws_of_campaigns;
 mod nasa;
 mod pages;
 mod pipe;

@@ -6,5 +6,6 @@ mod departures;
 mod golden;
 mod gradient;
 mod help;
+mod laws;
 mod nulling;
 mod plans;

@@ -6,4 +6,5 @@ mod catalogue;
 mod files;
 mod golden;
 mod help;
+mod laws;
 mod truth;

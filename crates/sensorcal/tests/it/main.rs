@@ -6,6 +6,7 @@ mod conditions;
 mod coverage;
 mod golden;
 mod help;
+mod laws;
 mod magsat;
 mod sensitivity;
 mod shield;

@@ -4,6 +4,7 @@ mod campaign;
 mod effects;
 mod golden;
 mod help;
+mod laws;
 mod procedures;
 mod reference;
 mod replay;

@@ -1,0 +1,148 @@
+//! Laws over drawn campaigns: what does not matter to the directions, and what changes them in a known way. FLUXCAL_CAMPAIGNS sets
+//! how many.
+//!
+//! Not asked here: splitting a run with a sine, whose amplitude is of the whole run.
+
+use axescal::Options;
+use serde_json::{Value, json};
+use testkit::laws::{self, Close};
+
+fn plan(seed: u64) -> Value {
+    let mut plan = laws::plan(
+        seed,
+        json!([
+            {"procedure": "axes_orientation", "id": "axes", "orientations": "nasa_table_3", "drive_nt": 50000, "fixture_std_arcmin": 2.0,
+                "drives": ["zero", "x", "-x", "y", "-y", "z", "-z", "zero"]},
+            {"procedure": "axes_orientation", "id": "ac", "orientations": "nasa_figure_9", "drive_nt": 50000, "fixture_std_arcmin": 2.0,
+                "drives": ["x", "y", "z"], "ac": {"hz": 0.1, "cycles": 4, "rate_hz": 1, "dither_nt": 10}}
+        ]),
+    );
+    plan["unstated"] = json!(["axes"]);
+    plan["instrument"]["noise"] = json!({"white_rms_nt": 0.5});
+    plan
+}
+
+/// The same with temperatures that act.
+fn warm(seed: u64) -> Value {
+    let mut plan = plan(seed);
+    plan["truth"]["model"] = laws::warm(seed);
+    plan["temperatures"]["daily_k"] = 3.0.into();
+    plan
+}
+
+fn campaign(plan: &Value) -> Value {
+    let model = plan["truth"]["model"].clone();
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    let mut document = laws::json(&simulate::campaign(&plan).expect("simulated").document);
+    if !model.is_null() {
+        document["model"] = model;
+    }
+    document
+}
+
+fn run(document: &Value) -> Value {
+    laws::stage(|document| axescal::run(document, &Options::default()))(document)
+}
+
+/// Each law over so many campaigns.
+fn each(law: impl Fn(u64, &Value)) {
+    (0..testkit::campaigns(4)).for_each(|seed| law(seed, &campaign(&plan(seed))));
+}
+
+/// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are counted.
+const WAY: &[&str] = &["iterations", "singular_values"];
+/// The same; and a reading without drive is listed under the first coil, whatever its name.
+const NAMED: &[&str] = &["iterations", "singular_values", "readings.coil"];
+
+#[test]
+fn the_names_of_the_axes_do_not_matter() {
+    each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &Close::SOLVED.but(NAMED)));
+}
+
+#[test]
+fn volts_and_amperes_by_another_measure_change_no_direction() {
+    let law = |_, document: &Value| {
+        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), run, &Close::SUMMED);
+    };
+    each(law);
+}
+
+#[test]
+fn turning_geo_turns_the_coils_and_nothing_else() {
+    let law = |seed, document: &Value| {
+        let q = laws::rotation(seed);
+        // How far a coil is from its nominal axis is another angle in another frame.
+        let close = Close::SOLVED.but(&[
+            "iterations",
+            "singular_values",
+            "coils.off_nominal_arcsec",
+            "residual_field_nt",
+        ]);
+        laws::commutes("geo", document, |document| laws::rotate_geo(document, &q), run, &close);
+        let turned = |document: &Value| {
+            laws::rotate_geo(document, &q)["calibration"]["axes"]["residual_field_nt"].clone()
+        };
+        let (expected, found) = (turned(&run(document)), run(&laws::rotate_geo(document, &q)));
+        for axis in ["x", "y", "z"] {
+            let found = &found["calibration"]["axes"]["residual_field_nt"][axis];
+            let off = found["value"].as_f64().expect("a field") - expected[axis].as_f64().expect("a field");
+            assert!(
+                off.abs() < 1e-3 * found["std"].as_f64().expect("an uncertainty"),
+                "residual field {axis}: {off}"
+            );
+        }
+    };
+    each(law);
+}
+
+#[test]
+fn the_order_of_recordings_does_not_matter() {
+    let law = |seed, document: &Value| {
+        laws::commutes(
+            "order",
+            document,
+            |document| laws::reorder(document, seed),
+            run,
+            &Close::SUMMED.but(WAY),
+        );
+    };
+    each(law);
+}
+
+#[test]
+fn an_orientation_in_two_recordings_is_the_same() {
+    for seed in 0..testkit::campaigns(4) {
+        let mut plan = plan(seed);
+        plan["procedures"].as_array_mut().expect("a list").truncate(1);
+        let halves = |document: &Value| laws::split(document, "axes_orientation", 1, seed);
+        // What was recorded differs, and with the ids and rows the list of all readings.
+        let close = Close::SUMMED.but(&["recordings", "axes.readings", "doubtful", "iterations"]);
+        laws::invariant("split", &campaign(&plan), halves, run, &close);
+    }
+}
+
+#[test]
+fn twice_the_noise_is_twice_the_interval() {
+    for seed in 0..testkit::campaigns(4) {
+        let plan = plan(seed);
+        let (document, quiet) = (campaign(&plan), campaign(&laws::quiet(&plan)));
+        let louder = run(&laws::double_noise(&document, &quiet));
+        let axes = |document: &Value| document["calibration"]["axes"].clone();
+        // Angles move by 1e-5 rad with the noise, and the readings' derivatives with them.
+        let count = laws::doubled("noise", &axes(&louder), &axes(&run(&document)), 1e-3, &[]);
+        assert!(count > 30, "{count} quantities");
+    }
+}
+
+#[test]
+fn unknown_keys_change_nothing_and_stay() {
+    each(|_, document| laws::keeps_unknown_keys(document, run));
+}
+
+#[test]
+fn a_reference_temperature_moves_no_direction() {
+    for seed in 0..testkit::campaigns(4) {
+        let law = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
+        laws::commutes("reference", &campaign(&warm(seed)), law, run, &Close::SOLVED.but(&["iterations"]));
+    }
+}

@@ -1,0 +1,111 @@
+//! Laws over drawn campaigns: what does not matter to the coils, and what changes an answer in a known way. FLUXCAL_CAMPAIGNS sets
+//! how many.
+//!
+//! Not asked here: moving a reference temperature (no temperature enters), splitting a survey or a series of the nulling (each is
+//! an answer by itself).
+
+use serde_json::{Value, json};
+use testkit::laws::{self, Close};
+
+fn plan(seed: u64) -> Value {
+    let constant = |id: &str, coil: &str| json!({"procedure": "coil_constant", "id": format!("{id}-{coil}"), "coil": coil, "step_nt": 10000, "repeats": 4});
+    let gradient =
+        |coil: &str| json!({"procedure": "coil_gradient", "id": format!("gradient-{coil}"), "coil": coil});
+    let nulling = json!({"procedure": "nulling_residual", "id": "nulling", "sites": ["weekday-day", "weekend-night"],
+        "series": [{"length_s": 512, "rate_hz": 1}, {"length_s": 8, "rate_hz": 64}]});
+    let axes = ["x", "y", "z"];
+    let each = |coil: &&str| [constant("constant", coil), constant("again", coil), gradient(coil)];
+    let procedures: Vec<Value> = axes.iter().flat_map(each).chain([nulling]).collect();
+    let mut plan = laws::plan(seed, procedures.into());
+    plan["drive"] = "voltage".into();
+    plan["unstated"] = json!(["coils"]);
+    let noise = |size: f64| json!({"noise": {"white_rms_nt": size, "flicker_nt2_per_hz_at_1hz": 0.1 * size * size}, "mains_nt": [size, size, size]});
+    plan["truth"]["site"] = json!({"weekday-day": noise(0.3), "weekend-night": noise(0.1)});
+    plan["truth"]["coil_profile"] =
+        json!({"x": {"first_ppm_per_m": 3.0, "second_ppm_per_m2": -40.0}, "z": {"second_ppm_per_m2": 20.0}});
+    plan
+}
+
+fn campaign(plan: &Value) -> Value {
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    laws::json(&simulate::campaign(&plan).expect("simulated").document)
+}
+
+fn run(document: &Value) -> Value {
+    laws::stage(|document| coilcal::run(document, &coilcal::Options::default()))(document)
+}
+
+/// Each law over so many campaigns.
+fn each(law: impl Fn(u64, &Value)) {
+    (0..testkit::campaigns(3)).for_each(|seed| law(seed, &campaign(&plan(seed))));
+}
+
+#[test]
+fn the_names_of_the_axes_do_not_matter() {
+    each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &Close::SUMMED));
+}
+
+#[test]
+fn volts_and_amperes_by_another_measure_scale_the_constants() {
+    let law = |_, document: &Value| {
+        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), run, &Close::SUMMED);
+    };
+    each(law);
+}
+
+#[test]
+fn the_frame_of_the_laboratory_does_not_matter() {
+    // A scalar magnetometer knows no directions.
+    let law = |seed, document: &Value| {
+        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
+        laws::commutes("geo", document, turn, run, &Close::SUMMED);
+    };
+    each(law);
+}
+
+#[test]
+fn the_order_of_recordings_does_not_matter() {
+    let reorder = |seed, document: &Value| {
+        laws::commutes("order", document, |document| laws::reorder(document, seed), run, &Close::SUMMED);
+    };
+    each(reorder);
+}
+
+#[test]
+fn a_constant_in_two_recordings_is_the_same() {
+    let law = |seed, document: &Value| {
+        let halves = |document: &Value| laws::split(document, "coil_constant", 1, seed);
+        // What was recorded differs, and the ids of the recordings.
+        let close = Close::SUMMED.but(&["recordings"]);
+        laws::invariant("split", document, halves, run, &close);
+    };
+    each(law);
+}
+
+#[test]
+fn twice_the_noise_is_twice_the_interval() {
+    for seed in 0..testkit::campaigns(3) {
+        let mut plan = plan(seed);
+        // The nulling's noise is what it measures.
+        plan["procedures"]
+            .as_array_mut()
+            .expect("a list")
+            .retain(|one| one["procedure"] != "nulling_residual");
+        let (document, quiet) = (campaign(&plan), campaign(&laws::quiet(&plan)));
+        let louder = run(&laws::double_noise(&document, &quiet));
+        // A coil's field that is off by a millionth has uncertainties in ppm that are so too.
+        let count = laws::doubled(
+            "noise",
+            &louder["calibration"]["coils"],
+            &run(&document)["calibration"]["coils"],
+            1e-3,
+            &[],
+        );
+        assert!(count > 30, "{count} quantities");
+    }
+}
+
+#[test]
+fn unknown_keys_change_nothing_and_stay() {
+    each(|_, document| laws::keeps_unknown_keys(document, run));
+}

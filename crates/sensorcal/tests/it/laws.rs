@@ -1,0 +1,128 @@
+//! Laws over drawn campaigns: what does not matter to a sensor's constants, and what changes them in a known way. FLUXCAL_CAMPAIGNS
+//! sets how many.
+//!
+//! Not asked here: that a recording in two is the same. The noise of a coil's field and of a sensor has memory within a recording,
+//! a shield's field is another one in each, and a spectrum is of one series.
+
+use sensorcal::Options;
+use serde_json::{Value, json};
+use testkit::laws::{self, Close};
+
+fn plan(seed: u64) -> Value {
+    let mut plan = laws::plan(
+        seed,
+        json!([
+            {"procedure": "sensor_sensitivity", "id": "sensitivity", "to_nt": 60000, "steps": 21},
+            {"procedure": "sensor_sensitivity", "id": "again", "to_nt": 50000, "steps": 11},
+            {"procedure": "sensor_offset_reversal", "id": "reversal", "pairs": 6},
+            {"procedure": "sensor_offset_reversal", "id": "reversal-again", "pairs": 4},
+            {"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1800, "step_s": 10}, {"length_s": 6, "step_s": 0.05}]},
+            {"procedure": "temperature_run", "id": "temperature", "deviations_k": [0, 15, 30, 15, 0, -15, 0], "to_nt": 60000, "steps": 5},
+            {"procedure": "cross_field", "id": "cross", "levels_nt": [0, 50000, -50000], "to_nt": 60000, "steps": 5},
+            {"procedure": "offset_drift", "id": "drift", "dates": 6, "pairs": 4}
+        ]),
+    );
+    plan["unstated"] = json!(["sensors"]);
+    plan["temperatures"]["daily_k"] = 0.3.into();
+    plan
+}
+
+/// The same with temperatures and fields across that act.
+fn acting(seed: u64) -> Value {
+    let mut plan = plan(seed);
+    let mut draw = laws::Draw::new(seed);
+    let mut model = laws::warm(seed);
+    let effects = model["effects"].as_array_mut().expect("a list");
+    // The coils stay as they are: their temperature is not looked for here.
+    effects.retain(|effect| effect["sensor"].is_string());
+    for axis in ["x", "y", "z"] {
+        let parameters = json!({"first_nt": draw.even(), "second_nt": draw.even(), "mixed_nt": 0.0});
+        effects.push(json!({"effect": "cross_field", "sensor": axis, "parameters": parameters}));
+    }
+    plan["truth"]["model"] = model;
+    plan
+}
+
+fn campaign(plan: &Value) -> Value {
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    laws::json(&simulate::campaign(&plan).expect("simulated").document)
+}
+
+fn run(document: &Value) -> Value {
+    laws::stage(|document| sensorcal::run(document, &Options::default()))(document)
+}
+
+/// Each law over so many campaigns.
+fn each(law: impl Fn(u64, &Value)) {
+    (0..testkit::campaigns(2)).for_each(|seed| law(seed, &campaign(&acting(seed))));
+}
+
+#[test]
+fn the_names_of_the_axes_do_not_matter() {
+    each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &Close::SOLVED));
+}
+
+#[test]
+fn volts_and_amperes_by_another_measure_scale_the_sensitivities() {
+    let law = |_, document: &Value| {
+        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), run, &Close::SOLVED);
+    };
+    each(law);
+}
+
+#[test]
+fn the_frame_of_the_laboratory_does_not_matter() {
+    let law = |seed, document: &Value| {
+        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
+        laws::commutes("geo", document, turn, run, &Close::SOLVED);
+    };
+    each(law);
+}
+
+#[test]
+fn the_order_of_recordings_does_not_matter() {
+    let law = |seed, document: &Value| {
+        laws::commutes("order", document, |document| laws::reorder(document, seed), run, &Close::EXACT);
+    };
+    each(law);
+}
+
+/// A temperature at which nothing changes is the ratio of two coefficients; where both are noise, so is their ratio, of any size.
+const RATIOS: &[&str] = &["extrema_c"];
+
+#[test]
+fn twice_the_noise_is_twice_the_interval() {
+    for seed in 0..testkit::campaigns(2) {
+        let plan = plan(seed);
+        let (document, quiet) = (campaign(&plan), campaign(&laws::quiet(&plan)));
+        let louder = run(&laws::double_noise(&document, &quiet));
+        let sensors = |document: &Value| document["calibration"]["sensors"].clone();
+        let count = laws::doubled("noise", &sensors(&louder), &sensors(&run(&document)), 1e-3, RATIOS);
+        assert!(count > 100, "{count} quantities");
+    }
+}
+
+#[test]
+fn unknown_keys_change_nothing_and_stay() {
+    each(|_, document| laws::keeps_unknown_keys(document, run));
+}
+
+/// The answers to a document with another reference are those to the document, moved: they predict the same readings.
+#[test]
+fn a_reference_temperature_moves_the_constants_and_no_field() {
+    let parts = |document: &Value| {
+        let constants = |axis: &str| {
+            let sensor = &document["calibration"]["sensors"][axis];
+            json!({"k": sensor["sensitivity_nt_per_v"], "o": sensor["offset_nt"]})
+        };
+        json!({"x": constants("x"), "y": constants("y"), "z": constants("z"), "model": document["model"]})
+    };
+    // Uncertainties belong to the temperature at which a number is stated.
+    let close = Close { stds: false, ..Close::SOLVED };
+    each(|_, document| {
+        let by_k = [4.0, -3.0, 0.0];
+        let expected = parts(&laws::move_reference(&run(document), by_k));
+        let found = parts(&run(&laws::move_reference(document, by_k)));
+        close.check("reference", &found, &expected);
+    });
+}

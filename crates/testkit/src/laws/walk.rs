@@ -1,0 +1,59 @@
+//! Ways through JSON that the changes share.
+
+use serde_json::{Map, Value};
+
+/// The words of a name: `sensor_x_v` is sensor, x, v.
+pub fn words(name: &str) -> impl Iterator<Item = &str> {
+    name.split(|c: char| !c.is_ascii_alphanumeric())
+}
+
+/// Whether a text is for people: names, ids and choices have no space.
+pub fn is_prose(text: &str) -> bool {
+    text.contains(' ')
+}
+
+/// Every number below, changed.
+pub fn numbers(value: &mut Value, change: &dyn Fn(f64) -> f64) {
+    match value {
+        Value::Number(number) => *value = change(number.as_f64().expect("a number")).into(),
+        Value::Array(list) => list.iter_mut().for_each(|item| numbers(item, change)),
+        Value::Object(object) => object.values_mut().for_each(|item| numbers(item, change)),
+        _ => {}
+    }
+}
+
+/// Every object below, the inner ones first.
+pub fn objects(value: &mut Value, change: &mut dyn FnMut(&mut Map<String, Value>)) {
+    match value {
+        Value::Array(list) => list.iter_mut().for_each(|item| objects(item, change)),
+        Value::Object(object) => {
+            object.values_mut().for_each(|item| objects(item, change));
+            change(object);
+        }
+        _ => {}
+    }
+}
+
+/// A matrix of numbers.
+pub fn matrix(value: &Value) -> Option<Vec<Vec<f64>>> {
+    let row = |row: &Value| row.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
+    value.as_array()?.iter().map(row).collect()
+}
+
+/// A covariance and the names that it runs over, where an object has both.
+pub fn covariance(object: &Map<String, Value>) -> Option<(Vec<Vec<f64>>, Vec<String>)> {
+    let names = object.get("covariance_order")?.as_array()?.iter();
+    let names: Vec<String> = names.filter_map(|name| Some(name.as_str()?.to_string())).collect();
+    let covariance = matrix(object.get("covariance")?)?;
+    (covariance.len() == names.len()).then_some((covariance, names))
+}
+
+/// The value of a quantity, whether it has a standard uncertainty or not.
+pub fn quantity(value: &mut Value) -> Option<&mut Value> {
+    if value.is_number() { Some(value) } else { value.as_object_mut()?.get_mut("value") }
+}
+
+/// The recordings of a document.
+pub fn recordings(document: &mut Value) -> impl Iterator<Item = &mut Map<String, Value>> {
+    document["recordings"].as_array_mut().into_iter().flatten().filter_map(Value::as_object_mut)
+}
