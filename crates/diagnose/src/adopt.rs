@@ -114,7 +114,10 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
             (turned[1], &mut axes.coils, &known.eta, basic.eta, true),
         ] {
             if turned {
-                *place = Some(directions(model, outcome, [before, &matrix], is_coil));
+                // Keys that this version does not know stay.
+                let extra = place.take().unwrap_or_default().extra;
+                let found = directions(model, outcome, [before, &matrix], is_coil);
+                *place = Some(AxesDirections { extra, ..found });
             }
         }
         if axes == &AxesCalibration::default() {
@@ -134,7 +137,9 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
             let old = old.as_ref().and_then(|old| old.get(axis));
             (axis, moved(old, -basic.sensors[axis.index()].offset_nt / k[axis.index()], f64::NAN))
         };
-        found.offset_nt = Some(Axis::ALL.map(offset).into_iter().collect::<PerAxis<Quantity>>());
+        let offsets = Axis::ALL.map(offset).into_iter().collect::<PerAxis<Quantity>>();
+        let extra = old.as_ref().map(|old| old.extra.clone()).unwrap_or_default();
+        found.offset_nt = Some(PerAxis { extra, ..offsets });
     }
 }
 

@@ -7,6 +7,7 @@ mod clean;
 mod dependence;
 mod golden;
 mod help;
+mod laws;
 mod nasa;
 mod outside;
 mod pipe;

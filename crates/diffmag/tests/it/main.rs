@@ -10,6 +10,7 @@ mod fourteen_covariance;
 mod fourteen_reference;
 mod golden;
 mod help;
+mod laws;
 mod pair_in_time;
 mod pairs;
 mod real;

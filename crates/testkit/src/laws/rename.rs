@@ -28,9 +28,8 @@ fn renamed(key: &str, value: &Value) -> Value {
         Value::Array(list) => {
             let list: Vec<Value> = list.iter().map(|item| renamed(key, item)).collect();
             match key {
-                "matrix" | "orientation" | "nominal_rotation" | "std" | "covariance of an axis"
-                    if list.len() == 3 && list[0].is_array() =>
-                {
+                // All that is nine numbers runs over axes, but for a covariance, which names what it runs over.
+                _ if is_of_axes(&list) && key != "covariance" => {
                     let rows =
                         list.into_iter().map(|row| Value::Array(shifted(row.as_array().expect("a row"))));
                     Value::Array(shifted(&rows.collect::<Vec<_>>()))
@@ -44,6 +43,13 @@ fn renamed(key: &str, value: &Value) -> Value {
         Value::String(text) if !is_prose(text) => Value::String(name_of(text)),
         other => other.clone(),
     }
+}
+
+/// Three lists of three numbers.
+fn is_of_axes(list: &[Value]) -> bool {
+    let is_row =
+        |row: &Value| row.as_array().is_some_and(|row| row.len() == 3 && row.iter().all(Value::is_number));
+    list.len() == 3 && list.iter().all(is_row)
 }
 
 /// What stood at x stands at y.

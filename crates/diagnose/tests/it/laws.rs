@@ -1,0 +1,110 @@
+//! Laws over drawn campaigns: what does not matter to a diagnosis, and what changes it in a known way. FLUXCAL_CAMPAIGNS sets how
+//! many.
+//!
+//! Probabilities of a search are counted in drawn noise, which is drawn in the order of channels and candidates: they, and what is
+//! told by them alone, are compared in no law that changes that order.
+
+use crate::bench::{Scene, noise, simulated};
+use diagnose::Options;
+use serde_json::{Value, json};
+use testkit::laws::{self, Close, Draw};
+
+/// One effect or none, of a size that is drawn.
+fn effects(seed: u64) -> Vec<Value> {
+    let mut draw = Draw::new(seed);
+    let axis = ["x", "y", "z"][draw.below(3)];
+    let size = 1.0 + 0.3 * draw.even();
+    let all = [
+        json!({"effect": "offset_temperature_lag", "sensor": axis, "parameters": {"coefficient_nt_per_k": 0.4 * size, "lag_s": 300.0}}),
+        json!({"effect": "quadratic_nonlinearity", "sensor": axis, "parameters": {"departure_nt": 5.0 * size}}),
+        json!({"effect": "eddy_currents", "coil": axis, "parameters": {"share_ppm": 300.0 * size, "time_constant_s": 60.0}}),
+        json!({"effect": "cross_field", "sensor": axis, "parameters": {"first_nt": 5.0 * size, "second_nt": -3.0, "mixed_nt": 1.0}}),
+    ];
+    vec![all[seed as usize % all.len()].clone()]
+}
+
+fn run(document: &Value) -> Value {
+    laws::stage(|document| diagnose::run(document, &Options::default()))(document)
+}
+
+/// What is found: the verdict, the effects, what is left and the calibration that goes with them.
+fn answer(document: &Value) -> Value {
+    let entry = &document["diagnosis"][0];
+    let effects = entry["effects"].as_array().cloned().unwrap_or_default();
+    let named = |effect: &Value| json!({"effect": effect["effect"], "sensor": effect["sensor"], "coil": effect["coil"], "parameters": effect["parameters"]});
+    json!({
+        "verdict": entry["verdict"], "ambiguity": entry["ambiguity"], "fit": entry["fit"],
+        "effects": effects.iter().map(named).collect::<Vec<_>>(), "calibration": document["calibration"], "model": document["model"]
+    })
+}
+
+fn each(law: impl Fn(u64, &Value)) {
+    for seed in 0..testkit::campaigns(1) {
+        law(seed, &laws::json(&simulated(Scene::Runs, &effects(seed), &noise(), 700 + seed)));
+    }
+}
+
+/// The answer to the changed document is the answer to the document, changed.
+fn commutes(law: &str, document: &Value, change: impl Fn(&Value) -> Value, close: &Close) {
+    close.check(law, &answer(&run(&change(document))), &answer(&change(&run(document))));
+}
+
+#[test]
+fn the_names_of_the_axes_do_not_matter() {
+    each(|_, document| commutes("rename", document, laws::rename_axes, &Close::SOLVED));
+}
+
+#[test]
+fn amperes_by_another_measure_change_nothing_but_the_constants() {
+    each(|_, document| {
+        commutes("amperes", document, |document| laws::scale_volts(document, 0.73), &Close::SOLVED)
+    });
+}
+
+#[test]
+fn the_frame_of_the_laboratory_does_not_matter() {
+    each(|seed, document| {
+        commutes(
+            "geo",
+            document,
+            |document| laws::rotate_geo(document, &laws::rotation(seed)),
+            &Close::SOLVED,
+        );
+    });
+}
+
+#[test]
+fn the_order_of_recordings_does_not_matter() {
+    each(|seed, document| {
+        commutes("order", document, |document| laws::reorder(document, seed), &Close::SOLVED)
+    });
+}
+
+#[test]
+fn unknown_keys_change_nothing_and_stay() {
+    each(|_, document| laws::keeps_unknown_keys(document, run));
+}
+
+#[test]
+fn a_reference_temperature_moves_the_constants_and_no_answer() {
+    each(|_, document| {
+        let moved = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
+        // Uncertainties belong to the temperature at which a number is stated.
+        let close = Close { stds: false, ..Close::SOLVED.but(&["covariance"]) };
+        commutes("reference", document, moved, &close);
+    });
+}
+
+#[test]
+fn twice_the_noise_is_twice_the_interval() {
+    for seed in 0..testkit::campaigns(1) {
+        let document = simulated(Scene::Runs, &[], &noise(), 800 + seed);
+        let quiet = simulate::replay(&document, None).expect("predicted").document;
+        let (document, quiet) = (laws::json(&document), laws::json(&quiet));
+        let louder = run(&laws::double_noise(&document, &quiet));
+        let shift = |document: &Value| document["diagnosis"][0]["base_shift"].clone();
+        // A scale that coils and sensors may trade is known to a thousandth, moves by as much, and its uncertainty with it.
+        let count = laws::doubled("noise", &shift(&louder), &shift(&run(&document)), 1e-2, &[]);
+        assert!(count > 20, "{count} quantities");
+    }
+}
