@@ -67,7 +67,11 @@ fn draw(section: &mut Section, document: &Document) {
         .iter()
         .filter(|recording| !recording.columns.is_empty() && !is_read(document, recording))
         .collect();
-    unread.sort_by_key(|recording| std::cmp::Reverse(recording.rows()));
+    // Of as many rows, in the order taken: that of the document means nothing.
+    let moment = |recording: &Recording| recording.start().map_or(f64::NEG_INFINITY, |start| start.unix_s);
+    unread.sort_by(|a, b| {
+        b.rows().cmp(&a.rows()).then(moment(a).total_cmp(&moment(b))).then_with(|| a.id.cmp(&b.id))
+    });
     if unread.is_empty() {
         return;
     }

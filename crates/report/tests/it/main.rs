@@ -5,4 +5,5 @@ mod browser;
 mod certificate;
 mod golden;
 mod help;
+mod laws;
 mod well_formed;
