@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use crate::number::counted;
 use crate::{
     Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, all_finite,
-    check, to_line, to_text,
+    check, finite, to_line, to_text,
 };
 
 /// The format version that this library reads and writes.
@@ -220,7 +220,7 @@ fn explain(source: &str, path: &str, error: &serde_json::Error) -> Error {
     if let [inner, found, expected] = message.split(CARRIED).collect::<Vec<_>>()[..] {
         return Error::document(inner, found, expected).below(path);
     }
-    let stands = value_at(source, path).map_or("something else".into(), |value| shortened(value));
+    let stands = value_at(source, path).map_or("something else".into(), shortened);
     let path = if path == "." { "the document".to_string() } else { path.to_string() };
     if let Some(key) = message.strip_prefix("missing field `").and_then(|rest| rest.strip_suffix('`')) {
         return Error::document(path, format!("no key `{key}`"), format!("`{key}`, which is required there"));

@@ -145,7 +145,7 @@ fn effects_act_on_the_readings() {
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
     type Fault = fn(&mut Value);
-    let cases: [(Fault, &str); 31] = [
+    let cases: [(Fault, &str); 32] = [
         (
             |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
             "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",

@@ -87,7 +87,7 @@ impl Close {
                     let allowed = self.of_list(path, expected, &b);
                     for (place, (a, b)) in a.iter().zip(&b).enumerate() {
                         let by = if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() };
-                        if !(by <= allowed(place)) {
+                        if by.is_nan() || by > allowed(place) {
                             out.push(format!(
                                 "{path}[{place}]: {a} where {b} is expected, allowed {:.2e}",
                                 allowed(place)
