@@ -31,6 +31,17 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
             return Err(missing(format!("coil_{axis}_a or coil_{axis}_v, not both")).into());
         }
     }
+    for (axis, unit) in Axis::ALL.into_iter().flat_map(|axis| [(axis, "a"), (axis, "v")]) {
+        let Some(column) = recording.axis_column("coil", axis, unit) else { continue };
+        if !column.is_empty() && column.iter().all(|drive| drive.is_nan()) {
+            return Err(common::Error::document(
+                format!("{path}.columns.coil_{axis}_{unit}"),
+                "a drive that is null in every row",
+                "at least one row with a drive; write 0 where the coil was off, or take the recording out",
+            )
+            .into());
+        }
+    }
     let in_unit =
         |unit: &str| Axis::ALL.iter().any(|axis| recording.axis_column("sensor", *axis, unit).is_some());
     if in_unit("v") && in_unit("nt") {
