@@ -223,7 +223,7 @@ fn faulty_plans_are_refused_with_their_place() {
                 plan["procedures"][0] =
                     json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_a": [9.0]}});
             },
-            "procedures[0].columns.coil_x_a: found 371110.5 nT on coil x; expected at most 60000 nT",
+            "procedures[0].columns.coil_x_a: found 371110 nT on coil x; expected at most 60000 nT",
         ),
         (
             |plan| {
