@@ -19,7 +19,7 @@ pub fn figures(value: f64, digits: usize) -> String {
     if (-4..7).contains(&power) {
         return fixed(value, digits as i32 - 1 - power);
     }
-    format!("{}{}", fixed(value / 10f64.powi(power), digits as i32 - 1), times_ten_to(power))
+    format!("{}{}", fixed(scaled(value, power), digits as i32 - 1), times_ten_to(power))
 }
 
 /// The same without zeros at the end.
@@ -48,8 +48,7 @@ pub fn uncertain(value: f64, std: f64) -> String {
     if (-4..7).contains(&power) {
         return format!("{} ± {}", fixed(value, decimals), fixed(std, decimals));
     }
-    let scale = 10f64.powi(power);
-    let [value, std] = [value, std].map(|number| fixed(number / scale, decimals + power));
+    let [value, std] = [value, std].map(|number| fixed(scaled(number, power), decimals + power));
     format!("({value} ± {std}){}", times_ten_to(power))
 }
 
@@ -130,7 +129,14 @@ fn decimals(std: f64) -> i32 {
 
 /// A number as a file has it, for messages that quote it: `-1e31`.
 pub fn quoted(value: f64) -> String {
-    serde_json::Value::from(value).to_string()
+    let text = format!("{value:?}");
+    text.strip_suffix(".0").map_or(text.clone(), str::to_string)
+}
+
+/// A number over a power of ten, in two steps: below 10⁻³⁰⁸ the power itself is none.
+fn scaled(value: f64, power: i32) -> f64 {
+    let half = power / 2;
+    value / 10f64.powi(half) / 10f64.powi(power - half)
 }
 
 /// The power of ten of a number that is rounded to so many significant digits.
@@ -209,6 +215,12 @@ mod tests {
     }
 
     #[test]
+    fn the_smallest_numbers_are_numbers() {
+        assert_eq!(bare(5e-324), "5·10⁻³²⁴");
+        assert_eq!(uncertain(3e-310, 2e-310), "(3.0 ± 2.0)·10⁻³¹⁰");
+    }
+
+    #[test]
     fn what_is_missing_is_said() {
         assert_eq!(uncertain(f64::NAN, 1.0), "missing");
         assert_eq!(uncertain(2.5, f64::INFINITY), "2.5, uncertainty not finite");
@@ -218,7 +230,10 @@ mod tests {
 
     #[test]
     fn what_is_quoted_stays_as_it_is() {
-        assert_eq!((quoted(-1e31), quoted(-300.5)), ("-1e31".into(), "-300.5".into()));
+        assert_eq!(
+            (quoted(-1e31), quoted(-300.5), quoted(7e8)),
+            ("-1e31".into(), "-300.5".into(), "700000000".into())
+        );
     }
 
     #[test]

@@ -26,6 +26,8 @@ use crate::run::{self, End, Ended};
 const FURTHER: usize = 3;
 /// The largest document that goes on, bytes: what a campaign of minutes writes, not one of a million readings.
 const LARGEST: usize = 8_000_000;
+/// Stack of each worker: values are nested up to 3000 deep, and are dropped one within the other.
+const STACK: usize = 1 << 26;
 
 /// What is run.
 #[derive(Clone, Debug)]
@@ -102,7 +104,10 @@ impl Session {
         let cores =
             if settings.case.is_some() { 1 } else { thread::available_parallelism().map_or(1, usize::from) };
         thread::scope(|scope| {
-            let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+            let workers: Vec<_> = (0..cores)
+                .map(|_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work))
+                .collect::<Result<_, _>>()
+                .map_err(|e| Error::request(format!("no thread: {e}")))?;
             let mut ended = workers.into_iter().map(|worker| worker.join());
             ended.try_for_each(|ended| {
                 ended.unwrap_or_else(|_| Err(Error::request("a thread panicked; see above")))

@@ -48,6 +48,10 @@ pub(super) fn detectable(
                     continue;
                 }
                 let mut size = z * (one.covariance[(0, 0)] * scale).sqrt();
+                // Of a column that the calibration takes up but for rounding, no size would be seen.
+                if !size.is_finite() {
+                    continue;
+                }
                 if candidate.finite {
                     // The column is what the effect does at this shape, so that a share of it is about that share of the shape.
                     match trial.shape.filter(|_| size <= 1.0) {
