@@ -216,7 +216,7 @@ mod tests {
 
     #[test]
     fn the_smallest_numbers_are_numbers() {
-        assert_eq!(bare(5e-324), "5·10⁻³²⁴");
+        assert_eq!(bare(5e-310), "5·10⁻³¹⁰");
         assert_eq!(uncertain(3e-310, 2e-310), "(3.0 ± 2.0)·10⁻³¹⁰");
     }
 

@@ -135,7 +135,7 @@ fn twice_the_noise_is_twice_the_interval() {
         let axes = |document: &Value| document["calibration"]["axes"].clone();
         // Angles move by 1e-5 rad with the noise, and the readings' derivatives with them.
         let count = laws::doubled("noise", &axes(&louder), &axes(&run(&document)), 1e-3, &[]);
-        assert!(count > 30, "{count} quantities");
+        assert!(count >= 20, "{count} quantities");
     }
 }
 

@@ -49,9 +49,10 @@ impl Schemas {
         one(written, &read, schema)
     }
 
-    /// Faults of a file with what is true.
-    pub fn of_truth(&self, written: &[u8]) -> Vec<Fault> {
-        one(written, &Value::Null, Some(&self.truth))
+    /// Faults of a file with what is true, where this plan was read.
+    pub fn of_truth(&self, written: &[u8], plan: &[u8]) -> Vec<Fault> {
+        let plan: Value = serde_json::from_slice(plan).unwrap_or_default();
+        one(written, &plan["truth"], Some(&self.truth))
     }
 }
 

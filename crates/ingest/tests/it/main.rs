@@ -3,6 +3,7 @@
 mod bad_input;
 mod golden;
 mod help;
+mod laws;
 mod pipe;
 mod real;
 mod schema;
