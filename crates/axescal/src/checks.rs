@@ -11,6 +11,8 @@ use crate::{Error, Observations};
 const LEAST_OF_A_PART: f64 = 5e-3;
 /// Readings further from the drive than this factor are in another unit.
 const UNIT_FACTOR: f64 = 3.0;
+/// The largest of some hundred readings has noise of no more than so many standard deviations.
+const NOISE_WITHIN: f64 = 5.0;
 
 /// Every sensor has its column, and every column holds a reading.
 pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Result<(), Error> {
@@ -122,13 +124,15 @@ pub(crate) fn constants(
 pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> Result<(), Error> {
     let drive = all.readings.iter().map(|reading| reading.drive_nt.norm()).fold(0.0, f64::max);
     for &sensor in &all.sensors {
-        let own = all.readings.iter().filter(|reading| reading.sensor == sensor);
-        let largest = own.map(|reading| reading.value_nt.abs()).fold(0.0, f64::max);
+        let own = || all.readings.iter().filter(|reading| reading.sensor == sensor);
+        let largest = own().map(|reading| reading.value_nt.abs()).fold(0.0, f64::max);
+        // Readings may be mostly noise, where that is declared.
+        let noise = NOISE_WITHIN * own().map(|reading| reading.std_nt).fold(0.0, f64::max);
         let ratio = largest / drive;
         // One sensor with one coil may lie across each other in every orientation.
         let complete = all.sensors.len() == 3 && all.coils.len() == 3;
         let least = if complete { 1.0 / UNIT_FACTOR } else { LEAST_OF_A_PART };
-        if ratio > UNIT_FACTOR || ratio < least {
+        if largest - noise > UNIT_FACTOR * drive || largest + noise < least * drive {
             let (index, recording) = recordings[0];
             let name = sensor_column(recording, sensor).map_or_else(String::new, |(name, _)| name);
             let units = [(1e-9, "T"), (1e-6, "mT"), (1e-5, "G"), (1e-3, "µT"), (1e-2, "mG")];

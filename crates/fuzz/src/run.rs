@@ -9,8 +9,8 @@ use crate::Error;
 
 /// Address space of a program, KiB: 4 GB.
 const MEMORY_KIB: u64 = 4 * 1024 * 1024;
-/// Processor time of a program, s. Other work on the machine does not add to it.
-const PROCESSOR_S: u64 = 20;
+/// Processor time of a program, s: 20 s on two cores. Other work on the machine does not add to it.
+const PROCESSOR_S: u64 = 40;
 /// Time by the clock, for a program that waits and does nothing.
 const CLOCK: Duration = Duration::from_secs(90);
 /// The signal by which the system ends a program over its processor time.

@@ -134,7 +134,7 @@ impl Session {
         let mut faults = self.judge(&place, &first, line.writes, &read, &case.words);
         if first.ended.end == End::Code(0) && place.folder.join("out-truth.json").is_file() {
             let truth = fs::read(place.folder.join("out-truth.json")).unwrap_or_default();
-            faults.extend(self.schemas.of_truth(&truth, &read));
+            faults.extend(self.schemas.of_truth(&truth));
         }
         let mut files = case.files.clone();
         let mut last = first;

@@ -152,10 +152,12 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
     let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
     document.history.push(history(arguments, input.sha256()));
+    // What is refused is refused before a file is written.
+    let (text, truth_text) = (document.to_text()?, what_is_true.to_text()?);
     if let Some(path) = truth {
-        pipe::write(Some(path), &what_is_true.to_text()?)?;
+        pipe::write(Some(path), &truth_text)?;
     }
-    pipe::write(io.output.as_deref(), &document.to_text()?)?;
+    pipe::write(io.output.as_deref(), &text)?;
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
     let recordings = counted(document.recordings.len(), "recording");
     say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));

@@ -18,6 +18,9 @@ pub struct Context<'a> {
     pub kind: Kind,
 }
 
+/// A key that no version knows.
+pub const UNKNOWN: &str = "nobody_knows";
+
 /// Changes by how often they are made.
 const CHANGES: [(usize, (&str, Change)); 24] = [
     (12, ("a number replaced", number)),
@@ -130,7 +133,7 @@ fn unknown_key(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(Value::Object(map)) = somewhere(value, draw) else { return false };
     let inner = values::number(draw);
     let inner = if draw.chance(30) { json!({"deeper": [inner, null, "x"]}) } else { inner };
-    map.insert("nobody_knows".into(), inner);
+    map.insert(UNKNOWN.into(), inner);
     true
 }
 
