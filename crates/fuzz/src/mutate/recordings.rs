@@ -58,6 +58,9 @@ pub fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
 pub fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(list) = recordings(value) else { return false };
     let mut again = draw.of(list).clone();
+    if !again.is_object() {
+        return false;
+    }
     if draw.chance(80) {
         again["id"] = json!(format!("again-{}", list.len()));
     }
