@@ -22,14 +22,16 @@ fn tokens(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_')
 }
 
-/// Whether a word stands in a file, in capitals or not: names of columns are written small.
 fn is_in(bytes: &[u8], word: &str) -> bool {
-    bytes.windows(word.len()).any(|part| part.eq_ignore_ascii_case(word.as_bytes()))
+    bytes.windows(word.len()).any(|part| part == word.as_bytes())
 }
 
 /// A number that is none, with the words around it, unless it was read.
 pub fn no_number(text: &str, read: &[u8], asked: &str) -> Option<String> {
-    let is_repeated = |word: &str| asked.contains(word) || is_in(read, word);
+    let read = String::from_utf8_lossy(read);
+    // In capitals or not: names of columns are written small.
+    let was_read = |word: &str| tokens(&read).any(|token| token.eq_ignore_ascii_case(word));
+    let is_repeated = |word: &str| asked.contains(word) || was_read(word);
     let word =
         NO_NUMBERS.into_iter().find(|word| tokens(text).any(|token| token == *word) && !is_repeated(word));
     // A page says how many points of a plot were missing.
