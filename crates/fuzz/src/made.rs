@@ -8,6 +8,8 @@ use crate::kind::Kind;
 use crate::programs::Programs;
 use crate::run::{self, End};
 
+/// Processor time of one of them, s: the builds of tests are not optimised.
+const PROCESSOR_S: u64 = 600;
 /// Each with the command line that makes it.
 const MADE: [(Kind, &str); 4] = [
     (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
@@ -27,7 +29,13 @@ pub fn add(corpus: &mut Corpus, programs: &Programs) -> Result<(), Error> {
     for (kind, line) in MADE {
         let words: Vec<String> =
             line.split(' ').map(|word| word.replacen("fixtures/", &fixtures, 1)).collect();
-        let done = run::run(&programs.path(&words[0]), &words[1..], folder.path(), folder.path(), None)?;
+        let done = run::run(
+            &programs.path(&words[0]),
+            &words[1..],
+            (folder.path(), folder.path()),
+            None,
+            PROCESSOR_S,
+        )?;
         if done.end != End::Code(0) {
             return Err(Error::request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
         }

@@ -13,6 +13,8 @@ use std::time::Duration;
 
 const PROGRAM: Program = Program { name: "fuzz", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
+/// Processor time of a program, s: 20 s on two cores.
+const PROCESSOR_S: u64 = 40;
 /// How many findings that are alike are told.
 const ALIKE: usize = 3;
 
@@ -20,7 +22,7 @@ const ALIKE: usize = 3;
 #[derive(Parser)]
 #[command(
     version,
-    after_help = "Rules: no panic, no signal, an end in 20 s of processor time and 4 GB, the exit codes 0, 1 and 2, words for every \
+    after_help = "Rules: no panic, no signal, an end in 40 s of processor time and 4 GB, the exit codes 0, 1 and 2, words for every \
     failure and nothing written beside it, no number that is none, documents by their schema, and no program that refuses what \
     another wrote.\n\n\
     Example:\n  \
@@ -62,7 +64,14 @@ fn run(cli: Cli) -> Result<(), Error> {
     let session = Session::new(Programs::find(cli.programs.as_deref())?)?;
     // More than a year is no budget.
     let time = Duration::from_secs_f64((cli.minutes * 60.0).min(3.2e7));
-    let settings = Settings { seed: cli.seed, time, case: cli.case, only: cli.only, keep: cli.keep };
+    let settings = Settings {
+        seed: cli.seed,
+        cases: cli.case.map_or(0..u64::MAX, |case| case..case.saturating_add(1)),
+        time: Some(time),
+        processor_s: PROCESSOR_S,
+        only: cli.only,
+        keep: cli.keep,
+    };
     pipe::say(&format!("fuzz: seed {}", settings.seed));
     let alike: Mutex<BTreeMap<String, usize>> = Mutex::default();
     let summary = session.run(&settings, |finding| {

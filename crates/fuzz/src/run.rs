@@ -9,10 +9,8 @@ use crate::Error;
 
 /// Address space of a program, KiB: 4 GB.
 const MEMORY_KIB: u64 = 4 * 1024 * 1024;
-/// Processor time of a program, s: 20 s on two cores. Other work on the machine does not add to it.
-const PROCESSOR_S: u64 = 40;
-/// Time by the clock, for a program that waits and does nothing.
-const CLOCK: Duration = Duration::from_secs(90);
+/// Time by the clock for each second of processor time, for a program that waits and does nothing.
+const WAITING: u64 = 3;
 /// The signal by which the system ends a program over its processor time.
 const OVER_TIME: i32 = 24;
 
@@ -42,9 +40,9 @@ pub struct Ended {
 pub fn run(
     program: &Path,
     arguments: &[String],
-    folder: &Path,
-    logs: &Path,
+    (folder, logs): (&Path, &Path),
     stdin: Option<&Path>,
+    processor_s: u64,
 ) -> Result<Ended, Error> {
     let (stdout, stderr) = (logs.join("stdout"), logs.join("stderr"));
     let create = |path: &Path| File::create(path).map_err(|e| Error::file(path, "written", e));
@@ -52,7 +50,7 @@ pub fn run(
         Some(path) => File::open(path).map_err(|e| Error::file(path, "read", e))?.into(),
         None => Stdio::null(),
     };
-    let limited = format!("ulimit -c 0; ulimit -v {MEMORY_KIB}; ulimit -S -t {PROCESSOR_S}; exec \"$@\"");
+    let limited = format!("ulimit -c 0; ulimit -v {MEMORY_KIB}; ulimit -S -t {processor_s}; exec \"$@\"");
     let mut child = Command::new("sh")
         .args(["-c", &limited, "sh"])
         .arg(program)
@@ -65,12 +63,12 @@ pub fn run(
         .stderr(create(&stderr)?)
         .spawn()
         .map_err(|e| Error::file(program, "run", e))?;
-    let begun = Instant::now();
+    let (begun, clock) = (Instant::now(), Duration::from_secs(WAITING * processor_s));
     let mut pause = Duration::from_micros(500);
     let end = loop {
         match child.try_wait().map_err(|e| Error::file(program, "run", e))? {
             Some(status) => break end(status),
-            None if begun.elapsed() > CLOCK => {
+            None if begun.elapsed() > clock => {
                 // `sh` has become the program, so that this ends it.
                 child.kill().and_then(|()| child.wait()).map_err(|e| Error::file(program, "run", e))?;
                 break End::Hang;
@@ -108,7 +106,7 @@ mod tests {
     fn ended(script: &str) -> Ended {
         let folder = tempfile::tempdir().expect("a folder");
         let arguments = ["-c".to_string(), script.to_string()];
-        run(Path::new("sh"), &arguments, folder.path(), folder.path(), None).expect("run")
+        run(Path::new("sh"), &arguments, (folder.path(), folder.path()), None, 60).expect("run")
     }
 
     #[test]

@@ -1,7 +1,8 @@
-//! Cases one after another on all cores, until the time is over.
+//! Cases one after another on all cores, so many or until the time is over.
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -34,10 +35,12 @@ const STACK: usize = 1 << 26;
 pub struct Settings {
     /// Where all choices come from.
     pub seed: u64,
-    /// How long.
-    pub time: Duration,
-    /// One case alone.
-    pub case: Option<u64>,
+    /// The cases by their numbers.
+    pub cases: Range<u64>,
+    /// How long no longer; absent: until all cases are done.
+    pub time: Option<Duration>,
+    /// Processor time of one program, s. Other work on the machine does not add to it.
+    pub processor_s: u64,
     /// The cases of one program alone, as they are numbered among all.
     pub only: Option<String>,
     /// Where the files of findings are kept.
@@ -81,11 +84,14 @@ impl Session {
     ///
     /// A folder that cannot be written to, a program that cannot be run.
     pub fn run(&self, settings: &Settings, tell: impl Fn(&Finding) + Sync) -> Result<Summary, Error> {
-        let (next, begun) = (AtomicU64::new(0), Instant::now());
+        let (next, begun) = (AtomicU64::new(settings.cases.start), Instant::now());
         let summary = Mutex::new(Summary::default());
         let work = || -> Result<(), Error> {
-            while begun.elapsed() < settings.time {
-                let number = settings.case.unwrap_or_else(|| next.fetch_add(1, Ordering::Relaxed));
+            while settings.time.is_none_or(|time| begun.elapsed() < time) {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                if !settings.cases.contains(&number) {
+                    break;
+                }
                 let Some(done) = self.case(settings, number)? else { continue };
                 if let Some(finding) = &done.finding {
                     tell(finding);
@@ -95,14 +101,10 @@ impl Session {
                 summary.cases += 1;
                 done.runs.into_iter().for_each(|run| *summary.runs.entry(run).or_default() += 1);
                 summary.findings.extend(done.finding);
-                if settings.case.is_some() {
-                    break;
-                }
             }
             Ok(())
         };
-        let cores =
-            if settings.case.is_some() { 1 } else { thread::available_parallelism().map_or(1, usize::from) };
+        let cores = thread::available_parallelism().map_or(1, usize::from);
         thread::scope(|scope| {
             let workers: Vec<_> = (0..cores)
                 .map(|_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work))
@@ -126,7 +128,7 @@ impl Session {
             return Ok(None);
         }
         let case = Case::make(line, &self.corpus, &mut draw);
-        let mut place = Place::new(&self.programs)?;
+        let mut place = Place::new(&self.programs, settings.processor_s)?;
         case.write(&place.folder)?;
         let stdin = case.on_stdin.then(|| place.folder.join(line.kind.file()));
         let first = place.run(&case.words, stdin.as_deref())?;
@@ -247,6 +249,7 @@ struct Run {
 /// The folder of a case.
 struct Place<'a> {
     programs: &'a Programs,
+    processor_s: u64,
     root: tempfile::TempDir,
     folder: PathBuf,
     commands: Vec<String>,
@@ -254,11 +257,11 @@ struct Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    fn new(programs: &'a Programs) -> Result<Self, Error> {
+    fn new(programs: &'a Programs, processor_s: u64) -> Result<Self, Error> {
         let root = tempfile::tempdir().map_err(|e| Error::file("a temporary folder", "written", e))?;
         let folder = root.path().join("case");
         fs::create_dir(&folder).map_err(|e| Error::file(&folder, "written", e))?;
-        Ok(Self { programs, root, folder, commands: Vec::new(), runs: Vec::new() })
+        Ok(Self { programs, processor_s, root, folder, commands: Vec::new(), runs: Vec::new() })
     }
 
     /// Leaves only these files in the folder.
@@ -271,7 +274,8 @@ impl<'a> Place<'a> {
     fn run(&mut self, words: &[String], stdin: Option<&Path>) -> Result<Run, Error> {
         let before = check::listing(&self.folder)?;
         let program = self.programs.path(&words[0]);
-        let ended = run::run(&program, &words[1..], &self.folder, self.root.path(), stdin)?;
+        let ended =
+            run::run(&program, &words[1..], (&self.folder, self.root.path()), stdin, self.processor_s)?;
         let after = check::listing(&self.folder)?;
         let output = words.iter().position(|word| word == "-o").and_then(|at| words.get(at + 1));
         let written = match output {
