@@ -11,6 +11,7 @@ use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::noise::Noise;
 use crate::scene::{AXES, Campaign, Readings};
+use crate::scenes::Length;
 
 /// What is true of one effect.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -25,8 +26,15 @@ pub struct TrueEffect {
     pub sensors: Vec<String>,
     /// What the catalogue's parameters should come out as.
     pub parameters: Map<String, Value>,
+    /// Rms of its form error, relative.
+    #[serde(default, skip_serializing_if = "exact")]
+    pub form_error: f64,
     /// Rms that is left of it when the basic model is fitted, in the sensor that keeps most of it, nT.
     pub left_nt: f64,
+}
+
+fn exact(form_error: &f64) -> bool {
+    *form_error == 0.0
 }
 
 /// What is sealed.
@@ -34,7 +42,7 @@ pub struct TrueEffect {
 pub struct Truth {
     /// The case.
     pub case: String,
-    /// `clean`, `old`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm` or `pillar`.
+    /// `clean`, `old`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm`, `pillar`, or one of the long sets.
     pub set: String,
     /// The seed of the set.
     pub seed: u64,
@@ -42,7 +50,7 @@ pub struct Truth {
     pub number: usize,
     /// So many times the noise each effect is.
     pub strength: f64,
-    /// `short`, `medium` or `long`.
+    /// `short`, `medium`, `long`, `campaign` or `day`.
     pub length: String,
     /// `apart` or `together`: how the thermometers go.
     pub covariates: String,
@@ -54,7 +62,8 @@ pub struct Truth {
     pub noise_nt: f64,
     /// What was concealed.
     pub effects: Vec<TrueEffect>,
-    /// What stepwise regression and thresholded least squares choose, with the true calibration for their model.
+    /// What stepwise regression and thresholded least squares choose, with the true calibration for their model; of long
+    /// recordings nothing.
     pub baselines: [BTreeSet<String>; 2],
     /// Random digits: without them a seal of a short truth could be guessed open.
     pub nonce: String,
@@ -77,6 +86,8 @@ pub struct Concealed {
     pub effect: Effect,
     /// Times the noise that is left of it after the basic model is fitted.
     pub strength: f64,
+    /// Rms of its form error, relative.
+    pub form_error: f64,
 }
 
 /// What the recordings are labelled with in the truth.
@@ -92,7 +103,7 @@ pub struct Labels {
     /// The strength of the design.
     pub strength: f64,
     /// The length of the design.
-    pub length: &'static str,
+    pub length: Length,
 }
 
 /// Ways that noise is made of, total rms about 0.3 nT: white, f^−1, f^−1.5.
@@ -138,11 +149,13 @@ pub fn make(
     labels: Labels,
     draw: &mut Draw,
 ) -> Case {
+    let long = !Length::ALL.contains(&labels.length);
     let plain = campaign.plain();
     let mut readings = plain.clone();
     let mut drawn: Readings = Vec::new();
     for (run, readings) in campaign.runs.iter().zip(&mut readings) {
-        let of_run = [0; 3].map(|_| noise.series(run.times.len(), run.step_s(), draw));
+        let series = if long { Noise::long_series } else { Noise::series };
+        let of_run = [0; 3].map(|_| series(&noise, run.times.len(), run.step_s(), draw));
         readings.iter_mut().zip(&of_run).for_each(|(column, noise)| add(column, noise));
         drawn.push(of_run);
     }
@@ -159,6 +172,7 @@ pub fn make(
             accepted: one.effect.accepted.clone(),
             sensors: one.effect.sensors.iter().map(|sensor| AXES[*sensor].to_string()).collect(),
             parameters: parameters.map(|(name, value)| (name.to_string(), json!(value))).collect(),
+            form_error: one.form_error,
             left_nt: base::size_left(campaign, &added),
         });
         if one.effect.on_codes {
@@ -183,7 +197,7 @@ pub fn make(
         seed: labels.seed,
         number: labels.number,
         strength: labels.strength,
-        length: labels.length.into(),
+        length: labels.length.word().into(),
         covariates: if campaign.apart { "apart" } else { "together" }.into(),
         scene: campaign.kind.words().into(),
         readings: count,
@@ -192,7 +206,9 @@ pub fn make(
         baselines: Default::default(),
         nonce: nonce(draw),
     };
-    truth.baselines = baselines(campaign, &plain, &document);
+    if !long {
+        truth.baselines = baselines(campaign, &plain, &document);
+    }
     Case { document, truth }
 }
 

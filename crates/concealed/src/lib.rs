@@ -12,6 +12,7 @@ pub mod draw;
 pub mod effect;
 mod error;
 pub mod finer;
+pub mod form;
 pub mod kinds;
 pub mod noise;
 pub mod outside;
@@ -27,6 +28,7 @@ pub mod seal;
 pub mod sets;
 pub mod signal;
 pub mod swarm;
+pub mod tally;
 pub mod verdict;
 pub mod wilson;
 

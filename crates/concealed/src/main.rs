@@ -44,6 +44,8 @@ enum Command {
     Prove(concealed::prove::Arguments),
     /// Opens and scores the cases of a folder, and writes the page
     Score(concealed::prove::Arguments),
+    /// Cases of some sets made, sealed, diagnosed and scored, a line each and no page
+    Tally(concealed::tally::Arguments),
     /// A vector magnetometer beside a scalar one on an orbit, with a disturbance that follows the Sun
     Swarm(concealed::prove::Campaign),
     /// A month of an observatory's pair, with three things that nobody declared
@@ -72,6 +74,7 @@ fn told(command: &Command) -> Result<(), concealed::Error> {
         }
         Command::Prove(arguments) => pipe::say(&prove::summary(&prove::run(arguments)?)),
         Command::Score(arguments) => pipe::say(&prove::summary(&prove::score(arguments)?)),
+        Command::Tally(arguments) => concealed::tally::run(arguments)?,
         Command::Swarm(arguments) => pipe::write(None, &prove::swarm(arguments)?)?,
         Command::Pillar(arguments) => pipe::write(None, &prove::pillar(arguments)?)?,
         Command::Real(arguments) => concealed::real::run(arguments)?,

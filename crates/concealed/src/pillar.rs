@@ -88,6 +88,7 @@ pub fn month(seed: u64) -> Case {
             accepted: vec![accepted.into()],
             sensors: sensors.iter().map(|axis| (*axis).to_string()).collect(),
             parameters: parameters.as_object().cloned().unwrap_or_default(),
+            form_error: 0.0,
             left_nt: sizes[which],
         };
     let effects = vec![

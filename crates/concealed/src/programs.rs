@@ -1,7 +1,9 @@
 //! The programs under proof, run as they are shipped.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use crate::Error;
 
@@ -49,21 +51,60 @@ impl Programs {
     /// Runs a stage on a document; the answer stands in `output`, whole or not at all.
     pub fn run(&self, name: &str, arguments: &[&str], document: &Path, output: &Path) -> Result<(), Error> {
         let program = self.program(name)?;
-        let run = Command::new(&program)
-            .args(arguments)
-            .arg("-q")
-            .arg(document)
-            .arg("-o")
-            .arg(output)
-            // Cases run side by side; the answer does not depend on the number of threads.
-            .env("RAYON_NUM_THREADS", "1")
-            .stdin(Stdio::null())
+        let run = command(&program, arguments, document, output)
             .output()
             .map_err(|source| Error::file(&program, "read", source))?;
-        if run.status.success() {
-            return Ok(());
-        }
-        let words = String::from_utf8_lossy(&run.stderr).trim().to_string();
-        Err(Error::Program { program, document: document.into(), words })
+        finished(&run, program, document)
     }
+
+    /// The same, stopped after a time.
+    pub fn run_within(
+        &self,
+        limit: Duration,
+        name: &str,
+        document: &Path,
+        output: &Path,
+    ) -> Result<(), Error> {
+        let program = self.program(name)?;
+        let failed = |source| Error::file(&program, "run", source);
+        let mut run = command(&program, &[], document, output)
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let begun = Instant::now();
+        while run.try_wait().map_err(failed)?.is_none() {
+            if begun.elapsed() > limit {
+                run.kill().map_err(failed)?;
+                run.wait().map_err(failed)?;
+                let words = format!("stopped after {} s", limit.as_secs());
+                return Err(Error::Program { program, document: document.into(), words });
+            }
+            thread::sleep(Duration::from_millis(20));
+        }
+        let run = run.wait_with_output().map_err(failed)?;
+        finished(&run, program, document)
+    }
+}
+
+fn command(program: &Path, arguments: &[&str], document: &Path, output: &Path) -> Command {
+    let mut command = Command::new(program);
+    command
+        .args(arguments)
+        .arg("-q")
+        .arg(document)
+        .arg("-o")
+        .arg(output)
+        // Cases run side by side; the answer does not depend on the number of threads.
+        .env("RAYON_NUM_THREADS", "1")
+        .stdin(Stdio::null());
+    command
+}
+
+fn finished(run: &Output, program: PathBuf, document: &Path) -> Result<(), Error> {
+    if run.status.success() {
+        return Ok(());
+    }
+    let words = String::from_utf8_lossy(&run.stderr).trim().to_string();
+    Err(Error::Program { program, document: document.into(), words })
 }

@@ -17,10 +17,14 @@ pub enum Length {
     Medium,
     /// About 960.
     Long,
+    /// About 3 000.
+    Campaign,
+    /// About 9 000: a day at ten seconds.
+    Day,
 }
 
 impl Length {
-    /// All of them.
+    /// Those of the short sets.
     pub const ALL: [Length; 3] = [Length::Short, Length::Medium, Length::Long];
 
     /// In a word.
@@ -29,6 +33,8 @@ impl Length {
             Length::Short => "short",
             Length::Medium => "medium",
             Length::Long => "long",
+            Length::Campaign => "campaign",
+            Length::Day => "day",
         }
     }
 
@@ -37,6 +43,8 @@ impl Length {
             Length::Short => 300,
             Length::Medium => 540,
             Length::Long => 960,
+            Length::Campaign => 3000,
+            Length::Day => 9000,
         }
     }
 }

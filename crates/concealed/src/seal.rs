@@ -6,6 +6,7 @@ use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use crate::Error;
 use crate::case::{Case, Truth};
@@ -71,12 +72,38 @@ impl Folder {
         self.answer("diagnose", &[], programs)
     }
 
-    /// The same with another program.
-    pub fn answer(&self, name: &str, arguments: &[&str], programs: &Programs) -> Result<PathBuf, Error> {
+    /// The folder of a program's answers, which bears its digest.
+    pub fn answers(&self, name: &str, programs: &Programs) -> Result<PathBuf, Error> {
         let program = programs.program(name)?;
         let bytes = fs::read(&program).map_err(|source| Error::file(&program, "read", source))?;
         let answers = self.0.join(format!("answers-{}", &digest(&bytes)[..12]));
         fs::create_dir_all(&answers).map_err(|source| Error::file(&answers, "written", source))?;
+        Ok(answers)
+    }
+
+    /// Runs diagnose on one document, unless this very program has answered it, for no longer than a limit. Gives the seconds it took.
+    pub fn answer_within(
+        &self,
+        limit: Duration,
+        case: &str,
+        answers: &Path,
+        programs: &Programs,
+    ) -> Result<f64, Error> {
+        let (document, answer) = (self.document(case), answers.join(format!("{case}.json")));
+        let taken = answers.join(format!("{case}.seconds"));
+        if answered(&document, &answer)? {
+            return Ok(read(&taken).ok().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN));
+        }
+        let begun = Instant::now();
+        programs.run_within(limit, "diagnose", &document, &answer)?;
+        let seconds = begun.elapsed().as_secs_f64();
+        write(&taken, &format!("{seconds:.3}"))?;
+        Ok(seconds)
+    }
+
+    /// The same as [`Self::diagnose`] with another program.
+    pub fn answer(&self, name: &str, arguments: &[&str], programs: &Programs) -> Result<PathBuf, Error> {
+        let answers = self.answers(name, programs)?;
         let cases: Vec<String> = self.stored()?.into_keys().collect();
         cases.par_iter().try_for_each(|case| {
             let (document, answer) = (self.document(case), answers.join(format!("{case}.json")));

@@ -1,5 +1,7 @@
 //! The sets of cases, each from its seed.
 
+mod long;
+
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
@@ -29,15 +31,26 @@ pub enum Set {
     Ambiguous,
     /// Physics that the catalogue does not have.
     Outside,
+    /// One effect in thousands of rows, at five strengths, its form not quite that of a formula.
+    LongSingle,
+    /// Two or three of those at once.
+    LongSeveral,
+    /// Physics that the catalogue does not have, in thousands of rows.
+    LongOutside,
+    /// Nothing, in thousands of rows.
+    LongClean,
 }
 
 /// Times the noise.
 pub const STRENGTHS: [f64; 3] = [3.0, 1.0, 0.3];
 
 impl Set {
-    /// All of them.
+    /// Those of the proof.
     pub const ALL: [Set; 7] =
         [Set::Clean, Set::Old, Set::Single, Set::Pairs, Set::Triples, Set::Ambiguous, Set::Outside];
+
+    /// Those of long recordings.
+    pub const LONG: [Set; 4] = [Set::LongSingle, Set::LongSeveral, Set::LongOutside, Set::LongClean];
 
     /// Its name.
     pub fn word(self) -> &'static str {
@@ -49,6 +62,10 @@ impl Set {
             Set::Triples => "triples",
             Set::Ambiguous => "ambiguous",
             Set::Outside => "outside",
+            Set::LongSingle => "long-single",
+            Set::LongSeveral => "long-several",
+            Set::LongOutside => "long-outside",
+            Set::LongClean => "long-clean",
         }
     }
 
@@ -62,6 +79,10 @@ impl Set {
             Set::Triples => 8,
             Set::Ambiguous => 2 * ambiguous::ALL.len(),
             Set::Outside => 2 * outside::ALL.len(),
+            Set::LongSingle => kinds::ALL.len() * long::STRENGTHS.len(),
+            Set::LongSeveral => 24,
+            Set::LongOutside => outside::ALL.len() * long::BEYOND.len(),
+            Set::LongClean => 24,
         }
     }
 
@@ -70,15 +91,19 @@ impl Set {
         (0..count).into_par_iter().map(|number| self.case(seed, number)).collect()
     }
 
-    fn case(self, seed: u64, number: usize) -> Case {
+    /// One of them.
+    pub fn case(self, seed: u64, number: usize) -> Case {
         let mut draw = Draw::new(&format!("{}/{number}", self.word()), seed);
         match self {
-            Set::Clean | Set::Old => clean(self, seed, number, &mut draw),
+            Set::Clean | Set::Old | Set::LongClean => clean(self, seed, number, &mut draw),
             Set::Single => single(seed, number, &mut draw),
             Set::Pairs => several(self, 2, seed, number, &mut draw),
             Set::Triples => several(self, 3, seed, number, &mut draw),
             Set::Ambiguous => undecided(seed, number, &mut draw),
             Set::Outside => beyond(seed, number, &mut draw),
+            Set::LongSingle => long::single(seed, number, &mut draw),
+            Set::LongSeveral => long::several(seed, number, &mut draw),
+            Set::LongOutside => long::beyond(seed, number, &mut draw),
         }
     }
 
@@ -90,7 +115,7 @@ impl Set {
             seed,
             number,
             strength,
-            length: length.word(),
+            length,
         }
     }
 }
@@ -108,7 +133,7 @@ fn length_for(strength: f64, number: usize) -> Length {
 fn clean(set: Set, seed: u64, number: usize, draw: &mut Draw) -> Case {
     let kinds =
         [Kind::Coils, Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair, Kind::Fast];
-    let length = Length::ALL[number % 3];
+    let length = if set == Set::LongClean { long::length(number) } else { Length::ALL[number % 3] };
     let campaign =
         scenes::campaign(kinds[number % kinds.len()], length, number.is_multiple_of(2), None, draw);
     let step_s = campaign.runs[0].step_s();
@@ -126,7 +151,12 @@ fn single(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let apart = (round + number).is_multiple_of(2);
     let campaign = scenes::campaign(which.scene, length, apart, which.step_s, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let concealed = Concealed { name: which.name.into(), effect: (which.make)(&campaign, draw), strength };
+    let concealed = Concealed {
+        name: which.name.into(),
+        effect: (which.make)(&campaign, draw),
+        strength,
+        form_error: 0.0,
+    };
     case::make(&campaign, noise, vec![concealed], Set::Single.labels(seed, number, strength, length), draw)
 }
 
@@ -144,6 +174,7 @@ fn several(set: Set, count: usize, seed: u64, number: usize, draw: &mut Draw) ->
             name: which.name.into(),
             effect: (which.make)(&campaign, draw),
             strength,
+            form_error: 0.0,
         });
     }
     case::make(&campaign, noise, concealed, set.labels(seed, number, 2.0, length), draw)
@@ -155,7 +186,7 @@ fn undecided(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let strength = [3.0, 1.0][number / ambiguous::ALL.len() % 2];
     let (campaign, effect) = design(length, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let concealed = Concealed { name: name.into(), effect, strength };
+    let concealed = Concealed { name: name.into(), effect, strength, form_error: 0.0 };
     case::make(&campaign, noise, vec![concealed], Set::Ambiguous.labels(seed, number, strength, length), draw)
 }
 
@@ -165,6 +196,6 @@ fn beyond(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let (length, strength) = (Length::ALL[(number + round) % 3], [3.0, 1.0][round % 2]);
     let campaign = scenes::campaign(Kind::Coils, length, number.is_multiple_of(2), None, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let concealed = Concealed { name: name.into(), effect: make(&campaign, draw), strength };
+    let concealed = Concealed { name: name.into(), effect: make(&campaign, draw), strength, form_error: 0.0 };
     case::make(&campaign, noise, vec![concealed], Set::Outside.labels(seed, number, strength, length), draw)
 }

@@ -149,6 +149,7 @@ pub fn flight(seed: u64) -> Flight {
                 "terms_nt".to_string(),
                 json!(coefficients.iter().map(|c| [c.x * size, c.y * size, c.z * size]).collect::<Vec<_>>()),
             )]),
+            form_error: 0.0,
             left_nt: SIZE_NT,
         }],
         baselines: Default::default(),

@@ -2,14 +2,22 @@
 //!
 //! Every channel draws from a stream of its own name, so that a channel more changes no other, and so does each kind
 //! of noise within it. The same seed and name give the same numbers on any number of threads.
+//!
+//! [`Whitening`] turns readings with such noise into ones with white noise of variance one.
 
 mod covariance;
+mod filter;
+mod flicker;
+mod least_squares;
 mod power_law;
 mod stream;
+mod whitening;
 
 pub use covariance::covariance;
+pub use flicker::Process;
 pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
+pub use whitening::Whitening;
 
 use common::Noise;
 use common::number::significant;
@@ -19,7 +27,7 @@ use thiserror::Error;
 /// Points of the grid on which noise with memory is made, at most.
 const MOST_POINTS: f64 = 1e8;
 
-/// Why noise cannot be made.
+/// Why noise cannot be made, or whitened.
 #[derive(Debug, Error, PartialEq)]
 pub enum NoiseError {
     /// The exponent is none.
@@ -38,6 +46,9 @@ pub enum NoiseError {
         significant(MOST_POINTS, 2)
     )]
     Length(f64, f64),
+    /// No noise at all is declared.
+    #[error("a noise of zero, by which no reading can be weighed")]
+    Nothing,
 }
 
 /// The declared noise of one channel, nT: white + flicker + random walk.

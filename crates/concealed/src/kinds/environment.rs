@@ -51,10 +51,11 @@ pub fn working_hours(_: &Campaign, draw: &mut Draw) -> Effect {
         run.times
             .iter()
             .map(|t| {
-                // The campaign begins on a Thursday at midnight.
+                // The campaign begins on a Thursday at midnight; there is no work on the third and fourth day of its weeks.
                 let (day, hour) = ((t / 86_400.0) as usize, t % 86_400.0);
                 let [on, off] = late[day % 8];
-                let works = day % 7 < 2 && hour >= 7.0 * 3600.0 + on && hour < 17.0 * 3600.0 - off;
+                let works =
+                    !(2..4).contains(&(day % 7)) && hour >= 7.0 * 3600.0 + on && hour < 17.0 * 3600.0 - off;
                 field * if works { size * (1.0 + 0.03 * load.normal()) } else { 0.0 }
             })
             .collect()

@@ -5,8 +5,9 @@ use concealed::sets::Set;
 
 #[test]
 fn every_set_writes_documents_of_the_public_format_that_tell_nothing() {
-    for set in Set::ALL {
-        for case in set.cases(7, 3) {
+    let long = Set::LONG.map(|set| (set, 1));
+    for (set, count) in Set::ALL.map(|set| (set, 3)).into_iter().chain(long) {
+        for case in set.cases(7, count) {
             let text = case.document.to_string();
             let document = Document::parse(&text).unwrap_or_else(|error| panic!("{}: {error}", set.word()));
             assert!(document.model.is_none() && document.diagnosis.is_none());
@@ -36,5 +37,17 @@ fn effects_have_the_stated_size() {
     for case in Set::Single.cases(3, 9) {
         let left = case.truth.effects[0].left_nt / case.truth.noise_nt;
         assert!((left / case.truth.strength - 1.0).abs() < 0.1, "{}: {left}", case.truth.effects[0].name);
+    }
+}
+
+/// Of long recordings as well, whose effects are off their formulas by a share of themselves.
+#[test]
+fn long_recordings_are_long_and_their_effects_have_the_stated_size() {
+    for case in Set::LongSingle.cases(3, 5) {
+        let (truth, effect) = (&case.truth, &case.truth.effects[0]);
+        assert!((9_000..30_000).contains(&truth.readings), "{}", truth.readings);
+        assert!((0.0..=0.2).contains(&effect.form_error), "{}", effect.form_error);
+        let left = effect.left_nt / truth.noise_nt;
+        assert!((left / truth.strength - 1.0).abs() < 0.1, "{}: {left}", effect.name);
     }
 }

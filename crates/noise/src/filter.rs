@@ -1,0 +1,138 @@
+use crate::Process;
+
+/// Columns that are whitened side by side.
+pub const LANES: usize = 8;
+/// Steps within this part of the typical one count as equal to it.
+pub const EVEN: f64 = 1e-3;
+/// Gains that change by less than this part of the largest from row to row are steady.
+const STEADY: f64 = 1e-13;
+
+/// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard deviation 1/`inverse`.
+pub struct Gain {
+    /// φ and g of each process, for the step to the next row.
+    pub processes: Vec<(f64, f64)>,
+    pub inverse: f64,
+    pub variance: f64,
+}
+
+/// The Kalman filter of the model, as far as it does not depend on the readings (Durbin and Koopman 2012, Time Series Analysis
+/// by State Space Methods, chapter 4): the covariance P of the predicted states.
+///
+/// With M = P z, z all ones: F = zᵀM + σ² is the variance of the innovation, g = φ M/F and P ← φ (P − M Mᵀ/F) φ + s² (1 − φ²).
+/// For equal steps P tends to a constant; as soon as the gains are steady, they are kept until the step changes.
+pub struct Filter<'a> {
+    processes: &'a [Process],
+    /// Variance of the step of a random walk, nT²/s, whose state is the last one.
+    walk: f64,
+    white: f64,
+    covariance: Vec<f64>,
+    /// φ and s² (1 − φ²) for the step of the row before.
+    moves: Vec<(f64, f64)>,
+    step_s: f64,
+    steady: bool,
+    /// What the last row does.
+    pub gain: Gain,
+}
+
+impl<'a> Filter<'a> {
+    pub fn new(processes: &'a [Process], walk: f64, white: f64) -> Self {
+        let states = processes.len() + usize::from(walk > 0.0);
+        let mut covariance = vec![0.0; states * states];
+        for (at, process) in processes.iter().enumerate() {
+            covariance[at * (states + 1)] = process.variance_nt2;
+        }
+        Self {
+            processes,
+            walk,
+            white,
+            covariance,
+            moves: vec![(1.0, 0.0); states],
+            step_s: f64::NAN,
+            steady: false,
+            gain: Gain { processes: vec![(0.0, 0.0); states], inverse: 0.0, variance: 0.0 },
+        }
+    }
+
+    pub fn states(&self) -> usize {
+        self.moves.len()
+    }
+
+    /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row before.
+    pub fn row(&mut self, step_s: f64) -> bool {
+        let same = step_s == self.step_s;
+        if same && self.steady {
+            return false;
+        }
+        if !same {
+            self.move_by(step_s);
+        }
+        let states = self.states();
+        let sums: Vec<f64> =
+            self.covariance.chunks_exact(states.max(1)).map(|row| row.iter().sum()).collect();
+        // Never below the white part, whatever is rounded.
+        let variance = sums.iter().sum::<f64>().max(0.0) + self.white;
+        let (mut largest, mut change) = (0f64, 0f64);
+        for ((gain, (kept, _)), sum) in self.gain.processes.iter_mut().zip(&self.moves).zip(&sums) {
+            let new = kept * sum / variance;
+            largest = largest.max(new.abs());
+            change = change.max((new - gain.1).abs());
+            *gain = (*kept, new);
+        }
+        let settled = (variance - self.gain.variance).abs() <= STEADY * variance;
+        self.steady = same && settled && change <= STEADY * largest;
+        self.gain.variance = variance;
+        self.gain.inverse = 1.0 / variance.sqrt();
+        for i in 0..states {
+            let (kept, share) = (self.moves[i].0, sums[i] / variance);
+            for (j, (sum, (other, _))) in sums.iter().zip(&self.moves).enumerate().take(i + 1) {
+                let value = kept * other * (self.covariance[i * states + j] - share * sum);
+                self.covariance[i * states + j] = value;
+                self.covariance[j * states + i] = value;
+            }
+            self.covariance[i * (states + 1)] += self.moves[i].1;
+        }
+        true
+    }
+
+    fn move_by(&mut self, step_s: f64) {
+        self.step_s = step_s;
+        for (to, process) in self.moves.iter_mut().zip(self.processes) {
+            let product = process.rate_per_s * step_s;
+            *to = ((-product).exp(), -process.variance_nt2 * (-2.0 * product).exp_m1());
+        }
+        if self.walk > 0.0
+            && let Some(last) = self.moves.last_mut()
+        {
+            *last = (1.0, self.walk * step_s);
+        }
+    }
+}
+
+/// The predicted states of some columns side by side.
+pub struct States {
+    states: Vec<[f64; LANES]>,
+    /// Their sums: what the next readings are expected to be.
+    sums: [f64; LANES],
+    /// None of the readings so far was other than zero.
+    pub zero: bool,
+}
+
+impl States {
+    pub fn new(states: usize) -> Self {
+        Self { states: vec![[0.0; LANES]; states], sums: [0.0; LANES], zero: true }
+    }
+
+    /// Puts the whitened readings of one row in the place of the readings.
+    pub fn row(&mut self, readings: &mut [f64; LANES], gain: &Gain) {
+        let innovations: [f64; LANES] = std::array::from_fn(|lane| readings[lane] - self.sums[lane]);
+        *readings = innovations.map(|innovation| innovation * gain.inverse);
+        let mut sums = [0.0; LANES];
+        for (state, (kept, gain)) in self.states.iter_mut().zip(&gain.processes) {
+            let next: [f64; LANES] =
+                std::array::from_fn(|lane| kept * state[lane] + gain * innovations[lane]);
+            *state = next;
+            sums = std::array::from_fn(|lane| sums[lane] + next[lane]);
+        }
+        self.sums = sums;
+    }
+}

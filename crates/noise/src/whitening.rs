@@ -1,0 +1,268 @@
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use common::Noise;
+
+use crate::filter::{EVEN, Filter, Gain, LANES, States};
+use crate::{NoiseError, Process, flicker};
+
+/// Rows that are whitened at a time.
+const ROWS: usize = 64;
+/// Most steps that the longest period may have.
+const MOST_STEPS: f64 = 1e12;
+/// White variance of a reading at least, as a part of that of noise with the model's density at the Nyquist frequency: readings
+/// at equal times without white noise would be known exactly.
+const LEAST_WHITE: f64 = 1e-9;
+
+/// Whitening of readings by their declared noise, in one pass over the rows, at any times in order.
+///
+/// reading = Σ_j x_j(t) + w(t) + white: Ornstein–Uhlenbeck processes x_j whose sampled density at the typical (median) step is
+/// A f^-α within 1 % from one over the longest period to half the Nyquist frequency (in the last octave below that, within
+/// 15 %), a random walk w that is zero at the first row, and white noise. A Kalman filter gives each reading's departure from
+/// what all before it predict, over its standard deviation: L⁻¹ y, for the covariance L Lᵀ of the model. It takes O(rows).
+///
+/// Missing readings are rows that are not there. Steps within a thousandth of the typical one count as equal to it.
+#[derive(Clone, Debug)]
+pub struct Whitening {
+    rows: usize,
+    /// Steps from each row to the next, s; none where only white noise counts.
+    steps_s: Arc<[f64]>,
+    processes: Arc<[Process]>,
+    /// r², nT²/s.
+    walk: f64,
+    /// nT².
+    white: f64,
+}
+
+impl Whitening {
+    /// Of a declared noise at the times of the rows; flicker noise levels off at periods longer than `oldest_s`.
+    ///
+    /// Without times, or where all are one, only white noise counts. Refused are exponents outside 0 … 2, times out of order, a
+    /// longest period that is none or of more than 10¹² steps, and a noise of zero.
+    pub fn of(noise: &Noise, time_s: Option<&[f64]>, rows: usize, oldest_s: f64) -> Result<Self, NoiseError> {
+        let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+        let exponent = noise.flicker_exponent.unwrap_or(1.0);
+        if amplitude > 0.0 && !(0.0..=2.0).contains(&exponent) {
+            return Err(NoiseError::Exponent(exponent));
+        }
+        let mut whitening = Self {
+            rows,
+            steps_s: Arc::default(),
+            processes: Arc::default(),
+            walk: 0.0,
+            white: noise.white_rms_nt.unwrap_or(0.0).powi(2),
+        };
+        let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
+        let times = time_s.filter(|time| time.len() == rows && rows > 1 && amplitude + walk > 0.0);
+        if let Some((mut steps, typical)) = times.map(steps).transpose()?.filter(|(_, step)| *step > 0.0) {
+            if amplitude > 0.0 {
+                let count = oldest_s / typical;
+                if !(count > 0.0 && count <= MOST_STEPS) {
+                    return Err(NoiseError::Length(oldest_s, typical));
+                }
+                let (processes, white) = flicker::sum(amplitude, exponent, typical, oldest_s);
+                whitening.processes = processes.into();
+                whitening.white += white;
+            }
+            whitening.walk = walk;
+            for step in &mut steps {
+                if (*step - typical).abs() <= EVEN * typical {
+                    *step = typical;
+                }
+            }
+            let nyquist = whitening.sampled_density(0.5 / typical, typical) / (2.0 * typical);
+            whitening.white = whitening.white.max(LEAST_WHITE * nyquist);
+            whitening.steps_s = steps.into();
+        }
+        if whitening.white > 0.0 { Ok(whitening) } else { Err(NoiseError::Nothing) }
+    }
+
+    /// The processes of the sum.
+    pub fn processes(&self) -> &[Process] {
+        &self.processes
+    }
+
+    /// Variance of the white part of a reading, nT².
+    pub fn white_nt2(&self) -> f64 {
+        self.white
+    }
+
+    /// One-sided density of the processes and the random walk, nT²/Hz: Σ 4 s² λ/(λ² + (2πf)²) + r²/(2π²f²). White noise, which
+    /// readings have and not the time between them, is not in it.
+    pub fn density(&self, frequency_hz: f64) -> f64 {
+        let walk = if self.walk > 0.0 { self.walk / (2.0 * (PI * frequency_hz).powi(2)) } else { 0.0 };
+        self.processes.iter().map(|process| process.density(frequency_hz)).sum::<f64>() + walk
+    }
+
+    /// One-sided density of readings `step_s` apart, nT²/Hz, with all noise: see [`Process::sampled_density`]; 2 σ² Δt of the
+    /// white part, and r² Δt²/(2 sin² πfΔt) of the random walk.
+    pub fn sampled_density(&self, frequency_hz: f64, step_s: f64) -> f64 {
+        let sine = (PI * frequency_hz * step_s).sin();
+        let walk = if self.walk > 0.0 { self.walk * (step_s / sine).powi(2) / 2.0 } else { 0.0 };
+        let processes = self.processes.iter().map(|process| process.sampled_density(frequency_hz, step_s));
+        processes.sum::<f64>() + walk + 2.0 * self.white * step_s
+    }
+
+    /// The series whitened: innovations over their standard deviations.
+    pub fn whiten(&self, series: &[f64]) -> Vec<f64> {
+        let mut column = series.to_vec();
+        self.whiten_all(&mut [&mut column]);
+        column
+    }
+
+    /// Whitens each column in place, all by the same gains; each becomes what it becomes alone, to the bit.
+    ///
+    /// Panics where a column has another number of rows.
+    pub fn whiten_all<C: AsMut<[f64]>>(&self, columns: &mut [C]) {
+        for column in columns.iter_mut() {
+            assert_eq!(column.as_mut().len(), self.rows, "rows of a column");
+        }
+        if self.is_white() {
+            let deviation = self.white.sqrt();
+            columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|reading| *reading /= deviation);
+            return;
+        }
+        let mut filter = Filter::new(&self.processes, self.walk, self.white);
+        let groups = columns.len().div_ceil(LANES);
+        let mut states: Vec<States> = (0..groups).map(|_| States::new(filter.states())).collect();
+        // The gains of these rows, each once as long as it stays the same, and which is that of each row.
+        let mut gains: Vec<Gain> = Vec::new();
+        let mut readings = [[0.0; LANES]; ROWS];
+        for from in (0..self.rows).step_by(ROWS) {
+            let to = (from + ROWS).min(self.rows);
+            let mut which = [0; ROWS];
+            let mut kept = 0;
+            for row in from..to {
+                if filter.row(self.step(row)) || kept == 0 {
+                    keep(&mut gains, kept, &filter.gain);
+                    kept += 1;
+                }
+                which[row - from] = kept - 1;
+            }
+            for (group, states) in columns.chunks_mut(LANES).zip(&mut states) {
+                states.zero &= group
+                    .iter_mut()
+                    .all(|column| column.as_mut()[from..to].iter().all(|reading| *reading == 0.0));
+                if states.zero {
+                    continue;
+                }
+                for (lane, column) in group.iter_mut().enumerate() {
+                    for (row, reading) in readings.iter_mut().zip(&column.as_mut()[from..to]) {
+                        row[lane] = *reading;
+                    }
+                }
+                for (row, which) in readings[..to - from].iter_mut().zip(&which) {
+                    states.row(row, &gains[*which]);
+                }
+                for (lane, column) in group.iter_mut().enumerate() {
+                    for (row, reading) in readings.iter().zip(&mut column.as_mut()[from..to]) {
+                        *reading = row[lane];
+                    }
+                }
+            }
+        }
+    }
+
+    /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations (nT²).
+    pub fn log_determinant(&self) -> f64 {
+        if self.is_white() {
+            return self.rows as f64 * self.white.ln();
+        }
+        let mut filter = Filter::new(&self.processes, self.walk, self.white);
+        let mut logarithm = 0.0;
+        let rows = (0..self.rows).map(|row| {
+            if filter.row(self.step(row)) {
+                logarithm = filter.gain.variance.ln();
+            }
+            logarithm
+        });
+        rows.sum()
+    }
+
+    /// What a departure of 1 nT in the middle row alone is whitened to, from its row on (1/nT).
+    pub fn response(&self) -> Vec<f64> {
+        let middle = self.rows / 2;
+        let mut series = vec![0.0; self.rows];
+        series.iter_mut().skip(middle).take(1).for_each(|reading| *reading = 1.0);
+        self.whiten(&series).split_off(middle)
+    }
+
+    /// Variance of a reading about the mean of its recording, nT²: that which the mean of (y_i − ȳ)² over the rows is expected
+    /// to be, (tr C − 1ᵀC1/n)/n of the covariance C, in one pass. What is slower than the recording hardly counts.
+    pub fn variance_nt2(&self) -> f64 {
+        let rows = self.rows as f64;
+        let mut variance = self.white * (1.0 - 1.0 / rows.max(1.0));
+        for process in self.processes.iter() {
+            // Mean of 1 − exp(−λ|τ|) over all pairs of rows, each by what is lost from its forerunner.
+            let (mut lost, mut sum) = (0.0, 0.0);
+            for (before, step) in self.steps_s.iter().enumerate() {
+                let product = process.rate_per_s * step;
+                lost = (-product).exp() * lost - (before as f64 + 1.0) * (-product).exp_m1();
+                sum += lost;
+            }
+            variance += process.variance_nt2 * 2.0 * sum / (rows * rows);
+        }
+        // (tr C − 1ᵀC1/n)/n is half the mean of (y_i − y_j)², for a walk half that of r²|t_i − t_j|.
+        let pairs = self
+            .steps_s
+            .iter()
+            .enumerate()
+            .map(|(row, step)| (row as f64 + 1.0) * (rows - row as f64 - 1.0) * step);
+        variance + self.walk * pairs.sum::<f64>() / (rows * rows).max(1.0)
+    }
+
+    /// Covariance of the readings under the model, rows of rows, nT².
+    pub fn covariance(&self) -> Vec<f64> {
+        let mut times = vec![0.0; self.rows];
+        for (row, step) in self.steps_s.iter().enumerate() {
+            times[row + 1] = times[row] + step;
+        }
+        let mut all = vec![0.0; self.rows * self.rows];
+        for i in 0..self.rows {
+            for j in 0..self.rows {
+                let lag = (times[i] - times[j]).abs();
+                let parts = self.processes.iter().map(|p| p.variance_nt2 * (-p.rate_per_s * lag).exp());
+                all[i * self.rows + j] = parts.sum::<f64>() + self.walk * times[i].min(times[j]);
+            }
+            all[i * (self.rows + 1)] += self.white;
+        }
+        all
+    }
+
+    fn is_white(&self) -> bool {
+        self.processes.is_empty() && self.walk == 0.0
+    }
+
+    /// From a row to the next; none after the last, which keeps the gains of a steady filter.
+    fn step(&self, row: usize) -> f64 {
+        self.steps_s.get(row).or(self.steps_s.last()).copied().unwrap_or(0.0)
+    }
+}
+
+/// Puts a gain in a place of a list, in the room that is there.
+fn keep(gains: &mut Vec<Gain>, place: usize, gain: &Gain) {
+    match gains.get_mut(place) {
+        Some(there) => {
+            there.processes.copy_from_slice(&gain.processes);
+            (there.inverse, there.variance) = (gain.inverse, gain.variance);
+        }
+        None => gains.push(Gain { processes: gain.processes.clone(), ..*gain }),
+    }
+}
+
+/// The steps between times in order, and the median of those that are not zero (zero where all are).
+fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
+    let ordered = |row: &usize| match row {
+        0 => time_s[0].is_finite(),
+        row => time_s[*row] >= time_s[*row - 1] && time_s[*row].is_finite(),
+    };
+    if let Some(row) = (0..time_s.len()).find(|row| !ordered(row)) {
+        return Err(NoiseError::Disorder(row));
+    }
+    let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut positive: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
+    let middle = positive.len() / 2;
+    let typical =
+        if positive.is_empty() { 0.0 } else { *positive.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    Ok((steps, typical))
+}
