@@ -170,6 +170,12 @@ pub struct ExplainedEffect {
     pub parameters: IndexMap<String, Quantity>,
     /// Probability of such a gain by chance, with all that was searched.
     pub p_adjusted: f64,
+    /// Probability of the name, of all sets of effects and of structure without a name that were weighed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+    /// Share that it explains of what any effects and structure can explain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub share: Option<f64>,
     /// By how much it lowers the rms of readings that were left out of the fit, nT.
     pub held_out_gain_nt: f64,
     /// The same for each part left out.

@@ -9,13 +9,18 @@ use crate::Error;
 use crate::generic;
 use crate::model::{Model, State};
 use crate::observed::Run;
+use crate::stacked::Stacked;
 
 /// Shapes that are tried: each so many times the one before, at most.
 const RATIO: f64 = 2.5;
+/// The same for effects without amplitude, whose size is their shape.
+const FINE_RATIO: f64 = 1.5;
 /// Most shapes of a candidate.
 const SHAPES: usize = 16;
 /// Inflections that are tried over the range of a temperature.
 const INFLECTIONS: usize = 9;
+/// Levels of clipping that are tried.
+const CLIPS: i32 = 14;
 /// Most steps into which a span is divided.
 const SPAN_STEPS: f64 = 60.0;
 /// A time constant of more spans than these is a straight line.
@@ -43,14 +48,6 @@ pub enum What {
 }
 
 impl What {
-    /// The sensor that structure without a name is in.
-    pub fn axis(&self) -> Option<Axis> {
-        match self {
-            What::Physics(_) => None,
-            What::Dependence { axis, .. } | What::Smooth { axis, .. } => Some(*axis),
-        }
-    }
-
     /// Its name with its target.
     pub fn name(&self) -> String {
         match self {
@@ -93,7 +90,7 @@ pub struct Pool {
     /// The candidates.
     pub candidates: Vec<Candidate>,
     /// The columns.
-    pub columns: Vec<Vec<f64>>,
+    pub columns: Vec<Stacked>,
 }
 
 impl Pool {
@@ -117,12 +114,11 @@ impl Pool {
         Ok(pool)
     }
 
-    fn push(&mut self, what: What, finite: bool, trials: Vec<(Option<f64>, Vec<Vec<f64>>)>) {
+    fn push(&mut self, what: What, finite: bool, trials: Vec<(Option<f64>, Vec<Stacked>)>) {
         let trials: Vec<Trial> = trials
             .into_iter()
             .filter(|(_, columns)| {
-                let finite = columns.iter().flatten().all(|value| value.is_finite());
-                finite && columns.iter().flatten().any(|value| *value != 0.0)
+                columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero)
             })
             .map(|(shape, columns)| {
                 let at = self.columns.len();
@@ -137,7 +133,7 @@ impl Pool {
 }
 
 /// Whether the columns are what the effect does, and the columns of each shape.
-type Made = (bool, Vec<(Option<f64>, Vec<Vec<f64>>)>);
+type Made = (bool, Vec<(Option<f64>, Vec<Stacked>)>);
 
 /// What times and signals span.
 struct Scale {
@@ -194,13 +190,17 @@ impl Scale {
             let at = |k: usize| coldest + (warmest - coldest) * k as f64 / (INFLECTIONS + 1) as f64;
             return if coldest < warmest { (1..=INFLECTIONS).map(at).collect() } else { Vec::new() };
         }
+        if kind == Kind::Clipping {
+            // A level just below the largest reading cuts off few of them.
+            let level = |k: i32| self.reading_nt * (1.0 - 0.5_f64.powi(k + 1));
+            return (0..CLIPS).map(level).filter(|level| *level > info.low).collect();
+        }
         let (mut low, mut high) = (info.low, info.high);
         if info.name.ends_with("_s") {
             (low, high) = (low.max(self.lag_s[0]), high.min(self.lag_s[1]));
-        } else if matches!(kind, Kind::Clipping | Kind::Saturation) {
-            // A level beyond the readings does nothing; of saturation, what is far beyond them.
-            let beyond = if kind == Kind::Saturation { 2.5 } else { 1.0 };
-            (low, high) = (low.max(0.3 * self.reading_nt), high.min(beyond * self.reading_nt));
+        } else if kind == Kind::Saturation {
+            // A level far beyond the readings does nothing.
+            (low, high) = (low.max(0.3 * self.reading_nt), high.min(2.5 * self.reading_nt));
         } else if info.name.ends_with("_nt") {
             high = high.min(self.range_nt);
         }
@@ -211,7 +211,9 @@ impl Scale {
             let step = self.step_s.max(info.high / SPAN_STEPS);
             return (0..=(info.high / step) as usize).map(|k| k as f64 * step).collect();
         }
-        let count = ((high / low).ln() / RATIO.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
+        let sized = kind.parameters().iter().any(|info| info.role == Role::Amplitude);
+        let ratio = if sized { RATIO } else { FINE_RATIO };
+        let count = ((high / low).ln() / ratio.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
         (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count)).collect()
     }
 }
@@ -311,6 +313,7 @@ fn make(
                 .collect();
             model.derivatives(&with, &amplitudes)?
         };
+        let columns = columns.iter().map(|column| Stacked::of(&model.observed, column)).collect();
         trials.push((value, columns));
     }
     Ok(Some((finite, trials)))

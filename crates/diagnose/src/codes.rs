@@ -44,7 +44,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
         let scale = basic.sensors[axis.index()].sensitivity / channel.to_nt;
         x.extend(predicted[channel.range()].iter().map(|reading| reading * scale));
         y.extend(fitter.noise.filtered(number, &fit.white[channel.range()]));
-        length += channel.rows.len() as f64 * square(&fitter.noise.response(number, channel.rows.len()));
+        length += channel.rows.len() as f64 * square(&fitter.noise.response(number));
         std = std.min(fitter.noise.std_nt[number]);
     }
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -77,7 +77,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let mut found = Vec::new();
     let sine = instance(Kind::DifferentialNonlinearity, axis, vec![0.0, 0.0, period]);
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
-    found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain));
+    found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain, looks));
     let slip = period / range * period;
     let mut best: Option<(f64, f64)> = None;
     for k in -WIDTHS..=WIDTHS {
@@ -89,7 +89,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     }
     if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
         let p = at_least_one(rest.p(gain, 1), looks);
-        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain));
+        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain, looks));
     }
     Ok(found)
 }
@@ -98,13 +98,6 @@ fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {
     EffectInstance { kind, axis: Some(axis), column: None, recording: None, parameters }
 }
 
-fn proposal(effect: EffectInstance, p: f64, gain: f64) -> Proposal {
-    Proposal {
-        name: named(&effect),
-        addition: Addition::Effect(effect),
-        p,
-        gain,
-        searched: 1.0,
-        local: false,
-    }
+fn proposal(effect: EffectInstance, p: f64, gain: f64, looks: f64) -> Proposal {
+    Proposal { name: named(&effect), addition: Addition::Effect(effect), p, gain, looks, local: false }
 }

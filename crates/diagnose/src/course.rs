@@ -1,26 +1,41 @@
-//! The course of a search: name after name until nothing is left or nothing fits, and which of them stand.
+//! The course of a diagnosis: a look, the sets of effects that explain what stands out, the best of them fitted together with the
+//! calibration, and what stands out then.
 
-use common::Document;
-use std::collections::BTreeSet;
+use common::{Document, Verdict};
+use physics::{EffectInstance, Kind, Parameter, Role, Stage};
 
+use crate::atoms::{self, Atoms, Shape, Sizes, Thing};
+use crate::dependence::{self, Follows};
+use crate::events;
 use crate::fit::{Fit, Fitter, settled, square};
+use crate::form::Followed;
+use crate::generic::following;
 use crate::lattice;
-use crate::model::{Model, State};
-use crate::rivals::{Rivals, best, rivals};
-use crate::search::{Addition, Refined, Searcher};
-use crate::trust::Judge;
+use crate::level::Rest;
+use crate::model::{Column, Model, State};
+use crate::products::Projection;
+use crate::search::{Addition, Look, Proposal, Searcher};
+use crate::sets::Sets;
+use crate::stacked::Stacked;
+use crate::verdict::{self, Name};
 use crate::whitening::NoiseModel;
-use crate::{Error, Found, Outcome, Stage};
+use crate::{Error, Found, Outcome};
 
-/// Most effects that are named.
-const MOST: usize = 8;
-/// Most that are searched for, one of several harmonics of an effect as one.
-const LONGEST: usize = 16;
+/// Most times that the search begins again with what stood out of its last answer.
+const ROUNDS: usize = 8;
+/// The catalogue's sizes are those of instruments that resolve this or less, nT.
+const FINE_NT: f64 = 1.0;
 
-/// What a name must do, squared and in standard deviations.
-const SAID: f64 = 9.0;
+/// Where the search starts from, and what its answers are held against.
+struct Ground {
+    fit: Fit,
+    noise: NoiseModel,
+    look: Look,
+    /// Codes that the readings show by themselves.
+    codes: Vec<Proposal>,
+}
 
-/// Searches until nothing is left, nothing fits, or there is too much; then judges what was found.
+/// Searches, fits, and judges.
 pub fn search(
     document: &Document,
     model: &Model<'_>,
@@ -30,246 +45,441 @@ pub fn search(
     told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
     let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
-    let mut stages = vec![Stage { fit: base.clone(), noise: base_noise.clone(), look: first.clone() }];
-    let mut found: Vec<Found> = Vec::new();
-    let mut refused = Vec::new();
-    for proposal in lattice::proposals(document, model, &base_noise, &base) {
-        told(&proposal.name);
-        let Addition::Effect(effect) = &proposal.addition else { continue };
-        // The codes are part of the noise, and act on nothing that is predicted.
-        let acts = vec![false; model.observed.runs.len()];
-        let state = model.with_acting(&stages[found.len()].fit.state, effect.clone(), acts);
-        let stage = at(document, model, searcher, &state)?;
-        found.push(Found {
-            gain: proposal.gain,
-            gain_nt2: 0.0,
-            refined: Refined::certain(proposal, stage.fit.clone()),
-            rivals: Rivals::default(),
+    let mut ground =
+        with_codes(document, model, searcher, (base.clone(), base_noise.clone(), first.clone()))?;
+    let codes: Vec<Found> = ground.codes.iter().map(certain).collect();
+    if ground.look.clean(searcher.level) {
+        let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
+        let Ground { fit, noise, look, .. } = ground;
+        return Ok(Outcome {
+            before,
+            base,
+            base_noise,
+            first,
+            found: codes,
+            verdict,
+            refused: Vec::new(),
+            fit,
+            noise,
+            last: look,
         });
-        stages.push(stage);
     }
-    let mut tried_first = Vec::new();
-    while found.len() < LONGEST && distinct(&found) < MOST {
-        let Choice { fit, noise, refined } = choose(document, model, searcher, &stages[found.len()])?;
-        let Some(best) = best(&refined) else {
-            refused = refined
-                .iter()
-                .filter_map(|r| Some((r.proposal.name.clone(), r.why_not.as_ref()?.words().into())))
-                .collect();
-            break;
-        };
-        told(&format!("{}; searching on", best.proposal.name));
-        let next = at(document, model, searcher, &best.fit.state)?;
-        let left = next.look.left(searcher.level);
-        found.push(Found {
-            refined: best.clone(),
-            gain: fit.cost - best.fit.cost,
-            gain_nt2: square(&fit.residual) - square(&best.fit.residual),
-            rivals: rivals(&Fitter { model, noise: &noise }, &fit, &refined, left)?,
-        });
-        stages.push(next);
-        if found.len() == 1 {
-            tried_first = refined;
-        }
-    }
-    let (kept, mut stage) = standing(document, model, searcher, &found, &mut stages)?;
-    let fallen = (0..found.len()).filter(|number| !kept.contains(number));
-    let why = "it does not explain far more than what is left, or what is left follows the same";
-    let names = fallen.map(|number| (found[number].refined.proposal.name.clone(), why.to_string()));
-    refused.splice(0..0, names);
-    let mut numbers = 0..found.len();
-    found.retain(|_| numbers.next().is_some_and(|number| kept.contains(&number)));
-    if found.is_empty()
-        && let Some((whole, with)) = whole(document, model, searcher, (&base, &base_noise), &tried_first)?
-    {
-        refused.clear();
-        found.push(whole);
-        stage = with;
-    }
-    while let Some(number) = silent(model, &found, &base, &stage)? {
-        let state = without(&stage.fit.state, &base, &found, number);
-        let one = found.remove(number);
-        refused.push((one.refined.proposal.name, "without those that fell it has nothing to say".into()));
-        stage = at(document, model, searcher, &state)?;
-    }
-    let Stage { fit, noise, look: mut last } = stage;
-    if found.len() > 1 {
-        for number in 0..found.len() {
-            let fitter = Fitter { model, noise: &noise };
-            let left = last.left(searcher.level);
-            reconsider(&fitter, searcher, &base, &mut found, number, &fit, left)?;
-        }
-        last = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-    }
-    Ok(Outcome { before, base, base_noise, first, found, refused, fit, noise, last })
-}
-
-/// What may come in next, the best first, with the fit that it comes to and the noise by which it was judged.
-struct Choice {
-    fit: Fit,
-    noise: NoiseModel,
-    refined: Vec<Refined>,
-}
-
-/// Refines what a stage proposes. Where the noise is what a residual shows, what is looked for is a part of it: then what fits best is taken
-/// out of it, and all are judged again by the noise that is left.
-fn choose(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &Searcher<'_>,
-    stage: &Stage,
-) -> Result<Choice, Error> {
-    let judged = |fit: Fit, noise: NoiseModel| -> Result<Choice, Error> {
-        let refined = searcher.refine(&Fitter { model, noise: &noise }, &fit, &stage.look)?;
-        Ok(Choice { fit, noise, refined })
-    };
-    let first = judged(stage.fit.clone(), stage.noise.clone())?;
-    let Some(one) = best(&first.refined).filter(|_| stage.noise.known == 0.0) else { return Ok(first) };
-    let (_, noise) = settled(document, model, &one.fit.state)?;
-    let fit = Fitter { model, noise: &noise }.refine(&stage.fit.state)?;
-    let again = judged(fit, noise)?;
-    Ok(if best(&again.refined).is_some() { again } else { first })
-}
-
-/// Which of those found stand where something is left, and the stage with them. A name that falls is taken out, the last first, and the
-/// others are judged again without it.
-fn standing(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    found: &[Found],
-    stages: &mut Vec<Stage>,
-) -> Result<(Vec<usize>, Stage), Error> {
-    let judge = Judge { model, found, stages, level: searcher.level };
-    let mut kept = judge.worth_keeping()?;
+    let mut events: Vec<Proposal> = fresh(&ground.look.proposals, &[]);
+    let mut shapes: Vec<EffectInstance> = Vec::new();
+    let mut round = 0;
     loop {
-        // The first so many: their stage was passed on the way.
-        let passed = kept.iter().copied().eq(0..kept.len());
-        let refitted =
-            if passed { None } else { Some(with_only(document, model, searcher, (found, stages), &kept)?) };
-        let now = refitted.as_ref().unwrap_or(&stages[kept.len()]);
-        let whole = kept.len() == found.len() && now.look.clean(searcher.level);
-        match judge.falls(&kept, now).filter(|_| !whole) {
-            Some(falls) => kept.retain(|number| *number != falls),
-            None => {
-                let stage = refitted.unwrap_or_else(|| stages.swap_remove(kept.len()));
-                return Ok((kept, stage));
+        told(&format!("weighing sets of effects, round {}", round + 1));
+        let answer = weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
+        let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
+        let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, &additions)?;
+        let (fit, noise) = fitted(document, model, &ground, &state)?;
+        let more = fresh(&answer.events, &events);
+        round += 1;
+        // Where the noise is what a residual shows, what was found is no longer a part of it.
+        let from = ground.fit.state.effects.len();
+        let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
+        if round <= REFITS {
+            for rival in &answer.rivals {
+                let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, rival)?;
+                // A rival that has no minimum is none.
+                if let Ok((fit, _)) = fitted(document, model, &ground, &state) {
+                    sharper |= moved(&fit.state.effects[from..], &mut shapes);
+                }
             }
         }
+        let quieter = ground.noise.known == 0.0 && noise.variance() < 0.9 * ground.noise.variance();
+        if round < ROUNDS && (!more.is_empty() || quieter || sharper) {
+            events.extend(more);
+            if quieter {
+                let fit = Fitter { model, noise: &noise }.refine(&ground.fit.state)?;
+                let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+                ground = Ground { fit, noise, look, codes: ground.codes };
+            }
+            continue;
+        }
+        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        return concluded(
+            model,
+            before,
+            (base, base_noise, first),
+            &ground,
+            codes,
+            answer,
+            (fit, noise, look),
+        );
     }
 }
 
-/// The stage with some of those found.
-fn with_only(
+/// A fit with the codes that the readings show by themselves, which are part of the noise.
+fn with_codes(
     document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
-    (found, stages): (&[Found], &[Stage]),
-    kept: &[usize],
-) -> Result<Stage, Error> {
-    let fallen = (0..found.len()).rev().filter(|number| !kept.contains(number));
-    let last = stages[found.len()].fit.state.clone();
-    let state = fallen.fold(last, |state, number| without(&state, &stages[0].fit, found, number));
-    at(document, model, searcher, &state)
-}
-
-/// The stage that a state comes to.
-fn at(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    state: &State,
-) -> Result<Stage, Error> {
-    let (fit, noise) = settled(document, model, state)?;
+    (fit, noise, look): (Fit, NoiseModel, Look),
+) -> Result<Ground, Error> {
+    let codes = lattice::proposals(document, model, &noise, &fit);
+    if codes.is_empty() {
+        return Ok(Ground { fit, noise, look, codes });
+    }
+    let mut state = fit.state;
+    for proposal in &codes {
+        if let Addition::Effect(effect) = &proposal.addition {
+            state = model.with_acting(&state, effect.clone(), vec![false; model.observed.runs.len()]);
+        }
+    }
+    let (fit, noise) = settled(document, model, &state)?;
     let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-    Ok(Stage { fit, noise, look })
+    Ok(Ground { fit, noise, look, codes })
 }
 
-/// The last of those found that does no more at a stage than chance would: what it answered to has fallen. What is in the noise and not in the
-/// prediction, as codes are, does nothing there.
-fn silent(model: &Model<'_>, found: &[Found], base: &Fit, stage: &Stage) -> Result<Option<usize>, Error> {
-    for number in (0..found.len()).rev() {
-        let change = model.change(&without(&stage.fit.state, base, found, number), &stage.fit.state)?;
-        let said = square(&stage.noise.whiten(&model.observed, &change));
-        if said > 0.0 && said < SAID {
-            return Ok(Some(number));
+/// What the readings show by themselves.
+fn certain(proposal: &Proposal) -> Found {
+    Found {
+        proposal: proposal.clone(),
+        p_adjusted: proposal.p,
+        probability: 1.0,
+        share: 0.0,
+        gain: proposal.gain,
+        gain_nt2: 0.0,
+        held_out: vec![0.0; crate::held_out::FOLDS],
+        equal: Vec::new(),
+        lost: Vec::new(),
+    }
+}
+
+/// Moments, lines and codes of a look that are not known yet.
+fn fresh(found: &[Proposal], known: &[Proposal]) -> Vec<Proposal> {
+    let is_new = |proposal: &&Proposal| !known.iter().any(|other| same(other, proposal));
+    found.iter().filter(|proposal| proposal.is_event()).filter(is_new).cloned().collect()
+}
+
+/// Whether two proposals are the same moment, line or code.
+fn same(one: &Proposal, other: &Proposal) -> bool {
+    match (&one.addition, &other.addition) {
+        (Addition::Effect(a), Addition::Effect(b)) => {
+            let shapes = a.kind.parameters().iter().zip(a.parameters.iter().zip(&b.parameters));
+            let close = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-6 * x.abs().max(y.abs());
+            (a.kind, a.axis, &a.recording) == (b.kind, b.axis, &b.recording)
+                && shapes.filter(|(info, _)| info.role != Role::Amplitude).all(|(_, pair)| close(pair))
+        }
+        (Addition::Column(a), Addition::Column(b)) => a.what == b.what,
+        _ => false,
+    }
+}
+
+/// Sets of atoms weighed on the ground of a search, and what they say.
+fn weighed(
+    searcher: &mut Searcher<'_>,
+    fitter: &Fitter<'_, '_>,
+    ground: &Ground,
+    (events, shapes): (&[Proposal], &[EffectInstance]),
+) -> Result<verdict::Answer, Error> {
+    let model = fitter.model;
+    let pool = searcher.pool();
+    let mut products = searcher.products(fitter).clone();
+    let measure = Sizes {
+        coarse: (fitter.resolution_nt(&ground.fit) / FINE_NT).max(1.0),
+        noise_nt: fitter.noise.variance().sqrt(),
+        residual_nt: (square(&ground.fit.residual) / ground.fit.residual.len().max(1) as f64).sqrt(),
+    };
+    let mut atoms = Atoms::of(pool, &measure);
+    for group in grouped(events) {
+        let mut columns = Vec::new();
+        let mut finite = false;
+        for event in &group {
+            let Some((own, is_finite)) = columns_of(model, &ground.fit.state, event)? else { continue };
+            columns.extend(own);
+            finite = is_finite;
+        }
+        let ranges = match group.first().map(|event| &event.addition) {
+            Some(Addition::Effect(effect)) => {
+                let own = atoms::ranges(effect, measure.coarse);
+                own.iter().copied().cycle().take(columns.len()).collect()
+            }
+            _ => vec![[0.1 * measure.noise_nt, 1e5 * measure.noise_nt]; columns.len()],
+        };
+        if !columns.is_empty() {
+            atoms.add_event(&group, columns, &ranges, finite);
         }
     }
-    Ok(None)
+    for effect in shapes {
+        let (columns, by_shape) = at_shapes(model, &ground.fit.state, effect)?;
+        if columns.iter().chain(&by_shape).all(Stacked::is_finite) {
+            atoms.add_fitted(effect, columns, by_shape);
+        }
+    }
+    products.push(fitter.noise, atoms.more());
+    let followed = Followed::of(model, &ground.fit.state)?;
+    let mut sets = Sets::of(&atoms, fitter.noise, products, Projection::of(&ground.fit)?, followed);
+    let ranked = sets.search()?;
+    let mut answer = verdict::answer(model, &atoms, &sets, &ranked, ground.look.rest)?;
+    if let Some(best) = ranked.first() {
+        let white = sets.residual(&best.members, &ground.fit.white);
+        let residual = fitter.in_nt(&white);
+        let left = Fit { white, residual, ..ground.fit.clone() };
+        let rest = Rest {
+            sum_of_squares: square(&left.white),
+            freedom: (ground.look.rest.freedom - sets.unknowns(&best.members) as f64).max(1.0),
+            known: ground.look.rest.known,
+        };
+        answer.events = searcher.events(fitter, &left, &rest)?.1;
+    }
+    Ok(answer)
 }
 
-/// Of what was tried first, that which leaves nothing: where all that was found from the best one on falls, a name that explains everything
-/// by itself says more, also where a simpler one said more of a part.
-fn whole(
+/// Rounds in which rivals are fitted again.
+const REFITS: usize = 2;
+/// How much a shape must have moved, as a share, to be tried anew.
+const MOVED: f64 = 0.02;
+
+/// Adds the effects of a fit whose shapes are not among those that are known; whether there were any.
+fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
+    let mut any = false;
+    for effect in fitted {
+        let shapes = |effect: &EffectInstance| -> Vec<f64> {
+            let infos = effect.kind.parameters().iter().zip(&effect.parameters);
+            infos.filter(|(info, _)| info.role == Role::Shape).map(|(_, value)| *value).collect()
+        };
+        let own = shapes(effect);
+        let near = |other: &EffectInstance| {
+            (other.kind, other.axis, &other.column) == (effect.kind, effect.axis, &effect.column)
+                && shapes(other).iter().zip(&own).all(|(a, b)| (a / b - 1.0).abs() < MOVED)
+        };
+        if !own.is_empty() && effect.recording.is_none() && !known.iter().any(near) {
+            known.push(effect.clone());
+            any = true;
+        }
+    }
+    any
+}
+
+/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the fit.
+fn at_shapes(
+    model: &Model<'_>,
+    state: &State,
+    effect: &EffectInstance,
+) -> Result<(Vec<Stacked>, Vec<Stacked>), Error> {
+    let with = model.with(state, effect.clone());
+    let number = with.effects.len() - 1;
+    let infos = effect.kind.parameters();
+    let of = |role: Role| -> Vec<usize> { (0..infos.len()).filter(|k| infos[*k].role == role).collect() };
+    let stacked = |columns: Vec<Vec<f64>>| -> Vec<Stacked> {
+        columns.iter().map(|column| Stacked::of(&model.observed, column)).collect()
+    };
+    let parameters =
+        |which: &[usize]| -> Vec<Parameter> { which.iter().map(|k| Parameter::Effect(number, *k)).collect() };
+    let (amplitudes, shapes) = (of(Role::Amplitude), of(Role::Shape));
+    let mut by_shape = model.derivatives(&with, &parameters(&shapes))?;
+    for (column, k) in by_shape.iter_mut().zip(&shapes) {
+        column.iter_mut().for_each(|d| *d *= effect.parameters[*k]);
+    }
+    let columns = if amplitudes.is_empty() {
+        // Its size is its shape.
+        by_shape.clear();
+        vec![model.change(state, &with)?]
+    } else {
+        model.derivatives(&with, &parameters(&amplitudes))?
+    };
+    Ok((stacked(columns), stacked(by_shape)))
+}
+
+/// Single readings of a sensor together: they are one name with a list. All else by itself.
+fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
+    let single = |event: &Proposal| match &event.addition {
+        Addition::Effect(effect) if effect.kind == Kind::Spike => Some(effect.axis),
+        Addition::Column(_) => Some(None),
+        Addition::Effect(_) => None,
+    };
+    let mut groups: Vec<Vec<&Proposal>> = Vec::new();
+    for event in events {
+        let own = single(event);
+        match groups.iter_mut().find(|group| own.is_some() && single(group[0]) == own) {
+            Some(group) => group.push(event),
+            None => groups.push(vec![event]),
+        }
+    }
+    groups
+}
+
+/// The columns of something found at moments, and whether they are what it does rather than derivatives by its amplitudes.
+fn columns_of(
+    model: &Model<'_>,
+    state: &State,
+    event: &Proposal,
+) -> Result<Option<(Vec<Stacked>, bool)>, Error> {
+    let observed = &model.observed;
+    let (dense, finite) = match &event.addition {
+        Addition::Column(column) => (vec![column.values.to_vec()], false),
+        Addition::Effect(effect) => {
+            let with = model.with(state, effect.clone());
+            let number = with.effects.len() - 1;
+            let infos = effect.kind.parameters().iter().enumerate();
+            let amplitudes: Vec<Parameter> = infos
+                .filter(|(_, info)| info.role == Role::Amplitude)
+                .map(|(k, _)| Parameter::Effect(number, k))
+                .collect();
+            if amplitudes.is_empty() {
+                (vec![model.contribution(state, effect)?], true)
+            } else {
+                (model.derivatives(&with, &amplitudes)?, false)
+            }
+        }
+    };
+    let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(observed, column)).collect();
+    let fit = columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero);
+    Ok(fit.then_some((columns, finite)))
+}
+
+/// A state with all additions, dependences with the lag that fits best.
+fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> Result<State, Error> {
+    let mut state = fit.state.clone();
+    for addition in additions {
+        match addition {
+            Addition::Effect(effect) => state = fitter.model.with(&state, effect.clone()),
+            Addition::Column(column) => state.columns.push(dependence::with_lag(fitter, fit, column)?),
+        }
+    }
+    Ok(state)
+}
+
+/// The minimum from a state, and the noise that it leaves.
+fn fitted(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    (base, noise): (&Fit, &NoiseModel),
-    tried: &[Refined],
-) -> Result<Option<(Found, Stage)>, Error> {
-    let (mut all, mut stage) = (Vec::new(), None);
-    for one in tried.iter().filter(|one| one.why_not.is_none()) {
-        let with = at(document, model, searcher, &one.fit.state)?;
-        if with.look.clean(searcher.level) {
-            all.push(one.clone());
-            stage.get_or_insert(with);
-        }
+    ground: &Ground,
+    state: &State,
+) -> Result<(Fit, NoiseModel), Error> {
+    let noise = &ground.noise;
+    let fitter = Fitter { model, noise };
+    let from = ground.fit.state.effects.len();
+    let hides = state.effects[from..].iter().any(|effect| {
+        let about = effect.kind.about();
+        about.stage == Stage::Converter || !about.invertible
+    });
+    let mut fit = if hides { fitter.refine(state)? } else { fitter.refine_near(state, &ground.fit)? };
+    for number in from..state.effects.len() {
+        fit = events::settled_in_time(&fitter, fit, number)?;
     }
-    let (Some(first), Some(stage)) = (all.first(), stage) else { return Ok(None) };
-    let rivals = rivals(&Fitter { model, noise }, base, &all, 0.0)?;
-    let found = Found {
-        gain: base.cost - first.fit.cost,
-        gain_nt2: square(&base.residual) - square(&first.fit.residual),
-        refined: first.clone(),
-        rivals,
-    };
-    Ok(Some((found, stage)))
+    if noise.known > 0.0 && ground.codes.is_empty() && !changes_noise(state, from) {
+        return Ok((fit, noise.clone()));
+    }
+    settled(document, model, &fit.state)
 }
 
-/// How many were found, the harmonics of one effect as one and each moment for itself.
-fn distinct(found: &[Found]) -> usize {
-    let (moments, others): (Vec<_>, Vec<_>) =
-        found.iter().map(|one| &one.refined.proposal).partition(|proposal| proposal.local);
-    moments.len() + others.into_iter().map(|proposal| &proposal.name).collect::<BTreeSet<_>>().len()
+/// Whether an effect that came in is a part of the noise.
+fn changes_noise(state: &State, from: usize) -> bool {
+    state.effects[from..].iter().any(|effect| effect.kind == Kind::Quantisation)
 }
 
-/// A state that has all that was found, without one of it.
-pub fn without(state: &State, base: &Fit, found: &[Found], number: usize) -> State {
+/// A state without one of the things that came in.
+fn without(state: &State, from: (usize, usize), found: &[Addition], number: usize) -> State {
     let mut state = state.clone();
-    let before = |addition: fn(&Addition) -> bool| {
-        found[..number].iter().filter(|f| addition(&f.refined.proposal.addition)).count()
+    let earlier = |is_effect: bool| {
+        found[..number].iter().filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
     };
-    match &found[number].refined.proposal.addition {
+    match &found[number] {
         Addition::Effect(_) => {
-            let at = base.state.effects.len() + before(|a| matches!(a, Addition::Effect(_)));
+            let at = from.0 + earlier(true);
             state.effects.remove(at);
             state.acts.remove(at);
         }
         Addition::Column(_) => {
-            state.columns.remove(before(|a| matches!(a, Addition::Column(_))));
+            state.columns.remove(from.1 + earlier(false));
         }
     }
     state
 }
 
-/// Looks at one of several found with the others in place: what they hid or feigned shows only then.
-fn reconsider(
-    fitter: &Fitter<'_, '_>,
-    searcher: &mut Searcher<'_>,
-    base: &Fit,
-    found: &mut [Found],
-    number: usize,
-    fit: &Fit,
-    left: f64,
-) -> Result<(), Error> {
-    let rest = fitter.refine(&without(&fit.state, base, found, number))?;
-    let look = searcher.look(fitter, &rest)?;
-    let refined = searcher.refine(fitter, &rest, &look)?;
-    let Some(best) = best(&refined) else { return Ok(()) };
-    if best.proposal.name == found[number].refined.proposal.name {
-        found[number].rivals = rivals(fitter, &rest, &refined, left)?;
-        let p_adjusted = found[number].refined.p_adjusted.min(best.p_adjusted);
-        found[number].refined = Refined { p_adjusted, ..best.clone() };
+/// The outcome of the last answer: what each name does beside the others.
+fn concluded(
+    model: &Model<'_>,
+    before: Vec<f64>,
+    (base, base_noise, first): (Fit, NoiseModel, Look),
+    ground: &Ground,
+    codes: Vec<Found>,
+    answer: verdict::Answer,
+    (fit, noise, last): (Fit, NoiseModel, Look),
+) -> Result<Outcome, Error> {
+    let verdict::Answer { verdict, names, refused, .. } = answer;
+    let mut found = codes;
+    if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
+        let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
+        let Ground { fit, noise, look, .. } = ground;
+        let (fit, noise, last) = (fit.clone(), noise.clone(), look.clone());
+        return Ok(Outcome { before, base, base_noise, first, found, verdict, refused, fit, noise, last });
     }
-    Ok(())
+    let fitter = Fitter { model, noise: &noise };
+    let additions: Vec<Addition> = names.iter().flat_map(|name| name.additions.clone()).collect();
+    let mut begin = 0;
+    let from = (ground.fit.state.effects.len(), ground.fit.state.columns.len());
+    let held_with = fitter.held_out(&fit)?;
+    for name in names {
+        let own = begin..begin + name.additions.len();
+        begin = own.end;
+        let state = own
+            .clone()
+            .rev()
+            .fold(fit.state.clone(), |state, number| without(&state, from, &additions, number));
+        let rest = fitter.refine(&state)?;
+        let held: Vec<f64> =
+            fitter.held_out(&rest)?.parts.iter().zip(&held_with.parts).map(|(a, b)| a - b).collect();
+        for addition in name.additions.clone() {
+            found.push(one(&name, addition, &rest, &fit, held.clone()));
+        }
+    }
+    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, fit, noise, last })
+}
+
+fn one(name: &Name, addition: Addition, rest: &Fit, fit: &Fit, held_out: Vec<f64>) -> Found {
+    let proposal = Proposal {
+        name: name.name.clone(),
+        addition,
+        p: name.p,
+        gain: rest.cost - fit.cost,
+        looks: 0.0,
+        local: name.local,
+    };
+    Found {
+        p_adjusted: name.p,
+        probability: name.probability,
+        share: name.share,
+        gain: rest.cost - fit.cost,
+        gain_nt2: square(&rest.residual) - square(&fit.residual),
+        held_out,
+        equal: name.equal.clone(),
+        lost: name.lost.clone(),
+        proposal,
+    }
+}
+
+/// What comes in for an atom at a shape with its coefficients.
+pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
+    match thing {
+        Thing::Effect(template) => {
+            let mut effect = shape.fitted.as_ref().unwrap_or(template).clone();
+            let searched = crate::candidates::searched(effect.kind);
+            let shape = shape.value;
+            let mut sizes = coefficients.iter();
+            for (k, info) in effect.kind.parameters().iter().enumerate() {
+                match (info.role, shape) {
+                    (Role::Amplitude, _) => effect.parameters[k] = sizes.next().copied().unwrap_or(0.0),
+                    (_, Some(value)) if Some(k) == searched => effect.parameters[k] = value,
+                    _ => {}
+                }
+            }
+            vec![Addition::Effect(effect)]
+        }
+        Thing::Dependence(column, axis) => {
+            let lag_s = shape.value.unwrap_or(0.0);
+            let values = following(model, *axis, column, lag_s).dense(&model.observed);
+            vec![Addition::Column(Column {
+                what: format!("dependence of {axis} on {column}"),
+                follows: Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None }),
+                values: values.into(),
+                coefficient: coefficients.first().copied().unwrap_or(0.0),
+            })]
+        }
+        Thing::Event(additions) => additions.clone(),
+        Thing::Smooth(..) => Vec::new(),
+    }
 }

@@ -32,8 +32,12 @@ pub fn with_lag(fitter: &Fitter<'_, '_>, fit: &Fit, found: &Column) -> Result<Co
     };
     let lag = |step: i32| follows.lag_s * FARTHEST.powf(f64::from(step) / f64::from(STEPS));
     let lags: Vec<f64> = (-STEPS..=STEPS).map(lag).collect();
-    let columns: Vec<Vec<f64>> =
-        lags.iter().map(|lag_s| following(fitter.model, follows.axis, &follows.column, *lag_s)).collect();
+    let columns: Vec<Vec<f64>> = lags
+        .iter()
+        .map(|lag_s| {
+            following(fitter.model, follows.axis, &follows.column, *lag_s).dense(&fitter.model.observed)
+        })
+        .collect();
     let (screen, base) = fitter.screen_of(fit, &columns)?;
     let gains = (0..columns.len()).map(|k| screen.gain(&[base + k])).collect::<Result<Vec<_>, _>>()?;
     let Some(best) = (0..gains.len()).max_by(|a, b| gains[*a].gain.total_cmp(&gains[*b].gain)) else {

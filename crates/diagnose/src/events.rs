@@ -40,7 +40,7 @@ struct Departures {
 impl Departures {
     fn of(fitter: &Fitter<'_, '_>, fit: &Fit, basis: &faer::Mat<f64>, number: usize) -> Self {
         let channel = &fitter.model.observed.channels[number];
-        let response = fitter.noise.response(number, channel.rows.len());
+        let response = fitter.noise.response(number);
         let along = correlate(&fit.white[channel.range()], &response);
         let within = (0..basis.ncols())
             .map(|j| correlate(&basis.col_as_slice(j)[channel.range()], &response))
@@ -63,6 +63,12 @@ impl Departures {
         [one, step]
     }
 }
+
+/// Single readings are looked at together with the strongest from this share of its gain on, and no more of them than that.
+const AS_STRONG: f64 = 0.1;
+const MOST_SINGLES: usize = 60;
+/// Rows to either side of a single reading that belong to it.
+const BESIDE: usize = 2;
 
 /// A spike of up to so many codes may be the code beside the right one.
 const CODES: f64 = 1.5;
@@ -94,6 +100,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     let beside_jumps = beside_jumps(fitter, fit)?;
     let (mut spike, mut step, mut stays) = (Best::default(), Best::default(), Best::default());
     let mut looks = 0.0;
+    let mut singles: Vec<Best> = Vec::new();
     for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
         let [one, lasting] = departures.lengths();
         let rows = channel.rows.len();
@@ -118,7 +125,12 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
             };
             let inside: f64 = (0..basis.ncols()).map(|j| within(j).powi(2)).sum();
             if !beside_jumps[channel.at + row] {
-                consider(&mut spike, departures.along[row], one[row], inside);
+                let mut own = Best::default();
+                consider(&mut own, departures.along[row], one[row], inside);
+                singles.push(own);
+                if own.gain > spike.gain {
+                    spike = own;
+                }
                 looks += 1.0;
             }
             sum.0 += departures.along[row];
@@ -135,9 +147,9 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
         }
     }
     let mut found = Vec::new();
-    for (best, kind, alone) in
-        [(spike, Kind::Spike, true), (step, Kind::ReadingStep, true), (stays, Kind::ReadingStep, false)]
-    {
+    let steps = [(step, Kind::ReadingStep, true), (stays, Kind::ReadingStep, false)];
+    let singles = isolated(singles, spike).into_iter().map(|best| (best, Kind::Spike, true));
+    for (best, kind, alone) in singles.chain(steps) {
         if best.gain > 0.0 {
             found.extend(moment(fitter, fit, rest, best, kind, alone, looks)?);
         }
@@ -145,6 +157,23 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     found.extend(freeze::proposal(fitter, fit, rest, &all)?);
     found.extend(pass::proposal(fitter, fit, rest, &all)?);
     Ok(found)
+}
+
+/// Single readings beside the strongest: those that depart as much as a share of it, each by itself.
+fn isolated(mut all: Vec<Best>, strongest: Best) -> Vec<Best> {
+    all.retain(|one| one.gain > AS_STRONG * strongest.gain);
+    if all.len() > MOST_SINGLES {
+        return vec![strongest];
+    }
+    all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut kept: Vec<Best> = Vec::new();
+    for one in all {
+        let beside = |other: &Best| other.channel == one.channel && other.row.abs_diff(one.row) <= BESIDE;
+        if !kept.iter().any(beside) {
+            kept.push(one);
+        }
+    }
+    kept
 }
 
 /// Rows beside which what effects add jumps, far more than elsewhere in the channel: a reading there tells the moment of the jump.
@@ -260,7 +289,7 @@ fn moment(
         }
     };
     let p = at_least_one(rest.p(exact.gain, exact.rank), looks);
-    Ok(Some(Proposal { name, addition, p, gain: exact.gain, searched: 1.0, local: true }))
+    Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true }))
 }
 
 /// An effect with its amplitudes fitted to a residual, and what that gains.

@@ -42,8 +42,6 @@ pub struct Fit {
     pub covariance: Mat<f64>,
     /// Rank.
     pub rank: usize,
-    /// Unknowns that the readings determined: of one that was known beforehand, the share of its variance that they took away.
-    pub determined: f64,
     /// Σ of the squared whitened residuals.
     pub cost: f64,
 }
@@ -66,12 +64,7 @@ impl Fitter<'_, '_> {
         Ok((residual, white))
     }
 
-    /// Whitened derivatives at a state.
-    pub fn jacobian(&self, state: &State) -> Result<Mat<f64>, Error> {
-        self.jacobian_near(state, None)
-    }
-
-    /// The same, those by the unknowns of the base model as they are at a fit, if one is given.
+    /// Whitened derivatives at a state, those by the unknowns of the base model as they are at a fit, if one is given.
     fn jacobian_near(&self, state: &State, near: Option<&Fit>) -> Result<Mat<f64>, Error> {
         let base = if near.is_some() { Vec::new() } else { self.model.base_columns(state)? };
         let raw: Vec<Vec<f64>> = base.into_iter().chain(self.model.other_columns(state)?).collect();
@@ -88,6 +81,12 @@ impl Fitter<'_, '_> {
             Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
             Some(_) => 0.0,
         }))
+    }
+
+    /// A whitened series as if the noise were white, nT.
+    pub fn in_nt(&self, white: &[f64]) -> Vec<f64> {
+        let channels = self.model.observed.channels.iter().zip(&self.noise.std_nt);
+        channels.flat_map(|(channel, std)| white[channel.range()].iter().map(move |w| w * std)).collect()
     }
 
     /// What a reading resolves, nT: the largest noise of a channel as it is declared; where it is not, as a fit's neighbouring residuals
@@ -149,10 +148,7 @@ impl Fitter<'_, '_> {
                 let all: Vec<usize> = (0..jacobian.ncols()).collect();
                 let gain = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
                 let (covariance, rank) = (gain.covariance, gain.rank);
-                let known = self.model.known_of_effects(&state);
-                let kept: f64 = known.iter().map(|(k, _, std)| covariance[(*k, *k)] / (std * std)).sum();
-                let determined = rank as f64 - kept;
-                return Ok(Fit { state, residual, white, jacobian, covariance, rank, determined, cost });
+                return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
             }
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }

@@ -1,6 +1,7 @@
 //! Smooth functions of what was recorded, and columns that no effect knows: they find structure and describe it.
 
 use common::Axis;
+use nalgebra::Vector3;
 use physics::memory::{Before, Signal};
 use std::collections::BTreeSet;
 
@@ -9,6 +10,7 @@ use crate::candidates::What;
 use crate::covariates::{ALONG, across, fields};
 use crate::model::{Model, State};
 use crate::observed::{Channel, Reader, Run};
+use crate::stacked::Stacked;
 
 /// Half waves over the span of time.
 const WAVES: usize = 16;
@@ -19,6 +21,8 @@ const THRESHOLDS: usize = 15;
 /// Lags of a dependence, as shares of the recording's length.
 const LAGS: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.1];
 
+/// How far back the past goes, in rows.
+const PAST_ROWS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 /// Fewest rows of a recording without times along whose rows smooth functions are taken.
 const ROWS: usize = 4 * WAVES;
 /// Columns that effects or procedures know, of which smooth functions are taken too.
@@ -34,7 +38,7 @@ const KNOWN: [&str; 8] = [
 ];
 
 /// A candidate with the columns of its shapes.
-type Generic = (What, Vec<(Option<f64>, Vec<Vec<f64>>)>);
+type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
 
 /// Columns that no effect and no chain knows.
 pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
@@ -99,11 +103,18 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
             let name = if other == axis { ALONG.to_string() } else { across(other) };
             all.extend(powers(model, axis, name, |run| Some(values(run))));
         }
+        all.extend(with_time(model, axis, &fields, span));
+        for other in Axis::ALL {
+            all.extend(history(model, axis, other, &fields));
+        }
         for name in KNOWN {
             let column =
                 |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
             all.extend(powers(model, axis, name.into(), column));
             all.extend(thresholds(model, axis, name.into(), column));
+            if name.contains("temperature") {
+                all.extend(rate(model, axis, name));
+            }
         }
         for name in housekeeping(model) {
             let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
@@ -126,8 +137,97 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
     Ok(all)
 }
 
+/// The field along a sensor times half waves of time: a sensitivity that moves.
+fn with_time(
+    model: &Model<'_>,
+    axis: Axis,
+    fields: &[Vec<Vector3<f64>>],
+    span: Option<(f64, f64)>,
+) -> Option<Generic> {
+    let (from, length) = span?;
+    let waves = (1..=POWERS).map(|k| {
+        stack(model, axis, |run, channel| {
+            let at = |row: &usize| {
+                let time = run.time_s?[*row] + run.setting.context.clock_s;
+                let wave = (std::f64::consts::PI * k as f64 * (time - from) / length).cos();
+                Some(wave * fields[channel.run][*row][axis.index()])
+            };
+            channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
+        })
+    });
+    let what = What::Smooth { covariate: format!("{ALONG}, with time"), axis };
+    Some((what, vec![(None, waves.collect())]))
+}
+
+/// What the field along or across a sensor was before: by how much it is off its own past, a first-order lag of some rows, that times the field, its
+/// size and its cube.
+fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]) -> Option<Generic> {
+    model.observed.runs.iter().find(|run| run.time_s.is_some())?;
+    let largest = fields.iter().flatten().map(|field| field[of.index()].abs()).fold(0.0, f64::max);
+    if largest.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+        return None;
+    }
+    let trials = PAST_ROWS.map(|rows| {
+        let column = |form: fn(f64, f64) -> f64| {
+            stack(model, axis, |run, channel| {
+                let field: Vec<f64> =
+                    fields[channel.run].iter().map(|field| field[of.index()] / largest).collect();
+                let past = match run.time_s {
+                    Some(time) => {
+                        Signal::new(time, field.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium)
+                    }
+                    None => field.clone(),
+                };
+                let at = |row: &usize| form(field[*row], field[*row] - past[*row]);
+                channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
+            })
+        };
+        let columns: Vec<Stacked> = vec![
+            column(|_, off| off),
+            column(|b, off| b * off),
+            column(|_, off| off.abs()),
+            column(|b, off| b * off.abs()),
+            column(|_, off| off.powi(3)),
+        ];
+        (Some(rows), columns)
+    });
+    Some((
+        What::Smooth {
+            covariate: format!("the past of {}", if of == axis { ALONG.to_string() } else { across(of) }),
+            axis,
+        },
+        trials.to_vec(),
+    ))
+}
+
+/// How fast a temperature changes: by how much it is off its own past, and that times itself.
+fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
+    let column = |run: &Run<'_>| run.setting.context.optional(name).map(|c| c.to_vec());
+    model.observed.runs.iter().find(|run| run.time_s.is_some() && column(run).is_some())?;
+    let trials = PAST_ROWS.map(|rows| {
+        let of = |power: i32| {
+            stack(model, axis, |run, channel| {
+                let (Some(time), Some(values)) = (run.time_s, column(run)) else {
+                    return vec![0.0; channel.rows.len()];
+                };
+                let past =
+                    Signal::new(time, values.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium);
+                let at = |row: &usize| (values[*row] - past[*row]).powi(power);
+                channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
+            })
+        };
+        (Some(rows), vec![of(1), of(2)])
+    });
+    Some((What::Smooth { covariate: format!("the rate of {name}"), axis }, trials.to_vec()))
+}
+
+/// Mean time from one row to the next.
+fn mean_step_s(time: &[f64]) -> f64 {
+    (time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64
+}
+
 /// A recorded column through a first-order lag, in the channels of one sensor.
-pub fn following(model: &Model<'_>, axis: Axis, name: &str, lag_s: f64) -> Vec<f64> {
+pub fn following(model: &Model<'_>, axis: Axis, name: &str, lag_s: f64) -> Stacked {
     stack(model, axis, |run, channel| follows(run, channel, name, lag_s))
 }
 
@@ -195,20 +295,16 @@ fn thresholds(
 }
 
 /// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all others.
-fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Vec<f64> {
+fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Stacked {
     let observed = &model.observed;
-    let mut column = Vec::with_capacity(observed.rows);
-    for channel in &observed.channels {
-        match channel.reader {
-            Reader::Sensor(own) if own == axis => column.extend(values(&observed.runs[channel.run], channel)),
-            Reader::Magnitude => {
-                let values = values(&observed.runs[channel.run], channel);
-                column.extend(
-                    values.iter().enumerate().map(|(k, value)| value * channel.shares[k][axis.index()]),
-                );
-            }
-            _ => column.extend(std::iter::repeat_n(0.0, channel.rows.len())),
+    let part = |channel: &Channel| match channel.reader {
+        Reader::Sensor(own) if own == axis => Some(values(&observed.runs[channel.run], channel)),
+        Reader::Magnitude => {
+            let values = values(&observed.runs[channel.run], channel).into_iter().enumerate();
+            Some(values.map(|(k, value)| value * channel.shares[k][axis.index()]).collect())
         }
-    }
-    column
+        _ => None,
+    };
+    let something = |part: &Vec<f64>| part.iter().any(|value| *value != 0.0);
+    Stacked::new(observed.channels.iter().map(|channel| part(channel).filter(something)).collect())
 }

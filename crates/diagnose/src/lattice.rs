@@ -72,7 +72,7 @@ fn of_sensor(
         parameters: vec![width],
     };
     let (name, addition) = (named(&effect), Addition::Effect(effect));
-    Some(Proposal { name, addition, p, gain: gain * width * width, searched: 1.0, local: false })
+    Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false })
 }
 
 /// The width of which all readings are whole numbers, nT, and the probability of such a one by chance.

@@ -2,6 +2,9 @@
 
 use estimate::stats::{chi_squared_p, f_p};
 
+/// Standard deviations of a sum of squares that chance is allowed.
+const BEYOND_CHANCE: f64 = 2.0;
+
 /// What is left of a fit, and how well the size of its noise is known.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
@@ -30,6 +33,24 @@ impl Rest {
         }
         let left = (self.known + self.sum_of_squares - gain).max(1e-12 * self.sum_of_squares);
         f_p(gain / rank / (left / freedom), rank, freedom)
+    }
+
+    /// ln of the likelihood at a sum of squares over that at another, the size of the noise averaged out where it is not known.
+    pub fn log_likelihood(&self, whole: f64, left: f64) -> f64 {
+        if self.known.is_infinite() {
+            return 0.5 * (whole - left);
+        }
+        -0.5 * (self.known + self.freedom) * ((self.known + left) / (self.known + whole)).ln()
+    }
+
+    /// By how much a sum of squares is beyond what the noise makes of it, its own scatter and what is known of its size allowed for. None
+    /// where the size of the noise is what the residual shows.
+    pub fn excess(&self, left: f64) -> f64 {
+        if self.known == 0.0 {
+            return 0.0;
+        }
+        let spread = self.freedom * (2.0 / self.freedom + 2.0 / self.known).sqrt();
+        (left - self.freedom - BEYOND_CHANCE * spread).max(0.0)
     }
 
     /// Variance of the errors in units of the noise that is allowed for.

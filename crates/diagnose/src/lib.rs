@@ -8,14 +8,18 @@
 
 mod adopt;
 mod against;
+mod atoms;
 mod candidates;
 mod codes;
 mod course;
 mod covariates;
+mod decide;
 mod dependence;
 mod error;
 mod events;
+mod evidence;
 mod fit;
+mod form;
 mod generic;
 mod held_out;
 mod lattice;
@@ -26,11 +30,13 @@ mod matched;
 mod model;
 mod next;
 mod observed;
+mod products;
 mod report;
-mod rivals;
 mod search;
+mod sets;
 mod smooth;
-mod trust;
+mod stacked;
+mod verdict;
 mod whitening;
 mod words;
 
@@ -44,8 +50,7 @@ use crate::candidates::Pool;
 use crate::fit::{Fit, settled};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::rivals::Rivals;
-use crate::search::{Look, Refined, Searcher};
+use crate::search::{Look, Proposal, Searcher};
 use crate::whitening::NoiseModel;
 
 /// What is asked for.
@@ -70,20 +75,23 @@ impl Default for Options {
 /// One thing that was found, and what was said against it.
 #[derive(Clone, Debug)]
 struct Found {
-    refined: Refined,
-    /// By how much it lowered the sum of squares when it came in: whitened, and in nT².
+    /// What came in.
+    proposal: Proposal,
+    /// Probability of such a gain by chance, all that was searched counted.
+    p_adjusted: f64,
+    /// Probability of the name.
+    probability: f64,
+    /// Share of what can be explained.
+    share: f64,
+    /// By how much it lowers the sum of squares beside all others: whitened, and in nT².
     gain: f64,
     gain_nt2: f64,
-    /// What was held against it.
-    rivals: Rivals,
-}
-
-/// Where the search stands with so many names: before the first, and after each.
-struct Stage {
-    fit: Fit,
-    noise: NoiseModel,
-    /// What is left.
-    look: Look,
+    /// By how much it lowers the sum of squares of readings left out, part by part.
+    held_out: Vec<f64>,
+    /// Names that explain as well.
+    equal: Vec<String>,
+    /// Others, and why they lost.
+    lost: Vec<(String, String)>,
 }
 
 /// All that was found.
@@ -97,6 +105,8 @@ struct Outcome {
     /// The first look.
     first: Look,
     found: Vec<Found>,
+    /// What it comes to.
+    verdict: Verdict,
     /// What else looked like an answer, and why it is none.
     refused: Vec<(String, String)>,
     /// The final fit.

@@ -96,7 +96,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
             addition: Addition::Effect(effect),
             p,
             gain,
-            searched: 2.0,
+            looks,
             local: false,
         }
     });

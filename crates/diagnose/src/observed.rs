@@ -242,12 +242,6 @@ impl<'a> Observed<'a> {
         (to > from).then_some((from, to - from))
     }
 
-    /// Length of the longest recording with times, s.
-    pub fn longest_s(&self) -> f64 {
-        let length = |run: &Run<'a>| Some(run.time_s?.last()? - run.time_s?.first()?);
-        self.runs.iter().filter_map(length).fold(0.0, f64::max)
-    }
-
     /// The channels of a run.
     pub fn channels_of(&self, run: usize) -> impl Iterator<Item = &Channel> {
         self.channels.iter().filter(move |channel| channel.run == run)

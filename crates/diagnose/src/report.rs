@@ -30,14 +30,8 @@ pub fn report(
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
     let left = !outcome.last.clean(options.level);
-    let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.rivals.equal.is_empty()).collect();
-    let verdict = match (outcome.found.is_empty(), left, equal.is_empty()) {
-        (true, false, _) => Verdict::Agrees,
-        (true, true, _) => Verdict::Unexplained,
-        (false, _, false) => Verdict::Ambiguous,
-        (false, true, true) => Verdict::PartlyExplained,
-        (false, false, true) => Verdict::Explained,
-    };
+    let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
+    let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };
     let effects = effects::explained(model, outcome, &fitter)?;
     let structure = places::structure(outcome, options);
@@ -52,8 +46,7 @@ pub fn report(
     recordings.dedup();
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
-            let words =
-                equal.iter().map(|found| next::between(&found.refined.proposal.name, &found.rivals.equal[0]));
+            let words = equal.iter().map(|found| next::between(&found.proposal.name, &found.equal[0]));
             Some(words.collect::<Vec<_>>().join("; "))
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
@@ -100,7 +93,7 @@ pub fn report(
         if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields)? };
     let ambiguity = equal
         .iter()
-        .flat_map(|found| std::iter::once(&found.refined.proposal.name).chain(&found.rivals.equal))
+        .flat_map(|found| std::iter::once(&found.proposal.name).chain(&found.equal))
         .map(|name| vec![name.clone()])
         .collect();
     Ok(Diagnosis {

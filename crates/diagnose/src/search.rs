@@ -1,8 +1,4 @@
-//! The search: which candidates explain what is left, and how sure that is.
-
-mod refine;
-
-pub use refine::{Fault, Refined};
+//! A look at what a fit has left: which candidates stand out of it, and how probable that is by chance.
 
 use estimate::screen::{Chance, Screen, Search};
 use faer::Mat;
@@ -16,9 +12,11 @@ use crate::codes;
 use crate::dependence::Follows;
 use crate::events;
 use crate::fit::{Fit, Fitter};
+use crate::generic::following;
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
-use crate::model::{Column, State};
+use crate::model::{Column, Model, State};
+use crate::products::{Products, Projection};
 use crate::whitening::NoiseModel;
 
 /// Draws of the distribution by chance.
@@ -46,10 +44,17 @@ pub struct Proposal {
     pub p: f64,
     /// By how much it lowers the sum of squares.
     pub gain: f64,
-    /// Unknowns that were found by search besides those that are fitted.
-    pub searched: f64,
+    /// As how many independent looks its search counts; zero for a candidate, whose shapes are counted by themselves.
+    pub looks: f64,
     /// Whether it touches few rows, so that rows left out say nothing.
     pub local: bool,
+}
+
+impl Proposal {
+    /// Whether it was found among moments, frequencies or codes rather than among the candidates.
+    pub fn is_event(&self) -> bool {
+        self.looks > 0.0
+    }
 }
 
 /// Structure that smooth functions find.
@@ -90,21 +95,13 @@ impl Look {
     pub fn clean(&self, level: f64) -> bool {
         self.least_p >= level && (self.rest.omnibus().is_none() || !self.exceeds(level))
     }
-
-    /// By how much what is left, beyond chance, would lower the sum of squares if it had a name.
-    pub fn left(&self, level: f64) -> f64 {
-        let excess = self.rest.sum_of_squares - self.rest.freedom * self.rest.scale();
-        let excess = if self.exceeds(level) { excess.max(0.0) } else { 0.0 };
-        let structures = self.structures.iter().map(|structure| structure.gain);
-        structures.chain(self.proposals.iter().map(|proposal| proposal.gain)).fold(excess, f64::max)
-    }
 }
 
 /// A search over one pool of candidates.
 pub struct Searcher<'p> {
     pool: &'p Pool,
-    /// The pool whitened, and the noise that whitened it.
-    white: Option<(NoiseModel, Vec<Vec<f64>>)>,
+    /// The products of the pool's columns, and the noise that whitened them.
+    white: Option<(NoiseModel, Products)>,
     chance: Option<Chance>,
     seed: u64,
     /// Probability of a claim where there is nothing.
@@ -127,32 +124,53 @@ impl<'p> Searcher<'p> {
         self.chance.as_ref().map_or(level, |chance| chance.threshold(candidate, level / FAMILIES))
     }
 
-    /// The pool with all but the base model's columns projected out, and where its columns begin.
-    pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Screen, usize), Error> {
-        let kept = self.white.take().filter(|(noise, _)| noise.same(fitter.noise));
-        let white = match kept {
-            Some((_, white)) => white,
-            None => fitter.noise.whiten_all(&fitter.model.observed, &self.pool.columns),
-        };
-        let base = fit.jacobian.ncols();
-        let first: Vec<usize> = (0..base).collect();
-        let screen = Screen::of(&fitter.products(&fit.jacobian, &white, &fit.white)).given(&first)?;
-        self.white = Some((fitter.noise.clone(), white));
-        Ok((screen, base))
+    /// The candidates with their columns.
+    pub fn pool(&self) -> &'p Pool {
+        self.pool
+    }
+
+    /// The products of the pool's columns.
+    pub fn products(&mut self, fitter: &Fitter<'_, '_>) -> &Products {
+        let noise = fitter.noise;
+        let kept = self.white.take().filter(|(known, _)| noise.same(known));
+        let found = kept.unwrap_or_else(|| {
+            let mut products = Products::of(&fitter.model.observed);
+            products.push(noise, &self.pool.columns);
+            (noise.clone(), products)
+        });
+        &self.white.insert(found).1
+    }
+
+    /// The pool with all that a fit has unknown projected out.
+    pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Screen, Error> {
+        let mut projection = Projection::of(fit)?;
+        Ok(projection.screen(self.products(fitter)))
+    }
+
+    /// The strongest line, and what may have happened at moments, at frequencies or in codes.
+    pub fn events(
+        &self,
+        fitter: &Fitter<'_, '_>,
+        fit: &Fit,
+        rest: &Rest,
+    ) -> Result<(Option<Line>, Vec<Proposal>), Error> {
+        let (line, of_lines) = lines::proposals(fitter, fit, rest);
+        let found = of_lines
+            .into_iter()
+            .chain(events::proposals(fitter, fit, rest)?)
+            .chain(codes::proposals(fitter, fit, rest)?);
+        let stands_out = |proposal: &Proposal| at_least_one(proposal.p, FAMILIES) < self.level;
+        Ok((line, found.filter(stands_out).collect()))
     }
 
     /// Searches what a fit has left.
     pub fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
-        let (screen, base) = self.screen(fitter, fit)?;
+        let screen = self.screen(fitter, fit)?;
         let searches: Vec<Search> = self
             .pool
             .candidates
             .iter()
-            .map(|candidate| {
-                let group =
-                    |trial: &crate::candidates::Trial| trial.columns.iter().map(|c| base + c).collect();
-                candidate.trials.iter().map(group).collect()
-            })
+            .map(|candidate| candidate.trials.iter().map(|trial| trial.columns.clone()).collect())
             .collect();
         if self.chance.is_none() {
             let mut stream = Stream::new(self.seed, "diagnose/chance");
@@ -198,30 +216,24 @@ impl<'p> Searcher<'p> {
                     structures.push(Structure { what, p_adjusted, gain, unknowns: rank as f64 });
                 }
                 _ => {
-                    if let Some(addition) = start(candidate, self.pool, at, &coefficients, &sizes) {
+                    if let Some(addition) = start(fitter.model, candidate, at, &coefficients, &sizes) {
                         let name = candidate.what.name();
                         proposals.push(Proposal {
                             name,
                             addition,
                             p: chance,
                             gain,
-                            searched: 0.0,
+                            looks: 0.0,
                             local: false,
                         });
                     }
                 }
             }
         }
-        let (line, of_lines) = lines::proposals(fitter, fit, &rest);
-        let others = of_lines
-            .into_iter()
-            .chain(events::proposals(fitter, fit, &rest)?)
-            .chain(codes::proposals(fitter, fit, &rest)?);
+        let (line, others) = self.events(fitter, fit, &rest)?;
         for other in others {
             least_p = least_p.min(families(other.p));
-            if families(other.p) < self.level {
-                proposals.push(other);
-            }
+            proposals.push(other);
         }
         least_p = least_p.min(line.as_ref().map_or(1.0, |line| families(line.p)));
         let size = |p: &Proposal| -> f64 {
@@ -229,7 +241,7 @@ impl<'p> Searcher<'p> {
                 Addition::Effect(effect) => effect.parameters.len() as f64,
                 Addition::Column(_) => 1.0,
             };
-            p.gain - (unknowns + p.searched) * (fit.white.len() as f64).ln()
+            p.gain - unknowns * (fit.white.len() as f64).ln()
         };
         proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
         let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
@@ -249,8 +261,8 @@ fn already(state: &State, candidate: &Candidate) -> bool {
 
 /// Where the refinement of a candidate begins.
 fn start(
+    model: &Model<'_>,
     candidate: &Candidate,
-    pool: &Pool,
     best: usize,
     coefficients: &[f64],
     sizes: &[(f64, f64)],
@@ -280,19 +292,22 @@ fn start(
             Some(Addition::Effect(effect))
         }
         what => {
-            let column = candidate.trials[best].columns.first()?;
-            let values = Arc::new(pool.columns[*column].clone());
+            let mut values = Vec::new();
             let follows = match what {
-                What::Dependence { column, axis } => Some(Follows {
-                    column: column.clone(),
-                    axis: *axis,
-                    lag_s: candidate.trials[best].shape.unwrap_or(0.0),
-                    lag_std_s: None,
-                }),
+                What::Dependence { column, axis } => {
+                    let lag_s = candidate.trials[best].shape.unwrap_or(0.0);
+                    values = following(model, *axis, column, lag_s).dense(&model.observed);
+                    Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None })
+                }
                 _ => None,
             };
             let coefficient = *coefficients.first()?;
-            Some(Addition::Column(Column { what: what.name(), follows, values, coefficient }))
+            Some(Addition::Column(Column {
+                what: what.name(),
+                follows,
+                values: Arc::new(values),
+                coefficient,
+            }))
         }
     }
 }

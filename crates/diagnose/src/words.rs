@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
-use common::number::{p_value, signed, significant};
-use common::{Diagnosis, Document};
+use common::number::{p_value, probability, signed, significant};
+use common::{Diagnosis, Document, ExplainedEffect};
 use std::fmt::Write;
 
 /// Most parameters of an effect that are said.
@@ -14,6 +14,14 @@ pub fn summary(document: &Document) -> String {
         one(&mut text, entry);
     }
     text
+}
+
+/// How sure a name is and how much it explains.
+fn weight(effect: &ExplainedEffect) -> String {
+    let sure = effect.probability.map(|own| format!("probability {}", probability(own)));
+    let share =
+        effect.share.map(|share| format!("{} % of what can be explained", significant(100.0 * share, 2)));
+    [sure, share, Some(p_value(effect.p_adjusted))].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 fn one(text: &mut String, entry: &Diagnosis) {
@@ -35,8 +43,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
         let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
         let target =
             target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
-        let _ =
-            writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, p_value(effect.p_adjusted));
+        let _ = writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, weight(effect));
         let parameters: Vec<String> = effect
             .parameters
             .iter()

@@ -97,6 +97,22 @@ impl Screen {
         Self { left, whole, rows: products.rows(), used: 0 }
     }
 
+    /// Products of columns and residual, the residual last, of which something of rank `used` was projected out already; `whole` are the
+    /// columns' squared lengths as they were.
+    pub fn projected(left: Mat<f64>, whole: Vec<f64>, rows: usize, used: usize) -> Self {
+        Self { left, whole, rows, used }
+    }
+
+    /// What is left of a product of two columns; the residual is the last one.
+    pub fn product(&self, i: usize, j: usize) -> f64 {
+        self.left[(i, j)]
+    }
+
+    /// How many columns there are.
+    pub fn columns(&self) -> usize {
+        self.whole.len()
+    }
+
     /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and Lovell).
     ///
     /// # Errors

@@ -77,6 +77,11 @@ impl Whitening {
         if whitening.white > 0.0 { Ok(whitening) } else { Err(NoiseError::Nothing) }
     }
 
+    /// Whether readings are independent of each other.
+    pub fn is_white(&self) -> bool {
+        self.processes.is_empty() && self.walk == 0.0
+    }
+
     /// The processes of the sum.
     pub fn processes(&self) -> &[Process] {
         &self.processes
@@ -227,10 +232,6 @@ impl Whitening {
             all[i * (self.rows + 1)] += self.white;
         }
         all
-    }
-
-    fn is_white(&self) -> bool {
-        self.processes.is_empty() && self.walk == 0.0
     }
 
     /// From a row to the next; none after the last, which keeps the gains of a steady filter.

@@ -137,6 +137,19 @@ impl Kind {
         Thermometer::ALL.into_iter().filter(move |which| self.about().needs.contains(&which.column()))
     }
 
+    /// The effect that it is at a special value of its parameters, with fewer of them.
+    pub fn simpler(self) -> Option<Kind> {
+        match self {
+            Kind::OffsetTemperatureLag | Kind::OffsetTemperatureInflection => Some(Kind::OffsetTemperature),
+            Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
+            Kind::AxisCreep => Some(Kind::AxisTemperature),
+            Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
+            Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
+            Kind::SunThermoelectricHarmonics => Some(Kind::SunThermoelectric),
+            _ => None,
+        }
+    }
+
     /// Its parameters.
     pub fn parameters(self) -> &'static [ParameterInfo] {
         self.about().parameters

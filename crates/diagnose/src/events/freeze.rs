@@ -81,7 +81,7 @@ pub fn proposal(
         p: at_least_one(rest.p(gain, 1), looks),
         addition: Addition::Effect(effect),
         gain,
-        searched: 2.0,
+        looks,
         local: true,
     }))
 }

@@ -96,7 +96,7 @@ pub fn proposal(
         p: at_least_one(rest.p(gain, rank), looks),
         addition: Addition::Effect(effect),
         gain,
-        searched: 0.0,
+        looks,
         local: true,
     }))
 }

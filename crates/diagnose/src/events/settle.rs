@@ -9,11 +9,10 @@ use crate::fit::{Fit, Fitter};
 /// Most rows by which an event is moved.
 const SHIFTS: usize = 8;
 
-/// A fit whose last effect begins or ends some rows earlier or later, where that fits better: what a large departure does to the
+/// A fit one of whose effects begins or ends some rows earlier or later, where that fits better: what a large departure does to the
 /// calibration hides where it begins.
-pub fn settled_in_time(fitter: &Fitter<'_, '_>, mut fit: Fit) -> Result<Fit, Error> {
-    let Some(last) = fit.state.effects.len().checked_sub(1) else { return Ok(fit) };
-    let effect = fit.state.effects[last].clone();
+pub fn settled_in_time(fitter: &Fitter<'_, '_>, mut fit: Fit, number: usize) -> Result<Fit, Error> {
+    let effect = fit.state.effects[number].clone();
     let movable: Vec<usize> = match effect.kind {
         Kind::Spike | Kind::ReadingStep => vec![1],
         Kind::Dropout => vec![0, 1],
@@ -29,10 +28,10 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, mut fit: Fit) -> Result<Fit, Err
         for &at in &movable {
             for sign in [-1.0, 1.0] {
                 let mut state = fit.state.clone();
-                state.effects[last].parameters[at] += sign * step;
+                state.effects[number].parameters[at] += sign * step;
                 if effect.kind == Kind::Dropout && at == 0 {
                     // The end stays.
-                    state.effects[last].parameters[1] -= sign * step;
+                    state.effects[number].parameters[1] -= sign * step;
                 }
                 let Ok(moved) = fitter.refine(&state) else { continue };
                 if moved.cost < better.as_ref().map_or(fit.cost, |b| b.cost) - 1e-6 * fit.cost {

@@ -20,7 +20,7 @@ pub(super) fn detectable(
     fitter: &Fitter<'_, '_>,
     options: &Options,
 ) -> Result<Vec<Detectable>, Error> {
-    let (screen, base) = searcher.screen(fitter, &outcome.fit)?;
+    let screen = searcher.screen(fitter, &outcome.fit)?;
     let scale = outcome.last.rest.scale();
     let mut all = Vec::new();
     for (number, candidate) in searcher.candidates().iter().enumerate() {
@@ -42,8 +42,8 @@ pub(super) fn detectable(
         let mut visible = 0.0_f64;
         for trial in &candidate.trials {
             for (name, column) in amplitudes.iter().zip(&trial.columns) {
-                visible = visible.max(screen.visible(base + column));
-                let one = screen.gain(&[base + column])?;
+                visible = visible.max(screen.visible(*column));
+                let one = screen.gain(&[*column])?;
                 if one.rank == 0 {
                     continue;
                 }

@@ -16,15 +16,15 @@ use crate::{Error, Found, Outcome};
 /// The number of an effect of the state that a found thing is, or of a column.
 pub(super) fn place_of(outcome: &Outcome, number: usize) -> usize {
     let same = |found: &&Found| {
-        matches!(found.refined.proposal.addition, Addition::Effect(_))
-            == matches!(outcome.found[number].refined.proposal.addition, Addition::Effect(_))
+        matches!(found.proposal.addition, Addition::Effect(_))
+            == matches!(outcome.found[number].proposal.addition, Addition::Effect(_))
     };
     outcome.found[..number].iter().filter(same).count()
 }
 
 /// The effect of a found thing at the final fit.
 pub(super) fn effect_of(outcome: &Outcome, number: usize) -> Option<(usize, &EffectInstance)> {
-    match outcome.found[number].refined.proposal.addition {
+    match outcome.found[number].proposal.addition {
         Addition::Effect(_) => {
             let at = outcome.base.state.effects.len() + place_of(outcome, number);
             Some((at, &outcome.fit.state.effects[at]))
@@ -81,16 +81,17 @@ pub(super) fn explained(
         .enumerate()
         .map(|(number, found)| {
             let rivals = found
-                .rivals
                 .lost
                 .iter()
                 .map(|(effect, why_not)| Rival { effect: effect.clone(), why_not: why_not.clone() });
             let count = outcome.fit.residual.len() as f64;
             let gains: Vec<f64> =
-                found.refined.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect();
+                found.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect();
             let mut effect = ExplainedEffect {
-                p_adjusted: found.refined.p_adjusted,
-                held_out_gain_nt: in_nt(found.refined.held_out.iter().sum(), count, floor),
+                p_adjusted: found.p_adjusted,
+                probability: Some(found.probability),
+                share: Some(found.share),
+                held_out_gain_nt: in_nt(found.held_out.iter().sum(), count, floor),
                 held_out_by_block_nt: gains,
                 rivals: rivals.collect(),
                 ..ExplainedEffect::default()
@@ -118,7 +119,7 @@ pub(super) fn explained(
                     let column = &outcome.fit.state.columns[place];
                     let at = base + free.len() + place;
                     let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
-                    let single = found.refined.proposal.local;
+                    let single = found.proposal.local;
                     effect.effect = if single { "spike" } else { "dependence" }.into();
                     effect.title = column.what.clone();
                     effect.equation =

@@ -29,7 +29,7 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
             column.follows.iter().map(|follows| (follows.column.clone(), follows.axis)).unzip();
         let mut share =
             Share { energy_share, covariates, sensors, description: column.what.clone(), ..Share::default() };
-        if found.refined.proposal.local {
+        if found.proposal.local {
             share.readings = single(model, column);
             share.recordings = share.readings.iter().map(|reading| reading.recording.clone()).collect();
         }

@@ -200,7 +200,9 @@ fn cases() -> Vec<(Scene, Value)> {
 }
 
 /// What a simpler effect says as well, so that it is named.
-const SHORT: [(&str, f64); 3] = [
+const SHORT: [(&str, f64); 4] = [
+    // A level that cuts a single reading.
+    ("clipping x", 3.0),
     ("offset_temperature_inflection z", 1.0),
     ("offset_temperature_inflection z", 0.3),
     ("offset_electronics_temperature_lag x", 0.3),

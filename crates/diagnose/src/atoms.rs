@@ -1,0 +1,277 @@
+//! What a set may hold: effects, dependences, events and smooth structure, each with its columns and with what is known of their sizes
+//! beforehand.
+
+use common::Axis;
+use common::number::counted as plural;
+use physics::{Acts, EffectInstance, ParameterInfo, Role};
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::candidates::{Candidate, Pool, What};
+use crate::covariates;
+use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
+use crate::search::{Addition, Proposal};
+use crate::stacked::Stacked;
+
+/// One of the things that may explain.
+#[derive(Clone, Debug)]
+pub struct Atom {
+    /// What it is.
+    pub thing: Thing,
+    /// Its name with its target.
+    pub name: String,
+    /// ln of its probability beforehand, given that there is one thing.
+    pub log_prior: f64,
+    /// Its columns at each of its shapes.
+    pub shapes: Vec<Shape>,
+    /// ln of the probability of a size beforehand, and the standard deviation of each coefficient.
+    pub sizes: Vec<(f64, Vec<f64>)>,
+    /// Whether a column is what the effect does, so that its coefficient must be about one.
+    pub finite: bool,
+}
+
+/// What an atom is.
+#[derive(Clone, Debug)]
+pub enum Thing {
+    /// An effect of the catalogue, sizes zero.
+    Effect(EffectInstance),
+    /// A sensor follows a column that no effect knows.
+    Dependence(String, Axis),
+    /// Something that happens at moments.
+    Event(Vec<Addition>),
+    /// A sensor follows a smooth function: structure without a name.
+    Smooth(String, Axis),
+}
+
+/// Columns at a shape.
+#[derive(Clone, Debug)]
+pub struct Shape {
+    /// Time constant, level, period, lag.
+    pub value: Option<f64>,
+    /// The columns' numbers.
+    pub columns: Vec<usize>,
+    /// The effect with these and further shapes, where a fit has found them.
+    pub fitted: Option<EffectInstance>,
+    /// Derivatives by the logarithm of its shapes there, for the coefficients of that fit.
+    pub by_shape: Vec<usize>,
+}
+
+impl Shape {
+    fn of(value: Option<f64>, columns: Vec<usize>) -> Self {
+        Self { value, columns, fitted: None, by_shape: Vec::new() }
+    }
+}
+
+impl Atom {
+    /// Whether it is a name rather than structure.
+    pub fn is_named(&self) -> bool {
+        !matches!(self.thing, Thing::Smooth(..))
+    }
+
+    /// The sensor that it acts on alone; None for what acts on several.
+    pub fn sensor(&self) -> Option<Axis> {
+        match &self.thing {
+            Thing::Dependence(_, axis) | Thing::Smooth(_, axis) => Some(*axis),
+            Thing::Effect(effect) => of_one_sensor(effect),
+            Thing::Event(additions) => match additions.first()? {
+                Addition::Effect(effect) => of_one_sensor(effect),
+                Addition::Column(_) => None,
+            },
+        }
+    }
+
+    /// Whether structure is along what an effect itself follows.
+    pub fn follows(&self, structure: &Self) -> bool {
+        match (&self.thing, &structure.thing) {
+            (Thing::Effect(effect), Thing::Smooth(covariate, _)) => {
+                covariates::of(effect).contains(covariate)
+            }
+            (Thing::Dependence(column, _), Thing::Smooth(covariate, _)) => column == covariate,
+            _ => false,
+        }
+    }
+
+    /// Whether it is a fuller form of another: that is what it is at a special value of its parameters.
+    pub fn is_fuller(&self, other: &Self) -> bool {
+        match (&self.thing, &other.thing) {
+            (Thing::Effect(own), Thing::Effect(other)) => {
+                own.kind.simpler() == Some(other.kind)
+                    && (own.axis, &own.column) == (other.axis, &other.column)
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether it happens at moments, or was found among frequencies or codes.
+    pub fn is_event(&self) -> bool {
+        matches!(self.thing, Thing::Event(_))
+    }
+}
+
+fn of_one_sensor(effect: &EffectInstance) -> Option<Axis> {
+    effect.axis.filter(|_| effect.kind.about().acts == Acts::OneSensor)
+}
+
+/// Sizes from the least to the largest that are plausible, and a few beyond at a price.
+fn sizes(ranges: &[[f64; 2]]) -> Vec<(f64, Vec<f64>)> {
+    let decades = ranges.iter().map(|[low, high]| (high / low).ln()).fold(0.0, f64::max);
+    let steps = (decades / SIZE_STEP.ln()).ceil().max(1.0) as usize;
+    let prior = -((steps + 1) as f64).ln();
+    let within = (0..=steps).map(|k| {
+        let share = k as f64 / steps as f64;
+        (prior, ranges.iter().map(|[low, high]| low.powf(1.0 - share) * high.powf(share)).collect())
+    });
+    let beyond = (1..=STEPS_BEYOND).map(|k| {
+        let factor = SIZE_STEP.powi(k as i32);
+        (prior - BEYOND * k as f64, ranges.iter().map(|[_, high]| high * factor).collect())
+    });
+    within.chain(beyond).collect()
+}
+
+/// The atoms of a search.
+#[derive(Clone, Debug)]
+pub struct Atoms<'p> {
+    /// All of them.
+    pub all: Vec<Atom>,
+    pool: &'p Pool,
+    /// Columns behind those of the pool.
+    more: Vec<Stacked>,
+}
+
+/// What sizes are measured by.
+#[derive(Clone, Copy, Debug)]
+pub struct Sizes {
+    /// What a reading resolves over what the catalogue's sizes are for: of a coarser instrument they are larger in proportion.
+    pub coarse: f64,
+    /// Standard deviation of a reading, nT.
+    pub noise_nt: f64,
+    /// Rms of the residual of the base model, nT.
+    pub residual_nt: f64,
+}
+
+impl<'p> Atoms<'p> {
+    /// Of all candidates of a pool, whose columns begin the list of all columns.
+    pub fn of(pool: &'p Pool, measure: &Sizes) -> Self {
+        let mut all: Vec<Atom> =
+            pool.candidates.iter().map(|candidate| atom(pool, candidate, measure)).collect();
+        // Each family of names is as probable as any other, and so is each of its targets; structure has as much together as names.
+        let mut families: BTreeMap<String, usize> = BTreeMap::new();
+        for atom in &all {
+            *families.entry(family(atom)).or_default() += 1;
+        }
+        let named = families.keys().filter(|name| !name.is_empty()).count().max(1) as f64;
+        for atom in &mut all {
+            let members = families[&family(atom)] as f64;
+            atom.log_prior = if atom.is_named() { -(named * members).ln() } else { -members.ln() - NAMELESS };
+        }
+        Self { all, pool, more: Vec::new() }
+    }
+
+    /// A column by its number, nT.
+    pub fn column(&self, number: usize) -> &Stacked {
+        match number.checked_sub(self.pool.columns.len()) {
+            None => &self.pool.columns[number],
+            Some(behind) => &self.more[behind],
+        }
+    }
+
+    /// The columns behind those of the pool.
+    pub fn more(&self) -> &[Stacked] {
+        &self.more
+    }
+
+    fn add_columns(&mut self, columns: Vec<Stacked>) -> Vec<usize> {
+        let from = self.pool.columns.len() + self.more.len();
+        let count = columns.len();
+        self.more.extend(columns);
+        (from..from + count).collect()
+    }
+
+    /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives by the shapes.
+    pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
+        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if (own.kind, own.axis, &own.column) == (effect.kind, effect.axis, &effect.column));
+        let Some(number) = self.all.iter().position(is_it) else { return };
+        let columns = self.add_columns(columns);
+        let by_shape = self.add_columns(by_shape);
+        let shape = Shape { value: None, columns, fitted: Some(effect.clone()), by_shape };
+        self.all[number].shapes.push(shape);
+    }
+
+    /// Adds things of one kind that happen at moments, each with a search of its own.
+    pub fn add_event(
+        &mut self,
+        events: &[&Proposal],
+        columns: Vec<Stacked>,
+        ranges: &[[f64; 2]],
+        finite: bool,
+    ) {
+        let families: BTreeSet<String> = self.all.iter().filter(|atom| atom.is_named()).map(family).collect();
+        let looks: f64 = events.iter().map(|event| event.looks.max(1.0).ln()).sum();
+        let name = match events {
+            [first, .., _] => format!("{} and {}", first.name, plural(events.len() - 1, "other reading")),
+            _ => events.iter().map(|event| event.name.clone()).collect(),
+        };
+        let columns = self.add_columns(columns);
+        let sizes = if finite { vec![(0.0, vec![1.0; columns.len()])] } else { sizes(ranges) };
+        self.all.push(Atom {
+            thing: Thing::Event(events.iter().map(|event| event.addition.clone()).collect()),
+            name,
+            log_prior: -(families.len().max(1) as f64).ln() - looks,
+            shapes: vec![Shape::of(None, columns)],
+            sizes,
+            finite,
+        });
+    }
+}
+
+/// The family of an atom: the effect, whatever its target; empty for structure.
+fn family(atom: &Atom) -> String {
+    match &atom.thing {
+        Thing::Effect(effect) => effect.kind.name().into(),
+        Thing::Dependence(..) => "dependence".into(),
+        Thing::Event(_) => "event".into(),
+        Thing::Smooth(..) => String::new(),
+    }
+}
+
+/// Plausible sizes of the amplitudes of an effect.
+pub fn ranges(effect: &EffectInstance, coarse: f64) -> Vec<[f64; 2]> {
+    let amplitudes = effect.kind.parameters().iter().filter(|info| info.role == Role::Amplitude);
+    let range = |info: &ParameterInfo| {
+        let high = if info.name.contains("nt") { info.high * coarse } else { info.high };
+        [info.low, high]
+    };
+    amplitudes.map(range).collect()
+}
+
+fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
+    let shapes: Vec<Shape> =
+        candidate.trials.iter().map(|trial| Shape::of(trial.shape, trial.columns.clone())).collect();
+    let first: &[usize] = shapes.first().map_or(&[], |shape| &shape.columns);
+    let rms = |column: &usize| rms(&pool.columns[*column]).max(f64::MIN_POSITIVE);
+    let (thing, sizes) = match &candidate.what {
+        What::Physics(effect) if candidate.finite => {
+            (Thing::Effect(effect.clone()), vec![(0.0, vec![1.0; first.len()])])
+        }
+        What::Physics(effect) => (Thing::Effect(effect.clone()), sizes(&ranges(effect, measure.coarse))),
+        What::Dependence { column, axis } => {
+            let of = |c: &usize| [0.01 * measure.noise_nt / rms(c), 10.0 * measure.residual_nt / rms(c)];
+            (Thing::Dependence(column.clone(), *axis), sizes(&first.iter().map(of).collect::<Vec<_>>()))
+        }
+        What::Smooth { covariate, axis } => {
+            // Smooth: the size falls with the order.
+            let of = |(order, c): (usize, &usize)| {
+                let fall = 1.0 / (order + 1) as f64;
+                [0.03 * measure.noise_nt * fall / rms(c), 3.0 * measure.residual_nt * fall / rms(c)]
+            };
+            let all: Vec<[f64; 2]> = first.iter().enumerate().map(of).collect();
+            (Thing::Smooth(covariate.clone(), *axis), sizes(&all))
+        }
+    };
+    Atom { thing, name: candidate.what.name(), log_prior: 0.0, shapes, sizes, finite: candidate.finite }
+}
+
+/// Rms of a column where it is something.
+fn rms(column: &Stacked) -> f64 {
+    let (sum, count) = column.squares();
+    (sum / count.max(1) as f64).sqrt()
+}

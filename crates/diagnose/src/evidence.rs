@@ -1,0 +1,190 @@
+//! The evidence for a set of columns with normal priors: a determinant and a quadratic form.
+//!
+//! With S the products of the columns and g those with the residual, all that the base model can take up projected out, and V the prior
+//! variances, the marginal likelihood over that of no column is, at noise of variance one,
+//!
+//! ```text
+//! ln B = −½ ln |I + V^½ S V^½| + ½ gᵀ (S + V⁻¹)⁻¹ g
+//! ```
+//!
+//! Where the size of the noise is known with ν degrees of freedom only, Student's form takes the place of the exponential:
+//! −½ (ν + n) ln((ν + Q)/(ν + R)), Q = R − gᵀ (S + V⁻¹)⁻¹ g. Source: O'Hagan and Forster 2004, Kendall's Advanced Theory of Statistics
+//! 2B, chapter 11.
+
+use estimate::screen::Screen;
+
+use crate::level::Rest;
+
+/// A column with the variance of its coefficient beforehand.
+pub type Term = (usize, f64);
+
+/// Columns and residual given a set of terms.
+#[derive(Clone, Debug)]
+pub struct Given<'s> {
+    screen: &'s Screen,
+    terms: Vec<Term>,
+    /// Lower triangle of I + V^½ S V^½ = L Lᵀ, row by row.
+    factor: Vec<Vec<f64>>,
+    /// L⁻¹ V^½ g.
+    residual: Vec<f64>,
+    log_determinant: f64,
+}
+
+/// What a further group of terms does.
+#[derive(Clone, Copy, Debug)]
+pub struct Further {
+    /// ln |…| of the group.
+    pub log_determinant: f64,
+    /// By how much Q falls.
+    pub gain: f64,
+}
+
+/// Lower triangle of the Cholesky factor; None unless the matrix is positive definite.
+fn cholesky(size: usize, value: impl Fn(usize, usize) -> f64) -> Option<Vec<Vec<f64>>> {
+    let mut factor: Vec<Vec<f64>> = Vec::with_capacity(size);
+    for i in 0..size {
+        let mut row = vec![0.0; i + 1];
+        for j in 0..=i {
+            let done: f64 = if j == i {
+                row[..j].iter().map(|a| a * a).sum()
+            } else {
+                row[..j].iter().zip(&factor[j][..j]).map(|(a, b)| a * b).sum()
+            };
+            let rest = value(i, j) - done;
+            if j == i {
+                if !(rest > 0.0 && rest.is_finite()) {
+                    return None;
+                }
+                row[j] = rest.sqrt();
+            } else {
+                row[j] = rest / factor[j][j];
+            }
+        }
+        factor.push(row);
+    }
+    Some(factor)
+}
+
+/// L⁻¹ b.
+fn forward(factor: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
+    let mut solved: Vec<f64> = Vec::with_capacity(right.len());
+    for (row, value) in factor.iter().zip(right) {
+        let done: f64 = row.iter().zip(&solved).map(|(a, b)| a * b).sum();
+        solved.push((value - done) / row[row.len() - 1]);
+    }
+    solved
+}
+
+/// L⁻ᵀ b.
+fn backward(factor: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
+    let mut solved = right.to_vec();
+    for i in (0..right.len()).rev() {
+        let done: f64 = (i + 1..right.len()).map(|k| factor[k][i] * solved[k]).sum();
+        solved[i] = (right[i] - done) / factor[i][i];
+    }
+    solved
+}
+
+fn log_determinant(factor: &[Vec<f64>]) -> f64 {
+    factor.iter().map(|row| 2.0 * row[row.len() - 1].ln()).sum()
+}
+
+impl<'s> Given<'s> {
+    /// Columns given a set of terms; None where their products are none.
+    pub fn of(screen: &'s Screen, terms: Vec<Term>) -> Option<Self> {
+        let root: Vec<f64> = terms.iter().map(|(_, variance)| variance.sqrt()).collect();
+        let factor = cholesky(terms.len(), |i, j| {
+            let unit = if i == j { 1.0 } else { 0.0 };
+            unit + root[i] * root[j] * screen.product(terms[i].0, terms[j].0)
+        })?;
+        let log_determinant = log_determinant(&factor);
+        let mut given = Self { screen, terms, factor, residual: Vec::new(), log_determinant };
+        given.residual = given.within(screen.columns());
+        Some(given)
+    }
+
+    /// L⁻¹ V^½ S of a column; the residual is the last one.
+    fn within(&self, column: usize) -> Vec<f64> {
+        let of = |(term, variance): &Term| variance.sqrt() * self.screen.product(*term, column);
+        let right: Vec<f64> = self.terms.iter().map(of).collect();
+        forward(&self.factor, &right)
+    }
+
+    /// Q = R − gᵀ (S + V⁻¹)⁻¹ g.
+    pub fn left(&self) -> f64 {
+        let taken: f64 = self.residual.iter().map(|a| a * a).sum();
+        (self.screen.sum_of_squares() - taken).max(0.0)
+    }
+
+    /// ln B of the terms, and of further ones.
+    pub fn log_evidence(&self, rest: &Rest, further: Option<Further>) -> f64 {
+        let whole = self.screen.sum_of_squares();
+        let further = further.unwrap_or(Further { log_determinant: 0.0, gain: 0.0 });
+        let left = (self.left() - further.gain).max(1e-12 * whole);
+        -0.5 * (self.log_determinant + further.log_determinant) + rest.log_likelihood(whole, left)
+    }
+
+    /// Products of further columns, and those with the residual.
+    pub fn block(&self, columns: &[usize]) -> Block {
+        let last = self.screen.columns();
+        let within: Vec<Vec<f64>> = columns.iter().map(|column| self.within(*column)).collect();
+        let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+        let row = |i: usize| {
+            (0..=i)
+                .map(|j| self.screen.product(columns[i], columns[j]) - dot(&within[i], &within[j]))
+                .collect()
+        };
+        let along = |i: usize| self.screen.product(columns[i], last) - dot(&within[i], &self.residual);
+        Block {
+            products: (0..columns.len()).map(row).collect(),
+            along: (0..columns.len()).map(along).collect(),
+        }
+    }
+
+    /// The coefficients of the terms, at their most probable.
+    pub fn coefficients(&self) -> Vec<f64> {
+        let scaled = backward(&self.factor, &self.residual);
+        scaled.iter().zip(&self.terms).map(|(value, (_, variance))| value * variance.sqrt()).collect()
+    }
+}
+
+/// Further columns, given what is given.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Row i has the products with columns 0 to i.
+    products: Vec<Vec<f64>>,
+    along: Vec<f64>,
+}
+
+impl Block {
+    /// I + V^½ S V^½ = L Lᵀ and L⁻¹ V^½ g; None where the products are none.
+    fn solved(&self, deviations: &[f64]) -> Option<(Vec<Vec<f64>>, Vec<f64>)> {
+        let factor = cholesky(deviations.len(), |i, j| {
+            let unit = if i == j { 1.0 } else { 0.0 };
+            unit + deviations[i] * deviations[j] * self.products[i][j]
+        })?;
+        let right: Vec<f64> = self.along.iter().zip(deviations).map(|(along, std)| along * std).collect();
+        let solved = forward(&factor, &right);
+        Some((factor, solved))
+    }
+
+    /// What they do with these standard deviations of their coefficients beforehand.
+    pub fn further(&self, deviations: &[f64]) -> Option<Further> {
+        let (factor, solved) = self.solved(deviations)?;
+        let gain = solved.iter().map(|a| a * a).sum();
+        Some(Further { log_determinant: log_determinant(&factor), gain })
+    }
+
+    /// Their most probable coefficients.
+    pub fn coefficients(&self, deviations: &[f64]) -> Option<Vec<f64>> {
+        let (factor, solved) = self.solved(deviations)?;
+        let scaled = backward(&factor, &solved);
+        Some(scaled.iter().zip(deviations).map(|(value, std)| value * std).collect())
+    }
+}
+
+/// cᵀ S c of columns with coefficients.
+pub fn energy(screen: &Screen, columns: &[usize], coefficients: &[f64]) -> f64 {
+    let pairs = columns.iter().zip(coefficients);
+    pairs.clone().map(|(i, a)| pairs.clone().map(|(j, b)| a * b * screen.product(*i, *j)).sum::<f64>()).sum()
+}

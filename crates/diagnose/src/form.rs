@@ -1,0 +1,154 @@
+//! How an effect may depart from its equation: its contribution times smooth functions of what it follows and of time, and what it does at
+//! neighbouring shapes.
+
+use common::Axis;
+use physics::EffectInstance;
+
+use crate::Error;
+use crate::atoms::{Atom, Atoms, Thing};
+use crate::covariates::{self, ALONG};
+use crate::decide::FORM;
+use crate::model::Model;
+use crate::observed::Channel;
+use crate::stacked::Stacked;
+
+/// Highest power of a covariate, and half waves over the span of time.
+const ORDERS: usize = 8;
+
+/// The departures of an effect at a shape.
+#[derive(Clone, Debug, Default)]
+pub struct Form {
+    /// Departures from the equation, group by group, each as large as the contribution over its order.
+    pub departures: Vec<Vec<Stacked>>,
+    /// What neighbouring shapes do more or less.
+    pub neighbours: Vec<Stacked>,
+}
+
+impl Form {
+    fn add_group(&mut self, columns: impl Iterator<Item = Stacked>) {
+        let group: Vec<Stacked> = columns.filter(|column| !column.is_zero()).collect();
+        if !group.is_empty() {
+            self.departures.push(group);
+        }
+    }
+}
+
+/// The highest order that could show: where departures of the largest share of a contribution, less with each order, have half a unit of
+/// the noise's variance. `energy` is the contribution's, whitened.
+pub fn orders(energy: f64) -> usize {
+    let largest = FORM[FORM.len() - 1];
+    ((largest * (2.0 * energy).sqrt()) as usize).min(ORDERS)
+}
+
+/// Fields in SEN, run by run, and the span of time: what forms are functions of.
+pub struct Followed<'m, 'a> {
+    model: &'m Model<'a>,
+    fields: Vec<Vec<nalgebra::Vector3<f64>>>,
+    span: Option<(f64, f64)>,
+}
+
+impl<'m, 'a> Followed<'m, 'a> {
+    /// Of a state's basic model.
+    pub fn of(model: &'m Model<'a>, state: &crate::model::State) -> Result<Self, Error> {
+        Ok(Self { model, fields: covariates::fields(model, state)?, span: model.observed.span() })
+    }
+
+    /// The form of an atom at one of its shapes, its coefficients being these.
+    pub fn form(
+        &self,
+        atoms: &Atoms<'_>,
+        atom: &Atom,
+        shape: usize,
+        coefficients: &[f64],
+        orders: usize,
+    ) -> Form {
+        if !atom.is_named() || atom.is_event() {
+            return Form::default();
+        }
+        let of = |shape: usize| {
+            let columns = atom.shapes[shape].columns.iter().map(|column| atoms.column(*column));
+            Stacked::sum(&columns.zip(coefficients.iter().copied()).collect::<Vec<_>>())
+        };
+        let own = of(shape);
+        let mut form = Form::default();
+        if let Thing::Effect(effect) = &atom.thing {
+            self.departures(&mut form, effect, atom.sensor().is_some(), &own, orders);
+        }
+        let fitted = &atom.shapes[shape];
+        if fitted.fitted.is_some() {
+            form.neighbours = fitted.by_shape.iter().map(|column| atoms.column(*column).clone()).collect();
+            return form;
+        }
+        let beside = [
+            shape.checked_sub(1),
+            Some(shape + 1).filter(|next| *next < atom.shapes.len() && atom.shapes[*next].fitted.is_none()),
+        ];
+        for other in beside.into_iter().flatten() {
+            if atom.shapes[other].columns.len() == coefficients.len() {
+                let other = of(other);
+                form.neighbours.push(Stacked::sum(&[(&other, 1.0), (&own, -1.0)]));
+            }
+        }
+        form.neighbours.retain(|column| !column.is_zero());
+        form
+    }
+
+    /// A contribution times waves of what its effect follows and of time.
+    fn departures(
+        &self,
+        form: &mut Form,
+        effect: &EffectInstance,
+        of_one_sensor: bool,
+        own: &Stacked,
+        orders: usize,
+    ) {
+        let mut names = covariates::of(effect);
+        if of_one_sensor && !names.iter().any(|name| name == ALONG) {
+            names.push(ALONG.into());
+        }
+        for name in &names {
+            let values: Vec<Option<Vec<f64>>> =
+                self.channels().map(|c| self.along(c, effect.axis, name)).collect();
+            let all = || values.iter().flatten().flatten().copied().filter(|v| v.is_finite());
+            let (low, high) =
+                all().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+            if high.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) {
+                continue;
+            }
+            form.add_group((1..=orders).map(|order| {
+                own.times(|channel| {
+                    let wave = |v: &f64| {
+                        let x = ((2.0 * v - low - high) / (high - low)).clamp(-1.0, 1.0);
+                        if x.is_finite() { (order as f64 * x.acos()).cos() / order as f64 } else { 0.0 }
+                    };
+                    values[channel].as_ref().map(|values| values.iter().map(wave).collect())
+                })
+            }));
+        }
+        if let Some((from, length)) = self.span {
+            form.add_group((1..=orders).map(|order| {
+                own.times(|channel| {
+                    let channel = &self.model.observed.channels[channel];
+                    let run = &self.model.observed.runs[channel.run];
+                    let time = run.time_s?;
+                    let wave = |row: &usize| {
+                        let at = (time[*row] + run.setting.context.clock_s - from) / length;
+                        (std::f64::consts::PI * order as f64 * at).cos() / order as f64
+                    };
+                    Some(channel.rows.iter().map(wave).collect())
+                })
+            }));
+        }
+    }
+
+    fn channels(&self) -> impl Iterator<Item = &Channel> {
+        self.model.observed.channels.iter()
+    }
+
+    /// A covariate at the rows of a channel.
+    fn along(&self, channel: &Channel, axis: Option<Axis>, name: &str) -> Option<Vec<f64>> {
+        let axis = axis.or(channel.axis());
+        let values = covariates::values(self.model, &self.fields, channel.run, axis, name)?;
+        Some(channel.rows.iter().map(|row| values[*row]).collect())
+    }
+}

@@ -1,0 +1,183 @@
+//! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the number of columns alone.
+
+use estimate::screen::Screen;
+use faer::Mat;
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::fit::{Fit, orthonormal};
+use crate::observed::Observed;
+use crate::stacked::Stacked;
+use crate::whitening::NoiseModel;
+
+/// Rows whose products are taken at once.
+const BLOCK: usize = 4096;
+
+/// Whitened columns with their products.
+#[derive(Clone, Debug)]
+pub struct Products {
+    columns: Vec<Stacked>,
+    /// For each channel its rows in the stack.
+    ranges: Vec<std::ops::Range<usize>>,
+    /// Row i has the products with columns 0 to i.
+    gram: Vec<Vec<f64>>,
+}
+
+impl Products {
+    /// None yet.
+    pub fn of(observed: &Observed<'_>) -> Self {
+        let ranges = observed.channels.iter().map(|channel| channel.range()).collect();
+        Self { columns: Vec::new(), ranges, gram: Vec::new() }
+    }
+
+    /// Adds columns (nT), and gives where the first of them stands.
+    pub fn push(&mut self, noise: &NoiseModel, raw: &[Stacked]) -> usize {
+        let from = self.columns.len();
+        self.columns.extend(noise.whitened(raw));
+        let mut rows: Vec<Vec<f64>> = (from..self.columns.len()).map(|i| vec![0.0; i + 1]).collect();
+        let found: Vec<_> =
+            (0..self.ranges.len()).into_par_iter().map(|k| self.of_channel(k, from)).collect();
+        for (all, new, products) in found {
+            for (j, column) in new.iter().enumerate() {
+                let row = &mut rows[column - from];
+                all.iter().enumerate().filter(|(_, other)| *other <= column).for_each(|(i, other)| {
+                    row[*other] += products[(i, j)];
+                });
+            }
+        }
+        self.gram.extend(rows);
+        from
+    }
+
+    /// A whitened series less columns times coefficients.
+    pub fn less(&self, white: &[f64], terms: &[(usize, f64)]) -> Vec<f64> {
+        let mut left = white.to_vec();
+        for (channel, range) in self.ranges.iter().enumerate() {
+            for (column, coefficient) in terms {
+                if let Some(part) = self.columns[*column].part(channel) {
+                    left[range.clone()].iter_mut().zip(part).for_each(|(l, p)| *l -= coefficient * p);
+                }
+            }
+        }
+        left
+    }
+
+    /// How many columns there are.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Columns of a channel, those from `from` on among them, and the products of the first with the second.
+    fn of_channel(&self, channel: usize, from: usize) -> (Vec<usize>, Vec<usize>, Mat<f64>) {
+        let there = |column: &usize| self.columns[*column].part(channel).is_some();
+        let all: Vec<usize> = (0..self.columns.len()).filter(there).collect();
+        let new: Vec<usize> = all.iter().copied().filter(|column| *column >= from).collect();
+        let mut products = Mat::zeros(all.len(), new.len());
+        if !new.is_empty() {
+            let rows = self.ranges[channel].len();
+            for at in (0..rows).step_by(BLOCK) {
+                let block = at..(at + BLOCK).min(rows);
+                let whole = self.block(channel, &all, block.clone());
+                let right = whole.subcols(all.len() - new.len(), new.len());
+                products += whole.transpose() * right;
+            }
+        }
+        (all, new, products)
+    }
+
+    fn block(&self, channel: usize, columns: &[usize], rows: std::ops::Range<usize>) -> Mat<f64> {
+        let mut block = Mat::zeros(rows.len(), columns.len());
+        for (j, column) in columns.iter().enumerate() {
+            if let Some(part) = self.columns[*column].part(channel) {
+                block.col_as_slice_mut(j).copy_from_slice(&part[rows.clone()]);
+            }
+        }
+        block
+    }
+
+    /// The products of columns from `from` on with the orthonormal columns of `onto`, one row of the answer a column.
+    fn along(&self, onto: &Mat<f64>, from: usize) -> Vec<Vec<f64>> {
+        let mut along = vec![vec![0.0; onto.ncols()]; self.columns.len() - from];
+        let found: Vec<(Vec<usize>, Mat<f64>)> = (0..self.ranges.len())
+            .into_par_iter()
+            .map(|channel| {
+                let there = |column: &usize| self.columns[*column].part(channel).is_some();
+                let all: Vec<usize> = (from..self.columns.len()).filter(there).collect();
+                let range = &self.ranges[channel];
+                let mut sums = Mat::zeros(all.len(), onto.ncols());
+                for at in (0..range.len()).step_by(BLOCK) {
+                    let rows = at..(at + BLOCK).min(range.len());
+                    let right = onto.subrows(range.start + at, rows.len());
+                    sums += self.block(channel, &all, rows).transpose() * right;
+                }
+                (all, sums)
+            })
+            .collect();
+        for (all, sums) in found {
+            for (i, column) in all.iter().enumerate() {
+                along[column - from].iter_mut().enumerate().for_each(|(j, sum)| *sum += sums[(i, j)]);
+            }
+        }
+        along
+    }
+}
+
+/// What a fit leaves of columns and residual: all that it has unknown is projected out of them.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    /// An orthonormal basis of the fit's derivatives, then the residual.
+    onto: Mat<f64>,
+    /// The residual along the basis, then its square.
+    residual: Vec<f64>,
+    /// The same for each column.
+    columns: Vec<Vec<f64>>,
+}
+
+impl Projection {
+    /// Of a fit.
+    ///
+    /// # Errors
+    ///
+    /// Derivatives that are not finite.
+    pub fn of(fit: &Fit) -> Result<Self, Error> {
+        let basis = orthonormal(&fit.jacobian)?;
+        let rank = basis.ncols();
+        let onto =
+            Mat::from_fn(
+                fit.white.len(),
+                rank + 1,
+                |i, j| if j < rank { basis[(i, j)] } else { fit.white[i] },
+            );
+        let product = |j: usize| onto.col_as_slice(j).iter().zip(&fit.white).map(|(b, w)| b * w).sum();
+        let residual = (0..=rank).map(product).collect();
+        Ok(Self { onto, residual, columns: Vec::new() })
+    }
+
+    /// What the fit leaves of a whitened series.
+    pub fn left(&self, series: &[f64]) -> Vec<f64> {
+        let rank = self.onto.ncols() - 1;
+        let mut left = series.to_vec();
+        for j in 0..rank {
+            let basis = self.onto.col_as_slice(j);
+            let along: f64 = basis.iter().zip(series).map(|(b, s)| b * s).sum();
+            left.iter_mut().zip(basis).for_each(|(l, b)| *l -= along * b);
+        }
+        left
+    }
+
+    /// The screen of all columns that there are now.
+    pub fn screen(&mut self, products: &Products) -> Screen {
+        self.columns.extend(products.along(&self.onto, self.columns.len()));
+        let (rank, size) = (self.onto.ncols() - 1, products.len());
+        let all: Vec<&Vec<f64>> = self.columns.iter().chain([&self.residual]).collect();
+        let within = Mat::from_fn(rank, size + 1, |k, i| all[i][k]);
+        let taken = within.transpose() * &within;
+        let left = Mat::from_fn(size + 1, size + 1, |i, j| {
+            let (high, low) = (i.max(j), i.min(j));
+            let whole = if high == size { all[low][rank] } else { products.gram[high][low] };
+            whole - taken[(high, low)]
+        });
+        let whole = (0..size).map(|j| products.gram[j][j]).collect();
+        Screen::projected(left, whole, self.onto.nrows(), rank)
+    }
+}

@@ -1,0 +1,474 @@
+//! Which sets of effects and structures have the evidence: a beam search, then members dropped and swapped.
+
+use estimate::screen::Screen;
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+use crate::Error;
+use crate::atoms::{Atom, Atoms};
+use crate::decide::{BEAM, CANCEL, DEPTH, FORM, FORM_ENERGY};
+use crate::evidence::{Given, Term, energy};
+use crate::form::{self, Followed};
+use crate::level::Rest;
+use crate::products::{Products, Projection};
+use crate::whitening::NoiseModel;
+
+/// Names and structures that are tried with their forms at each step.
+const NAMES: usize = 8;
+const STRUCTURES: usize = 3;
+/// What lowers the log evidence by more is not tried with its form.
+const IDLE: f64 = 2.0;
+/// A finite effect's column must have a coefficient between these: it is what the effect does at a shape, and shapes are this far apart. At
+/// the ends of its grid it may be smaller: an effect of a smaller one.
+const ABOUT_ONE: [f64; 2] = [0.3, 3.0];
+/// A column of which the base model leaves less than this share is not looked for.
+const VISIBLE: f64 = 1e-6;
+/// What neighbouring shapes do may have this share of the contribution: half the way there.
+const NEIGHBOUR: f64 = 0.5;
+
+/// An atom in a set.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Number of the atom.
+    pub atom: usize,
+    /// Number of its shape.
+    pub shape: usize,
+    /// Standard deviations of its coefficients beforehand.
+    deviations: Vec<f64>,
+    /// ln of the probability of atom, shape and size beforehand.
+    log_prior: f64,
+    /// How far it may depart from its form, for each group of departures; none before its form is looked at.
+    pub departs: Vec<f64>,
+    /// ln of the mean evidence over the departures that were tried, over that of the best of them.
+    log_forms: f64,
+}
+
+/// A set with its evidence and prior.
+#[derive(Clone, Debug, Default)]
+pub struct Set {
+    /// Its members.
+    pub members: Vec<Member>,
+    /// ln of its probability, up to a constant.
+    pub log: f64,
+}
+
+impl Set {
+    /// The atoms in it, in order.
+    pub fn key(&self) -> Vec<usize> {
+        let mut key: Vec<usize> = self.members.iter().map(|member| member.atom).collect();
+        key.sort_unstable();
+        key
+    }
+
+    /// Its members but for one.
+    pub fn without(&self, number: usize) -> Vec<Member> {
+        let mut members = self.members.clone();
+        members.remove(number);
+        members
+    }
+}
+
+/// The columns of a form.
+#[derive(Clone, Debug, Default)]
+struct Places {
+    departures: Vec<Vec<usize>>,
+    neighbours: Vec<usize>,
+    /// Whitened energy of the contribution of which the departures are shares.
+    energy: f64,
+}
+
+/// The search over sets.
+pub struct Sets<'s, 'm, 'a> {
+    atoms: &'s Atoms<'s>,
+    noise: &'s NoiseModel,
+    products: Products,
+    projection: Projection,
+    followed: Followed<'m, 'a>,
+    rest: Rest,
+    /// What is left of all columns.
+    pub screen: Screen,
+    forms: HashMap<(usize, usize), Places>,
+}
+
+impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
+    /// Over the atoms whose columns the products have.
+    pub fn of(
+        atoms: &'s Atoms<'s>,
+        noise: &'s NoiseModel,
+        products: Products,
+        mut projection: Projection,
+        followed: Followed<'m, 'a>,
+    ) -> Self {
+        let screen = projection.screen(&products);
+        let rest =
+            Rest { sum_of_squares: screen.sum_of_squares(), freedom: screen.freedom(), known: noise.known };
+        Self { atoms, noise, products, projection, followed, rest, screen, forms: HashMap::new() }
+    }
+
+    /// The sets that were weighed, the most probable first.
+    pub fn search(&mut self) -> Result<Vec<Set>, Error> {
+        let empty = Set::default();
+        let mut seen: HashMap<Vec<usize>, Set> = HashMap::from([(empty.key(), empty.clone())]);
+        let mut beam = vec![empty];
+        for _ in 0..DEPTH {
+            let mut next = self.grown(&beam, &mut seen)?;
+            next.sort_by(|a, b| b.log.total_cmp(&a.log));
+            next.truncate(BEAM);
+            let before = beam.iter().map(|set| set.log).fold(f64::NEG_INFINITY, f64::max);
+            let goes_on = next.first().is_some_and(|set| set.log > before);
+            if !next.is_empty() {
+                beam = next;
+            }
+            if !goes_on {
+                break;
+            }
+        }
+        for _ in 0..DEPTH {
+            let Some(best) = best(&seen) else { break };
+            let fewer: Vec<Set> =
+                (0..best.members.len()).filter_map(|k| self.weighed(best.without(k), true)).collect();
+            fewer.iter().for_each(|set| keep(&mut seen, set.clone()));
+            self.grown(&fewer, &mut seen)?;
+            let now = best_log(&seen);
+            if now <= best.log + 1e-6 {
+                break;
+            }
+        }
+        let mut all: Vec<Set> = seen.into_values().collect();
+        all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
+        Ok(all)
+    }
+
+    /// Sets with one member more, the most promising of each.
+    fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Result<Vec<Set>, Error> {
+        let found: Vec<Vec<(Member, Vec<f64>)>> = sets.iter().map(|set| self.promising(set)).collect();
+        self.add_forms(found.iter().flatten());
+        let tried: Vec<Vec<Member>> = sets
+            .iter()
+            .zip(&found)
+            .flat_map(|(set, more)| {
+                more.iter().map(|(member, _)| {
+                    let mut members = set.members.clone();
+                    members.push(member.clone());
+                    members
+                })
+            })
+            .collect();
+        let fresh: Vec<Vec<Member>> = tried;
+        let weighed: Vec<Set> =
+            fresh.into_par_iter().filter_map(|members| self.weighed(members, false)).collect();
+        let mut all: HashMap<Vec<usize>, Set> = HashMap::new();
+        for set in weighed {
+            keep(seen, set.clone());
+            keep(&mut all, set);
+        }
+        let mut all: Vec<Set> = all.into_values().collect();
+        all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
+        Ok(all)
+    }
+
+    /// What would come in next, forms apart, with its coefficients.
+    fn promising(&self, set: &Set) -> Vec<(Member, Vec<f64>)> {
+        let Some(given) = Given::of(&self.screen, self.terms(&set.members)) else { return Vec::new() };
+        let held = |number: usize, atom: &Atom| {
+            let same =
+                |member: &Member| member.atom == number || self.atoms.all[member.atom].name == atom.name;
+            set.members.iter().any(same)
+        };
+        let mut found: Vec<(f64, bool, Member, Vec<f64>)> = (0..self.atoms.all.len())
+            .into_par_iter()
+            .filter(|number| !held(*number, &self.atoms.all[*number]))
+            .filter_map(|number| {
+                let (log, member, coefficients) = self.alone(&given, number)?;
+                Some((log, self.atoms.all[number].is_named(), member, coefficients))
+            })
+            .collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.atom.cmp(&b.2.atom)));
+        // What does nothing here is not carried on.
+        let as_it_is = given.log_evidence(&self.rest, None) - IDLE;
+        found.retain(|(log, ..)| *log > as_it_is);
+        let (names, structures): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, named, ..)| *named);
+        let some = names.into_iter().take(NAMES).chain(structures.into_iter().take(STRUCTURES));
+        some.map(|(_, _, member, coefficients)| (member, coefficients)).collect()
+    }
+
+    /// Whether the coefficient of a finite effect's column is possible at a shape.
+    fn possible(&self, atom: &Atom, shape: usize, coefficient: f64) -> bool {
+        let [low, high] = ABOUT_ONE;
+        let grid = atom.shapes.iter().filter(|shape| shape.fitted.is_none()).count();
+        let least = if shape == 0 || shape + 1 == grid { 0.0 } else { low };
+        !atom.finite || (coefficient > least && coefficient <= high)
+    }
+
+    /// An atom beside what is given: ln of its evidence over all shapes and sizes, and the best of them.
+    fn alone(&self, given: &Given<'_>, number: usize) -> Option<(f64, Member, Vec<f64>)> {
+        let atom = &self.atoms.all[number];
+        let shapes = (atom.shapes.len() as f64).ln();
+        let mut best: Option<(f64, Member)> = None;
+        let mut sum = Vec::new();
+        for (shape, of) in atom.shapes.iter().enumerate() {
+            if of.columns.iter().all(|column| self.screen.visible(*column) < VISIBLE) {
+                continue;
+            }
+            let block = given.block(&of.columns);
+            for (log_size, deviations) in &atom.sizes {
+                let deviations = deviations[..of.columns.len().min(deviations.len())].to_vec();
+                if deviations.len() != of.columns.len() {
+                    continue;
+                }
+                let Some(further) = block.further(&deviations) else { continue };
+                let log_prior = atom.log_prior + log_size - shapes;
+                let log = given.log_evidence(&self.rest, Some(further)) + log_prior;
+                if atom.finite {
+                    let about = block.coefficients(&deviations)?[0];
+                    if !self.possible(atom, shape, about) {
+                        continue;
+                    }
+                }
+                sum.push(log);
+                if log.is_finite() && best.as_ref().is_none_or(|(most, _)| log > *most) {
+                    best = Some((
+                        log,
+                        Member {
+                            atom: number,
+                            shape,
+                            deviations,
+                            log_prior,
+                            departs: Vec::new(),
+                            log_forms: 0.0,
+                        },
+                    ));
+                }
+            }
+        }
+        let (most, mut member) = best?;
+        let all = most + sum.iter().map(|log| (log - most).exp()).sum::<f64>().ln();
+        // The member stands for all shapes and sizes.
+        member.log_prior += all - most;
+        let coefficients =
+            given.block(&atom.shapes[member.shape].columns).coefficients(&member.deviations)?;
+        Some((all, member, coefficients))
+    }
+
+    /// Brings in the forms of members that have none yet.
+    fn add_forms<'f>(&mut self, members: impl Iterator<Item = &'f (Member, Vec<f64>)>) {
+        let mut raw = Vec::new();
+        let mut begins = self.products.len();
+        for (member, coefficients) in members {
+            let key = (member.atom, member.shape);
+            if self.forms.contains_key(&key) {
+                continue;
+            }
+            let atom = &self.atoms.all[member.atom];
+            let columns = &atom.shapes[member.shape].columns;
+            let energy = energy(&self.screen, columns, coefficients);
+            let orders = form::orders(energy);
+            let form = self.followed.form(self.atoms, atom, member.shape, coefficients, orders);
+            let mut places = |columns: Vec<crate::stacked::Stacked>| {
+                let from = begins;
+                begins += columns.len();
+                raw.extend(columns);
+                (from..begins).collect()
+            };
+            let departures = form.departures.into_iter().map(&mut places).collect();
+            let neighbours = places(form.neighbours);
+            self.forms.insert(key, Places { departures, neighbours, energy });
+        }
+        if !raw.is_empty() {
+            self.products.push(self.noise, &raw);
+            self.screen = self.projection.screen(&self.products);
+        }
+    }
+
+    /// The form of a member, where it was looked at.
+    fn form(&self, member: &Member) -> Option<&Places> {
+        let form = self.forms.get(&(member.atom, member.shape))?;
+        (form.departures.len() == member.departs.len()).then_some(form)
+    }
+
+    /// The columns of members with the variances of their coefficients beforehand.
+    fn terms(&self, members: &[Member]) -> Vec<Term> {
+        let mut terms = Vec::new();
+        for member in members {
+            let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
+            terms.extend(columns.iter().zip(&member.deviations).map(|(column, std)| (*column, std * std)));
+            if let Some(form) = self.form(member) {
+                for (group, departs) in form.departures.iter().zip(&member.departs) {
+                    terms.extend(group.iter().map(|column| (*column, departs * departs)));
+                }
+                terms.extend(form.neighbours.iter().map(|column| (*column, NEIGHBOUR * NEIGHBOUR)));
+            }
+        }
+        terms
+    }
+
+    /// A set with how far its last member, or all, may depart from their forms at its best; None where none is admissible.
+    fn weighed(&self, members: Vec<Member>, all: bool) -> Option<Set> {
+        let mut set = Set { members, log: f64::NEG_INFINITY };
+        let last = set.members.len();
+        let order = if all { 0..last } else { last.saturating_sub(1)..last };
+        if last == 0 {
+            set.log = 0.0;
+            return Some(set);
+        }
+        for number in order {
+            if !self.atoms.all[set.members[number].atom].is_named() {
+                set.log = set.log.max(self.log_of(&set.members).unwrap_or(f64::NEG_INFINITY));
+                continue;
+            }
+            let member = &set.members[number];
+            let groups = self.forms.get(&(member.atom, member.shape)).map_or(0, |form| form.departures.len());
+            if member.departs.len() != groups {
+                set.members[number].departs = vec![FORM[0]; groups];
+            }
+            set.members[number].log_forms = 0.0;
+            set.log = self.log_of(&set.members).unwrap_or(f64::NEG_INFINITY);
+            let mut log_forms = 0.0;
+            for group in 0..groups {
+                let mut logs = Vec::new();
+                let mut best = (f64::NEG_INFINITY, FORM[0]);
+                for departs in FORM {
+                    set.members[number].departs[group] = departs;
+                    if let Some(log) = self.log_of(&set.members) {
+                        logs.push(log);
+                        if log > best.0 {
+                            best = (log, departs);
+                        }
+                    }
+                }
+                (set.log, set.members[number].departs[group]) = best;
+                let sum: f64 = logs.iter().map(|log| (log - best.0).exp()).sum();
+                log_forms += (sum / FORM.len() as f64).ln();
+            }
+            set.members[number].log_forms = log_forms;
+            set.log += log_forms;
+        }
+        set.log.is_finite().then_some(set)
+    }
+
+    /// ln of the probability of a set as it stands, up to a constant.
+    fn log_of(&self, members: &[Member]) -> Option<f64> {
+        let given = Given::of(&self.screen, self.terms(members))?;
+        self.admissible(members, &given.coefficients())?;
+        let prior: f64 = members.iter().map(|member| member.log_prior + member.log_forms).sum();
+        let orders: f64 = (1..=members.len()).map(|k| (k as f64).ln()).sum();
+        Some(given.log_evidence(&self.rest, None) + prior - orders)
+    }
+
+    /// Forms, and structure along what an effect itself follows, do no more than a part of what their effects do; names of one sensor do not
+    /// cancel each other.
+    fn admissible(&self, members: &[Member], coefficients: &[f64]) -> Option<()> {
+        let mut at = 0;
+        let mut own: Vec<(&Atom, Vec<(usize, f64)>)> = Vec::new();
+        for member in members {
+            let atom = &self.atoms.all[member.atom];
+            let columns = &atom.shapes[member.shape].columns;
+            let sizes = &coefficients[at..at + columns.len()];
+            at += columns.len();
+            if atom.finite && sizes[0] <= 0.0 {
+                return None;
+            }
+            own.push((atom, columns.iter().copied().zip(sizes.iter().copied()).collect()));
+            let Some(form) = self.form(member) else { continue };
+            // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
+            let mut departure = 0.0;
+            for group in &form.departures {
+                let orders = coefficients[at..at + group.len()].iter().enumerate();
+                departure += orders.map(|(k, a)| 0.5 * (a / (k + 1) as f64).powi(2)).sum::<f64>();
+                at += group.len();
+            }
+            at += form.neighbours.len();
+            let whole = energy(&self.screen, columns, sizes) / form.energy.max(f64::MIN_POSITIVE);
+            if departure > FORM_ENERGY * whole {
+                return None;
+            }
+        }
+        self.apart(&own)
+    }
+
+    /// See [`Self::admissible`].
+    fn apart(&self, own: &[(&Atom, Vec<(usize, f64)>)]) -> Option<()> {
+        let of = |terms: &[(usize, f64)]| {
+            let (columns, sizes): (Vec<usize>, Vec<f64>) = terms.iter().copied().unzip();
+            energy(&self.screen, &columns, &sizes)
+        };
+        for (number, (atom, terms)) in own.iter().enumerate().filter(|(_, (atom, _))| atom.is_named()) {
+            for (other, theirs) in own.iter().skip(number + 1).chain(&own[..number]) {
+                let same = atom.sensor().is_some() && atom.sensor() == other.sensor();
+                if !same {
+                    continue;
+                }
+                if !other.is_named() {
+                    if atom.follows(other) && of(theirs) > FORM_ENERGY * of(terms) {
+                        return None;
+                    }
+                    continue;
+                }
+                if atom.is_fuller(other) {
+                    return None;
+                }
+                let (alone, both) = (of(terms) + of(theirs), of(&[&terms[..], &theirs[..]].concat()));
+                if both < CANCEL * alone {
+                    return None;
+                }
+            }
+        }
+        Some(())
+    }
+
+    /// By how much the sum of squares falls with some of a set's members, their forms and sizes as in the whole set.
+    pub fn gain(&self, members: &[Member]) -> f64 {
+        match Given::of(&self.screen, self.terms(members)) {
+            Some(given) => self.screen.sum_of_squares() - given.left(),
+            None => 0.0,
+        }
+    }
+
+    /// How many coefficients members have, departures from their forms apart.
+    pub fn unknowns(&self, members: &[Member]) -> usize {
+        members.iter().map(|member| self.atoms.all[member.atom].shapes[member.shape].columns.len()).sum()
+    }
+
+    /// What members leave of a fit's whitened residual, the calibration fitted again.
+    pub fn residual(&self, members: &[Member], white: &[f64]) -> Vec<f64> {
+        let terms = self.terms(members);
+        let columns: Vec<usize> = terms.iter().map(|(column, _)| *column).collect();
+        let Some(given) = Given::of(&self.screen, terms) else { return white.to_vec() };
+        let terms: Vec<(usize, f64)> = columns.into_iter().zip(given.coefficients()).collect();
+        self.projection.left(&self.products.less(white, &terms))
+    }
+
+    /// What each member contributes, in the order of the columns of its shape.
+    pub fn coefficients(&self, members: &[Member]) -> Option<Vec<Vec<f64>>> {
+        let given = Given::of(&self.screen, self.terms(members))?;
+        let all = given.coefficients();
+        let mut at = 0;
+        let mut found = Vec::new();
+        for member in members {
+            let count = self.atoms.all[member.atom].shapes[member.shape].columns.len();
+            found.push(all[at..at + count].to_vec());
+            at += count;
+            if let Some(form) = self.form(member) {
+                at += form.departures.iter().map(Vec::len).sum::<usize>() + form.neighbours.len();
+            }
+        }
+        Some(found)
+    }
+}
+
+fn keep(seen: &mut HashMap<Vec<usize>, Set>, set: Set) {
+    let place = seen.entry(set.key()).or_insert_with(|| set.clone());
+    if set.log > place.log {
+        *place = set;
+    }
+}
+
+fn best(seen: &HashMap<Vec<usize>, Set>) -> Option<Set> {
+    let mut all: Vec<&Set> = seen.values().collect();
+    all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
+    all.first().map(|set| (*set).clone())
+}
+
+fn best_log(seen: &HashMap<Vec<usize>, Set>) -> f64 {
+    seen.values().map(|set| set.log).fold(f64::NEG_INFINITY, f64::max)
+}

@@ -1,0 +1,79 @@
+//! Columns over all channels that are nothing in most of them.
+
+use crate::observed::Observed;
+
+/// A column, channel by channel; None where it is zero throughout.
+#[derive(Clone, Debug)]
+pub struct Stacked(Vec<Option<Vec<f64>>>);
+
+impl Stacked {
+    /// Channel by channel.
+    pub fn new(parts: Vec<Option<Vec<f64>>>) -> Self {
+        Self(parts)
+    }
+
+    /// Of a column over all readings.
+    pub fn of(observed: &Observed<'_>, dense: &[f64]) -> Self {
+        let part = |range: std::ops::Range<usize>| {
+            let part = &dense[range];
+            part.iter().any(|value| *value != 0.0).then(|| part.to_vec())
+        };
+        Self(observed.channels.iter().map(|channel| part(channel.range())).collect())
+    }
+
+    /// Over all readings.
+    pub fn dense(&self, observed: &Observed<'_>) -> Vec<f64> {
+        let parts = observed.channels.iter().zip(&self.0);
+        parts
+            .flat_map(|(channel, part)| part.clone().unwrap_or_else(|| vec![0.0; channel.rows.len()]))
+            .collect()
+    }
+
+    /// Its values in a channel; None where they are all zero.
+    pub fn part(&self, channel: usize) -> Option<&[f64]> {
+        self.0[channel].as_deref()
+    }
+
+    /// Whether it is zero throughout.
+    pub fn is_zero(&self) -> bool {
+        self.0.iter().all(Option::is_none)
+    }
+
+    /// Whether all values are finite.
+    pub fn is_finite(&self) -> bool {
+        self.0.iter().flatten().flatten().all(|value| value.is_finite())
+    }
+
+    /// Sum of the squares, and the number of values in channels where it is something.
+    pub fn squares(&self) -> (f64, usize) {
+        let parts = self.0.iter().flatten();
+        parts.fold((0.0, 0), |(sum, count), part| {
+            (sum + part.iter().map(|v| v * v).sum::<f64>(), count + part.len())
+        })
+    }
+
+    /// Columns times factors, added up.
+    pub fn sum(columns: &[(&Self, f64)]) -> Self {
+        let channels = columns.first().map_or(0, |(column, _)| column.0.len());
+        let of = |channel: usize| {
+            let mut sum: Option<Vec<f64>> = None;
+            for (part, factor) in columns.iter().filter_map(|(c, f)| Some((c.0[channel].as_ref()?, f))) {
+                match &mut sum {
+                    Some(sum) => sum.iter_mut().zip(part).for_each(|(s, p)| *s += factor * p),
+                    None => sum = Some(part.iter().map(|p| factor * p).collect()),
+                }
+            }
+            sum
+        };
+        Self((0..channels).map(of).collect())
+    }
+
+    /// The column times something in each channel where it is not zero; None: zero there.
+    pub fn times(&self, of: impl Fn(usize) -> Option<Vec<f64>>) -> Self {
+        let part = |(channel, part): (usize, &Option<Vec<f64>>)| {
+            let factors = of(channel)?;
+            Some(part.as_ref()?.iter().zip(factors).map(|(p, f)| p * f).collect())
+        };
+        Self(self.0.iter().enumerate().map(part).collect())
+    }
+}
