@@ -2,7 +2,7 @@
 
 use common::{AdoptedEffect, AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PerAxis, Quantity};
 use nalgebra::Matrix3;
-use physics::{Acts, EffectInstance, Parameter, Role, Unit, frames};
+use physics::{Acts, Parameter, Role, Unit, frames};
 
 use crate::Outcome;
 use crate::model::{Instrument, Model, Unknown};
@@ -256,9 +256,4 @@ fn restate(
 fn basic<'m>(model: &'m Model<'_>, unit: Unit) -> Option<&'m physics::Basic> {
     let mut runs = model.observed.runs.iter().filter(|run| !run.differential());
     runs.find(|run| run.setting.context.unit == unit).map(|run| &run.setting.basic)
-}
-
-/// Whether an effect acts on coils.
-pub fn on_coil(effect: &EffectInstance) -> bool {
-    effect.kind.about().acts == Acts::OneCoil
 }

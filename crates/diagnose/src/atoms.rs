@@ -6,11 +6,12 @@ use common::number::counted as plural;
 use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::candidates::{Candidate, Pool, What};
+use crate::candidates::{Candidate, Pool};
 use crate::covariates;
 use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
+use crate::what::What;
 
 /// One of the things that may explain.
 #[derive(Clone, Debug)]
@@ -274,4 +275,22 @@ fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
 fn rms(column: &Stacked) -> f64 {
     let (sum, count) = column.squares();
     (sum / count.max(1) as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_go_over_the_plausible_range_and_beyond_it_at_a_price() {
+        let all = sizes(&[[0.1, 10.0], [1.0, 2.0]]);
+        let within = all.len() - STEPS_BEYOND;
+        let total: f64 = all[..within].iter().map(|(log, _)| log.exp()).sum();
+        assert!((total - 1.0).abs() < 1e-12);
+        let close = |found: &[f64], expected: [f64; 2]| {
+            found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12)
+        };
+        assert!(close(&all[0].1, [0.1, 1.0]) && close(&all[within - 1].1, [10.0, 2.0]));
+        assert!(close(&all[within].1, [40.0, 8.0]) && (all[0].0 - all[within].0 - BEYOND).abs() < 1e-12);
+    }
 }

@@ -5,12 +5,12 @@ use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::candidates::named;
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one, looks_along};
 use crate::matched::{power_along, power_at, sharpened};
 use crate::observed::Reader;
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
+use crate::what::named;
 
 /// Most cells along a reading.
 const CELLS: usize = 1 << 21;

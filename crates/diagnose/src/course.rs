@@ -2,19 +2,19 @@
 //! calibration, and what stands out then.
 
 use common::{Document, Verdict};
-use physics::{EffectInstance, Kind, Parameter, Role, Stage};
+use physics::{EffectInstance, Kind, Role, Stage};
 
-use crate::atoms::{self, Atoms, Shape, Sizes, Thing};
-use crate::dependence::{self, Follows};
+use crate::additions::{at_shapes, columns_of, with_all, without};
+use crate::atoms::{self, Atoms, Sizes};
 use crate::events;
 use crate::fit::{Fit, Fitter, settled, square};
 use crate::form::Followed;
-use crate::generic::following;
 use crate::lattice;
 use crate::level::Rest;
-use crate::model::{Column, Model, State};
+use crate::model::{Model, State};
 use crate::products::Projection;
-use crate::search::{Addition, Look, Proposal, Searcher};
+use crate::proposal::{Addition, Proposal};
+use crate::search::{Look, Searcher};
 use crate::sets::Sets;
 use crate::stacked::Stacked;
 use crate::verdict::{self, Name};
@@ -23,6 +23,8 @@ use crate::{Error, Found, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;
+/// What names must do together with the calibration, over what they do where all is linear.
+const MET: f64 = 0.5;
 /// The catalogue's sizes are those of instruments that resolve this or less, nT.
 const FINE_NT: f64 = 1.0;
 
@@ -69,10 +71,13 @@ pub fn search(
     let mut round = 0;
     loop {
         told(&format!("weighing sets of effects, round {}", round + 1));
-        let answer = weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
+        let mut answer =
+            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
         let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, &additions)?;
         let (fit, noise) = fitted(document, model, &ground, &state)?;
+        let left = square(&ground.noise.whiten(&model.observed, &fit.residual));
+        let met = square(&ground.fit.white[..fit.residual.len()]) - left > MET * answer.gain;
         let more = fresh(&answer.events, &events);
         round += 1;
         // Where the noise is what a residual shows, what was found is no longer a part of it.
@@ -96,6 +101,9 @@ pub fn search(
                 ground = Ground { fit, noise, look, codes: ground.codes };
             }
             continue;
+        }
+        if !met && !answer.names.is_empty() {
+            answer = answer.unexplained("it does not fit once everything is fitted together");
         }
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
         return concluded(
@@ -253,36 +261,6 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the fit.
-fn at_shapes(
-    model: &Model<'_>,
-    state: &State,
-    effect: &EffectInstance,
-) -> Result<(Vec<Stacked>, Vec<Stacked>), Error> {
-    let with = model.with(state, effect.clone());
-    let number = with.effects.len() - 1;
-    let infos = effect.kind.parameters();
-    let of = |role: Role| -> Vec<usize> { (0..infos.len()).filter(|k| infos[*k].role == role).collect() };
-    let stacked = |columns: Vec<Vec<f64>>| -> Vec<Stacked> {
-        columns.iter().map(|column| Stacked::of(&model.observed, column)).collect()
-    };
-    let parameters =
-        |which: &[usize]| -> Vec<Parameter> { which.iter().map(|k| Parameter::Effect(number, *k)).collect() };
-    let (amplitudes, shapes) = (of(Role::Amplitude), of(Role::Shape));
-    let mut by_shape = model.derivatives(&with, &parameters(&shapes))?;
-    for (column, k) in by_shape.iter_mut().zip(&shapes) {
-        column.iter_mut().for_each(|d| *d *= effect.parameters[*k]);
-    }
-    let columns = if amplitudes.is_empty() {
-        // Its size is its shape.
-        by_shape.clear();
-        vec![model.change(state, &with)?]
-    } else {
-        model.derivatives(&with, &parameters(&amplitudes))?
-    };
-    Ok((stacked(columns), stacked(by_shape)))
-}
-
 /// Single readings of a sensor together: they are one name with a list. All else by itself.
 fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
     let single = |event: &Proposal| match &event.addition {
@@ -299,47 +277,6 @@ fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
         }
     }
     groups
-}
-
-/// The columns of something found at moments, and whether they are what it does rather than derivatives by its amplitudes.
-fn columns_of(
-    model: &Model<'_>,
-    state: &State,
-    event: &Proposal,
-) -> Result<Option<(Vec<Stacked>, bool)>, Error> {
-    let observed = &model.observed;
-    let (dense, finite) = match &event.addition {
-        Addition::Column(column) => (vec![column.values.to_vec()], false),
-        Addition::Effect(effect) => {
-            let with = model.with(state, effect.clone());
-            let number = with.effects.len() - 1;
-            let infos = effect.kind.parameters().iter().enumerate();
-            let amplitudes: Vec<Parameter> = infos
-                .filter(|(_, info)| info.role == Role::Amplitude)
-                .map(|(k, _)| Parameter::Effect(number, k))
-                .collect();
-            if amplitudes.is_empty() {
-                (vec![model.contribution(state, effect)?], true)
-            } else {
-                (model.derivatives(&with, &amplitudes)?, false)
-            }
-        }
-    };
-    let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(observed, column)).collect();
-    let fit = columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero);
-    Ok(fit.then_some((columns, finite)))
-}
-
-/// A state with all additions, dependences with the lag that fits best.
-fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> Result<State, Error> {
-    let mut state = fit.state.clone();
-    for addition in additions {
-        match addition {
-            Addition::Effect(effect) => state = fitter.model.with(&state, effect.clone()),
-            Addition::Column(column) => state.columns.push(dependence::with_lag(fitter, fit, column)?),
-        }
-    }
-    Ok(state)
 }
 
 /// The minimum from a state, and the noise that it leaves.
@@ -369,25 +306,6 @@ fn fitted(
 /// Whether an effect that came in is a part of the noise.
 fn changes_noise(state: &State, from: usize) -> bool {
     state.effects[from..].iter().any(|effect| effect.kind == Kind::Quantisation)
-}
-
-/// A state without one of the things that came in.
-fn without(state: &State, from: (usize, usize), found: &[Addition], number: usize) -> State {
-    let mut state = state.clone();
-    let earlier = |is_effect: bool| {
-        found[..number].iter().filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
-    };
-    match &found[number] {
-        Addition::Effect(_) => {
-            let at = from.0 + earlier(true);
-            state.effects.remove(at);
-            state.acts.remove(at);
-        }
-        Addition::Column(_) => {
-            state.columns.remove(from.1 + earlier(false));
-        }
-    }
-    state
 }
 
 /// The outcome of the last answer: what each name does beside the others.
@@ -449,37 +367,5 @@ fn one(name: &Name, addition: Addition, rest: &Fit, fit: &Fit, held_out: Vec<f64
         equal: name.equal.clone(),
         lost: name.lost.clone(),
         proposal,
-    }
-}
-
-/// What comes in for an atom at a shape with its coefficients.
-pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
-    match thing {
-        Thing::Effect(template) => {
-            let mut effect = shape.fitted.as_ref().unwrap_or(template).clone();
-            let searched = crate::candidates::searched(effect.kind);
-            let shape = shape.value;
-            let mut sizes = coefficients.iter();
-            for (k, info) in effect.kind.parameters().iter().enumerate() {
-                match (info.role, shape) {
-                    (Role::Amplitude, _) => effect.parameters[k] = sizes.next().copied().unwrap_or(0.0),
-                    (_, Some(value)) if Some(k) == searched => effect.parameters[k] = value,
-                    _ => {}
-                }
-            }
-            vec![Addition::Effect(effect)]
-        }
-        Thing::Dependence(column, axis) => {
-            let lag_s = shape.value.unwrap_or(0.0);
-            let values = following(model, *axis, column, lag_s).dense(&model.observed);
-            vec![Addition::Column(Column {
-                what: format!("dependence of {axis} on {column}"),
-                follows: Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None }),
-                values: values.into(),
-                coefficient: coefficients.first().copied().unwrap_or(0.0),
-            })]
-        }
-        Thing::Event(additions) => additions.clone(),
-        Thing::Smooth(..) => Vec::new(),
     }
 }

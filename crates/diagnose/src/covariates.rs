@@ -2,10 +2,9 @@
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{EffectInstance, Kind, Place};
+use physics::{Acts, EffectInstance, Kind, Place};
 
 use crate::Error;
-use crate::adopt::on_coil;
 use crate::model::{Model, State};
 
 /// The field along a sensor.
@@ -87,4 +86,9 @@ pub fn values(
         return Some(component(other));
     }
     model.observed.runs[run].setting.context.optional(name).map(|values| values.to_vec())
+}
+
+/// Whether an effect acts on coils.
+pub fn on_coil(effect: &EffectInstance) -> bool {
+    effect.kind.about().acts == Acts::OneCoil
 }

@@ -1,29 +1,15 @@
 //! Dependences on columns that no effect knows: the lag with which a sensor follows one.
 
-use common::Axis;
 use std::sync::Arc;
 
 use crate::Error;
 use crate::fit::{Fit, Fitter};
 use crate::generic::following;
-use crate::model::Column;
+use crate::model::{Column, Follows};
 
 /// Lags tried to either side of one that was found, and how far.
 const STEPS: i32 = 24;
 const FARTHEST: f64 = 4.0;
-
-/// What a column of a fit follows.
-#[derive(Clone, Debug)]
-pub struct Follows {
-    /// The recorded column.
-    pub column: String,
-    /// The sensor that follows it.
-    pub axis: Axis,
-    /// Time constant of the first-order lag, s.
-    pub lag_s: f64,
-    /// Its standard uncertainty, s: half the width over which the gain is less than one below its most.
-    pub lag_std_s: Option<f64>,
-}
 
 /// The same dependence with the lag of the largest gain, between the neighbours of the one that was found.
 pub fn with_lag(fitter: &Fitter<'_, '_>, fit: &Fit, found: &Column) -> Result<Column, Error> {

@@ -14,13 +14,13 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::candidates::named;
 use crate::fit::{Fit, Fitter, orthonormal, square};
 use crate::level::{Rest, at_least_one};
 use crate::matched::correlate;
 use crate::model::Column;
 use crate::observed::{Channel, Reader};
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
+use crate::what::named;
 
 /// A departure of which the base model leaves less than this share is not looked for.
 const LEFT: f64 = 1e-3;

@@ -188,3 +188,74 @@ pub fn energy(screen: &Screen, columns: &[usize], coefficients: &[f64]) -> f64 {
     let pairs = columns.iter().zip(coefficients);
     pairs.clone().map(|(i, a)| pairs.clone().map(|(j, b)| a * b * screen.product(*i, *j)).sum::<f64>()).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::Mat;
+
+    /// Columns and a residual of a few rows, errors of variance one, nothing projected out.
+    fn screen() -> (Vec<[f64; 4]>, Screen) {
+        let row = |k: usize| {
+            let t = k as f64;
+            [(0.7 * t).sin(), 0.2 * t - 1.0, (1.3 * t).cos(), 0.9 * (0.7 * t).sin() + (2.1 * t).sin()]
+        };
+        let rows: Vec<[f64; 4]> = (0..12).map(row).collect();
+        let product = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
+        let left = Mat::from_fn(4, 4, product);
+        let whole = (0..3).map(|j| product(j, j)).collect();
+        (rows, Screen::projected(left, whole, 12, 0))
+    }
+
+    fn rest(screen: &Screen, known: f64) -> Rest {
+        Rest { sum_of_squares: screen.sum_of_squares(), freedom: 12.0, known }
+    }
+
+    /// ∫∫ exp(−½ |y − X c|²) N(c; 0, V) dc over exp(−½ |y|²), by the trapezoidal rule, which is exact to rounding for such integrands.
+    #[test]
+    fn the_marginal_likelihood_is_the_integral() {
+        let (rows, screen) = screen();
+        let deviations = [0.8, 1.7];
+        let (steps, reach) = (800, 9.0);
+        let mut sum = 0.0;
+        for i in 0..=2 * steps {
+            for j in 0..=2 * steps {
+                let z = [i, j].map(|k| (k as f64 / steps as f64 - 1.0) * reach);
+                let c = [z[0] * deviations[0], z[1] * deviations[1]];
+                let fell = |row: &[f64; 4]| {
+                    let left = row[3] - c[0] * row[0] - c[1] * row[1];
+                    row[3] * row[3] - left * left
+                };
+                let gain: f64 = rows.iter().map(fell).sum();
+                sum += (0.5 * gain - 0.5 * (z[0] * z[0] + z[1] * z[1])).exp();
+            }
+        }
+        let step = reach / steps as f64;
+        let expected = (sum * step * step / std::f64::consts::TAU).ln();
+        let terms = vec![(0, deviations[0].powi(2)), (1, deviations[1].powi(2))];
+        let given = Given::of(&screen, terms).expect("positive");
+        let found = given.log_evidence(&rest(&screen, f64::INFINITY), None);
+        assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
+    }
+
+    /// Terms that come in later say what they say together, their coefficients included; and Student's form tends to the normal one.
+    #[test]
+    fn further_terms_are_those_of_the_whole() {
+        let (_, screen) = screen();
+        let whole = Given::of(&screen, vec![(0, 0.5), (1, 2.0), (2, 1.0)]).expect("positive");
+        let first = Given::of(&screen, vec![(0, 0.5)]).expect("positive");
+        let deviations = [2.0_f64.sqrt(), 1.0];
+        let block = first.block(&[1, 2]);
+        let further = block.further(&deviations);
+        for known in [f64::INFINITY, 20.0, 0.0] {
+            let rest = rest(&screen, known);
+            let (a, b) = (whole.log_evidence(&rest, None), first.log_evidence(&rest, further));
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
+        }
+        let later = block.coefficients(&deviations).expect("positive");
+        assert!(whole.coefficients()[1..].iter().zip(&later).all(|(a, b)| (a - b).abs() < 1e-12));
+        let (student, normal) = (rest(&screen, 1e9), rest(&screen, f64::INFINITY));
+        let apart = whole.log_evidence(&student, None) - whole.log_evidence(&normal, None);
+        assert!(apart.abs() < 1e-6, "{apart}");
+    }
+}

@@ -6,11 +6,11 @@ use physics::memory::{Before, Signal};
 use std::collections::BTreeSet;
 
 use crate::Error;
-use crate::candidates::What;
 use crate::covariates::{ALONG, across, fields};
 use crate::model::{Model, State};
 use crate::observed::{Channel, Reader, Run};
 use crate::stacked::Stacked;
+use crate::what::What;
 
 /// Half waves over the span of time.
 const WAVES: usize = 16;

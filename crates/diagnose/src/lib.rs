@@ -6,6 +6,7 @@
 //! included; it must predict readings that were left out, with plausible sizes; and it is a name only where no rival fits as
 //! well. What is accepted is fitted together with the calibration and goes to `model.effects`.
 
+mod additions;
 mod adopt;
 mod against;
 mod atoms;
@@ -31,12 +32,14 @@ mod model;
 mod next;
 mod observed;
 mod products;
+mod proposal;
 mod report;
 mod search;
 mod sets;
 mod smooth;
 mod stacked;
 mod verdict;
+mod what;
 mod whitening;
 mod words;
 
@@ -50,7 +53,8 @@ use crate::candidates::Pool;
 use crate::fit::{Fit, settled};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::search::{Look, Proposal, Searcher};
+use crate::proposal::Proposal;
+use crate::search::{Look, Searcher};
 use crate::whitening::NoiseModel;
 
 /// What is asked for.

@@ -11,12 +11,24 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::dependence::Follows;
 use crate::observed::{Observed, Reader};
 use basic::{OFFSET_NT, possible, settings, undetermined};
 
 /// A time constant or a level goes no farther beyond its plausible range than by this factor.
 const FARTHEST: f64 = 10.0;
+
+/// What a column of a fit follows.
+#[derive(Clone, Debug)]
+pub struct Follows {
+    /// The recorded column.
+    pub column: String,
+    /// The sensor that follows it.
+    pub axis: Axis,
+    /// Time constant of the first-order lag, s.
+    pub lag_s: f64,
+    /// Its standard uncertainty, s: half the width over which the gain is less than one below its most.
+    pub lag_std_s: Option<f64>,
+}
 
 /// A column that is fitted beside the chain.
 #[derive(Clone, Debug)]

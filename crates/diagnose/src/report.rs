@@ -11,11 +11,11 @@ mod series;
 use common::number::{bare, p_value, probability, significant};
 use common::{Diagnosis, Remaining, Share, Verdict};
 
-use crate::candidates::{What, named};
 use crate::covariates;
 use crate::fit::Fitter;
 use crate::model::Model;
 use crate::search::Searcher;
+use crate::what::{What, named};
 use crate::{Error, Found, Options, Outcome, next};
 
 pub use effects::effect_quantities;

@@ -3,59 +3,28 @@
 use estimate::screen::{Chance, Screen, Search};
 use faer::Mat;
 use noise::Stream;
-use physics::{EffectInstance, Role};
+use physics::Role;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::candidates::{Candidate, Pool, What, named, searched};
+use crate::candidates::{Candidate, Pool, searched};
 use crate::codes;
-use crate::dependence::Follows;
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::generic::following;
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
+use crate::model::Follows;
 use crate::model::{Column, Model, State};
 use crate::products::{Products, Projection};
+use crate::proposal::{Addition, Proposal};
+use crate::what::{What, named};
 use crate::whitening::NoiseModel;
 
 /// Draws of the distribution by chance.
 const DRAWS: usize = 399;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
 const FAMILIES: f64 = 5.0;
-
-/// What comes into the model.
-#[derive(Clone, Debug)]
-pub enum Addition {
-    /// An effect.
-    Effect(EffectInstance),
-    /// A column.
-    Column(Column),
-}
-
-/// Something that may explain what is left, before it is refined.
-#[derive(Clone, Debug)]
-pub struct Proposal {
-    /// Its name with its target.
-    pub name: String,
-    /// What comes in.
-    pub addition: Addition,
-    /// Probability by chance within its family, the search included.
-    pub p: f64,
-    /// By how much it lowers the sum of squares.
-    pub gain: f64,
-    /// As how many independent looks its search counts; zero for a candidate, whose shapes are counted by themselves.
-    pub looks: f64,
-    /// Whether it touches few rows, so that rows left out say nothing.
-    pub local: bool,
-}
-
-impl Proposal {
-    /// Whether it was found among moments, frequencies or codes rather than among the candidates.
-    pub fn is_event(&self) -> bool {
-        self.looks > 0.0
-    }
-}
 
 /// Structure that smooth functions find.
 #[derive(Clone, Debug)]

@@ -6,12 +6,12 @@ use common::number::{probability, significant};
 use estimate::stats::chi_squared_quantile;
 
 use crate::Error;
+use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
-use crate::course::additions;
 use crate::decide::{CRUMB, EXPLAINED, OF_THE_REST, PARTLY, SURE, TEMPERATURE};
 use crate::level::{Rest, at_least_one};
 use crate::model::Model;
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
 use crate::sets::{Member, Set, Sets};
 
 /// Most names that are told as undecided.
@@ -54,10 +54,21 @@ pub struct Answer {
     pub names: Vec<Name>,
     /// What looked like an answer, and why it is none.
     pub refused: Vec<(String, String)>,
+    /// By how much its names lower the sum of squares where all is linear.
+    pub gain: f64,
     /// Moments, lines and codes in what the best set leaves.
     pub events: Vec<Proposal>,
     /// What other sets that are nearly as probable hold.
     pub rivals: Vec<Vec<Addition>>,
+}
+
+impl Answer {
+    /// The same without its names, for a reason.
+    pub fn unexplained(mut self, why: &str) -> Self {
+        self.refused.extend(self.names.drain(..).map(|name| (name.name, why.to_string())));
+        self.verdict = Verdict::Unexplained;
+        self
+    }
 }
 
 /// Weights of the sets, the evidence tempered, adding up to one.
@@ -85,6 +96,7 @@ pub fn answer(
             verdict: Verdict::Unexplained,
             names: Vec::new(),
             refused: Vec::new(),
+            gain: 0.0,
             events: Vec::new(),
             rivals: Vec::new(),
         });
@@ -94,28 +106,22 @@ pub fn answer(
     let beyond = rest.excess(whole - all);
     let explicable = (all + beyond).max(f64::MIN_POSITIVE);
     let coefficients = sets.coefficients(&best.members).unwrap_or_default();
-    let gains: Vec<f64> =
-        (0..best.members.len()).map(|number| all - sets.gain(&best.without(number))).collect();
+    let (core, mut refused) = core(atoms, sets, &best.members, beyond);
+    let members = |which: &dyn Fn(&usize) -> bool| -> Vec<Member> {
+        core.iter().filter(|number| which(number)).map(|number| best.members[*number].clone()).collect()
+    };
+    let whole_core = sets.gain(&members(&|_| true));
     let mut names = Vec::new();
-    let mut refused = Vec::new();
-    let mut kept: Vec<Member> = Vec::new();
+    let mut kept: Vec<usize> = Vec::new();
     let mut undecided = false;
-    for (number, member) in best.members.iter().enumerate() {
+    for &number in &core {
+        let member = &best.members[number];
         let atom = &atoms.all[member.atom];
         if !atom.is_named() {
             continue;
         }
         let slot = Slot::of(atoms, ranked, &weights, member.atom);
-        let gain = gains[number];
-        if let Some(of) = crumb_of(atoms, sets, &best.members, &gains, number, beyond) {
-            let why = format!(
-                "it says no more than the form of {} leaves: {} of what they explain together",
-                of.0,
-                significant(of.1, 2)
-            );
-            refused.push((atom.name.clone(), why));
-            continue;
-        }
+        let gain = whole_core - sets.gain(&members(&|other| *other != number));
         let rank = coefficients.get(number).map_or(1, Vec::len);
         let p = at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp());
         if slot.equal.is_none() {
@@ -128,7 +134,7 @@ pub fn answer(
         }
         let equal = slot.equal.unwrap_or_default();
         undecided |= !equal.is_empty();
-        kept.push(member.clone());
+        kept.push(number);
         names.push(Name {
             name: atom.name.clone(),
             additions: additions(model, &atom.thing, &atom.shapes[member.shape], &coefficients[number]),
@@ -140,12 +146,10 @@ pub fn answer(
             lost: lost(atoms, best, ranked, member.atom),
         });
     }
-    // What a form leaves counts as what its effect explains; what structure could explain as well does not, unless that is a mere crumb.
-    let nameless =
-        |number: &usize| !atoms.all[best.members[*number].atom].is_named() && gains[*number] > CRUMB * all;
-    let nameless: Vec<Member> =
-        (0..best.members.len()).filter(nameless).map(|number| best.members[number].clone()).collect();
-    let share = sets.gain(&kept).min(all - sets.gain(&nameless)) / explicable;
+    // What a form leaves counts as what its effect explains; what structure could explain as well does not.
+    let nameless = members(&|number| !atoms.all[best.members[*number].atom].is_named());
+    let named = sets.gain(&members(&|number| kept.contains(number)));
+    let share = named.min(whole_core - sets.gain(&nameless)) / explicable;
     let verdict = match (names.is_empty(), share) {
         (true, _) => Verdict::Unexplained,
         (_, share) if share < PARTLY => Verdict::Unexplained,
@@ -164,7 +168,8 @@ pub fn answer(
             refused.push((name.name, why));
         }
     }
-    Ok(Answer { verdict, names, refused, events: Vec::new(), rivals: rivals(model, atoms, sets, ranked) })
+    let rivals = rivals(model, atoms, sets, ranked);
+    Ok(Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals })
 }
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance.
@@ -190,34 +195,48 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The largest effect of the same sensor, where a name is no more than what the forms of the sensor's effects leave, and the share of what they
-/// explain together.
-fn crumb_of(
+/// The members that explain more than a crumb of what all of their sensor explain, and the names of the others: the one that explains
+/// least beside the rest goes first, and the rest is looked at again without it.
+fn core(
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
     members: &[Member],
-    gains: &[f64],
-    number: usize,
     beyond: f64,
-) -> Option<(String, f64)> {
-    let own = &atoms.all[members[number].atom];
-    if own.is_event() && gains[number] > OF_THE_REST * (gains[number] + beyond) {
-        return None;
-    }
-    let shares_sensor = |other: &usize| {
-        let atom = &atoms.all[members[*other].atom];
-        let together = atom.sensor().is_none() || own.sensor().is_none() || atom.sensor() == own.sensor();
-        atom.is_named() && together
+) -> (Vec<usize>, Vec<(String, String)>) {
+    let mut core: Vec<usize> = (0..members.len()).collect();
+    let mut refused = Vec::new();
+    let gain = |some: &[usize], which: &dyn Fn(usize) -> bool| {
+        let some = some.iter().filter(|number| which(**number));
+        sets.gain(&some.map(|number| members[*number].clone()).collect::<Vec<_>>())
     };
-    let apart: Vec<Member> = (0..members.len())
-        .filter(|other| !shares_sensor(other))
-        .map(|other| members[other].clone())
-        .collect();
-    let whole = sets.gain(members) - sets.gain(&apart);
-    let others = (0..members.len()).filter(|other| *other != number).filter(shares_sensor);
-    let largest = others.max_by(|a, b| gains[*a].total_cmp(&gains[*b]))?;
-    let share = gains[number] / whole;
-    (share < CRUMB).then(|| (atoms.all[members[largest].atom].name.clone(), share))
+    loop {
+        let all = gain(&core, &|_| true);
+        let shares: Vec<(f64, usize)> = core
+            .iter()
+            .map(|&number| {
+                let own = &atoms.all[members[number].atom];
+                let together = |other: usize| {
+                    let sensor = atoms.all[members[other].atom].sensor();
+                    sensor.is_none() || own.sensor().is_none() || sensor == own.sensor()
+                };
+                let alone = all - gain(&core, &|other| other != number);
+                let whole = all - gain(&core, &|other| !together(other));
+                let counts = own.is_event() && alone > OF_THE_REST * (alone + beyond);
+                (if counts { 1.0 } else { alone / whole }, number)
+            })
+            .collect();
+        let least = shares.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < CRUMB);
+        let Some((share, number)) = least.copied() else { return (core, refused) };
+        core.retain(|other| *other != number);
+        let atom = &atoms.all[members[number].atom];
+        if atom.is_named() {
+            let why = format!(
+                "beside the others it explains {} of what is explained in its sensor, no more than forms are true to",
+                significant(share, 2)
+            );
+            refused.push((atom.name.clone(), why));
+        }
+    }
 }
 
 /// The names of sets nearly as probable as the best.

@@ -6,11 +6,11 @@ use physics::{EffectInstance, Kind};
 
 use super::Departures;
 use crate::Error;
-use crate::candidates::named;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::observed::Reader;
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
+use crate::what::named;
 
 /// A row departs when its departure is more than so many standard deviations, and so many times the middle one: a large departure
 /// pulls the calibration, and with it all other rows.

@@ -10,7 +10,7 @@ use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one};
 use crate::matched::correlate;
 use crate::observed::{Channel, Reader};
-use crate::search::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal};
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of the recording.
 const SHORTEST: f64 = 1.5;

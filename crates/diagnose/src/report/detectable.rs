@@ -5,9 +5,9 @@ use estimate::stats::chi_squared_quantile;
 use indexmap::IndexMap;
 use physics::Role;
 
-use crate::candidates::{What, named};
 use crate::fit::Fitter;
 use crate::search::Searcher;
+use crate::what::{What, named};
 use crate::{Error, Options, Outcome};
 
 /// Standard deviations that make nine claims of ten out of five.

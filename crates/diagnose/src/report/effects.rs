@@ -6,11 +6,11 @@ use indexmap::IndexMap;
 use physics::{EffectInstance, Role};
 
 use super::residuals::floor;
-use crate::adopt::on_coil;
+use crate::covariates::on_coil;
 use crate::dependence;
 use crate::fit::Fitter;
 use crate::model::Model;
-use crate::search::Addition;
+use crate::proposal::Addition;
 use crate::{Error, Found, Outcome};
 
 /// The number of an effect of the state that a found thing is, or of a column.

@@ -5,12 +5,12 @@ use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
 use super::effects::{effect_of, place_of};
-use crate::adopt::on_coil;
-use crate::candidates::{What, named};
 use crate::covariates;
+use crate::covariates::on_coil;
 use crate::fit::square;
 use crate::model::{Column, Model};
 use crate::observed::Channel;
+use crate::what::{What, named};
 use crate::{Options, Outcome};
 
 pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Share {

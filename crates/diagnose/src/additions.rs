@@ -1,0 +1,135 @@
+//! What comes into the model as states, columns and effects.
+
+use physics::{EffectInstance, Parameter, Role};
+
+use crate::Error;
+use crate::atoms::{Shape, Thing};
+use crate::candidates::searched;
+use crate::dependence;
+use crate::fit::{Fit, Fitter};
+use crate::generic::following;
+use crate::model::{Column, Follows, Model, State};
+use crate::proposal::{Addition, Proposal};
+use crate::stacked::Stacked;
+
+/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the fit.
+pub fn at_shapes(
+    model: &Model<'_>,
+    state: &State,
+    effect: &EffectInstance,
+) -> Result<(Vec<Stacked>, Vec<Stacked>), Error> {
+    let with = model.with(state, effect.clone());
+    let number = with.effects.len() - 1;
+    let infos = effect.kind.parameters();
+    let of = |role: Role| -> Vec<usize> { (0..infos.len()).filter(|k| infos[*k].role == role).collect() };
+    let stacked = |columns: Vec<Vec<f64>>| -> Vec<Stacked> {
+        columns.iter().map(|column| Stacked::of(&model.observed, column)).collect()
+    };
+    let parameters =
+        |which: &[usize]| -> Vec<Parameter> { which.iter().map(|k| Parameter::Effect(number, *k)).collect() };
+    let (amplitudes, shapes) = (of(Role::Amplitude), of(Role::Shape));
+    let mut by_shape = model.derivatives(&with, &parameters(&shapes))?;
+    for (column, k) in by_shape.iter_mut().zip(&shapes) {
+        column.iter_mut().for_each(|d| *d *= effect.parameters[*k]);
+    }
+    let columns = if amplitudes.is_empty() {
+        // Its size is its shape.
+        by_shape.clear();
+        vec![model.change(state, &with)?]
+    } else {
+        model.derivatives(&with, &parameters(&amplitudes))?
+    };
+    Ok((stacked(columns), stacked(by_shape)))
+}
+
+/// The columns of something found at moments, and whether they are what it does rather than derivatives by its amplitudes.
+pub fn columns_of(
+    model: &Model<'_>,
+    state: &State,
+    event: &Proposal,
+) -> Result<Option<(Vec<Stacked>, bool)>, Error> {
+    let observed = &model.observed;
+    let (dense, finite) = match &event.addition {
+        Addition::Column(column) => (vec![column.values.to_vec()], false),
+        Addition::Effect(effect) => {
+            let with = model.with(state, effect.clone());
+            let number = with.effects.len() - 1;
+            let infos = effect.kind.parameters().iter().enumerate();
+            let amplitudes: Vec<Parameter> = infos
+                .filter(|(_, info)| info.role == Role::Amplitude)
+                .map(|(k, _)| Parameter::Effect(number, k))
+                .collect();
+            if amplitudes.is_empty() {
+                (vec![model.contribution(state, effect)?], true)
+            } else {
+                (model.derivatives(&with, &amplitudes)?, false)
+            }
+        }
+    };
+    let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(observed, column)).collect();
+    let fit = columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero);
+    Ok(fit.then_some((columns, finite)))
+}
+
+/// A state with all additions, dependences with the lag that fits best.
+pub fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> Result<State, Error> {
+    let mut state = fit.state.clone();
+    for addition in additions {
+        match addition {
+            Addition::Effect(effect) => state = fitter.model.with(&state, effect.clone()),
+            Addition::Column(column) => state.columns.push(dependence::with_lag(fitter, fit, column)?),
+        }
+    }
+    Ok(state)
+}
+
+/// A state without one of the things that came in.
+pub fn without(state: &State, from: (usize, usize), found: &[Addition], number: usize) -> State {
+    let mut state = state.clone();
+    let earlier = |is_effect: bool| {
+        found[..number].iter().filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
+    };
+    match &found[number] {
+        Addition::Effect(_) => {
+            let at = from.0 + earlier(true);
+            state.effects.remove(at);
+            state.acts.remove(at);
+        }
+        Addition::Column(_) => {
+            state.columns.remove(from.1 + earlier(false));
+        }
+    }
+    state
+}
+
+/// What comes in for an atom at a shape with its coefficients.
+pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
+    match thing {
+        Thing::Effect(template) => {
+            let mut effect = shape.fitted.as_ref().unwrap_or(template).clone();
+            let searched = searched(effect.kind);
+            let shape = shape.value;
+            let mut sizes = coefficients.iter();
+            for (k, info) in effect.kind.parameters().iter().enumerate() {
+                match (info.role, shape) {
+                    (Role::Amplitude, _) => effect.parameters[k] = sizes.next().copied().unwrap_or(0.0),
+                    (_, Some(value)) if Some(k) == searched => effect.parameters[k] = value,
+                    _ => {}
+                }
+            }
+            vec![Addition::Effect(effect)]
+        }
+        Thing::Dependence(column, axis) => {
+            let lag_s = shape.value.unwrap_or(0.0);
+            let values = following(model, *axis, column, lag_s).dense(&model.observed);
+            vec![Addition::Column(Column {
+                what: format!("dependence of {axis} on {column}"),
+                follows: Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None }),
+                values: values.into(),
+                coefficient: coefficients.first().copied().unwrap_or(0.0),
+            })]
+        }
+        Thing::Event(additions) => additions.clone(),
+        Thing::Smooth(..) => Vec::new(),
+    }
+}
