@@ -21,24 +21,20 @@ pub fn at_shapes(
     let with = model.with(state, effect.clone());
     let number = with.effects.len() - 1;
     let infos = effect.kind.parameters();
-    let of = |role: Role| -> Vec<usize> { (0..infos.len()).filter(|k| infos[*k].role == role).collect() };
+    let shapes: Vec<usize> = (0..infos.len()).filter(|k| infos[*k].role == Role::Shape).collect();
     let stacked = |columns: Vec<Vec<f64>>| -> Vec<Stacked> {
         columns.iter().map(|column| Stacked::of(&model.observed, column)).collect()
     };
-    let parameters =
-        |which: &[usize]| -> Vec<Parameter> { which.iter().map(|k| Parameter::Effect(number, *k)).collect() };
-    let (amplitudes, shapes) = (of(Role::Amplitude), of(Role::Shape));
-    let mut by_shape = model.derivatives(&with, &parameters(&shapes))?;
+    let by: Vec<Parameter> = shapes.iter().map(|k| Parameter::Effect(number, *k)).collect();
+    let mut by_shape = model.derivatives(&with, &by)?;
     for (column, k) in by_shape.iter_mut().zip(&shapes) {
         column.iter_mut().for_each(|d| *d *= effect.parameters[*k]);
     }
-    let columns = if amplitudes.is_empty() {
+    let (columns, finite) = model.columns_of_last(state, &with)?;
+    if finite {
         // Its size is its shape.
         by_shape.clear();
-        vec![model.change(state, &with)?]
-    } else {
-        model.derivatives(&with, &parameters(&amplitudes))?
-    };
+    }
     Ok((stacked(columns), stacked(by_shape)))
 }
 
@@ -48,25 +44,11 @@ pub fn columns_of(
     state: &State,
     event: &Proposal,
 ) -> Result<Option<(Vec<Stacked>, bool)>, Error> {
-    let observed = &model.observed;
     let (dense, finite) = match &event.addition {
         Addition::Column(column) => (vec![column.values.to_vec()], false),
-        Addition::Effect(effect) => {
-            let with = model.with(state, effect.clone());
-            let number = with.effects.len() - 1;
-            let infos = effect.kind.parameters().iter().enumerate();
-            let amplitudes: Vec<Parameter> = infos
-                .filter(|(_, info)| info.role == Role::Amplitude)
-                .map(|(k, _)| Parameter::Effect(number, k))
-                .collect();
-            if amplitudes.is_empty() {
-                (vec![model.contribution(state, effect)?], true)
-            } else {
-                (model.derivatives(&with, &amplitudes)?, false)
-            }
-        }
+        Addition::Effect(effect) => model.columns_of_last(state, &model.with(state, effect.clone()))?,
     };
-    let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(observed, column)).collect();
+    let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(&model.observed, column)).collect();
     let fit = columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero);
     Ok(fit.then_some((columns, finite)))
 }

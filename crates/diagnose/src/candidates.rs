@@ -1,7 +1,7 @@
 //! What could have been left out: every effect of the catalogue on everything that it can act on, with its shapes.
 
 use common::Axis;
-use physics::{Acts, EffectInstance, KELVIN, Kind, Parameter, ParameterInfo, Role, Thermometer};
+use physics::{Acts, EffectInstance, KELVIN, Kind, ParameterInfo, Role, Thermometer};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -266,16 +266,7 @@ fn make(
             effect.parameters[at] = value;
         }
         let with = model.with_acting(state, effect, acts.clone());
-        let number = with.effects.len() - 1;
-        let columns = if finite {
-            vec![model.change(state, &with)?]
-        } else {
-            let amplitudes: Vec<Parameter> = (0..infos.len())
-                .filter(|k| infos[*k].role == Role::Amplitude)
-                .map(|k| Parameter::Effect(number, k))
-                .collect();
-            model.derivatives(&with, &amplitudes)?
-        };
+        let (columns, _) = model.columns_of_last(state, &with)?;
         let columns = columns.iter().map(|column| Stacked::of(&model.observed, column)).collect();
         trials.push((value, columns));
     }

@@ -66,7 +66,7 @@ pub fn search(
             last: look,
         });
     }
-    let mut events: Vec<Proposal> = fresh(&ground.look.proposals, &[]);
+    let mut events: Vec<Proposal> = ground.look.events.clone();
     let mut shapes: Vec<EffectInstance> = Vec::new();
     let mut round = 0;
     loop {
@@ -143,7 +143,9 @@ fn with_codes(
 /// What the readings show by themselves.
 fn certain(proposal: &Proposal) -> Found {
     Found {
-        proposal: proposal.clone(),
+        name: proposal.name.clone(),
+        addition: proposal.addition.clone(),
+        local: proposal.local,
         p_adjusted: proposal.p,
         probability: 1.0,
         share: 0.0,
@@ -155,10 +157,10 @@ fn certain(proposal: &Proposal) -> Found {
     }
 }
 
-/// Moments, lines and codes of a look that are not known yet.
+/// Moments, lines and codes that are not known yet.
 fn fresh(found: &[Proposal], known: &[Proposal]) -> Vec<Proposal> {
     let is_new = |proposal: &&Proposal| !known.iter().any(|other| same(other, proposal));
-    found.iter().filter(|proposal| proposal.is_event()).filter(is_new).cloned().collect()
+    found.iter().filter(is_new).cloned().collect()
 }
 
 /// Whether two proposals are the same moment, line or code.
@@ -219,8 +221,8 @@ fn weighed(
     products.push(fitter.noise, atoms.more());
     let followed = Followed::of(model, &ground.fit.state)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, Projection::of(&ground.fit)?, followed);
-    let ranked = sets.search()?;
-    let mut answer = verdict::answer(model, &atoms, &sets, &ranked, ground.look.rest)?;
+    let ranked = sets.search();
+    let mut answer = verdict::answer(model, &atoms, &sets, &ranked);
     if let Some(best) = ranked.first() {
         let white = sets.residual(&best.members, &ground.fit.white);
         let residual = fitter.in_nt(&white);
@@ -349,15 +351,10 @@ fn concluded(
 }
 
 fn one(name: &Name, addition: Addition, rest: &Fit, fit: &Fit, held_out: Vec<f64>) -> Found {
-    let proposal = Proposal {
+    Found {
         name: name.name.clone(),
         addition,
-        p: name.p,
-        gain: rest.cost - fit.cost,
-        looks: 0.0,
         local: name.local,
-    };
-    Found {
         p_adjusted: name.p,
         probability: name.probability,
         share: name.share,
@@ -366,6 +363,5 @@ fn one(name: &Name, addition: Addition, rest: &Fit, fit: &Fit, held_out: Vec<f64
         held_out,
         equal: name.equal.clone(),
         lost: name.lost.clone(),
-        proposal,
     }
 }

@@ -11,6 +11,7 @@ use crate::decide::FORM;
 use crate::model::Model;
 use crate::observed::Channel;
 use crate::stacked::Stacked;
+use crate::waves::{half_waves, polynomial, range};
 
 /// Highest power of a covariate, and half waves over the span of time.
 const ORDERS: usize = 8;
@@ -109,33 +110,21 @@ impl<'m, 'a> Followed<'m, 'a> {
         for name in &names {
             let values: Vec<Option<Vec<f64>>> =
                 self.channels().map(|c| self.along(c, effect.axis, name)).collect();
-            let all = || values.iter().flatten().flatten().copied().filter(|v| v.is_finite());
-            let (low, high) =
-                all().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-            if high.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) {
-                continue;
-            }
+            let Some(range) = range(values.iter().flatten().flatten()) else { continue };
             form.add_group((1..=orders).map(|order| {
                 own.times(|channel| {
-                    let wave = |v: &f64| {
-                        let x = ((2.0 * v - low - high) / (high - low)).clamp(-1.0, 1.0);
-                        if x.is_finite() { (order as f64 * x.acos()).cos() / order as f64 } else { 0.0 }
-                    };
+                    let wave = |value: &f64| polynomial(order, *value, range) / order as f64;
                     values[channel].as_ref().map(|values| values.iter().map(wave).collect())
                 })
             }));
         }
-        if let Some((from, length)) = self.span {
+        if let Some(span) = self.span {
             form.add_group((1..=orders).map(|order| {
                 own.times(|channel| {
                     let channel = &self.model.observed.channels[channel];
                     let run = &self.model.observed.runs[channel.run];
-                    let time = run.time_s?;
-                    let wave = |row: &usize| {
-                        let at = (time[*row] + run.setting.context.clock_s - from) / length;
-                        (std::f64::consts::PI * order as f64 * at).cos() / order as f64
-                    };
-                    Some(channel.rows.iter().map(wave).collect())
+                    let wave = |row: &usize| Some(half_waves(order, run, *row, span)? / order as f64);
+                    channel.rows.iter().map(wave).collect()
                 })
             }));
         }

@@ -10,6 +10,7 @@ use crate::covariates::{ALONG, across, fields};
 use crate::model::{Model, State};
 use crate::observed::{Channel, Reader, Run};
 use crate::stacked::Stacked;
+use crate::waves::{half_waves, polynomial, range};
 use crate::what::What;
 
 /// Half waves over the span of time.
@@ -70,15 +71,12 @@ pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
     let span = model.observed.span();
     let fields = fields(model, state)?;
     for axis in Axis::ALL.into_iter().filter(|axis| model.reads(*axis)) {
-        if let Some((from, length)) = span {
+        if let Some(span) = span {
             let waves = (1..=WAVES)
                 .map(|k| {
                     stack(model, axis, |run, channel| {
-                        let at = |row: &usize| {
-                            let time = run.time_s?[*row] + run.setting.context.clock_s;
-                            Some((std::f64::consts::PI * k as f64 * (time - from) / length).cos())
-                        };
-                        channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
+                        let at = |row: &usize| half_waves(k, run, *row, span).unwrap_or(0.0);
+                        channel.rows.iter().map(at).collect()
                     })
                 })
                 .collect();
@@ -144,14 +142,11 @@ fn with_time(
     fields: &[Vec<Vector3<f64>>],
     span: Option<(f64, f64)>,
 ) -> Option<Generic> {
-    let (from, length) = span?;
+    let span = span?;
     let waves = (1..=POWERS).map(|k| {
         stack(model, axis, |run, channel| {
-            let at = |row: &usize| {
-                let time = run.time_s?[*row] + run.setting.context.clock_s;
-                let wave = (std::f64::consts::PI * k as f64 * (time - from) / length).cos();
-                Some(wave * fields[channel.run][*row][axis.index()])
-            };
+            let at =
+                |row: &usize| Some(half_waves(k, run, *row, span)? * fields[channel.run][*row][axis.index()]);
             channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
         })
     });
@@ -249,20 +244,12 @@ fn powers(
     values: impl Fn(usize) -> Option<Vec<f64>>,
 ) -> Option<Generic> {
     let series: Vec<Option<Vec<f64>>> = (0..model.observed.runs.len()).map(values).collect();
-    let known = || series.iter().flatten().flatten().filter(|value| value.is_finite());
-    let (low, high) = known().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-    if high.partial_cmp(&low) != Some(std::cmp::Ordering::Greater) {
-        return None;
-    }
+    let range = range(series.iter().flatten().flatten())?;
     let columns = (1..=POWERS)
         .map(|k| {
             stack(model, axis, |_, channel| {
                 let Some(values) = &series[channel.run] else { return vec![0.0; channel.rows.len()] };
-                let at = |row: &usize| {
-                    let x = (2.0 * values[*row] - low - high) / (high - low);
-                    if x.is_finite() { (k as f64 * x.clamp(-1.0, 1.0).acos()).cos() } else { 0.0 }
-                };
-                channel.rows.iter().map(at).collect()
+                channel.rows.iter().map(|row| polynomial(k, values[*row], range)).collect()
             })
         })
         .collect();

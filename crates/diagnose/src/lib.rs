@@ -39,6 +39,7 @@ mod sets;
 mod smooth;
 mod stacked;
 mod verdict;
+mod waves;
 mod what;
 mod whitening;
 mod words;
@@ -53,7 +54,7 @@ use crate::candidates::Pool;
 use crate::fit::{Fit, settled};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::proposal::Proposal;
+use crate::proposal::Addition;
 use crate::search::{Look, Searcher};
 use crate::whitening::NoiseModel;
 
@@ -79,8 +80,12 @@ impl Default for Options {
 /// One thing that was found, and what was said against it.
 #[derive(Clone, Debug)]
 struct Found {
+    /// Its name with its target.
+    name: String,
     /// What came in.
-    proposal: Proposal,
+    addition: Addition,
+    /// Whether it touches few rows, so that rows left out say nothing.
+    local: bool,
     /// Probability of such a gain by chance, all that was searched counted.
     p_adjusted: f64,
     /// Probability of the name.

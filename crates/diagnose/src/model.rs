@@ -266,6 +266,21 @@ impl<'a> Model<'a> {
             .collect())
     }
 
+    /// Columns of the last effect of a state: the derivatives by its amplitudes, or, of an effect that has none, by how much it changes
+    /// what a state without it predicts, and whether it is that.
+    pub fn columns_of_last(&self, without: &State, with: &State) -> Result<(Vec<Vec<f64>>, bool), Error> {
+        let number = with.effects.len() - 1;
+        let infos = with.effects[number].kind.parameters().iter().enumerate();
+        let amplitudes: Vec<Parameter> = infos
+            .filter(|(_, info)| info.role == Role::Amplitude)
+            .map(|(k, _)| Parameter::Effect(number, k))
+            .collect();
+        if amplitudes.is_empty() {
+            return Ok((vec![self.change(without, with)?], true));
+        }
+        Ok((self.derivatives(with, &amplitudes)?, false))
+    }
+
     /// What is predicted, nT, stacked.
     pub fn predicted(&self, state: &State) -> Result<Vec<f64>, Error> {
         let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())

@@ -30,8 +30,8 @@ impl Products {
         Self { columns: Vec::new(), ranges, gram: Vec::new() }
     }
 
-    /// Adds columns (nT), and gives where the first of them stands.
-    pub fn push(&mut self, noise: &NoiseModel, raw: &[Stacked]) -> usize {
+    /// Adds columns (nT).
+    pub fn push(&mut self, noise: &NoiseModel, raw: &[Stacked]) {
         let from = self.columns.len();
         self.columns.extend(noise.whitened(raw));
         let mut rows: Vec<Vec<f64>> = (from..self.columns.len()).map(|i| vec![0.0; i + 1]).collect();
@@ -46,7 +46,6 @@ impl Products {
             }
         }
         self.gram.extend(rows);
-        from
     }
 
     /// A whitened series less columns times coefficients.

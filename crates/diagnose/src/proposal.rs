@@ -13,7 +13,7 @@ pub enum Addition {
     Column(Column),
 }
 
-/// Something that may explain what is left, before it is refined.
+/// Something found at a moment, at a frequency or in codes, before it is weighed.
 #[derive(Clone, Debug)]
 pub struct Proposal {
     /// Its name with its target.
@@ -24,15 +24,8 @@ pub struct Proposal {
     pub p: f64,
     /// By how much it lowers the sum of squares.
     pub gain: f64,
-    /// As how many independent looks its search counts; zero for a candidate, whose shapes are counted by themselves.
+    /// As how many independent looks its search counts.
     pub looks: f64,
     /// Whether it touches few rows, so that rows left out say nothing.
     pub local: bool,
-}
-
-impl Proposal {
-    /// Whether it was found among moments, frequencies or codes rather than among the candidates.
-    pub fn is_event(&self) -> bool {
-        self.looks > 0.0
-    }
 }

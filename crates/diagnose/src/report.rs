@@ -46,7 +46,7 @@ pub fn report(
     recordings.dedup();
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
-            let words = equal.iter().map(|found| next::between(&found.proposal.name, &found.equal[0]));
+            let words = equal.iter().map(|found| next::between(&found.name, &found.equal[0]));
             Some(words.collect::<Vec<_>>().join("; "))
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
@@ -93,7 +93,7 @@ pub fn report(
         if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields)? };
     let ambiguity = equal
         .iter()
-        .flat_map(|found| std::iter::once(&found.proposal.name).chain(&found.equal))
+        .flat_map(|found| std::iter::once(&found.name).chain(&found.equal))
         .map(|name| vec![name.clone()])
         .collect();
     Ok(Diagnosis {

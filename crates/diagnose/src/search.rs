@@ -3,19 +3,15 @@
 use estimate::screen::{Chance, Screen, Search};
 use faer::Mat;
 use noise::Stream;
-use physics::Role;
-use std::sync::Arc;
 
 use crate::Error;
-use crate::candidates::{Candidate, Pool, searched};
+use crate::candidates::{Candidate, Pool};
 use crate::codes;
 use crate::events;
 use crate::fit::{Fit, Fitter};
-use crate::generic::following;
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
-use crate::model::Follows;
-use crate::model::{Column, Model, State};
+use crate::model::State;
 use crate::products::{Products, Projection};
 use crate::proposal::{Addition, Proposal};
 use crate::what::{What, named};
@@ -39,13 +35,26 @@ pub struct Structure {
     pub unknowns: f64,
 }
 
+/// A name that stands out.
+#[derive(Clone, Debug)]
+pub struct Striking {
+    /// The name with its target.
+    pub name: String,
+    /// Probability by chance within its family, the search included.
+    pub p: f64,
+    /// By how much it lowers the sum of squares, less ln n for each of its unknowns.
+    worth: f64,
+}
+
 /// What one look at a residual gave.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// What is left before anything comes in.
     pub rest: Rest,
-    /// Proposals below the level, the least probable first.
-    pub proposals: Vec<Proposal>,
+    /// Names below the level, those that are worth most first.
+    pub names: Vec<Striking>,
+    /// Those of them that were found at moments, frequencies or in codes.
+    pub events: Vec<Proposal>,
     /// What follows smooth functions of something, the most striking first.
     pub structures: Vec<Structure>,
     /// The strongest line.
@@ -152,27 +161,28 @@ impl<'p> Searcher<'p> {
             known: fitter.noise.known,
         };
         let families = |p: f64| at_least_one(p, FAMILIES);
-        let mut proposals = Vec::new();
+        let mut names = Vec::new();
+        let log_rows = (fit.white.len() as f64).ln();
         let mut structures: Vec<Structure> = Vec::new();
         let mut least_p = 1.0_f64;
         for (number, (candidate, search)) in self.pool.candidates.iter().zip(&searches).enumerate() {
             if already(&fit.state, candidate) {
                 continue;
             }
-            let mut best: Option<(f64, f64, usize, Vec<f64>, usize)> = None;
+            let mut best: Option<(f64, f64, usize)> = None;
             let mut sizes = Vec::new();
-            for (at, group) in search.iter().enumerate() {
+            for group in search {
                 let gain = screen.gain(group)?;
                 let p = rest.p(gain.gain, gain.rank);
                 sizes.push((gain.gain, gain.coefficients.first().copied().unwrap_or(0.0)));
                 if best
                     .as_ref()
-                    .is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most))
+                    .is_none_or(|(least, most, _)| p < *least || (p == *least && gain.gain > *most))
                 {
-                    best = Some((p, gain.gain, at, gain.coefficients, gain.rank));
+                    best = Some((p, gain.gain, gain.rank));
                 }
             }
-            let Some((p, gain, at, coefficients, rank)) = best else { continue };
+            let Some((p, gain, rank)) = best else { continue };
             let chance =
                 self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
             least_p = least_p.min(families(chance));
@@ -184,38 +194,39 @@ impl<'p> Searcher<'p> {
                     let (what, p_adjusted) = (candidate.what.clone(), families(chance));
                     structures.push(Structure { what, p_adjusted, gain, unknowns: rank as f64 });
                 }
-                _ => {
-                    if let Some(addition) = start(fitter.model, candidate, at, &coefficients, &sizes) {
-                        let name = candidate.what.name();
-                        proposals.push(Proposal {
-                            name,
-                            addition,
-                            p: chance,
-                            gain,
-                            looks: 0.0,
-                            local: false,
-                        });
+                what => {
+                    // What an effect without amplitude does at a shape must be what is seen, and not its opposite.
+                    let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
+                    let seen = |(gain, size): &(f64, f64)| *size > 0.0 && *gain > 0.5 * most;
+                    if !candidate.finite || sizes.iter().any(seen) {
+                        let unknowns = match what {
+                            What::Physics(effect) => effect.parameters.len() as f64,
+                            _ => 1.0,
+                        };
+                        let worth = gain - unknowns * log_rows;
+                        names.push(Striking { name: what.name(), p: chance, worth });
                     }
                 }
             }
         }
-        let (line, others) = self.events(fitter, fit, &rest)?;
-        for other in others {
-            least_p = least_p.min(families(other.p));
-            proposals.push(other);
-        }
-        least_p = least_p.min(line.as_ref().map_or(1.0, |line| families(line.p)));
-        let size = |p: &Proposal| -> f64 {
-            let unknowns = match &p.addition {
+        let (line, events) = self.events(fitter, fit, &rest)?;
+        for event in &events {
+            least_p = least_p.min(families(event.p));
+            let unknowns = match &event.addition {
                 Addition::Effect(effect) => effect.parameters.len() as f64,
                 Addition::Column(_) => 1.0,
             };
-            p.gain - unknowns * (fit.white.len() as f64).ln()
-        };
-        proposals.sort_by(|a, b| size(b).total_cmp(&size(a)));
-        let worth = |s: &Structure| s.gain - s.unknowns * (fit.white.len() as f64).ln();
+            names.push(Striking {
+                name: event.name.clone(),
+                p: event.p,
+                worth: event.gain - unknowns * log_rows,
+            });
+        }
+        least_p = least_p.min(line.as_ref().map_or(1.0, |line| families(line.p)));
+        names.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+        let worth = |s: &Structure| s.gain - s.unknowns * log_rows;
         structures.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-        Ok(Look { rest, proposals, structures, line, least_p })
+        Ok(Look { rest, names, events, structures, line, least_p })
     }
 }
 
@@ -225,58 +236,5 @@ fn already(state: &State, candidate: &Candidate) -> bool {
         What::Physics(effect) => state.effects.iter().any(|other| named(other) == named(effect)),
         What::Dependence { .. } => state.columns.iter().any(|column| column.what == candidate.what.name()),
         What::Smooth { .. } => false,
-    }
-}
-
-/// Where the refinement of a candidate begins.
-fn start(
-    model: &Model<'_>,
-    candidate: &Candidate,
-    best: usize,
-    coefficients: &[f64],
-    sizes: &[(f64, f64)],
-) -> Option<Addition> {
-    match &candidate.what {
-        What::Physics(template) => {
-            let mut effect = template.clone();
-            let infos = effect.kind.parameters();
-            let shape = searched(effect.kind);
-            if candidate.finite {
-                // What an effect without amplitude does at a shape must be what is seen: the coefficient is one.
-                let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
-                let near = |at: &usize| sizes[*at].1.ln().abs();
-                let fitting = (0..sizes.len()).filter(|at| sizes[*at].1 > 0.0 && sizes[*at].0 > 0.5 * most);
-                let at = fitting.min_by(|a, b| near(a).total_cmp(&near(b)))?;
-                effect.parameters[shape?] = candidate.trials[at].shape?;
-                return Some(Addition::Effect(effect));
-            }
-            let mut amplitudes = coefficients.iter();
-            for (k, info) in infos.iter().enumerate() {
-                match info.role {
-                    Role::Amplitude => effect.parameters[k] = *amplitudes.next()?,
-                    _ if Some(k) == shape => effect.parameters[k] = candidate.trials[best].shape?,
-                    _ => {}
-                }
-            }
-            Some(Addition::Effect(effect))
-        }
-        what => {
-            let mut values = Vec::new();
-            let follows = match what {
-                What::Dependence { column, axis } => {
-                    let lag_s = candidate.trials[best].shape.unwrap_or(0.0);
-                    values = following(model, *axis, column, lag_s).dense(&model.observed);
-                    Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None })
-                }
-                _ => None,
-            };
-            let coefficient = *coefficients.first()?;
-            Some(Addition::Column(Column {
-                what: what.name(),
-                follows,
-                values: Arc::new(values),
-                coefficient,
-            }))
-        }
     }
 }

@@ -4,7 +4,6 @@ use estimate::screen::Screen;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
-use crate::Error;
 use crate::atoms::{Atom, Atoms};
 use crate::decide::{BEAM, CANCEL, DEPTH, FORM, FORM_ENERGY};
 use crate::evidence::{Given, Term, energy};
@@ -38,7 +37,7 @@ pub struct Member {
     /// ln of the probability of atom, shape and size beforehand.
     log_prior: f64,
     /// How far it may depart from its form, for each group of departures; none before its form is looked at.
-    pub departs: Vec<f64>,
+    departs: Vec<f64>,
     /// ln of the mean evidence over the departures that were tried, over that of the best of them.
     log_forms: f64,
 }
@@ -61,7 +60,7 @@ impl Set {
     }
 
     /// Its members but for one.
-    pub fn without(&self, number: usize) -> Vec<Member> {
+    fn without(&self, number: usize) -> Vec<Member> {
         let mut members = self.members.clone();
         members.remove(number);
         members
@@ -84,9 +83,9 @@ pub struct Sets<'s, 'm, 'a> {
     products: Products,
     projection: Projection,
     followed: Followed<'m, 'a>,
-    rest: Rest,
-    /// What is left of all columns.
-    pub screen: Screen,
+    /// What the fit leaves.
+    pub rest: Rest,
+    screen: Screen,
     forms: HashMap<(usize, usize), Places>,
 }
 
@@ -106,13 +105,12 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     }
 
     /// The sets that were weighed, the most probable first.
-    pub fn search(&mut self) -> Result<Vec<Set>, Error> {
+    pub fn search(&mut self) -> Vec<Set> {
         let empty = Set::default();
         let mut seen: HashMap<Vec<usize>, Set> = HashMap::from([(empty.key(), empty.clone())]);
         let mut beam = vec![empty];
         for _ in 0..DEPTH {
-            let mut next = self.grown(&beam, &mut seen)?;
-            next.sort_by(|a, b| b.log.total_cmp(&a.log));
+            let mut next = self.grown(&beam, &mut seen);
             next.truncate(BEAM);
             let before = beam.iter().map(|set| set.log).fold(f64::NEG_INFINITY, f64::max);
             let goes_on = next.first().is_some_and(|set| set.log > before);
@@ -124,23 +122,20 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             }
         }
         for _ in 0..DEPTH {
-            let Some(best) = best(&seen) else { break };
+            let Some(best) = sorted(seen.clone()).into_iter().next() else { break };
             let fewer: Vec<Set> =
                 (0..best.members.len()).filter_map(|k| self.weighed(best.without(k), true)).collect();
             fewer.iter().for_each(|set| keep(&mut seen, set.clone()));
-            self.grown(&fewer, &mut seen)?;
-            let now = best_log(&seen);
-            if now <= best.log + 1e-6 {
+            self.grown(&fewer, &mut seen);
+            if seen.values().all(|set| set.log <= best.log + 1e-6) {
                 break;
             }
         }
-        let mut all: Vec<Set> = seen.into_values().collect();
-        all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
-        Ok(all)
+        sorted(seen)
     }
 
     /// Sets with one member more, the most promising of each.
-    fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Result<Vec<Set>, Error> {
+    fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Vec<Set> {
         let found: Vec<Vec<(Member, Vec<f64>)>> = sets.iter().map(|set| self.promising(set)).collect();
         self.add_forms(found.iter().flatten());
         let tried: Vec<Vec<Member>> = sets
@@ -154,17 +149,14 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 })
             })
             .collect();
-        let fresh: Vec<Vec<Member>> = tried;
         let weighed: Vec<Set> =
-            fresh.into_par_iter().filter_map(|members| self.weighed(members, false)).collect();
+            tried.into_par_iter().filter_map(|members| self.weighed(members, false)).collect();
         let mut all: HashMap<Vec<usize>, Set> = HashMap::new();
         for set in weighed {
             keep(seen, set.clone());
             keep(&mut all, set);
         }
-        let mut all: Vec<Set> = all.into_values().collect();
-        all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
-        Ok(all)
+        sorted(all)
     }
 
     /// What would come in next, forms apart, with its coefficients.
@@ -358,26 +350,18 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     /// Forms, and structure along what an effect itself follows, do no more than a part of what their effects do; names of one sensor do not
     /// cancel each other.
     fn admissible(&self, members: &[Member], coefficients: &[f64]) -> Option<()> {
-        let mut at = 0;
         let mut own: Vec<(&Atom, Vec<(usize, f64)>)> = Vec::new();
-        for member in members {
+        for (member, [sizes, departs]) in members.iter().zip(self.split(members, coefficients)) {
             let atom = &self.atoms.all[member.atom];
             let columns = &atom.shapes[member.shape].columns;
-            let sizes = &coefficients[at..at + columns.len()];
-            at += columns.len();
             if atom.finite && sizes[0] <= 0.0 {
                 return None;
             }
             own.push((atom, columns.iter().copied().zip(sizes.iter().copied()).collect()));
             let Some(form) = self.form(member) else { continue };
             // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
-            let mut departure = 0.0;
-            for group in &form.departures {
-                let orders = coefficients[at..at + group.len()].iter().enumerate();
-                departure += orders.map(|(k, a)| 0.5 * (a / (k + 1) as f64).powi(2)).sum::<f64>();
-                at += group.len();
-            }
-            at += form.neighbours.len();
+            let orders = form.departures.iter().flat_map(|group| 1..=group.len());
+            let departure: f64 = orders.zip(departs).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
             let whole = energy(&self.screen, columns, sizes) / form.energy.max(f64::MIN_POSITIVE);
             if departure > FORM_ENERGY * whole {
                 return None;
@@ -442,17 +426,25 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     pub fn coefficients(&self, members: &[Member]) -> Option<Vec<Vec<f64>>> {
         let given = Given::of(&self.screen, self.terms(members))?;
         let all = given.coefficients();
-        let mut at = 0;
-        let mut found = Vec::new();
-        for member in members {
-            let count = self.atoms.all[member.atom].shapes[member.shape].columns.len();
-            found.push(all[at..at + count].to_vec());
-            at += count;
-            if let Some(form) = self.form(member) {
-                at += form.departures.iter().map(Vec::len).sum::<usize>() + form.neighbours.len();
-            }
-        }
-        Some(found)
+        Some(self.split(members, &all).into_iter().map(|[own, _]| own.to_vec()).collect())
+    }
+
+    /// The coefficients of all terms member by member: its own, and those of its departures.
+    fn split<'c>(&self, members: &[Member], coefficients: &'c [f64]) -> Vec<[&'c [f64]; 2]> {
+        let mut left = coefficients;
+        let mut take = |count: usize| {
+            let (taken, rest) = left.split_at(count);
+            left = rest;
+            taken
+        };
+        let of = |member: &Member| {
+            let own = take(self.atoms.all[member.atom].shapes[member.shape].columns.len());
+            let form = self.form(member);
+            let departs = take(form.map_or(0, |form| form.departures.iter().map(Vec::len).sum()));
+            take(form.map_or(0, |form| form.neighbours.len()));
+            [own, departs]
+        };
+        members.iter().map(of).collect()
     }
 }
 
@@ -463,12 +455,9 @@ fn keep(seen: &mut HashMap<Vec<usize>, Set>, set: Set) {
     }
 }
 
-fn best(seen: &HashMap<Vec<usize>, Set>) -> Option<Set> {
-    let mut all: Vec<&Set> = seen.values().collect();
-    all.sort_by(|a, b| b.log.total_cmp(&a.log).then_with(|| a.key().cmp(&b.key())));
-    all.first().map(|set| (*set).clone())
-}
-
-fn best_log(seen: &HashMap<Vec<usize>, Set>) -> f64 {
-    seen.values().map(|set| set.log).fold(f64::NEG_INFINITY, f64::max)
+/// The most probable first.
+fn sorted(sets: HashMap<Vec<usize>, Set>) -> Vec<Set> {
+    let mut all: Vec<(Vec<usize>, Set)> = sets.into_iter().collect();
+    all.sort_by(|(key, a), (other, b)| b.log.total_cmp(&a.log).then_with(|| key.cmp(other)));
+    all.into_iter().map(|(_, set)| set).collect()
 }

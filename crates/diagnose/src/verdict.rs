@@ -5,11 +5,10 @@ use common::number::{probability, significant};
 
 use estimate::stats::chi_squared_quantile;
 
-use crate::Error;
 use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
-use crate::decide::{CRUMB, EXPLAINED, OF_THE_REST, PARTLY, SURE, TEMPERATURE};
-use crate::level::{Rest, at_least_one};
+use crate::decide::{EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
+use crate::level::at_least_one;
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::sets::{Member, Set, Sets};
@@ -83,23 +82,18 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
 }
 
 /// The answer of ranked sets.
-pub fn answer(
-    model: &Model<'_>,
-    atoms: &Atoms<'_>,
-    sets: &Sets<'_, '_, '_>,
-    ranked: &[Set],
-    rest: Rest,
-) -> Result<Answer, Error> {
+pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Answer {
+    let rest = sets.rest;
     let weights = weights(ranked);
     let Some(best) = ranked.first().map(|set| simplest(atoms, sets, ranked, set)) else {
-        return Ok(Answer {
+        return Answer {
             verdict: Verdict::Unexplained,
             names: Vec::new(),
             refused: Vec::new(),
             gain: 0.0,
             events: Vec::new(),
             rivals: Vec::new(),
-        });
+        };
     };
     let whole = rest.sum_of_squares;
     let all = sets.gain(&best.members);
@@ -169,7 +163,7 @@ pub fn answer(
         }
     }
     let rivals = rivals(model, atoms, sets, ranked);
-    Ok(Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals })
+    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals }
 }
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance.
@@ -195,7 +189,7 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The members that explain more than a crumb of what all of their sensor explain, and the names of the others: the one that explains
+/// The members that explain more than a negligible share of what all of their sensor explain, and the names of the others: the one that explains
 /// least beside the rest goes first, and the rest is looked at again without it.
 fn core(
     atoms: &Atoms<'_>,
@@ -221,11 +215,11 @@ fn core(
                 };
                 let alone = all - gain(&core, &|other| other != number);
                 let whole = all - gain(&core, &|other| !together(other));
-                let counts = own.is_event() && alone > OF_THE_REST * (alone + beyond);
+                let counts = own.is_event() && alone > EVENT_SHARE * (alone + beyond);
                 (if counts { 1.0 } else { alone / whole }, number)
             })
             .collect();
-        let least = shares.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < CRUMB);
+        let least = shares.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
         let Some((share, number)) = least.copied() else { return (core, refused) };
         core.retain(|other| *other != number);
         let atom = &atoms.all[members[number].atom];

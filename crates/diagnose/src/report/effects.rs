@@ -16,15 +16,15 @@ use crate::{Error, Found, Outcome};
 /// The number of an effect of the state that a found thing is, or of a column.
 pub(super) fn place_of(outcome: &Outcome, number: usize) -> usize {
     let same = |found: &&Found| {
-        matches!(found.proposal.addition, Addition::Effect(_))
-            == matches!(outcome.found[number].proposal.addition, Addition::Effect(_))
+        matches!(found.addition, Addition::Effect(_))
+            == matches!(outcome.found[number].addition, Addition::Effect(_))
     };
     outcome.found[..number].iter().filter(same).count()
 }
 
 /// The effect of a found thing at the final fit.
 pub(super) fn effect_of(outcome: &Outcome, number: usize) -> Option<(usize, &EffectInstance)> {
-    match outcome.found[number].proposal.addition {
+    match outcome.found[number].addition {
         Addition::Effect(_) => {
             let at = outcome.base.state.effects.len() + place_of(outcome, number);
             Some((at, &outcome.fit.state.effects[at]))
@@ -119,7 +119,7 @@ pub(super) fn explained(
                     let column = &outcome.fit.state.columns[place];
                     let at = base + free.len() + place;
                     let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
-                    let single = found.proposal.local;
+                    let single = found.local;
                     effect.effect = if single { "spike" } else { "dependence" }.into();
                     effect.title = column.what.clone();
                     effect.equation =

@@ -29,7 +29,7 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
             column.follows.iter().map(|follows| (follows.column.clone(), follows.axis)).unzip();
         let mut share =
             Share { energy_share, covariates, sensors, description: column.what.clone(), ..Share::default() };
-        if found.proposal.local {
+        if found.local {
             share.readings = single(model, column);
             share.recordings = share.readings.iter().map(|reading| reading.recording.clone()).collect();
         }
@@ -113,7 +113,7 @@ pub(super) fn structure(outcome: &Outcome, options: &Options) -> String {
         ));
     }
     words.extend(
-        outcome.last.proposals.iter().take(3).map(|p| format!("looks like {} ({})", p.name, p_value(p.p))),
+        outcome.last.names.iter().take(3).map(|p| format!("looks like {} ({})", p.name, p_value(p.p))),
     );
     words.join("; ")
 }

@@ -1,0 +1,41 @@
+//! Smooth functions of a covariate and of time, order by order.
+
+use std::f64::consts::PI;
+
+use crate::observed::Run;
+
+/// The lowest and the highest of values, those that are no number left out; None where they do not differ.
+pub fn range<'v>(values: impl Iterator<Item = &'v f64>) -> Option<[f64; 2]> {
+    let known = values.filter(|value| value.is_finite());
+    let (low, high) = known.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+    (high.partial_cmp(&low) == Some(std::cmp::Ordering::Greater)).then_some([low, high])
+}
+
+/// The Chebyshev polynomial of an order over a range; zero where there is no value.
+pub fn polynomial(order: usize, value: f64, [low, high]: [f64; 2]) -> f64 {
+    let x = (2.0 * value - low - high) / (high - low);
+    if x.is_finite() { (order as f64 * x.clamp(-1.0, 1.0).acos()).cos() } else { 0.0 }
+}
+
+/// So many half waves over the span of the campaign's clock, at a row; None without times.
+pub fn half_waves(order: usize, run: &Run<'_>, row: usize, (from, length): (f64, f64)) -> Option<f64> {
+    let time = run.time_s?[row] + run.setting.context.clock_s;
+    Some((PI * order as f64 * (time - from) / length).cos())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomials_are_those_of_chebyshev() {
+        for x in [-1.0_f64, -0.3, 0.0, 0.8, 1.0] {
+            let value = 10.0 + 5.0 * x;
+            assert!((polynomial(2, value, [5.0, 15.0]) - (2.0 * x * x - 1.0)).abs() < 1e-12);
+            assert!((polynomial(3, value, [5.0, 15.0]) - (4.0 * x.powi(3) - 3.0 * x)).abs() < 1e-12);
+        }
+        assert_eq!(polynomial(2, f64::NAN, [5.0, 15.0]), 0.0);
+        assert_eq!(range([2.0, f64::NAN, -1.0].iter()), Some([-1.0, 2.0]));
+        assert_eq!(range([2.0, 2.0].iter()), None);
+    }
+}
