@@ -3,7 +3,7 @@
 mod declared;
 
 use common::{Document, Noise};
-use noise::Whitening;
+use noise::{NoiseError, Whitening};
 use rayon::prelude::*;
 
 use crate::Error;
@@ -120,7 +120,9 @@ impl NoiseModel {
 
 /// The whitening of a channel. A declaration ends at one over the recording's length, but such noise did not begin with it: levels and
 /// trends of a recording are part of it, and what is slower than the whole campaign is one level throughout. Where the noise was estimated
-/// from a residual, what is slower than a recording may be what is looked for, and is not taken for noise.
+/// from a residual, nothing is known of it below one over the recording's length: there it is level, and a recording's mean is known as
+/// well as if its readings were independent. Otherwise steep noise would take the level for noise, and with it the calibration that was
+/// to explain it.
 fn whitening(
     observed: &Observed<'_>,
     channel: &Channel,
@@ -128,13 +130,21 @@ fn whitening(
     declared: bool,
 ) -> Result<Whitening, Error> {
     let time = observed.times(channel);
+    let rows = channel.rows.len();
     let length = time.as_ref().map_or(1.0, |time| time[time.len() - 1] - time[0]);
-    let campaign = observed.span().filter(|_| declared).map_or(0.0, |(_, length)| OLDEST * length);
-    Whitening::of(noise, time.as_deref(), channel.rows.len(), campaign.max(length)).map_err(|error| {
+    let campaign = observed.span().map_or(0.0, |(_, length)| OLDEST * length);
+    let oldest = if declared { campaign.max(length) } else { length * noise::SLOWEST };
+    let refused = |error: NoiseError| {
         Error::Document(common::Error::document(
             observed.runs[channel.run].path.clone(),
             error.to_string(),
             "a noise that is declared with an exponent from 0 to 2, and times in order",
         ))
-    })
+    };
+    let whitening = Whitening::of(noise, time.as_deref(), rows, oldest).map_err(refused)?;
+    if declared || whitening.is_white() {
+        return Ok(whitening);
+    }
+    let variance = whitening.variance_nt2();
+    Ok(whitening.with_level((variance / rows as f64).sqrt()))
 }

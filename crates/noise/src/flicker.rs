@@ -38,8 +38,8 @@ impl Process {
 const FASTEST: f64 = 2.0;
 const FAST: usize = 5;
 const FAST_RATIO: f64 = 1.7;
-/// The slowest corner lies at this part of the lowest frequency that counts, or just below.
-const SLOWEST: f64 = 0.2;
+/// The slowest corner of a whitening lies at this part of the lowest frequency that counts, or just below: there the density levels off.
+pub const SLOWEST: f64 = 0.2;
 /// Weight of a relative error in the last octave below the Nyquist frequency, where a sum of few processes cannot follow the
 /// kink that a power law folded there has.
 const LAST_OCTAVE: f64 = 0.1;

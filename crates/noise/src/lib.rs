@@ -9,12 +9,13 @@ mod covariance;
 mod filter;
 mod flicker;
 mod least_squares;
+mod level;
 mod power_law;
 mod stream;
 mod whitening;
 
 pub use covariance::covariance;
-pub use flicker::Process;
+pub use flicker::{Process, SLOWEST};
 pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
 pub use whitening::Whitening;

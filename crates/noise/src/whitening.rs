@@ -4,6 +4,7 @@ use std::sync::Arc;
 use common::Noise;
 
 use crate::filter::{EVEN, Filter, Gain, LANES, States};
+use crate::level::Level;
 use crate::{NoiseError, Process, flicker};
 
 /// Rows that are whitened at a time.
@@ -32,6 +33,7 @@ pub struct Whitening {
     walk: f64,
     /// nT².
     white: f64,
+    level: Option<Level>,
 }
 
 impl Whitening {
@@ -51,6 +53,7 @@ impl Whitening {
             processes: Arc::default(),
             walk: 0.0,
             white: noise.white_rms_nt.unwrap_or(0.0).powi(2),
+            level: None,
         };
         let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
         let times = time_s.filter(|time| time.len() == rows && rows > 1 && amplitude + walk > 0.0);
@@ -75,6 +78,41 @@ impl Whitening {
             whitening.steps_s = steps.into();
         }
         if whitening.white > 0.0 { Ok(whitening) } else { Err(NoiseError::Nothing) }
+    }
+
+    /// The same noise where the mean of the readings is known besides: it is zero within a standard uncertainty.
+    pub fn with_level(mut self, std_nt: f64) -> Self {
+        self.level = None;
+        let weight = 1.0 / (self.rows as f64 * std_nt);
+        let sums: Vec<f64> = self.of_ones().iter().map(|sum| weight * sum).collect();
+        self.level = Some(Level::of(&self.whiten(&sums), weight));
+        self
+    }
+
+    /// Covariance of each reading with the sum of all, nT².
+    fn of_ones(&self) -> Vec<f64> {
+        let mut all = vec![self.white; self.rows];
+        for process in self.processes.iter() {
+            let (mut before, mut after) = (0.0, 0.0);
+            for row in 0..self.rows {
+                let other = self.rows - 1 - row;
+                all[row] += process.variance_nt2 * (before + 1.0);
+                all[other] += process.variance_nt2 * after;
+                before = (before + 1.0) * (-process.rate_per_s * self.step(row)).exp();
+                if other > 0 {
+                    after = (after + 1.0) * (-process.rate_per_s * self.step(other - 1)).exp();
+                }
+            }
+        }
+        if self.walk > 0.0 {
+            let (mut time, mut sum) = (0.0, 0.0);
+            for (row, all) in all.iter_mut().enumerate() {
+                sum += time;
+                *all += self.walk * (sum + (self.rows - 1 - row) as f64 * time);
+                time += self.step(row);
+            }
+        }
+        all
     }
 
     /// Whether readings are independent of each other.
@@ -127,6 +165,10 @@ impl Whitening {
             columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|reading| *reading /= deviation);
             return;
         }
+        let known: Vec<f64> = match &self.level {
+            Some(level) => columns.iter_mut().map(|column| level.known(column.as_mut())).collect(),
+            None => Vec::new(),
+        };
         let mut filter = Filter::new(&self.processes, self.walk, self.white);
         let groups = columns.len().div_ceil(LANES);
         let mut states: Vec<States> = (0..groups).map(|_| States::new(filter.states())).collect();
@@ -166,6 +208,9 @@ impl Whitening {
                 }
             }
         }
+        if let Some(level) = &self.level {
+            columns.iter_mut().zip(known).for_each(|(column, known)| level.add(known, column.as_mut()));
+        }
     }
 
     /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations (nT²).
@@ -181,7 +226,7 @@ impl Whitening {
             }
             logarithm
         });
-        rows.sum()
+        rows.sum::<f64>() - self.level.as_ref().map_or(0.0, Level::log_determinant)
     }
 
     /// What a departure of 1 nT in the middle row alone is whitened to, from its row on (1/nT).
@@ -216,7 +261,7 @@ impl Whitening {
         variance + self.walk * pairs.sum::<f64>() / (rows * rows).max(1.0)
     }
 
-    /// Covariance of the readings under the model, rows of rows, nT².
+    /// Covariance of the readings under the model, rows of rows, nT²; without what is known of their mean.
     pub fn covariance(&self) -> Vec<f64> {
         let mut times = vec![0.0; self.rows];
         for (row, step) in self.steps_s.iter().enumerate() {

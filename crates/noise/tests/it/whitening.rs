@@ -101,6 +101,31 @@ fn it_is_the_inverse_of_the_root_of_the_covariance() {
     }
 }
 
+/// C⁻¹ + 1 1ᵀ/(n s)² of readings whose mean is known besides, and the determinant of its inverse.
+#[test]
+fn a_known_mean_is_one_more_observation() {
+    let rows = 200;
+    for noise in [declared(0.3, 0.2, 1.5, 0.1), declared(0.1, 0.4, 2.0, 0.0), declared(0.1, 0.0, 1.0, 0.4)] {
+        for time in &times(rows)[..3] {
+            let without = Whitening::of(&noise, Some(time), rows, 300.0).expect("a whitening");
+            let with = without.clone().with_level(0.02);
+            let mut stream = Stream::new(3, "columns");
+            let [one, other] = [0, 1].map(|_| (0..rows).map(|_| stream.normal()).collect::<Vec<f64>>());
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let mean = |y: &[f64]| y.iter().sum::<f64>() / rows as f64;
+            let product = |noise: &Whitening| dot(&noise.whiten(&one), &noise.whiten(&other));
+            let expected = product(&without) + mean(&one) * mean(&other) / (0.02 * 0.02);
+            assert!((product(&with) / expected - 1.0).abs() < 1e-9, "{} {expected}", product(&with));
+            // 1ᵀC1/n² is the variance of the mean without the knowledge.
+            let covariance = without.covariance();
+            let sums: Vec<f64> = covariance.chunks(rows).map(|row| row.iter().sum()).collect();
+            let ratio = 1.0 + mean(&sums) / (rows as f64 * 0.02 * 0.02);
+            let lower = without.log_determinant() - with.log_determinant();
+            assert!((lower - ratio.ln()).abs() < 1e-9, "{lower} {}", ratio.ln());
+        }
+    }
+}
+
 #[test]
 fn readings_at_one_time_without_white_noise_are_finite() {
     let rows = 90;
