@@ -38,6 +38,9 @@ pub struct Diagnosis {
     /// How far the calibration's parameters moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub base_shift: Vec<BaseShift>,
+    /// Constants that moved farther than their stated uncertainty allows: the calibration as stated no longer holds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub calibration_moved: Vec<MovedConstant>,
     /// What these recordings could have shown.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detectable: Vec<Detectable>,
@@ -60,7 +63,7 @@ pub enum Verdict {
     /// The recordings are met to the noise.
     #[default]
     Agrees,
-    /// Named effects explain the difference, and nothing else is left.
+    /// Named effects, or constants that moved, explain the difference, and nothing else is left.
     Explained,
     /// Named effects explain a part of it.
     PartlyExplained,
@@ -299,6 +302,24 @@ pub struct BaseShift {
     pub parameter: String,
     /// From the calibration as it came, with the standard uncertainty of the new value.
     pub shift: Quantity,
+}
+
+/// A constant that is not where the calibration states it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct MovedConstant {
+    /// The constant; the unit stands in its name.
+    pub parameter: String,
+    /// From the calibration as it came, where the other constants are known as they are stated.
+    pub shift: Quantity,
+    /// Standard uncertainty that the calibration states.
+    pub stated_std: f64,
+    /// Probability that the calibration holds and seems not to by chance, all its constants counted.
+    pub p_adjusted: f64,
+    /// Constants that could have moved in its place.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub alternatives: Vec<String>,
 }
 
 /// The smallest effect that would have been seen.

@@ -29,6 +29,7 @@ mod lines;
 mod magnitude;
 mod matched;
 mod model;
+mod moved;
 mod next;
 mod observed;
 mod products;
@@ -47,7 +48,7 @@ mod words;
 pub use error::Error;
 pub use words::summary;
 
-use common::{Document, Verdict};
+use common::{Diagnosis, Document, Verdict};
 use physics::References;
 
 use crate::candidates::Pool;
@@ -151,9 +152,14 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let pool = Pool::of(&model, &base.state)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
-    let outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
+    let mut outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
     told("writing the answer");
+    let moved = moved::moved(&original, &model, &outcome, options.level);
+    if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
+        outcome.verdict = Verdict::Explained;
+    }
     let entry = report::report(&model, &mut searcher, &outcome, options)?;
+    let entry = Diagnosis { calibration_moved: moved, ..entry };
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
         physics::state_references(&mut document, &References::of(&original));

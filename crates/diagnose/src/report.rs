@@ -16,7 +16,7 @@ use crate::fit::Fitter;
 use crate::model::Model;
 use crate::search::Searcher;
 use crate::what::{What, named};
-use crate::{Error, Found, Options, Outcome, next};
+use crate::{Error, Found, Options, Outcome, moved, next};
 
 pub use effects::effect_quantities;
 
@@ -105,8 +105,8 @@ pub fn report(
         ambiguity,
         fit: Some(residuals::fit(model, outcome, &fitter)?),
         energy,
+        base_shift: moved::shifts(model, outcome),
         series: series::series(model, outcome, &guilty, &fields),
-        base_shift: residuals::base_shift(model, outcome),
         detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
         remaining: Some(Remaining {
             white: !left,
@@ -115,6 +115,6 @@ pub fn report(
             structure,
         }),
         next_experiment,
-        extra: common::Extra::new(),
+        ..Diagnosis::default()
     })
 }

@@ -57,6 +57,17 @@ fn one(text: &mut String, entry: &Diagnosis) {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }
     }
+    for moved in &entry.calibration_moved {
+        let or = moved.alternatives.iter().map(|other| format!(" or {other}")).collect::<String>();
+        let _ = writeln!(
+            text,
+            "  the calibration as stated no longer holds: {}{or} moved by {}, {} times its stated uncertainty ({})",
+            moved.parameter,
+            moved.shift,
+            significant(moved.shift.value().abs() / moved.stated_std, 2),
+            p_value(moved.p_adjusted)
+        );
+    }
     if !entry.ambiguity.is_empty() {
         let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
         let _ = writeln!(text, "  cannot be told apart here: {}", sets.join("; "));

@@ -1,11 +1,10 @@
-//! How well the recordings are met, and how far the calibration moved for it.
+//! How well the recordings are met.
 
-use common::{BaseShift, Quantity, Residual, ResidualOf};
-use physics::Parameter;
+use common::{Residual, ResidualOf};
 
 use crate::fit::{Fit, Fitter};
 use crate::held_out::HeldOut;
-use crate::model::{Instrument, Model, Unknown};
+use crate::model::Model;
 use crate::observed::Channel;
 use crate::{Error, Outcome};
 
@@ -55,39 +54,4 @@ fn held_out_nt(model: &Model<'_>, held: &HeldOut, fit: &Fit) -> Vec<Option<f64>>
         held.squares[channel.range()].iter().map(|square| square.map(|square| square.sqrt() * unit)).collect()
     };
     model.observed.channels.iter().flat_map(of_channel).collect()
-}
-
-pub(super) fn base_shift(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
-    let scale = outcome.last.rest.scale();
-    let name = |unknown: &Unknown| match unknown {
-        Unknown::Chain(parameter, instrument) => {
-            let test = if *instrument == Instrument::Pair { "test." } else { "" };
-            match parameter {
-                Parameter::Sensitivity(axis) => format!("{test}sensors.{axis}.sensitivity"),
-                Parameter::SensorOffset(axis) => format!("{test}sensors.{axis}.offset_nt"),
-                Parameter::SensorTurn(axis, which) => format!("{test}axes.sensors.{axis}.turn_{which}_rad"),
-                Parameter::CoilConstant(axis) => format!("coils.{axis}.constant_nt_per_a"),
-                Parameter::CoilOffset(axis) => format!("coils.{axis}.offset_nt"),
-                Parameter::CoilTurn(axis, which) => format!("axes.coils.{axis}.turn_{which}_rad"),
-                Parameter::Effect(effect, parameter) => format!("effects[{effect}][{parameter}]"),
-            }
-        }
-        Unknown::Field(axis) => format!("axes.residual_field_nt.{axis}"),
-        Unknown::Level(channel) => {
-            let channel = &model.observed.channels[*channel];
-            format!(
-                "field of the shield in \"{}\", {}, nt",
-                model.observed.runs[channel.run].recording.id, channel.column
-            )
-        }
-        Unknown::Turn { setting, about } => format!("setting {setting} of the block about axis {about}, rad"),
-    };
-    let shifts = model.unknowns.iter().zip(&outcome.fit.state.base).enumerate();
-    shifts
-        .filter(|(k, (_, shift))| **shift != 0.0 && outcome.fit.covariance[(*k, *k)].is_finite())
-        .map(|(k, (unknown, shift))| BaseShift {
-            parameter: name(unknown),
-            shift: Quantity::new(*shift, (outcome.fit.covariance[(k, k)] * scale).sqrt()),
-        })
-        .collect()
 }

@@ -8,6 +8,7 @@ mod dependence;
 mod golden;
 mod help;
 mod laws;
+mod moved;
 mod nasa;
 mod outside;
 mod pipe;

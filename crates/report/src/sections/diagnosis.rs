@@ -231,6 +231,21 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         ]);
     }
     section.table(energy);
+    let columns =
+        [("parameter", ""), ("moved by", ""), ("stated u", ""), ("unit", ""), ("or", ""), ("p", "")];
+    let mut moved = Table::new("The calibration as stated no longer holds", columns);
+    for one in &diagnosis.calibration_moved {
+        let (parameter, unit) = key(&one.parameter);
+        moved.row([
+            parameter.into(),
+            (&one.shift).into(),
+            Cell::Figures(one.stated_std, 2),
+            unit.into(),
+            one.alternatives.join(", ").into(),
+            Cell::Probability(one.p_adjusted),
+        ]);
+    }
+    section.table(moved);
     let mut shifts =
         Table::new("How far the calibration moved", [("parameter", ""), ("shift", ""), ("unit", "")]);
     for one in &diagnosis.base_shift {
