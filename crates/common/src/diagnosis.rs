@@ -50,6 +50,9 @@ pub struct Diagnosis {
     /// The recording that would decide, in words.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub next_experiment: Option<String>,
+    /// Recordings that would decide between names, the best first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub experiments: Vec<Experiment>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
@@ -169,8 +172,11 @@ pub struct ExplainedEffect {
     pub equation: String,
     /// Where that is written.
     pub source: String,
-    /// Its parameters; the unit stands in the key.
+    /// Its parameters; the unit stands in the key. None of a list, whose parts have their own.
     pub parameters: IndexMap<String, Quantity>,
+    /// The parts of a list: readings off by themselves, one by one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub list: Vec<ListedEffect>,
     /// Probability of such a gain by chance, with all that was searched.
     pub p_adjusted: f64,
     /// Probability of the name, of all sets of effects and of structure without a name that were weighed.
@@ -192,6 +198,34 @@ pub struct ExplainedEffect {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// A recording that would decide between names.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct Experiment {
+    /// The names.
+    pub between: Vec<String>,
+    /// What is done, in words.
+    pub what: String,
+    /// Expected log odds between the two of the names that it parts least.
+    pub log_odds: f64,
+    /// The plan of the best one, for `simulate campaign`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<serde_json::Value>,
+}
+
+/// One of a list of like effects.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct ListedEffect {
+    /// The recording in which it is; absent: all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recording: Option<String>,
+    /// Its parameters; the unit stands in the key.
+    pub parameters: IndexMap<String, Quantity>,
 }
 
 /// An effect that was considered and lost.

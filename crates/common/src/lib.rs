@@ -43,8 +43,8 @@ pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
 pub use diagnosis::{
-    BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, ExplainedEffect, MovedConstant, Remaining,
-    Residual, ResidualOf, ResidualSeries, Rival, Share, Verdict,
+    BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect, ListedEffect,
+    MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,

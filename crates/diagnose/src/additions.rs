@@ -53,6 +53,17 @@ pub fn columns_of(
     Ok(fit.then_some((columns, finite)))
 }
 
+/// A state with additions as they are.
+pub fn with_additions(model: &Model<'_>, state: &State, additions: &[Addition]) -> State {
+    additions.iter().fold(state.clone(), |mut state, addition| match addition {
+        Addition::Effect(effect) => model.with(&state, effect.clone()),
+        Addition::Column(column) => {
+            state.columns.push(column.clone());
+            state
+        }
+    })
+}
+
 /// A state with all additions, dependences with the lag that fits best.
 pub fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> Result<State, Error> {
     let mut state = fit.state.clone();
@@ -65,23 +76,15 @@ pub fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> R
     Ok(state)
 }
 
-/// A state without one of the things that came in.
-pub fn without(state: &State, from: (usize, usize), found: &[Addition], number: usize) -> State {
+/// A state without things that came in, which stand in it from a number of effects and of columns on, and the numbers behind them.
+pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State, (usize, usize)) {
+    let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
+    let to = (from.0 + effects, from.1 + gone.len() - effects);
     let mut state = state.clone();
-    let earlier = |is_effect: bool| {
-        found[..number].iter().filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
-    };
-    match &found[number] {
-        Addition::Effect(_) => {
-            let at = from.0 + earlier(true);
-            state.effects.remove(at);
-            state.acts.remove(at);
-        }
-        Addition::Column(_) => {
-            state.columns.remove(from.1 + earlier(false));
-        }
-    }
-    state
+    state.effects.drain(from.0..to.0);
+    state.acts.drain(from.0..to.0);
+    state.columns.drain(from.1..to.1);
+    (state, to)
 }
 
 /// What comes in for an atom at a shape with its coefficients.

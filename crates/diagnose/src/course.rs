@@ -12,12 +12,13 @@ use crate::form::Followed;
 use crate::lattice;
 use crate::level::Rest;
 use crate::model::{Model, State};
+use crate::moments::{fresh, grouped, idle, same};
 use crate::products::Projection;
 use crate::proposal::{Addition, Proposal};
 use crate::search::{Look, Searcher};
 use crate::sets::Sets;
 use crate::stacked::Stacked;
-use crate::verdict::{self, Name};
+use crate::verdict;
 use crate::whitening::NoiseModel;
 use crate::{Error, Found, Outcome};
 
@@ -35,6 +36,13 @@ struct Ground {
     look: Look,
     /// Codes that the readings show by themselves.
     codes: Vec<Proposal>,
+}
+
+impl Ground {
+    /// How many effects and columns it has, behind which those of an answer stand.
+    fn counts(&self) -> (usize, usize) {
+        (self.fit.state.effects.len(), self.fit.state.columns.len())
+    }
 }
 
 /// Searches, fits, and judges.
@@ -61,12 +69,15 @@ pub fn search(
             found: codes,
             verdict,
             refused: Vec::new(),
+            near: fit.state.base.clone(),
             fit,
             noise,
             last: look,
         });
     }
     let mut events: Vec<Proposal> = ground.look.events.clone();
+    // Moments that were among them and turned out to be none.
+    let mut spent: Vec<Proposal> = Vec::new();
     let mut shapes: Vec<EffectInstance> = Vec::new();
     let mut round = 0;
     loop {
@@ -74,27 +85,35 @@ pub fn search(
         let mut answer =
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-        let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, &additions)?;
-        let (fit, noise) = fitted(document, model, &ground, &state)?;
+        let (fit, noise) = match beside(document, model, &ground, &additions) {
+            Err(Error::Undetermined(_)) => {
+                let answer = answer.unexplained("no fit with it settles");
+                let last = (ground.fit.clone(), ground.noise.clone(), ground.look.clone());
+                return concluded(model, before, (base, base_noise, first), &ground, codes, answer, last);
+            }
+            found => found?,
+        };
         let left = square(&ground.noise.whiten(&model.observed, &fit.residual));
         let met = square(&ground.fit.white[..fit.residual.len()]) - left > MET * answer.gain;
-        let more = fresh(&answer.events, &events);
+        let idle = idle(model, ground.counts(), (&fit, &noise), &additions, &events);
+        let more = fresh(&answer.events, &[&events[..], &spent].concat());
         round += 1;
         // Where the noise is what a residual shows, what was found is no longer a part of it.
         let from = ground.fit.state.effects.len();
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
         if round <= REFITS {
             for rival in &answer.rivals {
-                let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, rival)?;
                 // A rival that has no minimum is none.
-                if let Ok((fit, _)) = fitted(document, model, &ground, &state) {
+                if let Ok((fit, _)) = beside(document, model, &ground, rival) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
                 }
             }
         }
         let quieter = ground.noise.known == 0.0 && noise.variance() < 0.9 * ground.noise.variance();
-        if round < ROUNDS && (!more.is_empty() || quieter || sharper) {
+        if round < ROUNDS && (!more.is_empty() || !idle.is_empty() || quieter || sharper) {
+            events.retain(|event| !idle.iter().any(|other| same(event, other)));
             events.extend(more);
+            spent.extend(idle);
             if quieter {
                 let fit = Fitter { model, noise: &noise }.refine(&ground.fit.state)?;
                 let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
@@ -144,7 +163,7 @@ fn with_codes(
 fn certain(proposal: &Proposal) -> Found {
     Found {
         name: proposal.name.clone(),
-        addition: proposal.addition.clone(),
+        additions: vec![proposal.addition.clone()],
         local: proposal.local,
         p_adjusted: proposal.p,
         probability: 1.0,
@@ -154,26 +173,6 @@ fn certain(proposal: &Proposal) -> Found {
         held_out: vec![0.0; crate::held_out::FOLDS],
         equal: Vec::new(),
         lost: Vec::new(),
-    }
-}
-
-/// Moments, lines and codes that are not known yet.
-fn fresh(found: &[Proposal], known: &[Proposal]) -> Vec<Proposal> {
-    let is_new = |proposal: &&Proposal| !known.iter().any(|other| same(other, proposal));
-    found.iter().filter(is_new).cloned().collect()
-}
-
-/// Whether two proposals are the same moment, line or code.
-fn same(one: &Proposal, other: &Proposal) -> bool {
-    match (&one.addition, &other.addition) {
-        (Addition::Effect(a), Addition::Effect(b)) => {
-            let shapes = a.kind.parameters().iter().zip(a.parameters.iter().zip(&b.parameters));
-            let close = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-6 * x.abs().max(y.abs());
-            (a.kind, a.axis, &a.recording) == (b.kind, b.axis, &b.recording)
-                && shapes.filter(|(info, _)| info.role != Role::Amplitude).all(|(_, pair)| close(pair))
-        }
-        (Addition::Column(a), Addition::Column(b)) => a.what == b.what,
-        _ => false,
     }
 }
 
@@ -263,22 +262,15 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// Single readings of a sensor together: they are one name with a list. All else by itself.
-fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
-    let single = |event: &Proposal| match &event.addition {
-        Addition::Effect(effect) if effect.kind == Kind::Spike => Some(effect.axis),
-        Addition::Column(_) => Some(None),
-        Addition::Effect(_) => None,
-    };
-    let mut groups: Vec<Vec<&Proposal>> = Vec::new();
-    for event in events {
-        let own = single(event);
-        match groups.iter_mut().find(|group| own.is_some() && single(group[0]) == own) {
-            Some(group) => group.push(event),
-            None => groups.push(vec![event]),
-        }
-    }
-    groups
+/// The ground with additions, at its minimum, and the noise that it leaves.
+fn beside(
+    document: &Document,
+    model: &Model<'_>,
+    ground: &Ground,
+    additions: &[Addition],
+) -> Result<(Fit, NoiseModel), Error> {
+    let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, additions)?;
+    fitted(document, model, ground, &state)
 }
 
 /// The minimum from a state, and the noise that it leaves.
@@ -322,46 +314,46 @@ fn concluded(
 ) -> Result<Outcome, Error> {
     let verdict::Answer { verdict, names, refused, .. } = answer;
     let mut found = codes;
+    let near = fit.state.base.clone();
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
         let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
         let Ground { fit, noise, look, .. } = ground;
         let (fit, noise, last) = (fit.clone(), noise.clone(), look.clone());
-        return Ok(Outcome { before, base, base_noise, first, found, verdict, refused, fit, noise, last });
+        return Ok(Outcome {
+            before,
+            base,
+            base_noise,
+            first,
+            found,
+            verdict,
+            refused,
+            near,
+            fit,
+            noise,
+            last,
+        });
     }
     let fitter = Fitter { model, noise: &noise };
-    let additions: Vec<Addition> = names.iter().flat_map(|name| name.additions.clone()).collect();
-    let mut begin = 0;
-    let from = (ground.fit.state.effects.len(), ground.fit.state.columns.len());
+    let mut from = ground.counts();
     let held_with = fitter.held_out(&fit)?;
     for name in names {
-        let own = begin..begin + name.additions.len();
-        begin = own.end;
-        let state = own
-            .clone()
-            .rev()
-            .fold(fit.state.clone(), |state, number| without(&state, from, &additions, number));
+        let (state, next) = without(&fit.state, from, &name.additions);
+        from = next;
         let rest = fitter.refine(&state)?;
-        let held: Vec<f64> =
-            fitter.held_out(&rest)?.parts.iter().zip(&held_with.parts).map(|(a, b)| a - b).collect();
-        for addition in name.additions.clone() {
-            found.push(one(&name, addition, &rest, &fit, held.clone()));
-        }
+        let held = fitter.held_out(&rest)?.parts.iter().zip(&held_with.parts).map(|(a, b)| a - b).collect();
+        found.push(Found {
+            name: name.name,
+            additions: name.additions,
+            local: name.local,
+            p_adjusted: name.p,
+            probability: name.probability,
+            share: name.share,
+            gain: rest.cost - fit.cost,
+            gain_nt2: square(&rest.residual) - square(&fit.residual),
+            held_out: held,
+            equal: name.equal,
+            lost: name.lost,
+        });
     }
-    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, fit, noise, last })
-}
-
-fn one(name: &Name, addition: Addition, rest: &Fit, fit: &Fit, held_out: Vec<f64>) -> Found {
-    Found {
-        name: name.name.clone(),
-        addition,
-        local: name.local,
-        p_adjusted: name.p,
-        probability: name.probability,
-        share: name.share,
-        gain: rest.cost - fit.cost,
-        gain_nt2: square(&rest.residual) - square(&fit.residual),
-        held_out,
-        equal: name.equal.clone(),
-        lost: name.lost.clone(),
-    }
+    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, near, fit, noise, last })
 }

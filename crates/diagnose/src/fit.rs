@@ -145,14 +145,31 @@ impl Fitter<'_, '_> {
                 && (damping > HEAVIEST || expected < 2.0 * TOLERANCE.max(1e-9 * cost)))
                 || step + 1 == STEPS
             {
-                let all: Vec<usize> = (0..jacobian.ncols()).collect();
-                let gain = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
-                let (covariance, rank) = (gain.covariance, gain.rank);
-                return Ok(Fit { state, residual, white, jacobian, covariance, rank, cost });
+                return self.with_covariance(state, residual, white, jacobian);
             }
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }
         Err(Error::Undetermined("no fit settles".into()))
+    }
+
+    /// A state as a fit that stands where it is.
+    pub fn at(&self, state: &State) -> Result<Fit, Error> {
+        let (residual, white) = self.white(state)?;
+        let jacobian = self.jacobian_near(state, None)?;
+        self.with_covariance(state.clone(), residual, white, jacobian)
+    }
+
+    fn with_covariance(
+        &self,
+        state: State,
+        residual: Vec<f64>,
+        white: Vec<f64>,
+        jacobian: Mat<f64>,
+    ) -> Result<Fit, Error> {
+        let all: Vec<usize> = (0..jacobian.ncols()).collect();
+        let Gain { covariance, rank, .. } = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
+        let cost = square(&white);
+        Ok(Fit { state, residual, white, jacobian, covariance, rank, cost })
     }
 
     /// By how much the sum of squares of a fit falls with an effect as it stands, nothing fitted again.

@@ -19,6 +19,7 @@ mod dependence;
 mod error;
 mod events;
 mod evidence;
+mod experiment;
 mod fit;
 mod form;
 mod generic;
@@ -29,6 +30,7 @@ mod lines;
 mod magnitude;
 mod matched;
 mod model;
+mod moments;
 mod moved;
 mod next;
 mod observed;
@@ -52,8 +54,8 @@ use common::{Diagnosis, Document, Verdict};
 use physics::References;
 
 use crate::candidates::Pool;
-use crate::fit::{Fit, settled};
-use crate::model::Model;
+use crate::fit::{Fit, Fitter, settled};
+use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
 use crate::search::{Look, Searcher};
@@ -83,8 +85,8 @@ impl Default for Options {
 struct Found {
     /// Its name with its target.
     name: String,
-    /// What came in.
-    addition: Addition,
+    /// What came in: one thing, or a list of such at moments.
+    additions: Vec<Addition>,
     /// Whether it touches few rows, so that rows left out say nothing.
     local: bool,
     /// Probability of such a gain by chance, all that was searched counted.
@@ -99,7 +101,7 @@ struct Found {
     /// By how much it lowers the sum of squares of readings left out, part by part.
     held_out: Vec<f64>,
     /// Names that explain as well.
-    equal: Vec<String>,
+    equal: Vec<verdict::Candidate>,
     /// Others, and why they lost.
     lost: Vec<(String, String)>,
 }
@@ -119,11 +121,32 @@ struct Outcome {
     verdict: Verdict,
     /// What else looked like an answer, and why it is none.
     refused: Vec<(String, String)>,
+    /// The unknowns of the base model beside the best names.
+    near: Vec<f64>,
     /// The final fit.
     fit: Fit,
     noise: NoiseModel,
     /// The last look.
     last: Look,
+}
+
+/// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add up.
+const LARGE: f64 = 30.0;
+
+impl Outcome {
+    /// Whether something was left out that is so large.
+    fn is_large(&self) -> bool {
+        let left = fit::square(&self.base.residual) / self.base.residual.len().max(1) as f64;
+        self.verdict != Verdict::Agrees && left > LARGE * LARGE * self.noise.variance()
+    }
+}
+
+/// The plan of the recording that would decide between the names of an ambiguous answer, as text for `simulate campaign`.
+pub fn plan(document: &Document) -> Option<String> {
+    let entries = document.diagnosis.iter().flatten();
+    let plan =
+        entries.flat_map(|entry| &entry.experiments).find_map(|experiment| experiment.plan.as_ref())?;
+    Some(common::to_text(plan))
 }
 
 /// Holds the recordings against the model and writes what is found to `diagnosis`, accepted effects to `model.effects` and the
@@ -153,12 +176,33 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
     let mut outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
+    // Where what was left out is large, the calibration fitted without it is off by so much that effects do not add up about it: the sets
+    // are weighed again about the calibration that goes with the best names.
+    let nearer = if outcome.is_large() {
+        let state = State { base: outcome.near.clone(), ..outcome.base.state.clone() };
+        Some((Pool::of(&model, &state)?, state))
+    } else {
+        None
+    };
+    if let Some((pool, state)) = &nearer {
+        told("searching again about the calibration that goes with what was found");
+        let mut other = Searcher::new(pool, options.seed, options.level);
+        let noise = outcome.base_noise.clone();
+        let about = Fitter { model: &model, noise: &noise }.at(state)?;
+        let again =
+            course::search(&original, &model, &mut other, outcome.before.clone(), (about, noise), told)?;
+        if again.verdict != Verdict::Unexplained {
+            let Outcome { base, base_noise, first, .. } = outcome;
+            outcome = Outcome { base, base_noise, first, ..again };
+            searcher = other;
+        }
+    }
     told("writing the answer");
     let moved = moved::moved(&original, &model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
     }
-    let entry = report::report(&model, &mut searcher, &outcome, options)?;
+    let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
     let entry = Diagnosis { calibration_moved: moved, ..entry };
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);

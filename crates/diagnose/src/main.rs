@@ -6,7 +6,7 @@ use common::procedure;
 use diagnose::Options;
 use indicatif::ProgressBar;
 use program::pipe::{self, Input, Io, Program};
-use program::{manual, number};
+use program::{apart, manual, number};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Duration;
@@ -34,6 +34,9 @@ struct Cli {
     /// Write the calibration that was fitted again also where no effect was found
     #[arg(long)]
     refit: bool,
+    /// Write the plan of the recording that would decide between names, for `simulate campaign`
+    #[arg(long, value_name = "FILE")]
+    plan: Option<PathBuf>,
     /// Seed of the draws by which chance is judged
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -57,6 +60,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);
         arguments.push("--against".into());
     }
+    apart::check(cli.plan.as_deref(), cli.io.file.as_deref().into_iter().chain(cli.against.as_deref()))?;
+    let mut plan = None;
     // Hidden where standard error is no terminal.
     let spinner = if cli.io.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
     spinner.enable_steady_tick(TICK);
@@ -68,9 +73,18 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
             let found =
                 diagnose::run_told(document, &options, &|words| spinner.set_message(words.to_string()));
             spinner.finish_and_clear();
+            plan = found.as_ref().ok().and_then(diagnose::plan);
             found
         },
         diagnose::summary,
     )?;
+    match (&cli.plan, plan) {
+        (Some(path), Some(plan)) => pipe::write(Some(path), &plan)?,
+        (Some(path), None) => pipe::say(&format!(
+            "diagnose: no recording is known that would decide between names; {} was not written\n",
+            path.display()
+        )),
+        _ => {}
+    }
     Ok(())
 }

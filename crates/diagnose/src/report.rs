@@ -9,19 +9,20 @@ mod residuals;
 mod series;
 
 use common::number::{bare, p_value, probability, significant};
-use common::{Diagnosis, Remaining, Share, Verdict};
+use common::{Diagnosis, Document, Remaining, Share, Verdict};
 
 use crate::covariates;
 use crate::fit::Fitter;
 use crate::model::Model;
 use crate::search::Searcher;
 use crate::what::{What, named};
-use crate::{Error, Found, Options, Outcome, moved, next};
+use crate::{Error, Found, Options, Outcome, experiment, moved, next};
 
 pub use effects::effect_quantities;
 
 /// The entry of a document.
 pub fn report(
+    document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
     outcome: &Outcome,
@@ -44,10 +45,15 @@ pub fn report(
         places.iter().flat_map(|share| share.recordings.iter().cloned()).collect();
     recordings.sort();
     recordings.dedup();
+    let experiments = match verdict {
+        Verdict::Ambiguous => experiment::experiments(document, model, outcome)?,
+        _ => Vec::new(),
+    };
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
-            let words = equal.iter().map(|found| next::between(&found.name, &found.equal[0]));
-            Some(words.collect::<Vec<_>>().join("; "))
+            let best = experiments.iter().filter(|experiment| experiment.plan.is_some());
+            let words: Vec<String> = best.map(|experiment| experiment.what.clone()).collect();
+            Some(if words.is_empty() { next::MORE.to_string() } else { words.join("; ") })
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
             outcome.last.structures.first().map(|s| match &s.what {
@@ -93,7 +99,7 @@ pub fn report(
         if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields)? };
     let ambiguity = equal
         .iter()
-        .flat_map(|found| std::iter::once(&found.name).chain(&found.equal))
+        .flat_map(|found| std::iter::once(&found.name).chain(found.equal.iter().map(|other| &other.name)))
         .map(|name| vec![name.clone()])
         .collect();
     Ok(Diagnosis {
@@ -115,6 +121,7 @@ pub fn report(
             structure,
         }),
         next_experiment,
+        experiments,
         ..Diagnosis::default()
     })
 }

@@ -23,6 +23,15 @@ const REFITTED: usize = 5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
+/// A name that could stand in the place of another.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The name with its target.
+    pub name: String,
+    /// What would come in.
+    pub additions: Vec<Addition>,
+}
+
 /// A name of the answer.
 #[derive(Clone, Debug)]
 pub struct Name {
@@ -39,7 +48,7 @@ pub struct Name {
     /// Share of what can be explained.
     pub share: f64,
     /// Names that explain as well.
-    pub equal: Vec<String>,
+    pub equal: Vec<Candidate>,
     /// Others, and why they lost.
     pub lost: Vec<(String, String)>,
 }
@@ -120,13 +129,15 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         let p = at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp());
         if slot.equal.is_none() {
             let why = format!(
-                "its probability is {}, and that of structure without a name the rest",
+                "its probability is {}; structure without a name and other sets have the rest",
                 significant(slot.probability, 2)
             );
             refused.push((atom.name.clone(), why));
             continue;
         }
         let equal = slot.equal.unwrap_or_default();
+        let equal: Vec<Candidate> =
+            equal.into_iter().map(|(atom, set)| candidate(model, atoms, sets, set, atom)).collect();
         undecided |= !equal.is_empty();
         kept.push(number);
         names.push(Name {
@@ -225,22 +236,40 @@ fn core(
         let atom = &atoms.all[members[number].atom];
         if atom.is_named() {
             let why = format!(
-                "beside the others it explains {} of what is explained in its sensor, no more than forms are true to",
-                significant(share, 2)
+                "it explains {} % of what is explained in its sensor, no more than the forms of the others may be off",
+                significant(100.0 * share, 2)
             );
             refused.push((atom.name.clone(), why));
         }
     }
 }
 
-/// The names of sets nearly as probable as the best.
+/// An atom as a set has it.
+fn candidate(
+    model: &Model<'_>,
+    atoms: &Atoms<'_>,
+    sets: &Sets<'_, '_, '_>,
+    set: &Set,
+    atom: usize,
+) -> Candidate {
+    let says = |member: &Member| member.atom == atom || atoms.all[member.atom].is_fuller(&atoms.all[atom]);
+    let sizes = sets.coefficients(&set.members).unwrap_or_default();
+    let own = set.members.iter().zip(&sizes).find(|(member, _)| says(member));
+    let additions = own.map(|(member, sizes)| {
+        let atom = &atoms.all[member.atom];
+        additions(model, &atom.thing, &atom.shapes[member.shape], sizes)
+    });
+    Candidate { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
+}
+
+/// The names of sets nearly as probable as the best, and each name that by itself explains nearly as much: it may do better at the
+/// shape that it comes to.
 fn rivals(
     model: &Model<'_>,
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
     ranked: &[Set],
 ) -> Vec<Vec<Addition>> {
-    let near = |set: &&Set| ranked[0].log - set.log < NEARLY;
     let of = |set: &Set| -> Vec<Addition> {
         let coefficients = sets.coefficients(&set.members).unwrap_or_default();
         let named =
@@ -251,7 +280,17 @@ fn rivals(
         });
         additions.collect()
     };
-    ranked.iter().skip(1).filter(near).take(REFITTED).map(of).collect()
+    let most = sets.gain(&ranked[0].members);
+    let has_shapes = |member: &Member| {
+        let shapes = &atoms.all[member.atom].shapes;
+        shapes.len() > 1 && shapes[member.shape].fitted.is_none()
+    };
+    let alone = |set: &&Set| match &set.members[..] {
+        [one] => has_shapes(one) && sets.gain(&set.members) > PARTLY * most,
+        _ => false,
+    };
+    let near = ranked.iter().skip(1).filter(|set| ranked[0].log - set.log < NEARLY).take(REFITTED);
+    near.chain(ranked.iter().filter(alone).take(REFITTED)).map(of).collect()
 }
 
 fn member_prior(atom: &Atom) -> f64 {
@@ -267,18 +306,18 @@ fn is_local(atom: &Atom) -> bool {
 }
 
 /// What may stand in the place of a name.
-struct Slot {
+struct Slot<'r> {
     probability: f64,
-    /// Names that together with it have the probability asked for; None where they have not.
-    equal: Option<Vec<String>>,
+    /// Names that together with it have the probability asked for, each with the best set that has it; None where they have not.
+    equal: Option<Vec<(usize, &'r Set)>>,
 }
 
-impl Slot {
-    fn of(atoms: &Atoms<'_>, ranked: &[Set], weights: &[f64], atom: usize) -> Self {
+impl<'r> Slot<'r> {
+    fn of(atoms: &Atoms<'_>, ranked: &'r [Set], weights: &[f64], atom: usize) -> Self {
         // A fuller form that is not needed says the same.
         let says = |own: usize, atom: usize| own == atom || atoms.all[own].is_fuller(&atoms.all[atom]);
         let holds = |set: &Set, atom: usize| set.members.iter().any(|member| says(member.atom, atom));
-        let mut left: Vec<(&Set, f64)> =
+        let mut left: Vec<(&'r Set, f64)> =
             ranked.iter().zip(weights.iter().copied()).filter(|(set, _)| !holds(set, atom)).collect();
         let probability = 1.0 - left.iter().map(|(_, weight)| weight).sum::<f64>();
         let mut together = probability;
@@ -299,7 +338,7 @@ impl Slot {
             let most = all.iter().max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
             let Some((weight, next)) = most.copied() else { break };
             together += weight;
-            equal.push(atoms.all[next].name.clone());
+            equal.extend(left.iter().find(|(set, _)| holds(set, next)).map(|(set, _)| (next, *set)));
             left.retain(|(set, _)| !holds(set, next));
         }
         Self { probability, equal: (together >= SURE).then_some(equal) }

@@ -1,10 +1,10 @@
 //! The result in a few lines for people.
 
 use common::number::{p_value, probability, signed, significant};
-use common::{Diagnosis, Document, ExplainedEffect};
+use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, Quantity};
 use std::fmt::Write;
 
-/// Most parameters of an effect that are said.
+/// Most parameters of an effect, or parts of a list, that are said.
 const PARAMETERS: usize = 12;
 
 /// What was found, with ± and units.
@@ -22,6 +22,20 @@ fn weight(effect: &ExplainedEffect) -> String {
     let share =
         effect.share.map(|share| format!("{} % of what can be explained", significant(100.0 * share, 2)));
     [sure, share, Some(p_value(effect.p_adjusted))].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The parameters of an effect; of a list, those of each part.
+fn parameters(effect: &ExplainedEffect) -> String {
+    let told = |(name, value): (&String, &Quantity)| format!("{name} = {value}");
+    let parts: Vec<String> = if effect.list.is_empty() {
+        effect.parameters.iter().map(told).collect()
+    } else {
+        let of = |part: &ListedEffect| part.parameters.iter().map(told).collect::<Vec<_>>().join(" at ");
+        effect.list.iter().map(of).collect()
+    };
+    let more = parts.len().saturating_sub(PARAMETERS);
+    let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
+    format!("{}{more}", parts[..parts.len().min(PARAMETERS)].join(", "))
 }
 
 fn one(text: &mut String, entry: &Diagnosis) {
@@ -43,16 +57,12 @@ fn one(text: &mut String, entry: &Diagnosis) {
         let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
         let target =
             target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
-        let _ = writeln!(text, "  {}{target}: {} ({})", effect.effect, effect.title, weight(effect));
-        let parameters: Vec<String> = effect
-            .parameters
-            .iter()
-            .take(PARAMETERS)
-            .map(|(name, value)| format!("{name} = {value}"))
-            .collect();
-        let more = effect.parameters.len() - parameters.len();
-        let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
-        let _ = writeln!(text, "    {}{more}", parameters.join(", "));
+        let times = match effect.list.len() {
+            0 => String::new(),
+            count => format!(", {count} times"),
+        };
+        let _ = writeln!(text, "  {}{target}: {}{times} ({})", effect.effect, effect.title, weight(effect));
+        let _ = writeln!(text, "    {}", parameters(effect));
         for rival in &effect.rivals {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }

@@ -1,36 +1,28 @@
 //! The effects that explain, with their parameters and the evidence.
 
-use common::{ExplainedEffect, Quantity, Rival};
+use common::{ExplainedEffect, ListedEffect, Quantity, Rival};
 use estimate::screen::Screen;
 use indexmap::IndexMap;
 use physics::{EffectInstance, Role};
+use std::ops::Range;
 
 use super::residuals::floor;
 use crate::covariates::on_coil;
 use crate::dependence;
 use crate::fit::Fitter;
-use crate::model::Model;
+use crate::model::{Column, Model};
 use crate::proposal::Addition;
 use crate::{Error, Found, Outcome};
 
-/// The number of an effect of the state that a found thing is, or of a column.
-pub(super) fn place_of(outcome: &Outcome, number: usize) -> usize {
-    let same = |found: &&Found| {
-        matches!(found.addition, Addition::Effect(_))
-            == matches!(outcome.found[number].addition, Addition::Effect(_))
+/// Where something that was found stands in the final state: the numbers of its effects, and of its columns.
+pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Range<usize>) {
+    let count = |found: &[Found], is_effect: bool| {
+        let all = found.iter().flat_map(|found| &found.additions);
+        all.filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
     };
-    outcome.found[..number].iter().filter(same).count()
-}
-
-/// The effect of a found thing at the final fit.
-pub(super) fn effect_of(outcome: &Outcome, number: usize) -> Option<(usize, &EffectInstance)> {
-    match outcome.found[number].addition {
-        Addition::Effect(_) => {
-            let at = outcome.base.state.effects.len() + place_of(outcome, number);
-            Some((at, &outcome.fit.state.effects[at]))
-        }
-        Addition::Column(_) => None,
-    }
+    let (before, own) = (&outcome.found[..number], &outcome.found[number..=number]);
+    let first = [outcome.base.state.effects.len() + count(before, true), count(before, false)];
+    (first[0]..first[0] + count(own, true), first[1]..first[1] + count(own, false))
 }
 
 /// Parameters of an effect of the final state with their uncertainty.
@@ -91,58 +83,73 @@ pub(super) fn explained(
                 p_adjusted: found.p_adjusted,
                 probability: Some(found.probability),
                 share: Some(found.share),
+                title: found.name.clone(),
                 held_out_gain_nt: in_nt(found.held_out.iter().sum(), count, floor),
                 held_out_by_block_nt: gains,
                 rivals: rivals.collect(),
                 ..ExplainedEffect::default()
             };
-            match effect_of(outcome, number) {
-                Some((at, instance)) => {
-                    let about = instance.kind.about();
-                    let coil = on_coil(instance);
-                    let own: Vec<usize> =
-                        (0..free.len()).filter(|k| free[*k].0 == at).map(|k| base + k).collect();
-                    effect.effect = about.name.into();
-                    effect.sensor = instance.axis.filter(|_| !coil);
-                    effect.coil = instance.axis.filter(|_| coil);
-                    effect.column = instance.column.clone();
-                    effect.recording = instance.recording.clone();
-                    effect.title = about.title.into();
-                    effect.physics = about.physics.into();
-                    effect.equation = about.equation.into();
-                    effect.source = about.source.into();
-                    effect.parameters = effect_quantities(model, outcome, at);
-                    effect.visible_fraction = visible(fitter, outcome, &own)?;
-                }
-                None => {
-                    let place = place_of(outcome, number);
-                    let column = &outcome.fit.state.columns[place];
-                    let at = base + free.len() + place;
-                    let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
-                    let single = found.local;
-                    effect.effect = if single { "spike" } else { "dependence" }.into();
-                    effect.title = column.what.clone();
-                    effect.equation =
-                        if single { "dB = h in one reading" } else { "dB = c times the column, lagged" }
-                            .into();
-                    let follows = column.follows.as_ref();
-                    let name = follows.map_or("height_nt".into(), |f| dependence::coefficient(&f.column));
-                    effect.parameters.insert(name, Quantity::new(column.coefficient, std));
-                    if let Some(follows) = follows {
-                        (effect.column, effect.sensor) = (Some(follows.column.clone()), Some(follows.axis));
-                        if follows.lag_s > 0.0 {
-                            let lag = follows.lag_std_s.map(|std| Quantity::new(follows.lag_s, std));
-                            effect
-                                .parameters
-                                .insert("lag_s".into(), lag.unwrap_or(Quantity::Bare(follows.lag_s)));
-                        }
-                    }
-                    effect.visible_fraction = visible(fitter, outcome, &[at])?;
-                }
+            let (effects, columns) = places_of(outcome, number);
+            let own = (0..free.len()).filter(|k| effects.contains(&free[*k].0)).map(|k| base + k);
+            let own: Vec<usize> = own.chain(columns.clone().map(|k| base + free.len() + k)).collect();
+            effect.visible_fraction = visible(fitter, outcome, &own)?;
+            for at in effects {
+                let instance = &outcome.fit.state.effects[at];
+                describe(&mut effect, instance);
+                effect.list.push(ListedEffect {
+                    recording: instance.recording.clone(),
+                    parameters: effect_quantities(model, outcome, at),
+                });
+            }
+            for place in columns {
+                let at = base + free.len() + place;
+                let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
+                let column = &outcome.fit.state.columns[place];
+                let part = describe_column(&mut effect, column, std);
+                effect.list.push(part);
+            }
+            if effect.list.len() == 1 {
+                let one = effect.list.remove(0);
+                (effect.recording, effect.parameters) = (one.recording, one.parameters);
             }
             Ok(effect)
         })
         .collect()
+}
+
+/// Says what an effect is.
+fn describe(effect: &mut ExplainedEffect, instance: &EffectInstance) {
+    let about = instance.kind.about();
+    let coil = on_coil(instance);
+    effect.effect = about.name.into();
+    effect.sensor = instance.axis.filter(|_| !coil);
+    effect.coil = instance.axis.filter(|_| coil);
+    effect.column = instance.column.clone();
+    effect.title = about.title.into();
+    effect.physics = about.physics.into();
+    effect.equation = about.equation.into();
+    effect.source = about.source.into();
+}
+
+/// Says what a column is: the parameters of a dependence, or of a reading off by itself.
+fn describe_column(effect: &mut ExplainedEffect, column: &Column, std: f64) -> ListedEffect {
+    let mut parameters = IndexMap::new();
+    let size = Quantity::new(column.coefficient, std);
+    let Some(follows) = &column.follows else {
+        effect.effect = "spike".into();
+        effect.equation = "dB = h in one reading".into();
+        parameters.insert("height_nt".into(), size);
+        return ListedEffect { parameters, ..ListedEffect::default() };
+    };
+    effect.effect = "dependence".into();
+    effect.equation = "dB = c times the column, lagged".into();
+    (effect.column, effect.sensor) = (Some(follows.column.clone()), Some(follows.axis));
+    parameters.insert(dependence::coefficient(&follows.column), size);
+    if follows.lag_s > 0.0 {
+        let lag = follows.lag_std_s.map(|std| Quantity::new(follows.lag_s, std));
+        parameters.insert("lag_s".into(), lag.unwrap_or(Quantity::Bare(follows.lag_s)));
+    }
+    ListedEffect { parameters, ..ListedEffect::default() }
 }
 
 /// A change of a sum of squares as a change of rms, nT.

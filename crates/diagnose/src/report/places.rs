@@ -4,7 +4,7 @@ use common::number::{bare, p_value};
 use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
-use super::effects::{effect_of, place_of};
+use super::effects::places_of;
 use crate::covariates;
 use crate::covariates::on_coil;
 use crate::fit::square;
@@ -23,20 +23,27 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
         (found.gain_nt2, square(&outcome.base.residual) - square(&outcome.fit.residual))
     };
     let energy_share = Some((gain / excess.max(gain)).clamp(0.0, 1.0)).filter(|share| share.is_finite());
-    let Some((at, effect)) = effect_of(outcome, number) else {
-        let column = &outcome.fit.state.columns[place_of(outcome, number)];
-        let (covariates, sensors) =
-            column.follows.iter().map(|follows| (follows.column.clone(), follows.axis)).unzip();
-        let mut share =
-            Share { energy_share, covariates, sensors, description: column.what.clone(), ..Share::default() };
+    let (effects, columns) = places_of(outcome, number);
+    let Some(effect) = effects.clone().next().map(|at| &outcome.fit.state.effects[at]) else {
+        let columns = &outcome.fit.state.columns[columns];
+        let follows = || columns.iter().filter_map(|column| column.follows.as_ref());
+        let mut share = Share {
+            energy_share,
+            covariates: follows().map(|follows| follows.column.clone()).collect(),
+            sensors: follows().map(|follows| follows.axis).collect(),
+            description: found.name.clone(),
+            ..Share::default()
+        };
         if found.local {
-            share.readings = single(model, column);
+            share.readings = columns.iter().flat_map(|column| single(model, column)).collect();
             share.recordings = share.readings.iter().map(|reading| reading.recording.clone()).collect();
+            share.recordings.dedup();
         }
         return share;
     };
     let about = effect.kind.about();
-    let runs = model.observed.runs.iter().zip(&outcome.fit.state.acts[at]);
+    let acts = |run: usize| effects.clone().any(|at| outcome.fit.state.acts[at][run]);
+    let runs = model.observed.runs.iter().enumerate().filter(|(run, _)| acts(*run));
     let frame = match effect.kind.place() {
         Place::Sensor | Place::Electronics | Place::Logger | Place::Spacecraft => "SEN",
         Place::Facility | Place::Environment | Place::Sites => "GEO",
@@ -50,8 +57,11 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
         frame: Some(frame.into()),
         covariates: covariates::recorded(model, effect),
         energy_share,
-        recordings: runs.filter(|(_, acts)| **acts).map(|(run, _)| run.recording.id.clone()).collect(),
-        time_s: moment.map(|at| [effect.parameters[at]; 2]),
+        recordings: runs.map(|(_, run)| run.recording.id.clone()).collect(),
+        time_s: moment.map(|of| {
+            let times = effects.map(|at| outcome.fit.state.effects[at].parameters[of]);
+            times.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], t| [low.min(t), high.max(t)])
+        }),
         band_hz: frequency.map(|at| [effect.parameters[at]; 2]),
         description: about.title.into(),
         ..Share::default()

@@ -18,8 +18,6 @@ pub enum Scene {
     Cube,
     /// The same as the three with half an hour between rows.
     Days,
-    /// Drives of some Hz, read 100 times a second.
-    Quick,
     /// Readings 500 times a second, the coils held.
     Fast,
     /// A day from Friday noon, the field outside and the tilts beside.
@@ -42,7 +40,6 @@ impl Scene {
             Scene::Runs => (3, 160, 10.0),
             Scene::Cube => (6, 80, 10.0),
             Scene::Days => (3, 160, 1800.0),
-            Scene::Quick => (1, 300, 0.01),
             Scene::Fast => (1, 800, 0.002),
             Scene::Site => (1, 900, 100.0),
             Scene::Craft => (1, 900, 0.05),

@@ -20,5 +20,6 @@ fn the_wrong_values_of_table_4_are_located() {
     // The 29th: orientation 4, coil 1, sensor 2. The 4th, which the scan has wrong: orientation 1, coil 2, sensor 1.
     assert!(readings.contains(&("orientation-4".into(), "sensor_y_v".into(), 0)), "{readings:?}");
     assert!(readings.contains(&("orientation-1".into(), "sensor_x_v".into(), 1)), "{readings:?}");
-    assert_eq!(entry.effects.len(), readings.len(), "{:?}", entry.effects);
+    let [spikes] = &entry.effects[..] else { panic!("{:?}", entry.effects) };
+    assert_eq!(spikes.list.len(), readings.len(), "{:?}", spikes.list);
 }

@@ -110,7 +110,8 @@ fn effects(diagnosis: &Diagnosis) -> Table {
         ],
     );
     for effect in &diagnosis.effects {
-        for (name, value) in &effect.parameters {
+        let parts = effect.list.iter().flat_map(|part| &part.parameters);
+        for (name, value) in effect.parameters.iter().chain(parts) {
             let (name, unit) = key(name);
             table.row([
                 named(effect).into(),

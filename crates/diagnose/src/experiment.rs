@@ -1,0 +1,189 @@
+//! The recording that would decide between names: of the recordings that the site can make, the one in which they predict what is
+//! most unlike.
+
+mod variants;
+
+use common::{Document, Experiment, Noise, NoiseOfSensors, Recording};
+use estimate::screen::{Products, Screen};
+use faer::Mat;
+use serde_json::{Value, json};
+
+use crate::additions::{at_shapes, with_additions};
+use crate::fit::square;
+use crate::generic::following;
+use crate::model::{Model, State};
+use crate::observed::Observed;
+use crate::proposal::Addition;
+use crate::stacked::Stacked;
+use crate::verdict::Candidate;
+use crate::whitening::NoiseModel;
+use crate::{Error, Outcome};
+use variants::{Variant, is_reading, variants};
+
+/// Experiments that are told of each open question.
+const TOLD: usize = 5;
+/// Log odds below which a recording would decide nothing.
+const LEAST: f64 = 3.0;
+/// Rows of a recording that is planned.
+const ROWS: usize = 400;
+
+/// The experiments for each name that stands beside others, the best first, with its plan.
+pub fn experiments(
+    document: &Document,
+    model: &Model<'_>,
+    outcome: &Outcome,
+) -> Result<Vec<Experiment>, Error> {
+    let mut all = Vec::new();
+    let mut bare = document.clone();
+    (bare.recordings, bare.diagnosis, bare.history) = (Vec::new(), None, Vec::new());
+    if outcome.noise.known == 0.0 {
+        let noise = Noise { white_rms_nt: Some(outcome.noise.variance().sqrt()), ..Noise::default() };
+        bare.instrument.get_or_insert_default().noise = Some(NoiseOfSensors::Same(noise));
+    }
+    for found in outcome.found.iter().filter(|found| !found.equal.is_empty()) {
+        let own = Candidate { name: found.name.clone(), additions: found.additions.clone() };
+        let names: Vec<Candidate> = std::iter::once(own).chain(found.equal.iter().cloned()).collect();
+        let Some(run) = most_affected(model, outcome, &names[0])? else { continue };
+        let recording = thinned(model.observed.runs[run].recording);
+        let mut ranked: Vec<(f64, Variant)> = Vec::new();
+        for variant in variants(&bare, &recording) {
+            let log_odds = decides(&bare, &variant, &names)?;
+            ranked.push((log_odds, variant));
+        }
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+        ranked.retain(|(log_odds, _)| *log_odds > LEAST);
+        all.extend(ranked.into_iter().take(TOLD).enumerate().map(|(place, (log_odds, variant))| {
+            Experiment {
+                between: names.iter().map(|name| name.name.clone()).collect(),
+                plan: (place == 0).then(|| plan(document, &variant)),
+                what: variant.words,
+                log_odds,
+            }
+        }));
+    }
+    Ok(all)
+}
+
+/// The recording in which a name does most.
+fn most_affected(model: &Model<'_>, outcome: &Outcome, name: &Candidate) -> Result<Option<usize>, Error> {
+    let state = &outcome.base.state;
+    let does = model.change(state, &with_additions(model, state, &name.additions))?;
+    let of = |run: usize| -> f64 {
+        model.observed.channels_of(run).map(|channel| square(&does[channel.range()])).sum()
+    };
+    Ok((0..model.observed.runs.len()).max_by(|a, b| of(*a).total_cmp(&of(*b))))
+}
+
+/// No more rows than a plan should have, evenly chosen.
+fn thinned(recording: &Recording) -> Recording {
+    let step = recording.rows().div_ceil(ROWS).max(1);
+    let mut thinned = recording.clone();
+    for column in thinned.columns.values_mut() {
+        column.0 = column.0.iter().copied().step_by(step).collect();
+    }
+    thinned
+}
+
+/// Expected log odds between the two of the names that the recording parts least: half of what of one's prediction the other, with its
+/// sizes and shapes and the calibration free, cannot follow, in squares of the noise; as if nothing else were known.
+fn decides(bare: &Document, variant: &Variant, names: &[Candidate]) -> Result<f64, Error> {
+    let document = Document { recordings: vec![variant.recording.clone()], ..bare.clone() };
+    // What cannot be predicted there decides nothing.
+    let Ok(observed) = Observed::of(&document) else { return Ok(0.0) };
+    let (model, state) = Model::of(&document, observed)?;
+    let zeros = vec![0.0; model.observed.rows];
+    let noise = NoiseModel::of(&document, &model.observed, &state, &zeros, None)?;
+    let base = noise.whiten_all(&model.observed, &model.base_columns(&state)?);
+    let mut predicted = Vec::new();
+    for name in names {
+        let followed = along(&model, &name.additions);
+        let does = model.change(&state, &with_additions(&model, &state, &followed))?;
+        if does.iter().any(|value| !value.is_finite()) {
+            return Ok(0.0);
+        }
+        let columns = columns(&model, &state, &followed)?;
+        predicted.push((noise.whiten(&model.observed, &does), noise.whiten_all(&model.observed, &columns)));
+    }
+    let mut least = f64::INFINITY;
+    for (k, (one, of_one)) in predicted.iter().enumerate() {
+        for (other, of_other) in &predicted[k + 1..] {
+            let apart = unexplained(one, &base, of_other)? + unexplained(other, &base, of_one)?;
+            least = least.min(0.25 * apart);
+        }
+    }
+    Ok(if least.is_finite() { least } else { 0.0 })
+}
+
+/// Additions as they are in the recordings of a model: a dependence follows the column as it is there.
+fn along(model: &Model<'_>, additions: &[Addition]) -> Vec<Addition> {
+    let of = |addition: &Addition| match addition {
+        Addition::Effect(effect) => {
+            let mut effect = effect.clone();
+            effect.recording = None;
+            Addition::Effect(effect)
+        }
+        Addition::Column(column) => {
+            let mut column = column.clone();
+            let values = column.follows.as_ref().map(|follows| {
+                following(model, follows.axis, &follows.column, follows.lag_s).dense(&model.observed)
+            });
+            column.values = values.unwrap_or_else(|| vec![0.0; model.observed.rows]).into();
+            Addition::Column(column)
+        }
+    };
+    additions.iter().map(of).collect()
+}
+
+/// Columns by sizes and shapes of additions.
+fn columns(model: &Model<'_>, state: &State, additions: &[Addition]) -> Result<Vec<Vec<f64>>, Error> {
+    let mut all = Vec::new();
+    for addition in additions {
+        match addition {
+            Addition::Effect(effect) => {
+                let (columns, by_shape) = at_shapes(model, state, effect)?;
+                let stacked = columns.iter().chain(&by_shape).filter(|column| column.is_finite());
+                all.extend(stacked.map(|column: &Stacked| column.dense(&model.observed)));
+            }
+            Addition::Column(column) => all.push(column.values.to_vec()),
+        }
+    }
+    Ok(all)
+}
+
+/// Squared length of what some columns leave of a series, all whitened.
+fn unexplained(series: &[f64], base: &[Vec<f64>], more: &[Vec<f64>]) -> Result<f64, Error> {
+    let columns: Vec<&Vec<f64>> = base.iter().chain(more).collect();
+    let block = Mat::from_fn(series.len(), columns.len() + 1, |row, column| {
+        columns.get(column).map_or(series[row], |values| values[row])
+    });
+    let mut products = Products::of(columns.len());
+    products.push(block.as_ref());
+    let all: Vec<usize> = (0..columns.len()).collect();
+    Ok(Screen::of(&products).given(&all)?.sum_of_squares())
+}
+
+/// A plan of one recording for `simulate campaign`: what the document states, and the columns that are set.
+fn plan(document: &Document, variant: &Variant) -> Value {
+    let recording = &variant.recording;
+    let columns: common::Columns = recording
+        .columns
+        .iter()
+        .filter(|(name, _)| !is_reading(name))
+        .map(|(n, c)| (n.clone(), c.clone()))
+        .collect();
+    let mut plan = json!({
+        "fluxcal": 1,
+        "title": variant.words,
+        "procedures": [{"procedure": "free_run", "id": recording.id, "conditions": recording.conditions, "columns": columns}],
+    });
+    let parts = [
+        ("facility", json!(document.facility)),
+        ("instrument", json!(document.instrument)),
+        ("calibration", json!(document.calibration)),
+        ("start", json!(recording.start)),
+    ];
+    for (key, value) in parts.into_iter().filter(|(_, value)| !value.is_null()) {
+        plan[key] = value;
+    }
+    plan
+}

@@ -1,0 +1,97 @@
+//! What happened at moments, at frequencies or in codes: which of it is new, which pays for its search, and what is told as one.
+
+use physics::{Kind, Role};
+
+use crate::fit::Fit;
+use crate::model::Model;
+use crate::proposal::{Addition, Proposal};
+use crate::whitening::NoiseModel;
+
+/// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance.
+/// The additions stand in the fit from a number of effects and of columns on.
+pub fn idle(
+    model: &Model<'_>,
+    from: (usize, usize),
+    (fit, noise): (&Fit, &NoiseModel),
+    additions: &[Addition],
+    events: &[Proposal],
+) -> Vec<Proposal> {
+    let free = model.free(&fit.state);
+    let scale =
+        if noise.known > 0.0 { 1.0 } else { fit.cost / (fit.residual.len() - fit.rank).max(1) as f64 };
+    let (mut effects, mut columns) = from;
+    let mut found = Vec::new();
+    for addition in additions {
+        let unknown = match addition {
+            Addition::Effect(effect) => {
+                effects += 1;
+                let infos = effect.kind.parameters();
+                let own = |of: &(usize, usize)| of.0 == effects - 1 && infos[of.1].role == Role::Amplitude;
+                let one = free.iter().filter(|of| own(of)).count() == 1;
+                free.iter().position(own).filter(|_| one)
+            }
+            Addition::Column(_) => {
+                columns += 1;
+                Some(free.len() + columns - 1)
+            }
+        };
+        let event = events.iter().find(|event| event.local && is(event, addition));
+        let Some((unknown, event)) = unknown.zip(event) else { continue };
+        let height = match addition {
+            Addition::Effect(_) => {
+                let (effect, parameter) = free[unknown];
+                fit.state.effects[effect].parameters[parameter]
+            }
+            Addition::Column(_) => fit.state.columns[columns - 1].coefficient,
+        };
+        let at = model.unknowns.len() + unknown;
+        let variance = fit.covariance[(at, at)] * scale;
+        if variance.is_finite() && height * height < 2.0 * event.looks.max(1.0).ln() * variance {
+            found.push(event.clone());
+        }
+    }
+    found
+}
+
+/// Moments, lines and codes that are not known yet.
+pub fn fresh(found: &[Proposal], known: &[Proposal]) -> Vec<Proposal> {
+    let is_new = |proposal: &&Proposal| !known.iter().any(|other| same(other, proposal));
+    found.iter().filter(is_new).cloned().collect()
+}
+
+/// Whether two proposals are the same moment, line or code.
+pub fn same(one: &Proposal, other: &Proposal) -> bool {
+    is(one, &other.addition)
+}
+
+/// Whether a proposal is that of an addition.
+fn is(one: &Proposal, addition: &Addition) -> bool {
+    match (&one.addition, addition) {
+        (Addition::Effect(a), Addition::Effect(b)) => {
+            let shapes = a.kind.parameters().iter().zip(a.parameters.iter().zip(&b.parameters));
+            let close = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-6 * x.abs().max(y.abs());
+            (a.kind, a.axis, &a.recording) == (b.kind, b.axis, &b.recording)
+                && shapes.filter(|(info, _)| info.role != Role::Amplitude).all(|(_, pair)| close(pair))
+        }
+        (Addition::Column(a), Addition::Column(b)) => a.what == b.what,
+        _ => false,
+    }
+}
+
+/// Single readings of a sensor together: they are one name with a list. All else by itself.
+pub fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
+    let single = |event: &Proposal| match &event.addition {
+        Addition::Effect(effect) if effect.kind == Kind::Spike => Some(effect.axis),
+        Addition::Column(_) => Some(None),
+        Addition::Effect(_) => None,
+    };
+    let mut groups: Vec<Vec<&Proposal>> = Vec::new();
+    for event in events {
+        let own = single(event);
+        match groups.iter_mut().find(|group| own.is_some() && single(group[0]) == own) {
+            Some(group) => group.push(event),
+            None => groups.push(vec![event]),
+        }
+    }
+    groups
+}
