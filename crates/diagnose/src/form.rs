@@ -11,7 +11,7 @@ use crate::decide::FORM;
 use crate::model::Model;
 use crate::observed::Channel;
 use crate::stacked::Stacked;
-use crate::waves::{half_waves, polynomial, range};
+use crate::waves::{half_waves, place, range};
 
 /// Highest power of a covariate, and half waves over the span of time.
 const ORDERS: usize = 8;
@@ -26,8 +26,8 @@ pub struct Form {
 }
 
 impl Form {
-    fn add_group(&mut self, columns: impl Iterator<Item = Stacked>) {
-        let group: Vec<Stacked> = columns.filter(|column| !column.is_zero()).collect();
+    fn add_group(&mut self, columns: Vec<Stacked>) {
+        let group: Vec<Stacked> = columns.into_iter().filter(|column| !column.is_zero()).collect();
         if !group.is_empty() {
             self.departures.push(group);
         }
@@ -111,21 +111,21 @@ impl<'m, 'a> Followed<'m, 'a> {
             let values: Vec<Option<Vec<f64>>> =
                 self.channels().map(|c| self.along(c, effect.axis, name)).collect();
             let Some(range) = range(values.iter().flatten().flatten()) else { continue };
-            form.add_group((1..=orders).map(|order| {
-                own.times(|channel| {
-                    let wave = |value: &f64| polynomial(order, *value, range) / order as f64;
-                    values[channel].as_ref().map(|values| values.iter().map(wave).collect())
-                })
+            // Where there is no value, nothing departs.
+            let there = own.times(|channel| {
+                let known = |value: &f64| f64::from(u8::from(place(*value, range).is_some()));
+                values[channel].as_ref().map(|values| values.iter().map(known).collect())
+            });
+            form.add_group(there.times_polynomials(orders, |channel| {
+                let place = |value: &f64| place(*value, range).unwrap_or(0.0);
+                values[channel].as_ref().map(|values| values.iter().map(place).collect())
             }));
         }
         if let Some(span) = self.span {
-            form.add_group((1..=orders).map(|order| {
-                own.times(|channel| {
-                    let channel = &self.model.observed.channels[channel];
-                    let run = &self.model.observed.runs[channel.run];
-                    let wave = |row: &usize| Some(half_waves(order, run, *row, span)? / order as f64);
-                    channel.rows.iter().map(wave).collect()
-                })
+            form.add_group(own.times_polynomials(orders, |channel| {
+                let channel = &self.model.observed.channels[channel];
+                let run = &self.model.observed.runs[channel.run];
+                channel.rows.iter().map(|row| half_waves(1, run, *row, span)).collect()
             }));
         }
     }

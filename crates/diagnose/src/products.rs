@@ -73,13 +73,11 @@ impl Products {
         let new: Vec<usize> = all.iter().copied().filter(|column| *column >= from).collect();
         let mut products = Mat::zeros(all.len(), new.len());
         if !new.is_empty() {
-            let rows = self.ranges[channel].len();
-            for at in (0..rows).step_by(BLOCK) {
-                let block = at..(at + BLOCK).min(rows);
-                let whole = self.block(channel, &all, block.clone());
+            by_blocks(self.ranges[channel].len(), &mut products, |block| {
+                let whole = self.block(channel, &all, block);
                 let right = whole.subcols(all.len() - new.len(), new.len());
-                products += whole.transpose() * right;
-            }
+                whole.transpose() * right
+            });
         }
         (all, new, products)
     }
@@ -104,11 +102,10 @@ impl Products {
                 let all: Vec<usize> = (from..self.columns.len()).filter(there).collect();
                 let range = &self.ranges[channel];
                 let mut sums = Mat::zeros(all.len(), onto.ncols());
-                for at in (0..range.len()).step_by(BLOCK) {
-                    let rows = at..(at + BLOCK).min(range.len());
-                    let right = onto.subrows(range.start + at, rows.len());
-                    sums += self.block(channel, &all, rows).transpose() * right;
-                }
+                by_blocks(range.len(), &mut sums, |rows| {
+                    let right = onto.subrows(range.start + rows.start, rows.len());
+                    self.block(channel, &all, rows).transpose() * right
+                });
                 (all, sums)
             })
             .collect();
@@ -118,6 +115,15 @@ impl Products {
             }
         }
         along
+    }
+}
+
+/// Adds what each block of rows gives: some at a time on all threads, always in the same order.
+fn by_blocks(rows: usize, sum: &mut Mat<f64>, of: impl Fn(std::ops::Range<usize>) -> Mat<f64> + Sync) {
+    let blocks: Vec<_> = (0..rows).step_by(BLOCK).map(|at| at..(at + BLOCK).min(rows)).collect();
+    for some in blocks.chunks(rayon::current_num_threads()) {
+        let found: Vec<Mat<f64>> = some.par_iter().map(|block| of(block.clone())).collect();
+        found.iter().for_each(|product| *sum += product);
     }
 }
 

@@ -244,18 +244,27 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
 
     /// Brings in the forms of members that have none yet.
     fn add_forms<'f>(&mut self, members: impl Iterator<Item = &'f (Member, Vec<f64>)>) {
-        let mut raw = Vec::new();
-        let mut begins = self.products.len();
+        let mut fresh: Vec<(&Member, &[f64])> = Vec::new();
         for (member, coefficients) in members {
             let key = (member.atom, member.shape);
-            if self.forms.contains_key(&key) {
-                continue;
+            if !self.forms.contains_key(&key)
+                && !fresh.iter().any(|(other, _)| (other.atom, other.shape) == key)
+            {
+                fresh.push((member, coefficients));
             }
-            let atom = &self.atoms.all[member.atom];
-            let columns = &atom.shapes[member.shape].columns;
-            let energy = energy(&self.screen, columns, coefficients);
-            let orders = form::orders(energy);
-            let form = self.followed.form(self.atoms, atom, member.shape, coefficients, orders);
+        }
+        let made: Vec<(f64, form::Form)> = fresh
+            .par_iter()
+            .map(|(member, coefficients)| {
+                let atom = &self.atoms.all[member.atom];
+                let energy = energy(&self.screen, &atom.shapes[member.shape].columns, coefficients);
+                let orders = form::orders(energy);
+                (energy, self.followed.form(self.atoms, atom, member.shape, coefficients, orders))
+            })
+            .collect();
+        let mut raw = Vec::new();
+        let mut begins = self.products.len();
+        for ((member, _), (energy, form)) in fresh.iter().zip(made) {
             let mut places = |columns: Vec<crate::stacked::Stacked>| {
                 let from = begins;
                 begins += columns.len();
@@ -264,7 +273,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             };
             let departures = form.departures.into_iter().map(&mut places).collect();
             let neighbours = places(form.neighbours);
-            self.forms.insert(key, Places { departures, neighbours, energy });
+            self.forms.insert((member.atom, member.shape), Places { departures, neighbours, energy });
         }
         if !raw.is_empty() {
             self.products.push(self.noise, &raw);

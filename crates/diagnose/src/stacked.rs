@@ -71,9 +71,28 @@ impl Stacked {
     /// The column times something in each channel where it is not zero; None: zero there.
     pub fn times(&self, of: impl Fn(usize) -> Option<Vec<f64>>) -> Self {
         let part = |(channel, part): (usize, &Option<Vec<f64>>)| {
-            let factors = of(channel)?;
-            Some(part.as_ref()?.iter().zip(factors).map(|(p, f)| p * f).collect())
+            let part = part.as_ref()?;
+            Some(part.iter().zip(of(channel)?).map(|(p, f)| p * f).collect())
         };
         Self(self.0.iter().enumerate().map(part).collect())
+    }
+
+    /// The column times Chebyshev polynomials of something between −1 and 1 in each channel, each over its order, from the first order on.
+    pub fn times_polynomials(&self, orders: usize, of: impl Fn(usize) -> Option<Vec<f64>>) -> Vec<Self> {
+        let channels = self.0.len();
+        let mut all = vec![vec![None; channels]; orders];
+        for (channel, part) in self.0.iter().enumerate() {
+            let Some((part, x)) = part.as_ref().and_then(|part| Some((part, of(channel)?))) else { continue };
+            let mut before = part.clone();
+            let mut now: Vec<f64> = part.iter().zip(&x).map(|(p, x)| p * x).collect();
+            for (order, parts) in all.iter_mut().enumerate() {
+                parts[channel] = Some(now.iter().map(|value| value / (order + 1) as f64).collect());
+                // T_{k+1} = 2 x T_k − T_{k−1}.
+                for ((x, before), now) in x.iter().zip(&mut before).zip(&mut now) {
+                    (*before, *now) = (*now, 2.0 * x * *now - *before);
+                }
+            }
+        }
+        all.into_iter().map(Self).collect()
     }
 }

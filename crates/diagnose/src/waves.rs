@@ -11,13 +11,18 @@ pub fn range<'v>(values: impl Iterator<Item = &'v f64>) -> Option<[f64; 2]> {
     (high.partial_cmp(&low) == Some(std::cmp::Ordering::Greater)).then_some([low, high])
 }
 
-/// The Chebyshev polynomial of an order over a range; zero where there is no value.
-pub fn polynomial(order: usize, value: f64, [low, high]: [f64; 2]) -> f64 {
+/// A value by its place in a range, from −1 to 1; None where there is none.
+pub fn place(value: f64, [low, high]: [f64; 2]) -> Option<f64> {
     let x = (2.0 * value - low - high) / (high - low);
-    if x.is_finite() { (order as f64 * x.clamp(-1.0, 1.0).acos()).cos() } else { 0.0 }
+    x.is_finite().then(|| x.clamp(-1.0, 1.0))
 }
 
-/// So many half waves over the span of the campaign's clock, at a row; None without times.
+/// The Chebyshev polynomial of an order over a range; zero where there is no value.
+pub fn polynomial(order: usize, value: f64, range: [f64; 2]) -> f64 {
+    place(value, range).map_or(0.0, |x| (order as f64 * x.acos()).cos())
+}
+
+/// So many half waves over the span of the campaign's clock, at a row; None without times. They are the Chebyshev polynomials of the first.
 pub fn half_waves(order: usize, run: &Run<'_>, row: usize, (from, length): (f64, f64)) -> Option<f64> {
     let time = run.time_s?[row] + run.setting.context.clock_s;
     Some((PI * order as f64 * (time - from) / length).cos())

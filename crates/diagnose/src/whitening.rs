@@ -17,7 +17,7 @@ use declared::{declared, estimate, known_freedom};
 /// Periods of declared flicker noise that count, in lengths of the campaign.
 const OLDEST: f64 = 8.0;
 /// Columns that are whitened in one pass.
-const BATCH: usize = 256;
+const BATCH: usize = 32;
 
 /// The noise of all channels.
 #[derive(Clone, Debug)]

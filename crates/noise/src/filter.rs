@@ -8,11 +8,55 @@ pub const EVEN: f64 = 1e-3;
 const STEADY: f64 = 1e-13;
 
 /// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard deviation 1/`inverse`.
+#[derive(Debug)]
 pub struct Gain {
     /// φ and g of each process, for the step to the next row.
     pub processes: Vec<(f64, f64)>,
     pub inverse: f64,
     pub variance: f64,
+}
+
+impl Clone for Gain {
+    fn clone(&self) -> Self {
+        Self { processes: self.processes.clone(), ..*self }
+    }
+
+    fn clone_from(&mut self, other: &Self) {
+        self.processes.clone_from(&other.processes);
+        (self.inverse, self.variance) = (other.inverse, other.variance);
+    }
+}
+
+/// The gains of some rows, each once as long as it stays the same.
+#[derive(Clone, Debug, Default)]
+pub struct Gains {
+    kept: Vec<Gain>,
+    /// Which is that of each row.
+    which: Vec<usize>,
+}
+
+impl Gains {
+    /// Those of the next rows of a filter, by the step from each to the one after it.
+    pub fn next(&mut self, filter: &mut Filter<'_>, steps_s: impl Iterator<Item = f64>) {
+        self.which.clear();
+        let mut count = 0;
+        for step_s in steps_s {
+            if filter.row(step_s) || count == 0 {
+                match self.kept.get_mut(count) {
+                    // In the room that is there.
+                    Some(there) => there.clone_from(&filter.gain),
+                    None => self.kept.push(filter.gain.clone()),
+                }
+                count += 1;
+            }
+            self.which.push(count - 1);
+        }
+    }
+
+    /// That of a row.
+    pub fn of(&self, row: usize) -> &Gain {
+        &self.kept[self.which[row]]
+    }
 }
 
 /// The Kalman filter of the model, as far as it does not depend on the readings (Durbin and Koopman 2012, Time Series Analysis

@@ -1,14 +1,16 @@
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use common::Noise;
 
-use crate::filter::{EVEN, Filter, Gain, LANES, States};
+use crate::filter::{EVEN, Filter, Gains, LANES, States};
 use crate::level::Level;
 use crate::{NoiseError, Process, flicker};
 
 /// Rows that are whitened at a time.
 const ROWS: usize = 64;
+/// Most numbers that are kept of the gains.
+const KEPT: usize = 1 << 22;
 /// Most steps that the longest period may have.
 const MOST_STEPS: f64 = 1e12;
 /// White variance of a reading at least, as a part of that of noise with the model's density at the Nyquist frequency: readings
@@ -34,6 +36,8 @@ pub struct Whitening {
     /// nT².
     white: f64,
     level: Option<Level>,
+    /// What the filter does to each row, block by block, once it is known.
+    gains: Arc<OnceLock<Vec<Gains>>>,
 }
 
 impl Whitening {
@@ -54,6 +58,7 @@ impl Whitening {
             walk: 0.0,
             white: noise.white_rms_nt.unwrap_or(0.0).powi(2),
             level: None,
+            gains: Arc::default(),
         };
         let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
         let times = time_s.filter(|time| time.len() == rows && rows > 1 && amplitude + walk > 0.0);
@@ -172,20 +177,17 @@ impl Whitening {
         let mut filter = Filter::new(&self.processes, self.walk, self.white);
         let groups = columns.len().div_ceil(LANES);
         let mut states: Vec<States> = (0..groups).map(|_| States::new(filter.states())).collect();
-        // The gains of these rows, each once as long as it stays the same, and which is that of each row.
-        let mut gains: Vec<Gain> = Vec::new();
+        let mut some = Gains::default();
         let mut readings = [[0.0; LANES]; ROWS];
-        for from in (0..self.rows).step_by(ROWS) {
+        for (block, from) in (0..self.rows).step_by(ROWS).enumerate() {
             let to = (from + ROWS).min(self.rows);
-            let mut which = [0; ROWS];
-            let mut kept = 0;
-            for row in from..to {
-                if filter.row(self.step(row)) || kept == 0 {
-                    keep(&mut gains, kept, &filter.gain);
-                    kept += 1;
+            let gains = match self.gains() {
+                Some(all) => &all[block],
+                None => {
+                    some.next(&mut filter, (from..to).map(|row| self.step(row)));
+                    &some
                 }
-                which[row - from] = kept - 1;
-            }
+            };
             for (group, states) in columns.chunks_mut(LANES).zip(&mut states) {
                 states.zero &= group
                     .iter_mut()
@@ -198,8 +200,8 @@ impl Whitening {
                         row[lane] = *reading;
                     }
                 }
-                for (row, which) in readings[..to - from].iter_mut().zip(&which) {
-                    states.row(row, &gains[*which]);
+                for (number, row) in readings[..to - from].iter_mut().enumerate() {
+                    states.row(row, gains.of(number));
                 }
                 for (lane, column) in group.iter_mut().enumerate() {
                     for (row, reading) in readings.iter().zip(&mut column.as_mut()[from..to]) {
@@ -211,6 +213,25 @@ impl Whitening {
         if let Some(level) = &self.level {
             columns.iter_mut().zip(known).for_each(|(column, known)| level.add(known, column.as_mut()));
         }
+    }
+
+    /// The gains of all rows, where there is room to keep them from one column to the next.
+    fn gains(&self) -> Option<&[Gains]> {
+        let numbers = self.rows * (2 * self.processes.len() + 4);
+        (numbers <= KEPT)
+            .then(|| {
+                self.gains.get_or_init(|| {
+                    let mut filter = Filter::new(&self.processes, self.walk, self.white);
+                    let block = |from: usize| {
+                        let mut gains = Gains::default();
+                        let rows = from..(from + ROWS).min(self.rows);
+                        gains.next(&mut filter, rows.map(|row| self.step(row)));
+                        gains
+                    };
+                    (0..self.rows).step_by(ROWS).map(block).collect()
+                })
+            })
+            .map(Vec::as_slice)
     }
 
     /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations (nT²).
@@ -282,17 +303,6 @@ impl Whitening {
     /// From a row to the next; none after the last, which keeps the gains of a steady filter.
     fn step(&self, row: usize) -> f64 {
         self.steps_s.get(row).or(self.steps_s.last()).copied().unwrap_or(0.0)
-    }
-}
-
-/// Puts a gain in a place of a list, in the room that is there.
-fn keep(gains: &mut Vec<Gain>, place: usize, gain: &Gain) {
-    match gains.get_mut(place) {
-        Some(there) => {
-            there.processes.copy_from_slice(&gain.processes);
-            (there.inverse, there.variance) = (gain.inverse, gain.variance);
-        }
-        None => gains.push(Gain { processes: gain.processes.clone(), ..*gain }),
     }
 }
 
