@@ -11,6 +11,7 @@ mod adopt;
 mod against;
 mod atoms;
 mod candidates;
+mod channel;
 mod codes;
 mod course;
 mod covariates;

@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::{Basic, Context, Prediction};
 
 use crate::Error;
-use crate::observed::{Channel, Reader, Run};
+use crate::channel::{Channel, Reader, Run};
 use crate::smooth::smooth;
 
 /// The column of the scalar magnetometer.

@@ -41,18 +41,6 @@ impl Whitening {
         self.log_determinant
     }
 
-    /// The least of L_ii²/V_ii: what the readings before it leave open of a reading, at least.
-    pub(crate) fn least_left_open(&self) -> f64 {
-        let share = |factor: &Arc<Llt<f64>>, i: usize| {
-            factor.L()[(i, i)].powi(2) / (0..=i).map(|j| factor.L()[(i, j)].powi(2)).sum::<f64>()
-        };
-        let rows = |factor: &Arc<Llt<f64>>| factor.L().nrows();
-        self.blocks
-            .iter()
-            .flat_map(|block| (0..rows(block)).map(move |i| share(block, i)))
-            .fold(1.0, f64::min)
-    }
-
     /// L⁻¹ A.
     pub fn apply(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
         let mut white = matrix.to_owned();

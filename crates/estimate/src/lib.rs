@@ -13,7 +13,6 @@ pub mod gauss_newton;
 pub mod haar;
 pub mod hac;
 pub mod influence;
-pub mod innovations;
 pub mod lag;
 pub mod linear;
 pub mod normality;

@@ -6,7 +6,6 @@ mod cross_spectrum;
 mod events;
 mod haar;
 mod hac;
-mod innovations;
 mod nist_linear;
 mod normality;
 mod periodogram;
