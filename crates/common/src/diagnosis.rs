@@ -26,6 +26,9 @@ pub struct Diagnosis {
     /// Sets of effects that do equally well; empty where there is one answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ambiguity: Vec<Vec<String>>,
+    /// Structure that no effect names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unnamed: Vec<UnnamedStructure>,
     /// How well the recordings are met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Residual>,
@@ -185,6 +188,9 @@ pub struct ExplainedEffect {
     /// Share that it explains of what any effects and structure can explain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<f64>,
+    /// Share of its energy by which it departs from its equation: what its form leaves.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub departure: Option<f64>,
     /// By how much it lowers the rms of readings that were left out of the fit, nT.
     pub held_out_gain_nt: f64,
     /// The same for each part left out.
@@ -214,6 +220,34 @@ pub struct Experiment {
     /// The plan of the best one, for `simulate campaign`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plan: Option<serde_json::Value>,
+}
+
+/// Structure that no effect names: what it follows, and how.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct UnnamedStructure {
+    /// The sensor.
+    pub sensor: Option<Axis>,
+    /// What it follows.
+    pub follows: String,
+    /// Whether it is `even` or `odd` in the field that it follows; absent where neither, or where that has no meaning.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parity: Option<String>,
+    /// How far back, where it follows the past of something, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<f64>,
+    /// The value at which it changes, where it has one level below and one above.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub threshold: Option<f64>,
+    /// Share that it explains of what any effects and structure can explain.
+    pub share: f64,
+    /// What `x` is: the covariate, or `time_s` where it follows something that is no column.
+    pub along: String,
+    /// Means of readings of about equal number, in the order of `along`.
+    pub x: Vec<f64>,
+    /// What the structure makes of them, nT.
+    pub contribution_nt: Vec<f64>,
 }
 
 /// One of a list of like effects.

@@ -44,7 +44,7 @@ pub use coil::{
 };
 pub use diagnosis::{
     BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect, ListedEffect,
-    MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, Verdict,
+    MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,

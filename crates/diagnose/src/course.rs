@@ -69,6 +69,7 @@ pub fn search(
             found: codes,
             verdict,
             refused: Vec::new(),
+            unnamed: Vec::new(),
             near: fit.state.base.clone(),
             fit,
             noise,
@@ -168,6 +169,7 @@ fn certain(proposal: &Proposal) -> Found {
         p_adjusted: proposal.p,
         probability: 1.0,
         share: 0.0,
+        departure: 0.0,
         gain: proposal.gain,
         gain_nt2: 0.0,
         held_out: vec![0.0; crate::held_out::FOLDS],
@@ -312,7 +314,7 @@ fn concluded(
     answer: verdict::Answer,
     (fit, noise, last): (Fit, NoiseModel, Look),
 ) -> Result<Outcome, Error> {
-    let verdict::Answer { verdict, names, refused, .. } = answer;
+    let verdict::Answer { verdict, names, refused, unnamed, .. } = answer;
     let mut found = codes;
     let near = fit.state.base.clone();
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
@@ -327,6 +329,7 @@ fn concluded(
             found,
             verdict,
             refused,
+            unnamed,
             near,
             fit,
             noise,
@@ -348,6 +351,7 @@ fn concluded(
             p_adjusted: name.p,
             probability: name.probability,
             share: name.share,
+            departure: name.departure,
             gain: rest.cost - fit.cost,
             gain_nt2: square(&rest.residual) - square(&fit.residual),
             held_out: held,
@@ -355,5 +359,5 @@ fn concluded(
             lost: name.lost,
         });
     }
-    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, near, fit, noise, last })
+    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, unnamed, near, fit, noise, last })
 }

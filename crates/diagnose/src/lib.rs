@@ -96,6 +96,8 @@ struct Found {
     probability: f64,
     /// Share of what can be explained.
     share: f64,
+    /// Share of its energy by which it departs from its form.
+    departure: f64,
     /// By how much it lowers the sum of squares beside all others: whitened, and in nT².
     gain: f64,
     gain_nt2: f64,
@@ -122,6 +124,8 @@ struct Outcome {
     verdict: Verdict,
     /// What else looked like an answer, and why it is none.
     refused: Vec<(String, String)>,
+    /// Structure without a name beside them.
+    unnamed: Vec<verdict::Unnamed>,
     /// The unknowns of the base model beside the best names.
     near: Vec<f64>,
     /// The final fit.

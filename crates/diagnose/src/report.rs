@@ -7,6 +7,7 @@ mod guilty;
 mod places;
 mod residuals;
 mod series;
+mod unnamed;
 
 use common::number::{bare, p_value, probability, significant};
 use common::{Diagnosis, Document, Remaining, Share, Verdict};
@@ -109,6 +110,7 @@ pub fn report(
         places,
         effects,
         ambiguity,
+        unnamed: unnamed::unnamed(model, outcome, &fields),
         fit: Some(residuals::fit(model, outcome, &fitter)?),
         energy,
         base_shift: moved::shifts(model, outcome),

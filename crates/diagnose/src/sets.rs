@@ -367,16 +367,32 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 return None;
             }
             own.push((atom, columns.iter().copied().zip(sizes.iter().copied()).collect()));
-            let Some(form) = self.form(member) else { continue };
-            // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
-            let orders = form.departures.iter().flat_map(|group| 1..=group.len());
-            let departure: f64 = orders.zip(departs).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
-            let whole = energy(&self.screen, columns, sizes) / form.energy.max(f64::MIN_POSITIVE);
-            if departure > FORM_ENERGY * whole {
+            if self.departure(member, [sizes, departs]) > FORM_ENERGY {
                 return None;
             }
         }
         self.apart(&own)
+    }
+
+    /// Share of a member's energy by which it departs from its form, its own coefficients and those of its departures being these.
+    fn departure(&self, member: &Member, [sizes, departs]: [&[f64]; 2]) -> f64 {
+        let Some(form) = self.form(member) else { return 0.0 };
+        // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
+        let orders = form.departures.iter().flat_map(|group| 1..=group.len());
+        let departure: f64 = orders.zip(departs).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
+        let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
+        let whole = energy(&self.screen, columns, sizes) / form.energy.max(f64::MIN_POSITIVE);
+        if departure > 0.0 { departure / whole } else { 0.0 }
+    }
+
+    /// That share of each of a set's members.
+    pub fn departures(&self, members: &[Member]) -> Vec<f64> {
+        let Some(given) = Given::of(&self.screen, self.terms(members)) else {
+            return vec![0.0; members.len()];
+        };
+        let coefficients = given.coefficients();
+        let split = self.split(members, &coefficients);
+        members.iter().zip(split).map(|(member, own)| self.departure(member, own)).collect()
     }
 
     /// See [`Self::admissible`].

@@ -1,7 +1,7 @@
 //! What the weighed sets say: which names, how sure, what share, and what the others lack.
 
-use common::Verdict;
 use common::number::{probability, significant};
+use common::{Axis, Verdict};
 
 use estimate::stats::chi_squared_quantile;
 
@@ -12,6 +12,7 @@ use crate::level::at_least_one;
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::sets::{Member, Set, Sets};
+use crate::stacked::Stacked;
 
 /// Most names that are told as undecided.
 const UNDECIDED: usize = 6;
@@ -47,10 +48,27 @@ pub struct Name {
     pub p: f64,
     /// Share of what can be explained.
     pub share: f64,
+    /// Share of its energy by which it departs from its form.
+    pub departure: f64,
     /// Names that explain as well.
     pub equal: Vec<Candidate>,
     /// Others, and why they lost.
     pub lost: Vec<(String, String)>,
+}
+
+/// Structure of the best set that has no name.
+#[derive(Clone, Debug)]
+pub struct Unnamed {
+    /// What it follows.
+    pub covariate: String,
+    /// The sensor.
+    pub axis: Axis,
+    /// A threshold of what it follows, or how far back it goes, in rows, where it follows the past of something.
+    pub shape: Option<f64>,
+    /// What it makes of each reading, nT.
+    pub values: Stacked,
+    /// Share of what can be explained.
+    pub share: f64,
 }
 
 /// The answer of a search.
@@ -68,6 +86,8 @@ pub struct Answer {
     pub events: Vec<Proposal>,
     /// What other sets that are nearly as probable hold.
     pub rivals: Vec<Vec<Addition>>,
+    /// Structure of the best set.
+    pub unnamed: Vec<Unnamed>,
 }
 
 impl Answer {
@@ -102,6 +122,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
             gain: 0.0,
             events: Vec::new(),
             rivals: Vec::new(),
+            unnamed: Vec::new(),
         };
     };
     let whole = rest.sum_of_squares;
@@ -109,18 +130,29 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
     let beyond = rest.excess(whole - all);
     let explicable = (all + beyond).max(f64::MIN_POSITIVE);
     let coefficients = sets.coefficients(&best.members).unwrap_or_default();
+    let departures = sets.departures(&best.members);
     let (core, mut refused) = core(atoms, sets, &best.members, beyond);
     let members = |which: &dyn Fn(&usize) -> bool| -> Vec<Member> {
         core.iter().filter(|number| which(number)).map(|number| best.members[*number].clone()).collect()
     };
     let whole_core = sets.gain(&members(&|_| true));
     let mut names = Vec::new();
+    let mut unnamed = Vec::new();
     let mut kept: Vec<usize> = Vec::new();
     let mut undecided = false;
     for &number in &core {
         let member = &best.members[number];
         let atom = &atoms.all[member.atom];
-        if !atom.is_named() {
+        if let Thing::Smooth(covariate, axis) = &atom.thing {
+            let shape = &atom.shapes[member.shape];
+            let columns = shape.columns.iter().map(|column| atoms.column(*column));
+            unnamed.push(Unnamed {
+                covariate: covariate.clone(),
+                axis: *axis,
+                shape: shape.value,
+                values: Stacked::sum(&columns.zip(coefficients[number].iter().copied()).collect::<Vec<_>>()),
+                share: (whole_core - sets.gain(&members(&|other| *other != number))) / explicable,
+            });
             continue;
         }
         let slot = Slot::of(atoms, ranked, &weights, member.atom);
@@ -147,6 +179,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
             probability: slot.probability,
             p,
             share: gain / explicable,
+            departure: departures[number],
             equal,
             lost: lost(atoms, best, ranked, member.atom),
         });
@@ -174,7 +207,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         }
     }
     let rivals = rivals(model, atoms, sets, ranked);
-    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals }
+    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals, unnamed }
 }
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance.

@@ -92,6 +92,17 @@ fn one(text: &mut String, entry: &Diagnosis) {
             signed(&significant(share.departure_nt.value(), 4))
         );
     }
+    for structure in &entry.unnamed {
+        let sensor = structure.sensor.map_or_else(String::new, |axis| format!("{axis} "));
+        let parity = structure.parity.iter().map(|parity| format!(", {parity}")).collect::<String>();
+        let lag = structure.lag_s.map(|lag| format!(", {} s back", significant(lag, 2))).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "  without a name: {sensor}follows {}{parity}{lag} ({} % of what can be explained)",
+            structure.follows,
+            significant(100.0 * structure.share, 2)
+        );
+    }
     if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
         let _ = writeln!(text, "  left: {}", remaining.structure);
     }

@@ -83,6 +83,7 @@ pub(super) fn explained(
                 p_adjusted: found.p_adjusted,
                 probability: Some(found.probability),
                 share: Some(found.share),
+                departure: Some(found.departure),
                 title: found.name.clone(),
                 held_out_gain_nt: in_nt(found.held_out.iter().sum(), count, floor),
                 held_out_by_block_nt: gains,
