@@ -6,6 +6,7 @@ use physics::{EffectInstance, Kind, Role, Stage};
 
 use crate::additions::{at_shapes, columns_of, with_all, without};
 use crate::atoms::{self, Atoms, Sizes};
+use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled, square};
 use crate::form::Followed;
@@ -122,7 +123,9 @@ pub fn search(
             }
             continue;
         }
-        if !met && !answer.names.is_empty() {
+        if answer.nothing > 1.0 - SURE && !ground.look.exceeds(searcher.level) {
+            answer = answer.agrees();
+        } else if !met && !answer.names.is_empty() {
             answer = answer.unexplained("it does not fit once everything is fitted together");
         }
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;

@@ -31,7 +31,7 @@ pub fn report(
 ) -> Result<Diagnosis, Error> {
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
-    let left = !outcome.last.clean(options.level);
+    let left = outcome.verdict != Verdict::Agrees && !outcome.last.clean(options.level);
     let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
     let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };

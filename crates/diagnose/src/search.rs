@@ -66,12 +66,12 @@ pub struct Look {
 impl Look {
     /// Whether the sum of squares is beyond what the noise as declared makes.
     pub fn exceeds(&self, level: f64) -> bool {
-        self.rest.omnibus().is_none_or(|p| at_least_one(p, FAMILIES) < level)
+        self.rest.omnibus().is_some_and(|p| at_least_one(p, FAMILIES) < level)
     }
 
     /// Whether nothing is left but the noise.
     pub fn clean(&self, level: f64) -> bool {
-        self.least_p >= level && (self.rest.omnibus().is_none() || !self.exceeds(level))
+        self.least_p >= level && !self.exceeds(level)
     }
 }
 

@@ -88,9 +88,19 @@ pub struct Answer {
     pub rivals: Vec<Vec<Addition>>,
     /// Structure of the best set.
     pub unnamed: Vec<Unnamed>,
+    /// Probability that nothing is there: the empty set against the best one, the evidence tempered.
+    pub nothing: f64,
 }
 
 impl Answer {
+    /// The same where nothing is there.
+    pub fn agrees(mut self) -> Self {
+        self.names.clear();
+        self.unnamed.clear();
+        self.verdict = Verdict::Agrees;
+        self
+    }
+
     /// The same without its names, for a reason.
     pub fn unexplained(mut self, why: &str) -> Self {
         self.refused.extend(self.names.drain(..).map(|name| (name.name, why.to_string())));
@@ -102,7 +112,7 @@ impl Answer {
 /// Weights of the sets, the evidence tempered, adding up to one.
 fn weights(ranked: &[Set]) -> Vec<f64> {
     let most = ranked.first().map_or(0.0, |set| set.log);
-    // That nothing is there was judged before, by all that was searched.
+    // That nothing is there is judged by itself.
     let weight =
         |set: &Set| if set.members.is_empty() { 0.0 } else { ((set.log - most) / TEMPERATURE).exp() };
     let raw: Vec<f64> = ranked.iter().map(weight).collect();
@@ -114,6 +124,7 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
 pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Answer {
     let rest = sets.rest;
     let weights = weights(ranked);
+    let nothing = 1.0 / (1.0 + ranked.first().map_or(0.0, |set| (set.log / TEMPERATURE).exp()));
     let Some(best) = ranked.first().map(|set| simplest(atoms, sets, ranked, set)) else {
         return Answer {
             verdict: Verdict::Unexplained,
@@ -123,6 +134,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
             events: Vec::new(),
             rivals: Vec::new(),
             unnamed: Vec::new(),
+            nothing: 1.0,
         };
     };
     let whole = rest.sum_of_squares;
@@ -155,7 +167,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
             });
             continue;
         }
-        let slot = Slot::of(atoms, ranked, &weights, member.atom);
+        let slot = Slot::of(atoms, ranked, &weights, (best, member.atom));
         let gain = whole_core - sets.gain(&members(&|other| *other != number));
         let rank = coefficients.get(number).map_or(1, Vec::len);
         let p = at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp());
@@ -207,7 +219,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         }
     }
     let rivals = rivals(model, atoms, sets, ranked);
-    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals, unnamed }
+    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals, unnamed, nothing }
 }
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance.
@@ -346,7 +358,7 @@ struct Slot<'r> {
 }
 
 impl<'r> Slot<'r> {
-    fn of(atoms: &Atoms<'_>, ranked: &'r [Set], weights: &[f64], atom: usize) -> Self {
+    fn of(atoms: &Atoms<'_>, ranked: &'r [Set], weights: &[f64], (best, atom): (&Set, usize)) -> Self {
         // A fuller form that is not needed says the same.
         let says = |own: usize, atom: usize| own == atom || atoms.all[own].is_fuller(&atoms.all[atom]);
         let holds = |set: &Set, atom: usize| set.members.iter().any(|member| says(member.atom, atom));
@@ -356,11 +368,11 @@ impl<'r> Slot<'r> {
         let mut together = probability;
         let mut equal = Vec::new();
         while together < SURE && equal.len() + 1 < UNDECIDED {
-            // The further name that is in most of what is left.
+            // The further name that is in most of what is left; one of the best set stands for itself.
             let mut names: Vec<usize> = left
                 .iter()
                 .flat_map(|(set, _)| set.members.iter().map(|member| member.atom))
-                .filter(|atom| atoms.all[*atom].is_named())
+                .filter(|atom| atoms.all[*atom].is_named() && !holds(best, *atom))
                 .collect();
             names.sort_unstable();
             names.dedup();

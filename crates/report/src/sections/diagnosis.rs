@@ -15,27 +15,40 @@ pub fn section(document: &Document) -> Option<Section> {
         if all.len() > 1 {
             section.items.push(crate::Item::Heading(format!("Diagnosis {} of {}", index + 1, all.len())));
         }
-        verdict(&mut section, diagnosis);
+        section.say(answer(diagnosis));
+        // The picture first: the recording before, and with what was found.
+        let mut plots =
+            diagnosis.series.iter().enumerate().map(|(number, series)| {
+                residuals(&format!("{}-{}", index + 1, number + 1), series, diagnosis)
+            });
+        plots.next().into_iter().for_each(|plot| section.plot(plot));
+        reasons(&mut section, diagnosis);
         for effect in &diagnosis.effects {
             effect_words(&mut section, effect);
         }
         section.table(effects(diagnosis));
-        for (number, series) in diagnosis.series.iter().enumerate() {
-            section.plot(residuals(&format!("{}-{}", index + 1, number + 1), series, diagnosis));
-        }
+        plots.for_each(|plot| section.plot(plot));
         tables(&mut section, diagnosis);
     }
     Some(section)
 }
 
-fn verdict(section: &mut Section, diagnosis: &Diagnosis) {
-    section.say(match diagnosis.verdict {
+fn answer(diagnosis: &Diagnosis) -> &'static str {
+    match diagnosis.verdict {
         Verdict::Agrees => "Agrees: the recordings are met to the noise.",
-        Verdict::Explained => "Explained: named effects explain the difference, and nothing else is left.",
+        Verdict::Explained if diagnosis.effects.is_empty() => {
+            "Explained: constants of the calibration moved, and nothing else is left."
+        }
+        Verdict::Explained => {
+            "Explained: named effects explain the difference, but for what their forms leave."
+        }
         Verdict::PartlyExplained => "Partly explained: named effects explain a part of the difference.",
         Verdict::Ambiguous => "Ambiguous: several effects explain the difference equally well.",
         Verdict::Unexplained => "Unexplained: there is structure that no effect explains.",
-    });
+    }
+}
+
+fn reasons(section: &mut Section, diagnosis: &Diagnosis) {
     if !diagnosis.reasons.is_empty() {
         section.say(sentence(&diagnosis.reasons.join("; ")));
     }
@@ -232,6 +245,24 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         ]);
     }
     section.table(energy);
+    let mut experiments =
+        Table::new("Recordings that would decide", [("what is done", ""), ("expected log odds", "")]);
+    for one in &diagnosis.experiments {
+        experiments.row([one.what.clone().into(), Cell::Figures(one.log_odds, 2)]);
+    }
+    section.table(experiments);
+    let columns = [("sensor", ""), ("follows", ""), ("how", ""), ("lag", "s"), ("share", "")];
+    let mut unnamed = Table::new("Structure without a name", columns);
+    for one in &diagnosis.unnamed {
+        unnamed.row([
+            one.sensor.map_or(Cell::Empty, |axis| axis.to_string().into()),
+            one.follows.clone().into(),
+            one.parity.clone().map_or(Cell::Empty, Cell::from),
+            one.lag_s.map_or(Cell::Empty, |lag| Cell::Figures(lag, 2)),
+            number::fixed(one.share, 3).into(),
+        ]);
+    }
+    section.table(unnamed);
     let columns =
         [("parameter", ""), ("moved by", ""), ("stated u", ""), ("unit", ""), ("or", ""), ("p", "")];
     let mut moved = Table::new("The calibration as stated no longer holds", columns);
