@@ -13,13 +13,13 @@ use crate::sets::Set;
 use crate::{pillar, real, swarm};
 
 /// The seeds on which this crate and `diagnose` were developed.
-const DEVELOPMENT: [u64; 4] = [1, 1001, 2001, 3001];
+const DEVELOPMENT: [u64; 6] = [1, 1001, 2001, 3001, 4001, 6001];
 
 /// What is asked of a proof.
 #[derive(Args, Clone, Debug)]
 pub struct Arguments {
-    /// Seed of the scored cases; development was on 1, 1001, 2001 and 3001
-    #[arg(long, default_value_t = 4001)]
+    /// Seed of the scored cases; development was on 1, 1001, 2001, 3001, 4001 and 6001
+    #[arg(long, default_value_t = 8001)]
     pub seed: u64,
     /// Rounds of every set; one has each kind at each strength once
     #[arg(long, default_value_t = 2)]
@@ -94,7 +94,7 @@ pub fn score(arguments: &Arguments) -> Result<Score, Error> {
 #[derive(Args, Clone, Debug)]
 pub struct Campaign {
     /// Its seed
-    #[arg(long, default_value_t = 4001)]
+    #[arg(long, default_value_t = 8001)]
     pub seed: u64,
     /// Where document, seal and answer are kept
     #[arg(long, value_name = "FOLDER", default_value = "target/concealed")]
