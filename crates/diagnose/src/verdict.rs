@@ -372,7 +372,7 @@ impl<'r> Slot<'r> {
             let mut names: Vec<usize> = left
                 .iter()
                 .flat_map(|(set, _)| set.members.iter().map(|member| member.atom))
-                .filter(|atom| atoms.all[*atom].is_named() && !holds(best, *atom))
+                .filter(|atom| atoms.all[*atom].is_named() && !best.key().contains(atom))
                 .collect();
             names.sort_unstable();
             names.dedup();
