@@ -6,9 +6,9 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 use crate::Error;
+use crate::channel::Run;
 use crate::generic;
 use crate::model::{Model, State};
-use crate::observed::Run;
 use crate::stacked::Stacked;
 use crate::what::What;
 

@@ -5,10 +5,10 @@ use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::channel::Reader;
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one, looks_along};
 use crate::matched::{power_along, power_at, sharpened};
-use crate::observed::Reader;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 

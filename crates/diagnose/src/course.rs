@@ -13,7 +13,7 @@ use crate::form::Followed;
 use crate::lattice;
 use crate::level::Rest;
 use crate::model::{Model, State};
-use crate::moments::{fresh, grouped, idle, same};
+use crate::moments::{fresh, grouped, insignificant, same};
 use crate::products::Projection;
 use crate::proposal::{Addition, Proposal};
 use crate::search::{Look, Searcher};
@@ -78,8 +78,8 @@ pub fn search(
         });
     }
     let mut events: Vec<Proposal> = ground.look.events.clone();
-    // Moments that were among them and turned out to be none.
-    let mut spent: Vec<Proposal> = Vec::new();
+    // Those of them that turned out not to be significant beside the rest.
+    let mut dropped: Vec<Proposal> = Vec::new();
     let mut shapes: Vec<EffectInstance> = Vec::new();
     let mut round = 0;
     loop {
@@ -97,8 +97,8 @@ pub fn search(
         };
         let left = square(&ground.noise.whiten(&model.observed, &fit.residual));
         let met = square(&ground.fit.white[..fit.residual.len()]) - left > MET * answer.gain;
-        let idle = idle(model, ground.counts(), (&fit, &noise), &additions, &events);
-        let more = fresh(&answer.events, &[&events[..], &spent].concat());
+        let insignificant = insignificant(model, ground.counts(), (&fit, &noise), &additions, &events);
+        let more = fresh(&answer.events, &[&events[..], &dropped].concat());
         round += 1;
         // Where the noise is what a residual shows, what was found is no longer a part of it.
         let from = ground.fit.state.effects.len();
@@ -112,10 +112,10 @@ pub fn search(
             }
         }
         let quieter = ground.noise.known == 0.0 && noise.variance() < 0.9 * ground.noise.variance();
-        if round < ROUNDS && (!more.is_empty() || !idle.is_empty() || quieter || sharper) {
-            events.retain(|event| !idle.iter().any(|other| same(event, other)));
+        if round < ROUNDS && (!more.is_empty() || !insignificant.is_empty() || quieter || sharper) {
+            events.retain(|event| !insignificant.iter().any(|other| same(event, other)));
             events.extend(more);
-            spent.extend(idle);
+            dropped.extend(insignificant);
             if quieter {
                 let fit = Fitter { model, noise: &noise }.refine(&ground.fit.state)?;
                 let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
@@ -227,17 +227,16 @@ fn weighed(
     let mut sets = Sets::of(&atoms, fitter.noise, products, Projection::of(&ground.fit)?, followed);
     let ranked = sets.search();
     let mut answer = verdict::answer(model, &atoms, &sets, &ranked);
-    if let Some(best) = ranked.first() {
-        let white = sets.residual(&best.members, &ground.fit.white);
-        let residual = fitter.in_nt(&white);
-        let left = Fit { white, residual, ..ground.fit.clone() };
-        let rest = Rest {
-            sum_of_squares: square(&left.white),
-            freedom: (ground.look.rest.freedom - sets.unknowns(&best.members) as f64).max(1.0),
-            known: ground.look.rest.known,
-        };
-        answer.events = searcher.events(fitter, &left, &rest)?.1;
-    }
+    let best = &ranked[0];
+    let white = sets.residual(&best.members, &ground.fit.white);
+    let residual = fitter.in_nt(&white);
+    let left = Fit { white, residual, ..ground.fit.clone() };
+    let rest = Rest {
+        sum_of_squares: square(&left.white),
+        freedom: (ground.look.rest.freedom - sets.unknowns(&best.members) as f64).max(1.0),
+        known: ground.look.rest.known,
+    };
+    answer.events = searcher.events(fitter, &left, &rest)?.1;
     Ok(answer)
 }
 

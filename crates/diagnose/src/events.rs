@@ -14,11 +14,11 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
+use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter, orthonormal, square};
 use crate::level::{Rest, at_least_one};
 use crate::matched::correlate;
 use crate::model::Column;
-use crate::observed::{Channel, Reader};
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 

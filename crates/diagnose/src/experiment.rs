@@ -4,18 +4,18 @@
 mod variants;
 
 use common::{Document, Experiment, Noise, NoiseOfSensors, Recording};
-use estimate::screen::{Products, Screen};
+use estimate::screen::Screen;
 use faer::Mat;
 use serde_json::{Value, json};
 
 use crate::additions::{at_shapes, with_additions};
-use crate::fit::square;
+use crate::fit::{Fitter, square};
 use crate::generic::following;
 use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
 use crate::stacked::Stacked;
-use crate::verdict::Candidate;
+use crate::verdict::Alternative;
 use crate::whitening::NoiseModel;
 use crate::{Error, Outcome};
 use variants::{Variant, is_reading, variants};
@@ -41,8 +41,8 @@ pub fn experiments(
         bare.instrument.get_or_insert_default().noise = Some(NoiseOfSensors::Same(noise));
     }
     for found in outcome.found.iter().filter(|found| !found.equal.is_empty()) {
-        let own = Candidate { name: found.name.clone(), additions: found.additions.clone() };
-        let names: Vec<Candidate> = std::iter::once(own).chain(found.equal.iter().cloned()).collect();
+        let own = Alternative { name: found.name.clone(), additions: found.additions.clone() };
+        let names: Vec<Alternative> = std::iter::once(own).chain(found.equal.iter().cloned()).collect();
         let Some(run) = most_affected(model, outcome, &names[0])? else { continue };
         let recording = thinned(model.observed.runs[run].recording);
         let mut ranked: Vec<(f64, Variant)> = Vec::new();
@@ -65,7 +65,7 @@ pub fn experiments(
 }
 
 /// The recording in which a name does most.
-fn most_affected(model: &Model<'_>, outcome: &Outcome, name: &Candidate) -> Result<Option<usize>, Error> {
+fn most_affected(model: &Model<'_>, outcome: &Outcome, name: &Alternative) -> Result<Option<usize>, Error> {
     let state = &outcome.base.state;
     let does = model.change(state, &with_additions(model, state, &name.additions))?;
     let of = |run: usize| -> f64 {
@@ -86,7 +86,7 @@ fn thinned(recording: &Recording) -> Recording {
 
 /// Expected log odds between the two of the names that the recording parts least: half of what of one's prediction the other, with its
 /// sizes and shapes and the calibration free, cannot follow, in squares of the noise; as if nothing else were known.
-fn decides(bare: &Document, variant: &Variant, names: &[Candidate]) -> Result<f64, Error> {
+fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<f64, Error> {
     let document = Document { recordings: vec![variant.recording.clone()], ..bare.clone() };
     // What cannot be predicted there decides nothing.
     let Ok(observed) = Observed::of(&document) else { return Ok(0.0) };
@@ -101,13 +101,14 @@ fn decides(bare: &Document, variant: &Variant, names: &[Candidate]) -> Result<f6
         if does.iter().any(|value| !value.is_finite()) {
             return Ok(0.0);
         }
-        let columns = columns(&model, &state, &followed)?;
-        predicted.push((noise.whiten(&model.observed, &does), noise.whiten_all(&model.observed, &columns)));
+        let own = noise.whiten_all(&model.observed, &columns(&model, &state, &followed)?);
+        predicted.push((noise.whiten(&model.observed, &does), [&base[..], &own].concat()));
     }
+    let fitter = Fitter { model: &model, noise: &noise };
     let mut least = f64::INFINITY;
     for (k, (one, of_one)) in predicted.iter().enumerate() {
         for (other, of_other) in &predicted[k + 1..] {
-            let apart = unexplained(one, &base, of_other)? + unexplained(other, &base, of_one)?;
+            let apart = unexplained(&fitter, one, of_other)? + unexplained(&fitter, other, of_one)?;
             least = least.min(0.25 * apart);
         }
     }
@@ -151,15 +152,9 @@ fn columns(model: &Model<'_>, state: &State, additions: &[Addition]) -> Result<V
 }
 
 /// Squared length of what some columns leave of a series, all whitened.
-fn unexplained(series: &[f64], base: &[Vec<f64>], more: &[Vec<f64>]) -> Result<f64, Error> {
-    let columns: Vec<&Vec<f64>> = base.iter().chain(more).collect();
-    let block = Mat::from_fn(series.len(), columns.len() + 1, |row, column| {
-        columns.get(column).map_or(series[row], |values| values[row])
-    });
-    let mut products = Products::of(columns.len());
-    products.push(block.as_ref());
+fn unexplained(fitter: &Fitter<'_, '_>, series: &[f64], columns: &[Vec<f64>]) -> Result<f64, Error> {
     let all: Vec<usize> = (0..columns.len()).collect();
-    Ok(Screen::of(&products).given(&all)?.sum_of_squares())
+    Ok(Screen::of(&fitter.products(&Mat::new(), columns, series)).given(&all)?.sum_of_squares())
 }
 
 /// A plan of one recording for `simulate campaign`: what the document states, and the columns that are set.

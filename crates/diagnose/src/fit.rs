@@ -8,8 +8,8 @@ use physics::EffectInstance;
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::channel::Channel;
 use crate::model::{Model, State};
-use crate::observed::Channel;
 use crate::whitening::NoiseModel;
 
 /// Most steps.

@@ -6,10 +6,10 @@ use physics::EffectInstance;
 
 use crate::Error;
 use crate::atoms::{Atom, Atoms, Thing};
+use crate::channel::Channel;
 use crate::covariates::{self, ALONG};
 use crate::decide::FORM;
 use crate::model::Model;
-use crate::observed::Channel;
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, place, range};
 

@@ -6,9 +6,9 @@ use physics::memory::{Before, Signal};
 use std::collections::BTreeSet;
 
 use crate::Error;
+use crate::channel::{Channel, Reader, Run};
 use crate::covariates::{ALONG, across, fields};
 use crate::model::{Model, State};
-use crate::observed::{Channel, Reader, Run};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, polynomial, range};
 use crate::what::What;
@@ -217,7 +217,7 @@ fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
 }
 
 /// Mean time from one row to the next.
-fn mean_step_s(time: &[f64]) -> f64 {
+pub fn mean_step_s(time: &[f64]) -> f64 {
     (time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64
 }
 

@@ -7,11 +7,11 @@ use common::{Axis, Document};
 use physics::{EffectInstance, Kind};
 use std::f64::consts::TAU;
 
+use crate::channel::Reader;
 use crate::fit::Fit;
 use crate::level::{at_least_one, looks_along};
 use crate::matched::{power_along, power_at, sharpened};
 use crate::model::Model;
-use crate::observed::Reader;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 use crate::whitening::{NoiseModel, code_nt};

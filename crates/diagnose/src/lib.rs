@@ -104,7 +104,7 @@ struct Found {
     /// By how much it lowers the sum of squares of readings left out, part by part.
     held_out: Vec<f64>,
     /// Names that explain as well.
-    equal: Vec<verdict::Candidate>,
+    equal: Vec<verdict::Alternative>,
     /// Others, and why they lost.
     lost: Vec<(String, String)>,
 }
@@ -196,7 +196,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         let about = Fitter { model: &model, noise: &noise }.at(state)?;
         let again =
             course::search(&original, &model, &mut other, outcome.before.clone(), (about, noise), told)?;
-        if again.verdict != Verdict::Unexplained {
+        if !matches!(again.verdict, Verdict::Unexplained | Verdict::Agrees) {
             let Outcome { base, base_noise, first, .. } = outcome;
             outcome = Outcome { base, base_noise, first, ..again };
             searcher = other;

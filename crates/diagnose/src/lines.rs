@@ -5,10 +5,10 @@
 
 use physics::{EffectInstance, Kind};
 
+use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
 use crate::matched::{power_along, power_at, sharpened};
-use crate::observed::Reader;
 use crate::proposal::{Addition, Proposal};
 
 /// Fewest readings of a series whose lines are searched.

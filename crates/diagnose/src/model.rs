@@ -11,7 +11,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::observed::{Observed, Reader};
+use crate::channel::Reader;
+use crate::observed::Observed;
 use basic::{OFFSET_NT, possible, settings, undetermined};
 
 /// A time constant or a level goes no farther beyond its plausible range than by this factor.

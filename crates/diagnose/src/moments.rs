@@ -9,7 +9,7 @@ use crate::whitening::NoiseModel;
 
 /// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance.
 /// The additions stand in the fit from a number of effects and of columns on.
-pub fn idle(
+pub fn insignificant(
     model: &Model<'_>,
     from: (usize, usize),
     (fit, noise): (&Fit, &NoiseModel),
@@ -17,8 +17,11 @@ pub fn idle(
     events: &[Proposal],
 ) -> Vec<Proposal> {
     let free = model.free(&fit.state);
-    let scale =
-        if noise.known > 0.0 { 1.0 } else { fit.cost / (fit.residual.len() - fit.rank).max(1) as f64 };
+    let scale = if noise.known > 0.0 {
+        1.0
+    } else {
+        fit.cost / fit.residual.len().saturating_sub(fit.rank).max(1) as f64
+    };
     let (mut effects, mut columns) = from;
     let mut found = Vec::new();
     for addition in additions {

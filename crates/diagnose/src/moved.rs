@@ -13,7 +13,7 @@ use crate::model::{Instrument, Model, Unknown};
 const RIDGE: f64 = 1e-12;
 /// Eigenvalues of the stated constants below this are rounding.
 const ROUNDING: f64 = 1e-9;
-/// What is said of χ² when a constant is let go may be less by so much for another to have moved in its place: odds of twenty.
+/// Another constant could have moved in the place of one if χ² falls by no more than this less without its statement: odds of twenty.
 const AS_GOOD: f64 = 6.0;
 
 /// Shifts of all constants that the final fit determines.

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use physics::{Basic, Prediction, References, Setting, Unit};
 
 use crate::Error;
-pub use crate::channel::{Channel, Reader, Run};
+use crate::channel::{Channel, Reader, Run};
 use crate::magnitude;
 
 /// Fewest readings of a channel.

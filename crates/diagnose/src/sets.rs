@@ -104,7 +104,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         Self { atoms, noise, products, projection, followed, rest, screen, forms: HashMap::new() }
     }
 
-    /// The sets that were weighed, the most probable first.
+    /// The sets that were weighed, the empty one among them, the most probable first.
     pub fn search(&mut self) -> Vec<Set> {
         let empty = Set::default();
         let mut seen: HashMap<Vec<usize>, Set> = HashMap::from([(empty.key(), empty.clone())]);

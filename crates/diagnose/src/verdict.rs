@@ -26,7 +26,7 @@ const RIVALS: usize = 5;
 
 /// A name that could stand in the place of another.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub struct Alternative {
     /// The name with its target.
     pub name: String,
     /// What would come in.
@@ -51,7 +51,7 @@ pub struct Name {
     /// Share of its energy by which it departs from its form.
     pub departure: f64,
     /// Names that explain as well.
-    pub equal: Vec<Candidate>,
+    pub equal: Vec<Alternative>,
     /// Others, and why they lost.
     pub lost: Vec<(String, String)>,
 }
@@ -109,9 +109,9 @@ impl Answer {
     }
 }
 
-/// Weights of the sets, the evidence tempered, adding up to one.
+/// Weights of ranked sets, the evidence tempered, adding up to one.
 fn weights(ranked: &[Set]) -> Vec<f64> {
-    let most = ranked.first().map_or(0.0, |set| set.log);
+    let most = ranked[0].log;
     // That nothing is there is judged by itself.
     let weight =
         |set: &Set| if set.members.is_empty() { 0.0 } else { ((set.log - most) / TEMPERATURE).exp() };
@@ -120,23 +120,12 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
     raw.into_iter().map(|weight| weight / sum).collect()
 }
 
-/// The answer of ranked sets.
+/// The answer of ranked sets, the empty one among them.
 pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Answer {
     let rest = sets.rest;
     let weights = weights(ranked);
-    let nothing = 1.0 / (1.0 + ranked.first().map_or(0.0, |set| (set.log / TEMPERATURE).exp()));
-    let Some(best) = ranked.first().map(|set| simplest(atoms, sets, ranked, set)) else {
-        return Answer {
-            verdict: Verdict::Unexplained,
-            names: Vec::new(),
-            refused: Vec::new(),
-            gain: 0.0,
-            events: Vec::new(),
-            rivals: Vec::new(),
-            unnamed: Vec::new(),
-            nothing: 1.0,
-        };
-    };
+    let nothing = 1.0 / (1.0 + (ranked[0].log / TEMPERATURE).exp());
+    let best = simplest(atoms, sets, ranked, &ranked[0]);
     let whole = rest.sum_of_squares;
     let all = sets.gain(&best.members);
     let beyond = rest.excess(whole - all);
@@ -171,17 +160,16 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         let gain = whole_core - sets.gain(&members(&|other| *other != number));
         let rank = coefficients.get(number).map_or(1, Vec::len);
         let p = at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp());
-        if slot.equal.is_none() {
+        let Some(equal) = slot.equal else {
             let why = format!(
                 "its probability is {}; structure without a name and other sets have the rest",
                 significant(slot.probability, 2)
             );
             refused.push((atom.name.clone(), why));
             continue;
-        }
-        let equal = slot.equal.unwrap_or_default();
-        let equal: Vec<Candidate> =
-            equal.into_iter().map(|(atom, set)| candidate(model, atoms, sets, set, atom)).collect();
+        };
+        let equal: Vec<Alternative> =
+            equal.into_iter().map(|(atom, set)| alternative(model, atoms, sets, set, atom)).collect();
         undecided |= !equal.is_empty();
         kept.push(number);
         names.push(Name {
@@ -290,13 +278,13 @@ fn core(
 }
 
 /// An atom as a set has it.
-fn candidate(
+fn alternative(
     model: &Model<'_>,
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
     set: &Set,
     atom: usize,
-) -> Candidate {
+) -> Alternative {
     let says = |member: &Member| member.atom == atom || atoms.all[member.atom].is_fuller(&atoms.all[atom]);
     let sizes = sets.coefficients(&set.members).unwrap_or_default();
     let own = set.members.iter().zip(&sizes).find(|(member, _)| says(member));
@@ -304,7 +292,7 @@ fn candidate(
         let atom = &atoms.all[member.atom];
         additions(model, &atom.thing, &atom.shapes[member.shape], sizes)
     });
-    Candidate { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
+    Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
 }
 
 /// The names of sets nearly as probable as the best, and each name that by itself explains nearly as much: it may do better at the

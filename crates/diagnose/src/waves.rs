@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::observed::Run;
+use crate::channel::Run;
 
 /// The lowest and the highest of values, those that are no number left out; None where they do not differ.
 pub fn range<'v>(values: impl Iterator<Item = &'v f64>) -> Option<[f64; 2]> {

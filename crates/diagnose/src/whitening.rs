@@ -7,9 +7,10 @@ use noise::{NoiseError, Whitening};
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::channel::Channel;
 use crate::matched::correlate;
 use crate::model::State;
-use crate::observed::{Channel, Observed};
+use crate::observed::Observed;
 use crate::stacked::Stacked;
 pub use declared::code_nt;
 use declared::{declared, estimate, known_freedom};

@@ -6,9 +6,9 @@ use physics::{EffectInstance, Kind};
 
 use super::Departures;
 use crate::Error;
+use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::observed::Reader;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 

@@ -6,10 +6,10 @@ use rayon::prelude::*;
 
 use super::{Departures, fitted};
 use crate::Error;
+use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one};
 use crate::matched::correlate;
-use crate::observed::{Channel, Reader};
 use crate::proposal::{Addition, Proposal};
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of the recording.

@@ -4,15 +4,17 @@ use common::{Axis, Document, Recording};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use physics::frames;
 
+use crate::generic::mean_step_s;
+
 /// Shortest time between readings, s.
 const SHORTEST_S: f64 = 1e-3;
-/// So many times as fast.
+/// Drives that are tried, so many times as fast.
 const RATES: [f64; 3] = [4.0, 32.0, 1000.0];
-/// Slower by so much, with all that is followed.
+/// The slower one, with all that effects follow.
 const SLOWER: f64 = 4.0;
 
 /// Beginnings of columns of what nobody sets.
-const SURROUNDINGS: [&str; 5] = ["outside_", "tilt_", "sun", "eclipse", "environment_"];
+const SURROUNDINGS: [&str; 4] = ["outside_", "tilt_", "sun", "eclipse"];
 
 /// A recording that could be made, its readings zero.
 #[derive(Clone, Debug)]
@@ -33,7 +35,7 @@ fn is_drive(name: &str) -> bool {
     name.starts_with("coil_") && name.ends_with("_a")
 }
 
-/// The recordings that one could be varied to. Only what is set in coils can be.
+/// What could be recorded in the place of a recording in coils; nothing for one elsewhere.
 pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
     let mut own = recording.clone();
     own.id = format!("{}-again", recording.id);
@@ -72,7 +74,8 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
         change(&mut recording);
         all.push(Variant { words, recording });
     };
-    for rate in RATES.into_iter().filter(|rate| driven && step_s(&own) / rate >= SHORTEST_S) {
+    let step_s = own.column("time_s").filter(|time| !time.is_empty()).map_or(0.0, mean_step_s);
+    for rate in RATES.into_iter().filter(|rate| driven && step_s / rate >= SHORTEST_S) {
         add(format!("the same drive {rate} times as fast, with all else held"), &|recording| {
             others.iter().for_each(|name| hold(recording, name, mean));
             stretch(recording, 1.0 / rate);
@@ -182,14 +185,6 @@ fn stretch(recording: &mut Recording, factor: f64) {
     if let Some(column) = recording.columns.get_mut("time_s") {
         let first = column.0.first().copied().unwrap_or(0.0);
         column.0.iter_mut().for_each(|time| *time = first + factor * (*time - first));
-    }
-}
-
-fn step_s(recording: &Recording) -> f64 {
-    let time = recording.column("time_s").unwrap_or_default();
-    match time {
-        [first, .., last] => (last - first) / (time.len() - 1) as f64,
-        _ => 0.0,
     }
 }
 

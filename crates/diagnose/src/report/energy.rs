@@ -4,10 +4,10 @@ use common::{EnergyShare, series::even_step_s};
 use nalgebra::Vector3;
 
 use super::guilty::Guilty;
+use crate::channel::Channel;
 use crate::covariates;
 use crate::matched::power_along;
 use crate::model::Model;
-use crate::observed::Channel;
 use crate::{Error, Outcome};
 
 /// Regions of equal numbers of readings along time and covariates.

@@ -2,8 +2,8 @@
 
 use common::Share;
 
+use crate::channel::Channel;
 use crate::model::Model;
-use crate::observed::Channel;
 
 pub(super) struct Guilty {
     /// Channels that show it.

@@ -5,11 +5,11 @@ use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
 use super::effects::places_of;
+use crate::channel::Channel;
 use crate::covariates;
 use crate::covariates::on_coil;
 use crate::fit::square;
 use crate::model::{Column, Model};
-use crate::observed::Channel;
 use crate::what::{What, named};
 use crate::{Options, Outcome};
 

@@ -2,10 +2,10 @@
 
 use common::{Residual, ResidualOf};
 
+use crate::channel::Channel;
 use crate::fit::{Fit, Fitter};
 use crate::held_out::HeldOut;
 use crate::model::Model;
-use crate::observed::Channel;
 use crate::{Error, Outcome};
 
 /// Rms of the noise over all readings, nT.

@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 
 use super::guilty::Guilty;
 use crate::Outcome;
+use crate::channel::Channel;
 use crate::covariates;
 use crate::model::Model;
-use crate::observed::Channel;
 
 /// Most points of a series.
 const POINTS: usize = 160;

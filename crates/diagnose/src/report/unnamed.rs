@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 
 use crate::Outcome;
 use crate::covariates::{self, ALONG, across};
+use crate::generic::mean_step_s;
 use crate::model::Model;
 use crate::verdict::Unnamed;
 
@@ -40,7 +41,7 @@ fn one(model: &Model<'_>, structure: &Unnamed, fields: &[Vec<Vector3<f64>>]) -> 
     let is_field = *covariate == ALONG || Axis::ALL.into_iter().any(|other| *covariate == across(other));
     let step_s = model.observed.channels.iter().enumerate().find_map(|(number, channel)| {
         let time = model.observed.runs[channel.run].time_s.filter(|_| values.part(number).is_some())?;
-        Some((time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64)
+        Some(mean_step_s(time))
     });
     // Of a column the shape is a threshold, of the past of one a number of rows.
     let is_column = along == *covariate;

@@ -8,8 +8,9 @@ use physics::{EffectInstance, Kind, SensorConstants, Setting, Unit};
 use std::collections::BTreeMap;
 
 use crate::Error;
+use crate::channel::{Channel, Reader};
 use crate::model::State;
-use crate::observed::{Channel, Observed, Reader};
+use crate::observed::Observed;
 
 /// Fewest readings of an even series that a spectrum is fitted to.
 const SPECTRUM_FROM: usize = 64;

@@ -101,6 +101,22 @@ fn it_is_the_inverse_of_the_root_of_the_covariance() {
     }
 }
 
+/// A series too long for its gains to be kept begins as a short one, whose gains are.
+#[test]
+fn a_long_series_begins_as_a_short_one() {
+    let (long, short) = (400_000, 700);
+    let time: Vec<f64> = (0..long).map(|row| 0.125 * (row + row / 3) as f64).collect();
+    let noise = declared(0.3, 0.2, 1.5, 0.1);
+    let of = |rows: usize| Whitening::of(&noise, Some(&time[..rows]), rows, 300.0).expect("a whitening");
+    let mut stream = Stream::new(4, "long");
+    let series: Vec<f64> = (0..long).map(|_| stream.normal()).collect();
+    let (whole, beginning) = (of(long).whiten(&series), of(short).whiten(&series[..short]));
+    for (row, (a, b)) in whole.iter().zip(&beginning).enumerate() {
+        assert_eq!(a, b, "{row}");
+    }
+    assert!(whole.iter().all(|value| value.is_finite()));
+}
+
 /// C⁻¹ + 1 1ᵀ/(n s)² of readings whose mean is known besides, and the determinant of its inverse.
 #[test]
 fn a_known_mean_is_one_more_observation() {
