@@ -20,6 +20,8 @@ const FINE: f64 = 4.0;
 const FINER: i32 = 16;
 /// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
 const WIDTHS: i32 = 32;
+/// Least amplitude of the sine in the error of coarse codes, over their width: without noise it is 1/π.
+const ROUNDED: f64 = 0.1;
 
 /// Both explanations of the strongest period of each sensor.
 pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
@@ -75,9 +77,15 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     }
     let period = 1.0 / frequency;
     let mut found = Vec::new();
-    let sine = instance(Kind::DifferentialNonlinearity, axis, vec![0.0, 0.0, period]);
+    let mut still = vec![0.0; infos.len()];
+    still[2] = period;
+    let sine = instance(Kind::DifferentialNonlinearity, axis, still);
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
+    let amplitude = sine.parameters[0].hypot(sine.parameters[1]);
     found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain, looks));
+    if amplitude < ROUNDED * period {
+        return Ok(found);
+    }
     let slip = period / range * period;
     let mut best: Option<(f64, f64)> = None;
     for k in -WIDTHS..=WIDTHS {

@@ -3,6 +3,7 @@
 
 use common::{Document, Verdict};
 use physics::{EffectInstance, Kind, Role, Stage};
+use std::collections::BTreeSet;
 
 use crate::additions::{at_shapes, columns_of, with_all, without};
 use crate::atoms::{self, Atoms, Sizes};
@@ -10,21 +11,24 @@ use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled, square};
 use crate::form::Followed;
+use crate::form_error;
 use crate::lattice;
 use crate::level::Rest;
 use crate::model::{Model, State};
-use crate::moments::{fresh, grouped, insignificant, same};
-use crate::products::Projection;
+use crate::moments::{follow, fresh, grouped, insignificant, same};
 use crate::proposal::{Addition, Proposal};
 use crate::search::{Look, Searcher};
 use crate::sets::Sets;
 use crate::stacked::Stacked;
 use crate::verdict;
+use crate::what::named;
 use crate::whitening::NoiseModel;
 use crate::{Error, Found, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;
+/// Rounds that find the same kinds of things go on as long as the sum of squares falls by more than this share.
+const SETTLED: f64 = 0.02;
 /// What names must do together with the calibration, over what they do where all is linear.
 const MET: f64 = 0.5;
 /// The catalogue's sizes are those of instruments that resolve this or less, nT.
@@ -82,6 +86,7 @@ pub fn search(
     let mut dropped: Vec<Proposal> = Vec::new();
     let mut shapes: Vec<EffectInstance> = Vec::new();
     let mut round = 0;
+    let mut before_this: Option<(BTreeSet<String>, f64)> = None;
     loop {
         told(&format!("weighing sets of effects, round {}", round + 1));
         let mut answer =
@@ -103,6 +108,7 @@ pub fn search(
         // Where the noise is what a residual shows, what was found is no longer a part of it.
         let from = ground.fit.state.effects.len();
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
+        sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
         if round <= REFITS {
             for rival in &answer.rivals {
                 // A rival that has no minimum is none.
@@ -112,7 +118,12 @@ pub fn search(
             }
         }
         let quieter = ground.noise.known == 0.0 && noise.variance() < 0.9 * ground.noise.variance();
-        if round < ROUNDS && (!more.is_empty() || !insignificant.is_empty() || quieter || sharper) {
+        let now = (kinds(&additions), left);
+        let settled =
+            before_this.is_some_and(|before| before.0 == now.0 && left > (1.0 - SETTLED) * before.1);
+        before_this = Some(now);
+        if round < ROUNDS && !settled && (!more.is_empty() || !insignificant.is_empty() || quieter || sharper)
+        {
             events.retain(|event| !insignificant.iter().any(|other| same(event, other)));
             events.extend(more);
             dropped.extend(insignificant);
@@ -161,6 +172,15 @@ fn with_codes(
     let (fit, noise) = settled(document, model, &state)?;
     let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
     Ok(Ground { fit, noise, look, codes })
+}
+
+/// What an answer consists of, whatever its shapes, sizes and moments.
+fn kinds(additions: &[Addition]) -> BTreeSet<String> {
+    let kind = |addition: &Addition| match addition {
+        Addition::Effect(effect) => named(effect),
+        Addition::Column(column) => column.what.clone(),
+    };
+    additions.iter().map(kind).collect()
 }
 
 /// What the readings show by themselves.
@@ -224,7 +244,8 @@ fn weighed(
     }
     products.push(fitter.noise, atoms.more());
     let followed = Followed::of(model, &ground.fit.state)?;
-    let mut sets = Sets::of(&atoms, fitter.noise, products, Projection::of(&ground.fit)?, followed);
+    let screen = searcher.screen(fitter, &ground.fit)?;
+    let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
     let ranked = sets.search();
     let mut answer = verdict::answer(model, &atoms, &sets, &ranked);
     let best = &ranked[0];
@@ -340,6 +361,8 @@ fn concluded(
     }
     let fitter = Fitter { model, noise: &noise };
     let mut from = ground.counts();
+    let departures = names.iter().map(|name| (&name.additions[..], &name.departs[..]));
+    let covariance = form_error::covariance(model, (&fit, &noise), from.0, departures)?;
     let held_with = fitter.held_out(&fit)?;
     for name in names {
         let (state, next) = without(&fit.state, from, &name.additions);
@@ -361,5 +384,6 @@ fn concluded(
             lost: name.lost,
         });
     }
+    let fit = Fit { covariance, ..fit };
     Ok(Outcome { before, base, base_noise, first, found, verdict, refused, unnamed, near, fit, noise, last })
 }

@@ -9,6 +9,7 @@ mod settle;
 
 pub use settle::settled_in_time;
 
+use estimate::stats::median;
 use physics::{EffectInstance, Kind, Parameter, Role};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -26,6 +27,8 @@ use crate::what::named;
 const LEFT: f64 = 1e-3;
 /// Jumps are no more than this share of the rows.
 const RARE: f64 = 0.05;
+/// Median of χ² with one degree of freedom.
+const MIDDLE: f64 = 0.455;
 
 /// A departure of one nT in each row of a channel, against its whitened residual.
 struct Departures {
@@ -35,17 +38,23 @@ struct Departures {
     along: Vec<f64>,
     /// The same with each column of a basis of the base model.
     within: Vec<Vec<f64>>,
+    /// Variance of the residual in units of the noise, by its middle rows, and no less than one (the square of Birge's ratio): where what
+    /// is left is more than the noise all along, a moment must stand out of that.
+    scatter: f64,
 }
 
 impl Departures {
     fn of(fitter: &Fitter<'_, '_>, fit: &Fit, basis: &faer::Mat<f64>, number: usize) -> Self {
         let channel = &fitter.model.observed.channels[number];
         let response = fitter.noise.response(number);
-        let along = correlate(&fit.white[channel.range()], &response);
+        let white = &fit.white[channel.range()];
+        let along = correlate(white, &response);
+        let squares: Vec<f64> = white.iter().map(|w| w * w).collect();
+        let scatter = (median(&squares) / MIDDLE).max(1.0);
         let within = (0..basis.ncols())
             .map(|j| correlate(&basis.col_as_slice(j)[channel.range()], &response))
             .collect();
-        Self { response, along, within }
+        Self { response, along, within, scatter }
     }
 
     /// Squared length of a departure in each row, and of one that stays from each row on.
@@ -151,7 +160,8 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     let singles = isolated(singles, spike).into_iter().map(|best| (best, Kind::Spike, true));
     for (best, kind, alone) in singles.chain(steps) {
         if best.gain > 0.0 {
-            found.extend(moment(fitter, fit, rest, best, kind, alone, looks)?);
+            let scatter = all[best.channel].scatter;
+            found.extend(moment(fitter, fit, (rest, scatter), best, kind, alone, looks)?);
         }
     }
     found.extend(freeze::proposal(fitter, fit, rest, &all)?);
@@ -222,7 +232,7 @@ fn later<'f>(fitter: &'f Fitter<'_, '_>, number: usize) -> impl Iterator<Item = 
 fn moment(
     fitter: &Fitter<'_, '_>,
     fit: &Fit,
-    rest: &Rest,
+    (rest, scatter): (&Rest, f64),
     best: Best,
     kind: Kind,
     alone: bool,
@@ -288,7 +298,7 @@ fn moment(
             column.what.clone()
         }
     };
-    let p = at_least_one(rest.p(exact.gain, exact.rank), looks);
+    let p = at_least_one(rest.p(exact.gain / scatter, exact.rank), looks);
     Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true }))
 }
 

@@ -192,6 +192,7 @@ pub fn energy(screen: &Screen, columns: &[usize], coefficients: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use estimate::screen::Products;
     use faer::Mat;
 
     /// Columns and a residual of a few rows, errors of variance one, nothing projected out.
@@ -201,10 +202,9 @@ mod tests {
             [(0.7 * t).sin(), 0.2 * t - 1.0, (1.3 * t).cos(), 0.9 * (0.7 * t).sin() + (2.1 * t).sin()]
         };
         let rows: Vec<[f64; 4]> = (0..12).map(row).collect();
-        let product = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
-        let left = Mat::from_fn(4, 4, product);
-        let whole = (0..3).map(|j| product(j, j)).collect();
-        (rows, Screen::projected(left, whole, 12, 0))
+        let mut products = Products::of(3);
+        products.push(Mat::from_fn(12, 4, |i, j| rows[i][j]).as_ref());
+        (rows, Screen::of(&products))
     }
 
     fn rest(screen: &Screen, known: f64) -> Rest {

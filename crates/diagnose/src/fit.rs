@@ -57,27 +57,26 @@ pub struct Fitter<'a, 'b> {
 
 impl Fitter<'_, '_> {
     /// Residual in nT, and whitened with the rows of prior knowledge.
-    fn white(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), Error> {
+    pub fn white(&self, state: &State) -> Result<(Vec<f64>, Vec<f64>), Error> {
         let residual = self.model.residual(state)?;
         let mut white = self.noise.whiten(&self.model.observed, &residual);
         white.extend(self.model.known(state).iter().map(|(_, value, std)| -value / std));
         Ok((residual, white))
     }
 
-    /// Whitened derivatives at a state, those by the unknowns of the base model as they are at a fit, if one is given.
-    fn jacobian_near(&self, state: &State, near: Option<&Fit>) -> Result<Mat<f64>, Error> {
-        let base = if near.is_some() { Vec::new() } else { self.model.base_columns(state)? };
-        let raw: Vec<Vec<f64>> = base.into_iter().chain(self.model.other_columns(state)?).collect();
-        let white = self.noise.whiten_all(&self.model.observed, &raw);
+    /// Whitened derivatives by the unknowns of the base model at a state.
+    fn base_jacobian(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
+        Ok(self.noise.whiten_all(&self.model.observed, &self.model.base_columns(state)?))
+    }
+
+    /// Whitened derivatives at a state, with the rows of prior knowledge, those by the unknowns of the base model given.
+    fn jacobian(&self, state: &State, base: &[Vec<f64>]) -> Result<Mat<f64>, Error> {
+        let others = self.noise.whiten_all(&self.model.observed, &self.model.other_columns(state)?);
         let known = self.model.known(state);
         let rows = self.model.observed.rows;
-        let given = if near.is_some() { self.model.unknowns.len() } else { 0 };
-        let value = |i: usize, j: usize| match (j.checked_sub(given), near) {
-            (None, Some(fit)) => fit.jacobian[(i, j)],
-            (other, _) => white[other.unwrap_or(j)][i],
-        };
-        Ok(Mat::from_fn(rows + known.len(), given + white.len(), |i, j| match i.checked_sub(rows) {
-            None => value(i, j),
+        let column = |j: usize| base.get(j).unwrap_or_else(|| &others[j - base.len()]);
+        Ok(Mat::from_fn(rows + known.len(), base.len() + others.len(), |i, j| match i.checked_sub(rows) {
+            None => column(j)[i],
             Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
             Some(_) => 0.0,
         }))
@@ -106,47 +105,48 @@ impl Fitter<'_, '_> {
     /// The minimum from a state, by damped Gauss-Newton steps (Levenberg and Marquardt): the calibration's turns and scales leave
     /// directions that hardly show, along which a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
-        self.minimum(start, None)
+        self.minimum(start, self.base_jacobian(start)?, true)
     }
 
-    /// The minimum near another fit: first with the derivatives of that by the unknowns of the base model, in which most of the work is
-    /// (effects change them by no more than their own size), then with its own. Not for effects that hide the field, which take rows
-    /// out of them.
+    /// The minimum near another fit, whose derivatives by the unknowns of the base model serve to begin with (effects change them by no
+    /// more than their own size). Not for effects that hide the field, which take rows out of them.
     pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
-        let near = self.minimum(start, Some(fit))?;
-        self.minimum(&near.state, None)
+        let rows = self.model.observed.rows;
+        let base = (0..self.model.unknowns.len()).map(|j| fit.jacobian.col_as_slice(j)[..rows].to_vec());
+        self.minimum(start, base.collect(), false)
     }
 
-    fn minimum(&self, start: &State, near: Option<&Fit>) -> Result<Fit, Error> {
-        let mut state = start.clone();
-        let (mut residual, mut white) = self.white(&state)?;
-        let mut cost = square(&white);
+    /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model, which change little: they are
+    /// kept until steps no longer gain, and taken anew until a step with them does not gain either. `is_new` says whether those that are
+    /// given are of that state.
+    fn minimum(&self, start: &State, mut base: Vec<Vec<f64>>, mut is_new: bool) -> Result<Fit, Error> {
+        let mut at = At::of(self, start.clone())?;
         let mut damping = LIGHTEST;
+        let mut idle = 0;
         for step in 0.. {
-            let jacobian = self.jacobian_near(&state, near)?;
-            let damped = Damped::of(&jacobian, &white)?;
-            let mut taken = None;
+            let jacobian = self.jacobian(&at.state, &base)?;
+            let damped = Damped::of(&jacobian, &at.white)?;
+            let before = at.cost;
             while damping <= HEAVIEST {
-                let next = self.model.advance(&state, &damped.step(damping));
-                let trial = self.white(&next)?;
-                let now = square(&trial.1);
-                if now.is_finite() && now <= cost {
-                    taken = Some((next, trial, now));
+                let next = At::of(self, self.model.advance(&at.state, &damped.step(damping)))?;
+                if next.cost.is_finite() && next.cost <= at.cost {
+                    at = next;
                     break;
                 }
                 damping *= HEAVIER;
             }
-            let fell = taken.as_ref().map_or(0.0, |(_, _, now)| cost - now);
-            if let Some((next, trial, now)) = taken {
-                (state, residual, white, cost) = (next, trial.0, trial.1, now);
+            let enough = TOLERANCE.max(1e-9 * at.cost);
+            idle = if before - at.cost < enough { idle + 1 } else { 0 };
+            // A shape at its bound promises what it cannot keep.
+            let stands =
+                idle > 1 || (idle == 1 && (damping > HEAVIEST || damped.gain(damping) < 2.0 * enough));
+            if (stands && is_new) || step + 1 == STEPS {
+                return self.with_covariance(at, jacobian);
             }
-            let expected = damped.gain(damping);
-            if (fell < TOLERANCE.max(1e-9 * cost)
-                && (damping > HEAVIEST || expected < 2.0 * TOLERANCE.max(1e-9 * cost)))
-                || step + 1 == STEPS
-            {
-                return self.with_covariance(state, residual, white, jacobian);
+            if stands {
+                base = self.base_jacobian(&at.state)?;
             }
+            is_new = stands;
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }
         Err(Error::Undetermined("no fit settles".into()))
@@ -154,27 +154,21 @@ impl Fitter<'_, '_> {
 
     /// A state as a fit that stands where it is.
     pub fn at(&self, state: &State) -> Result<Fit, Error> {
-        let (residual, white) = self.white(state)?;
-        let jacobian = self.jacobian_near(state, None)?;
-        self.with_covariance(state.clone(), residual, white, jacobian)
+        let jacobian = self.jacobian(state, &self.base_jacobian(state)?)?;
+        self.with_covariance(At::of(self, state.clone())?, jacobian)
     }
 
-    fn with_covariance(
-        &self,
-        state: State,
-        residual: Vec<f64>,
-        white: Vec<f64>,
-        jacobian: Mat<f64>,
-    ) -> Result<Fit, Error> {
+    fn with_covariance(&self, at: At, jacobian: Mat<f64>) -> Result<Fit, Error> {
+        let At { state, residual, white, cost } = at;
         let all: Vec<usize> = (0..jacobian.ncols()).collect();
         let Gain { covariance, rank, .. } = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
-        let cost = square(&white);
         Ok(Fit { state, residual, white, jacobian, covariance, rank, cost })
     }
 
     /// By how much the sum of squares of a fit falls with an effect as it stands, nothing fitted again.
     pub fn gain_as_it_is(&self, fit: &Fit, effect: &EffectInstance) -> Result<f64, Error> {
-        let change = self.model.contribution(&fit.state, effect)?;
+        let with = self.model.residual(&self.model.with(&fit.state, effect.clone()))?;
+        let change: Vec<f64> = fit.residual.iter().zip(with).map(|(before, after)| before - after).collect();
         let white = self.noise.whiten(&self.model.observed, &change);
         let along: f64 = white.iter().zip(&fit.white).map(|(a, b)| a * b).sum();
         Ok(2.0 * along - square(&white))
@@ -218,6 +212,22 @@ impl Fitter<'_, '_> {
         let mut products = Products::of(width);
         blocks.into_iter().for_each(|block| products.join(block));
         products
+    }
+}
+
+/// A state with its residual, as it is and whitened, and the sum of squares.
+struct At {
+    state: State,
+    residual: Vec<f64>,
+    white: Vec<f64>,
+    cost: f64,
+}
+
+impl At {
+    fn of(fitter: &Fitter<'_, '_>, state: State) -> Result<Self, Error> {
+        let (residual, white) = fitter.white(&state)?;
+        let cost = square(&white);
+        Ok(Self { state, residual, white, cost })
     }
 }
 
@@ -293,6 +303,18 @@ pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<
 /// Σ of squares.
 pub fn square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
+}
+
+/// What an orthonormal basis leaves of a series, which ends where the basis goes on to rows of prior knowledge.
+pub fn left(basis: &Mat<f64>, series: &[f64]) -> Vec<f64> {
+    let mut left = series.to_vec();
+    left.resize(basis.nrows(), 0.0);
+    for j in 0..basis.ncols() {
+        let basis = basis.col_as_slice(j);
+        let along: f64 = basis.iter().zip(&left).map(|(b, l)| b * l).sum();
+        left.iter_mut().zip(basis).for_each(|(l, b)| *l -= along * b);
+    }
+    left
 }
 
 /// An orthonormal basis of columns.

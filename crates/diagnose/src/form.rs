@@ -25,15 +25,6 @@ pub struct Form {
     pub neighbours: Vec<Stacked>,
 }
 
-impl Form {
-    fn add_group(&mut self, columns: Vec<Stacked>) {
-        let group: Vec<Stacked> = columns.into_iter().filter(|column| !column.is_zero()).collect();
-        if !group.is_empty() {
-            self.departures.push(group);
-        }
-    }
-}
-
 /// The highest order that could show: where departures of the largest share of a contribution, less with each order, have half a unit of
 /// the noise's variance. `energy` is the contribution's, whitened.
 pub fn orders(energy: f64) -> usize {
@@ -73,7 +64,7 @@ impl<'m, 'a> Followed<'m, 'a> {
         let own = of(shape);
         let mut form = Form::default();
         if let Thing::Effect(effect) = &atom.thing {
-            self.departures(&mut form, effect, atom.sensor().is_some(), &own, orders);
+            form.departures = self.departures(effect, atom.sensor().is_some(), &own, orders);
         }
         let fitted = &atom.shapes[shape];
         if fitted.fitted.is_some() {
@@ -94,15 +85,21 @@ impl<'m, 'a> Followed<'m, 'a> {
         form
     }
 
-    /// A contribution times waves of what its effect follows and of time.
-    fn departures(
+    /// A contribution times waves of what its effect follows and of time, group by group.
+    pub fn departures(
         &self,
-        form: &mut Form,
         effect: &EffectInstance,
         of_one_sensor: bool,
         own: &Stacked,
         orders: usize,
-    ) {
+    ) -> Vec<Vec<Stacked>> {
+        let mut groups: Vec<Vec<Stacked>> = Vec::new();
+        let mut add = |columns: Vec<Stacked>| {
+            let group: Vec<Stacked> = columns.into_iter().filter(|column| !column.is_zero()).collect();
+            if !group.is_empty() {
+                groups.push(group);
+            }
+        };
         let mut names = covariates::of(effect);
         if of_one_sensor && !names.iter().any(|name| name == ALONG) {
             names.push(ALONG.into());
@@ -116,18 +113,19 @@ impl<'m, 'a> Followed<'m, 'a> {
                 let known = |value: &f64| f64::from(u8::from(place(*value, range).is_some()));
                 values[channel].as_ref().map(|values| values.iter().map(known).collect())
             });
-            form.add_group(there.times_polynomials(orders, |channel| {
+            add(there.times_polynomials(orders, |channel| {
                 let place = |value: &f64| place(*value, range).unwrap_or(0.0);
                 values[channel].as_ref().map(|values| values.iter().map(place).collect())
             }));
         }
         if let Some(span) = self.span {
-            form.add_group(own.times_polynomials(orders, |channel| {
+            add(own.times_polynomials(orders, |channel| {
                 let channel = &self.model.observed.channels[channel];
                 let run = &self.model.observed.runs[channel.run];
                 channel.rows.iter().map(|row| half_waves(1, run, *row, span)).collect()
             }));
         }
+        groups
     }
 
     fn channels(&self) -> impl Iterator<Item = &Channel> {

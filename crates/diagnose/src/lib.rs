@@ -23,6 +23,7 @@ mod evidence;
 mod experiment;
 mod fit;
 mod form;
+mod form_error;
 mod generic;
 mod held_out;
 mod lattice;

@@ -1,6 +1,7 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 
 mod basic;
+mod step;
 
 pub use basic::{Instrument, Unknown};
 
@@ -223,6 +224,7 @@ impl<'a> Model<'a> {
         let mut next = state.clone();
         let base = self.unknowns.len();
         next.base.iter_mut().zip(step).for_each(|(value, s)| *value += s);
+        self.straighten(state, &mut next);
         let free = self.free(state);
         for ((effect, parameter), s) in free.iter().zip(&step[base..]) {
             let info = &next.effects[*effect].kind.parameters()[*parameter];
@@ -293,11 +295,6 @@ impl<'a> Model<'a> {
             })
             .collect::<Result<_, Error>>()?;
         Ok(parts.concat())
-    }
-
-    /// What is predicted with one effect more, less what is predicted without, stacked.
-    pub fn contribution(&self, state: &State, effect: &EffectInstance) -> Result<Vec<f64>, Error> {
-        self.change(state, &self.with(state, effect.clone()))
     }
 
     /// By how much what is predicted changes from one state to another, stacked.

@@ -1,6 +1,6 @@
 //! What happened at moments, at frequencies or in codes: which of it is new, which pays for its search, and what is told as one.
 
-use physics::{Kind, Role};
+use physics::{EffectInstance, Kind, Role};
 
 use crate::fit::Fit;
 use crate::model::Model;
@@ -17,11 +17,9 @@ pub fn insignificant(
     events: &[Proposal],
 ) -> Vec<Proposal> {
     let free = model.free(&fit.state);
-    let scale = if noise.known > 0.0 {
-        1.0
-    } else {
-        fit.cost / fit.residual.len().saturating_sub(fit.rank).max(1) as f64
-    };
+    // Where more than the noise is left, heights are as uncertain as that makes them (Birge's ratio).
+    let left = fit.cost / fit.residual.len().saturating_sub(fit.rank).max(1) as f64;
+    let scale = if noise.known > 0.0 { left.max(1.0) } else { left };
     let (mut effects, mut columns) = from;
     let mut found = Vec::new();
     for addition in additions {
@@ -54,6 +52,21 @@ pub fn insignificant(
         }
     }
     found
+}
+
+/// Brings lines and codes to the frequencies and periods that a fit has of them, its effects in the order of the additions; whether any
+/// moved.
+pub fn follow(events: &mut [Proposal], additions: &[Addition], fitted: &[EffectInstance]) -> bool {
+    let effects = additions.iter().filter(|addition| matches!(addition, Addition::Effect(_)));
+    let mut any = false;
+    for (addition, fitted) in effects.zip(fitted) {
+        let own = events.iter_mut().find(|event| !event.local && is(event, addition));
+        let Some(event) = own else { continue };
+        let now = Addition::Effect(fitted.clone());
+        any |= !is(event, &now);
+        event.addition = now;
+    }
+    any
 }
 
 /// Moments, lines and codes that are not known yet.

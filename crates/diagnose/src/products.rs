@@ -1,11 +1,12 @@
 //! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the number of columns alone.
 
-use estimate::screen::Screen;
+use estimate::screen::{Column, Screen};
 use faer::Mat;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 use crate::Error;
-use crate::fit::{Fit, orthonormal};
+use crate::fit::{Fit, orthonormal, square};
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
@@ -59,6 +60,20 @@ impl Products {
             }
         }
         left
+    }
+
+    /// Σ of the squares of columns times coefficients in each channel.
+    pub fn energy_by_channel(&self, terms: &[(usize, f64)]) -> Vec<f64> {
+        let of = |(channel, range): (usize, &std::ops::Range<usize>)| {
+            let mut sum = vec![0.0; range.len()];
+            for (column, coefficient) in terms {
+                if let Some(part) = self.columns[*column].part(channel) {
+                    sum.iter_mut().zip(part).for_each(|(s, p)| *s += coefficient * p);
+                }
+            }
+            square(&sum)
+        };
+        self.ranges.iter().enumerate().map(of).collect()
     }
 
     /// How many columns there are.
@@ -131,7 +146,7 @@ fn by_blocks(rows: usize, sum: &mut Mat<f64>, of: impl Fn(std::ops::Range<usize>
 #[derive(Clone, Debug)]
 pub struct Projection {
     /// An orthonormal basis of the fit's derivatives, then the residual.
-    onto: Mat<f64>,
+    onto: Arc<Mat<f64>>,
     /// The residual along the basis, then its square.
     residual: Vec<f64>,
     /// The same for each column.
@@ -155,7 +170,7 @@ impl Projection {
             );
         let product = |j: usize| onto.col_as_slice(j).iter().zip(&fit.white).map(|(b, w)| b * w).sum();
         let residual = (0..=rank).map(product).collect();
-        Ok(Self { onto, residual, columns: Vec::new() })
+        Ok(Self { onto: Arc::new(onto), residual, columns: Vec::new() })
     }
 
     /// What the fit leaves of a whitened series.
@@ -170,19 +185,31 @@ impl Projection {
         left
     }
 
-    /// The screen of all columns that there are now.
-    pub fn screen(&mut self, products: &Products) -> Screen {
-        self.columns.extend(products.along(&self.onto, self.columns.len()));
-        let (rank, size) = (self.onto.ncols() - 1, products.len());
-        let all: Vec<&Vec<f64>> = self.columns.iter().chain([&self.residual]).collect();
-        let within = Mat::from_fn(rank, size + 1, |k, i| all[i][k]);
-        let taken = within.transpose() * &within;
-        let left = Mat::from_fn(size + 1, size + 1, |i, j| {
-            let (high, low) = (i.max(j), i.min(j));
-            let whole = if high == size { all[low][rank] } else { products.gram[high][low] };
-            whole - taken[(high, low)]
-        });
-        let whole = (0..size).map(|j| products.gram[j][j]).collect();
-        Screen::projected(left, whole, self.onto.nrows(), rank)
+    /// The screen of no column yet.
+    pub fn screen(&self) -> Screen {
+        let rank = self.onto.ncols() - 1;
+        let taken: f64 = self.residual[..rank].iter().map(|a| a * a).sum();
+        Screen::empty(self.residual[rank] - taken, self.onto.nrows(), rank)
+    }
+
+    /// Adds the columns that a screen does not have yet.
+    pub fn extend(&mut self, screen: &mut Screen, products: &Products) {
+        let from = screen.columns();
+        self.columns.extend(products.along(&self.onto, from));
+        let rank = self.onto.ncols() - 1;
+        let within = |a: &[f64], b: &[f64]| -> f64 { a[..rank].iter().zip(b).map(|(a, b)| a * b).sum() };
+        let made: Vec<Column> = (from..products.len())
+            .into_par_iter()
+            .map(|i| {
+                let own = &self.columns[i];
+                let gram = products.gram[i].iter().zip(&self.columns);
+                Column {
+                    left: gram.map(|(whole, other)| whole - within(own, other)).collect(),
+                    along: own[rank] - within(own, &self.residual),
+                    whole: products.gram[i][i],
+                }
+            })
+            .collect();
+        made.into_iter().for_each(|column| screen.push(column));
     }
 }

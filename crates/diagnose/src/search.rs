@@ -119,10 +119,12 @@ impl<'p> Searcher<'p> {
         &self.white.insert(found).1
     }
 
-    /// The pool with all that a fit has unknown projected out.
-    pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Screen, Error> {
+    /// The pool with all that a fit has unknown projected out, and the way there.
+    pub fn screen(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<(Projection, Screen), Error> {
         let mut projection = Projection::of(fit)?;
-        Ok(projection.screen(self.products(fitter)))
+        let mut screen = projection.screen();
+        projection.extend(&mut screen, self.products(fitter));
+        Ok((projection, screen))
     }
 
     /// The strongest line, and what may have happened at moments, at frequencies or in codes.
@@ -143,7 +145,7 @@ impl<'p> Searcher<'p> {
 
     /// Searches what a fit has left.
     pub fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
-        let screen = self.screen(fitter, fit)?;
+        let (_, screen) = self.screen(fitter, fit)?;
         let searches: Vec<Search> = self
             .pool
             .candidates

@@ -37,7 +37,7 @@ pub struct Member {
     /// ln of the probability of atom, shape and size beforehand.
     log_prior: f64,
     /// How far it may depart from its form, for each group of departures; none before its form is looked at.
-    departs: Vec<f64>,
+    pub departs: Vec<f64>,
     /// ln of the mean evidence over the departures that were tried, over that of the best of them.
     log_forms: f64,
 }
@@ -95,10 +95,10 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         atoms: &'s Atoms<'s>,
         noise: &'s NoiseModel,
         products: Products,
-        mut projection: Projection,
+        (mut projection, mut screen): (Projection, Screen),
         followed: Followed<'m, 'a>,
     ) -> Self {
-        let screen = projection.screen(&products);
+        projection.extend(&mut screen, &products);
         let rest =
             Rest { sum_of_squares: screen.sum_of_squares(), freedom: screen.freedom(), known: noise.known };
         Self { atoms, noise, products, projection, followed, rest, screen, forms: HashMap::new() }
@@ -277,7 +277,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         }
         if !raw.is_empty() {
             self.products.push(self.noise, &raw);
-            self.screen = self.projection.screen(&self.products);
+            self.projection.extend(&mut self.screen, &self.products);
         }
     }
 
@@ -433,6 +433,13 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         }
     }
 
+    /// The same where none departs from its equation.
+    pub fn gain_exact(&self, members: &[Member]) -> f64 {
+        let exact = |member: &Member| Member { departs: Vec::new(), ..member.clone() };
+        let members: Vec<Member> = members.iter().map(exact).collect();
+        self.gain(&members)
+    }
+
     /// How many coefficients members have, departures from their forms apart.
     pub fn unknowns(&self, members: &[Member]) -> usize {
         members.iter().map(|member| self.atoms.all[member.atom].shapes[member.shape].columns.len()).sum()
@@ -445,6 +452,18 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         let Some(given) = Given::of(&self.screen, terms) else { return white.to_vec() };
         let terms: Vec<(usize, f64)> = columns.into_iter().zip(given.coefficients()).collect();
         self.projection.left(&self.products.less(white, &terms))
+    }
+
+    /// How what each member contributes is distributed over the channels, as shares of its whitened energy.
+    pub fn places(&self, members: &[Member]) -> Option<Vec<Vec<f64>>> {
+        let of = |(member, sizes): (&Member, Vec<f64>)| {
+            let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
+            let terms: Vec<(usize, f64)> = columns.iter().copied().zip(sizes).collect();
+            let energy = self.products.energy_by_channel(&terms);
+            let whole = energy.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+            energy.into_iter().map(|own| own / whole).collect()
+        };
+        Some(members.iter().zip(self.coefficients(members)?).map(of).collect())
     }
 
     /// What each member contributes, in the order of the columns of its shape.

@@ -1,22 +1,24 @@
 //! Columns over all channels that are nothing in most of them.
 
+use std::sync::Arc;
+
 use crate::observed::Observed;
 
-/// A column, channel by channel; None where it is zero throughout.
+/// A column, channel by channel; None where it is zero throughout. Copies share their values.
 #[derive(Clone, Debug)]
-pub struct Stacked(Vec<Option<Vec<f64>>>);
+pub struct Stacked(Vec<Option<Arc<[f64]>>>);
 
 impl Stacked {
     /// Channel by channel.
     pub fn new(parts: Vec<Option<Vec<f64>>>) -> Self {
-        Self(parts)
+        Self(parts.into_iter().map(|part| part.map(Arc::from)).collect())
     }
 
     /// Of a column over all readings.
     pub fn of(observed: &Observed<'_>, dense: &[f64]) -> Self {
         let part = |range: std::ops::Range<usize>| {
             let part = &dense[range];
-            part.iter().any(|value| *value != 0.0).then(|| part.to_vec())
+            part.iter().any(|value| *value != 0.0).then(|| part.into())
         };
         Self(observed.channels.iter().map(|channel| part(channel.range())).collect())
     }
@@ -24,9 +26,13 @@ impl Stacked {
     /// Over all readings.
     pub fn dense(&self, observed: &Observed<'_>) -> Vec<f64> {
         let parts = observed.channels.iter().zip(&self.0);
-        parts
-            .flat_map(|(channel, part)| part.clone().unwrap_or_else(|| vec![0.0; channel.rows.len()]))
-            .collect()
+        let mut dense = vec![0.0; observed.rows];
+        for (channel, part) in parts {
+            if let Some(part) = part {
+                dense[channel.range()].copy_from_slice(part);
+            }
+        }
+        dense
     }
 
     /// Its values in a channel; None where they are all zero.
@@ -41,7 +47,7 @@ impl Stacked {
 
     /// Whether all values are finite.
     pub fn is_finite(&self) -> bool {
-        self.0.iter().flatten().flatten().all(|value| value.is_finite())
+        self.0.iter().flatten().all(|part| part.iter().all(|value| value.is_finite()))
     }
 
     /// Sum of the squares, and the number of values in channels where it is something.
@@ -59,22 +65,22 @@ impl Stacked {
             let mut sum: Option<Vec<f64>> = None;
             for (part, factor) in columns.iter().filter_map(|(c, f)| Some((c.0[channel].as_ref()?, f))) {
                 match &mut sum {
-                    Some(sum) => sum.iter_mut().zip(part).for_each(|(s, p)| *s += factor * p),
+                    Some(sum) => sum.iter_mut().zip(part.iter()).for_each(|(s, p)| *s += factor * p),
                     None => sum = Some(part.iter().map(|p| factor * p).collect()),
                 }
             }
             sum
         };
-        Self((0..channels).map(of).collect())
+        Self::new((0..channels).map(of).collect())
     }
 
     /// The column times something in each channel where it is not zero; None: zero there.
     pub fn times(&self, of: impl Fn(usize) -> Option<Vec<f64>>) -> Self {
-        let part = |(channel, part): (usize, &Option<Vec<f64>>)| {
+        let part = |(channel, part): (usize, &Option<Arc<[f64]>>)| {
             let part = part.as_ref()?;
             Some(part.iter().zip(of(channel)?).map(|(p, f)| p * f).collect())
         };
-        Self(self.0.iter().enumerate().map(part).collect())
+        Self::new(self.0.iter().enumerate().map(part).collect())
     }
 
     /// The column times Chebyshev polynomials of something between −1 and 1 in each channel, each over its order, from the first order on.
@@ -83,7 +89,7 @@ impl Stacked {
         let mut all = vec![vec![None; channels]; orders];
         for (channel, part) in self.0.iter().enumerate() {
             let Some((part, x)) = part.as_ref().and_then(|part| Some((part, of(channel)?))) else { continue };
-            let mut before = part.clone();
+            let mut before = part.to_vec();
             let mut now: Vec<f64> = part.iter().zip(&x).map(|(p, x)| p * x).collect();
             for (order, parts) in all.iter_mut().enumerate() {
                 parts[channel] = Some(now.iter().map(|value| value / (order + 1) as f64).collect());
@@ -93,6 +99,6 @@ impl Stacked {
                 }
             }
         }
-        all.into_iter().map(Self).collect()
+        all.into_iter().map(Self::new).collect()
     }
 }

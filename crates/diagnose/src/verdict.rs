@@ -18,9 +18,11 @@ use crate::stacked::Stacked;
 const UNDECIDED: usize = 6;
 /// Probability by chance at which a further unknown of a fuller form is needed.
 const NEEDED: f64 = 0.01;
-/// Sets whose log probability is behind the best by no more are fitted again with the calibration, and so many of them at most.
+/// Sets whose log probability is behind the best by no more may be fitted again with the calibration, and so many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
+/// A member acts in the channels that have this share of its energy or more.
+const PRESENT: f64 = 0.05;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
@@ -50,6 +52,8 @@ pub struct Name {
     pub share: f64,
     /// Share of its energy by which it departs from its form.
     pub departure: f64,
+    /// How far it may depart from its form, for each group of departures.
+    pub departs: Vec<f64>,
     /// Names that explain as well.
     pub equal: Vec<Alternative>,
     /// Others, and why they lost.
@@ -180,6 +184,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
             p,
             share: gain / explicable,
             departure: departures[number],
+            departs: member.departs.clone(),
             equal,
             lost: lost(atoms, best, ranked, member.atom),
         });
@@ -210,7 +215,8 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
     Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals, unnamed, nothing }
 }
 
-/// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance.
+/// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance, none
+/// departing from its equation.
 fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], best: &'r Set) -> &'r Set {
     let mut chosen = best;
     loop {
@@ -220,7 +226,7 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
             let come: Vec<usize> = theirs.iter().copied().filter(|atom| !own.contains(atom)).collect();
             match (&gone[..], &come[..]) {
                 ([gone], [come]) if atoms.all[*gone].is_fuller(&atoms.all[*come]) => {
-                    sets.gain(&chosen.members) - sets.gain(&set.members)
+                    sets.gain_exact(&chosen.members) - sets.gain_exact(&set.members)
                         < chi_squared_quantile(1.0 - NEEDED, 1.0)
                 }
                 _ => false,
@@ -233,8 +239,8 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The members that explain more than a negligible share of what all of their sensor explain, and the names of the others: the one that explains
-/// least beside the rest goes first, and the rest is looked at again without it.
+/// The members that explain more than a negligible share of what others explain in the same channels, and the names of the rest: the one
+/// that explains least goes first, and the others are looked at again without it.
 fn core(
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
@@ -243,33 +249,37 @@ fn core(
 ) -> (Vec<usize>, Vec<(String, String)>) {
     let mut core: Vec<usize> = (0..members.len()).collect();
     let mut refused = Vec::new();
-    let gain = |some: &[usize], which: &dyn Fn(usize) -> bool| {
-        let some = some.iter().filter(|number| which(**number));
+    let Some(places) = sets.places(members) else { return (core, refused) };
+    let gain = |some: &[usize], without: usize| {
+        let some = some.iter().filter(|number| **number != without);
         sets.gain(&some.map(|number| members[*number].clone()).collect::<Vec<_>>())
     };
     loop {
-        let all = gain(&core, &|_| true);
-        let shares: Vec<(f64, usize)> = core
-            .iter()
-            .map(|&number| {
-                let own = &atoms.all[members[number].atom];
-                let together = |other: usize| {
-                    let sensor = atoms.all[members[other].atom].sensor();
-                    sensor.is_none() || own.sensor().is_none() || sensor == own.sensor()
-                };
-                let alone = all - gain(&core, &|other| other != number);
-                let whole = all - gain(&core, &|other| !together(other));
-                let counts = own.is_event() && alone > EVENT_SHARE * (alone + beyond);
-                (if counts { 1.0 } else { alone / whole }, number)
-            })
-            .collect();
-        let least = shares.iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
-        let Some((share, number)) = least.copied() else { return (core, refused) };
+        let all = gain(&core, usize::MAX);
+        let alone: Vec<f64> = core.iter().map(|number| all - gain(&core, *number)).collect();
+        let share = |at: usize| {
+            let own = core[at];
+            if atoms.all[members[own].atom].is_event() && alone[at] > EVENT_SHARE * (alone[at] + beyond) {
+                return 1.0;
+            }
+            // What the others do where this one does something.
+            let beside = |other: usize| -> f64 {
+                let (own, other) = (&places[own], &places[core[other]]);
+                own.iter().zip(other).map(|(own, other)| if *own > PRESENT { *other } else { 0.0 }).sum()
+            };
+            let lasts = |other: &usize| !is_local(&atoms.all[members[core[*other]].atom]);
+            let others = (0..core.len()).filter(|other| *other != at).filter(lasts);
+            let others: f64 = others.map(|other| beside(other) * alone[other].max(0.0)).sum();
+            alone[at] / (alone[at] + others)
+        };
+        let shares = (0..core.len()).map(|at| (share(at), core[at]));
+        let least = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
+        let Some((share, number)) = least else { return (core, refused) };
         core.retain(|other| *other != number);
         let atom = &atoms.all[members[number].atom];
         if atom.is_named() {
             let why = format!(
-                "it explains {} % of what is explained in its sensor, no more than the forms of the others may be off",
+                "it explains {} % of what is explained where it acts, no more than the forms of the others may be off",
                 significant(100.0 * share, 2)
             );
             refused.push((atom.name.clone(), why));
@@ -295,8 +305,8 @@ fn alternative(
     Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
 }
 
-/// The names of sets nearly as probable as the best, and each name that by itself explains nearly as much: it may do better at the
-/// shape that it comes to.
+/// The names of sets nearly as probable as the best, and sets of names alone that explain nearly as much: they may do better at the
+/// shapes that they come to.
 fn rivals(
     model: &Model<'_>,
     atoms: &Atoms<'_>,
@@ -314,16 +324,29 @@ fn rivals(
         additions.collect()
     };
     let most = sets.gain(&ranked[0].members);
-    let has_shapes = |member: &Member| {
-        let shapes = &atoms.all[member.atom].shapes;
-        shapes.len() > 1 && shapes[member.shape].fitted.is_none()
+    let explains = |set: &Set| {
+        set.members.iter().all(|member| atoms.all[member.atom].is_named())
+            && sets.gain(&set.members) > PARTLY * most
     };
-    let alone = |set: &&Set| match &set.members[..] {
-        [one] => has_shapes(one) && sets.gain(&set.members) > PARTLY * most,
-        _ => false,
-    };
-    let near = ranked.iter().skip(1).filter(|set| ranked[0].log - set.log < NEARLY).take(REFITTED);
-    near.chain(ranked.iter().filter(alone).take(REFITTED)).map(of).collect()
+    // One set for each name whose shapes no fit has found yet.
+    let mut known: Vec<usize> = ranked[0].members.iter().map(|member| member.atom).collect();
+    let mut chosen = Vec::new();
+    for set in ranked.iter().filter(|set| ranked[0].log - set.log < NEARLY || explains(set)) {
+        let is_fresh = |member: &&Member| {
+            let atom = &atoms.all[member.atom];
+            let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
+            atom.is_named() && atom.shapes.len() > 1 && !fitted && !known.contains(&member.atom)
+        };
+        let fresh: Vec<usize> = set.members.iter().filter(is_fresh).map(|member| member.atom).collect();
+        if !fresh.is_empty() {
+            known.extend(fresh);
+            chosen.push(of(set));
+        }
+        if chosen.len() == REFITTED {
+            break;
+        }
+    }
+    chosen
 }
 
 fn member_prior(atom: &Atom) -> f64 {

@@ -80,8 +80,12 @@ pub struct Gain {
 /// Columns and residual, with some of the columns projected out of all others.
 #[derive(Clone, Debug)]
 pub struct Screen {
-    /// Products of what is left, the residual last.
-    left: Mat<f64>,
+    /// What is left of the products of the columns: row i has those with columns 0 to i.
+    left: Vec<Vec<f64>>,
+    /// The same of their products with the residual.
+    along: Vec<f64>,
+    /// The same of the residual's square.
+    squares: f64,
     /// Squared lengths of the columns as they were.
     whole: Vec<f64>,
     rows: usize,
@@ -89,23 +93,52 @@ pub struct Screen {
     used: usize,
 }
 
+/// A column of a screen.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// What is left of its products with the columns before it and with itself.
+    pub left: Vec<f64>,
+    /// The same with the residual.
+    pub along: f64,
+    /// Its squared length as it was.
+    pub whole: f64,
+}
+
 impl Screen {
     /// All columns, nothing projected out.
     pub fn of(products: &Products) -> Self {
-        let left = products.total();
-        let whole = (0..products.columns).map(|j| left[(j, j)]).collect();
-        Self { left, whole, rows: products.rows(), used: 0 }
+        Self::of_products(products.columns, products.total().as_ref(), products.rows())
     }
 
-    /// Products of columns and residual, the residual last, of which something of rank `used` was projected out already; `whole` are the
-    /// columns' squared lengths as they were.
-    pub fn projected(left: Mat<f64>, whole: Vec<f64>, rows: usize, used: usize) -> Self {
-        Self { left, whole, rows, used }
+    fn of_products(columns: usize, total: MatRef<'_, f64>, rows: usize) -> Self {
+        let mut screen = Self::empty(total[(columns, columns)], rows, 0);
+        for i in 0..columns {
+            let left = (0..=i).map(|j| total[(i, j)]).collect();
+            screen.push(Column { left, along: total[(columns, i)], whole: total[(i, i)] });
+        }
+        screen
+    }
+
+    /// No column yet: the residual's square, its rows, and the rank of what was projected out of it already.
+    pub fn empty(squares: f64, rows: usize, used: usize) -> Self {
+        Self { left: Vec::new(), along: Vec::new(), squares, whole: Vec::new(), rows, used }
+    }
+
+    /// Adds a column behind the others.
+    pub fn push(&mut self, column: Column) {
+        self.left.push(column.left);
+        self.along.push(column.along);
+        self.whole.push(column.whole);
     }
 
     /// What is left of a product of two columns; the residual is the last one.
     pub fn product(&self, i: usize, j: usize) -> f64 {
-        self.left[(i, j)]
+        let (high, low) = (i.max(j), i.min(j));
+        match (self.left.get(high), self.along.get(low)) {
+            (Some(row), _) => row[low],
+            (None, Some(along)) => *along,
+            (None, None) => self.squares,
+        }
     }
 
     /// How many columns there are.
@@ -120,23 +153,29 @@ impl Screen {
     /// [`Error::Decomposition`] for products that are not finite.
     pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
         let part = Part::of(self, group)?;
-        let size = self.left.nrows();
-        let across = Mat::from_fn(part.rank(), size, |k, j| -> f64 {
-            (0..group.len()).map(|i| part.directions[(i, k)] * self.left[(group[i], j)]).sum()
-        });
-        let taken = across.transpose() * &across;
-        Ok(Self {
-            left: &self.left - taken,
-            whole: self.whole.clone(),
-            rows: self.rows,
-            used: self.used + part.rank(),
-        })
+        let across: Vec<Vec<f64>> = (0..=self.columns())
+            .map(|j| {
+                let along = |k: usize| -> f64 {
+                    (0..group.len()).map(|i| part.directions[(i, k)] * self.product(group[i], j)).sum()
+                };
+                (0..part.rank()).map(along).collect()
+            })
+            .collect();
+        let last = self.columns();
+        let left = |i: usize, j: usize| {
+            self.product(i, j) - across[i].iter().zip(&across[j]).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let mut screen = Self::empty(left(last, last), self.rows, self.used + part.rank());
+        for i in 0..last {
+            let row = (0..=i).map(|j| left(i, j)).collect();
+            screen.push(Column { left: row, along: left(i, last), whole: self.whole[i] });
+        }
+        Ok(screen)
     }
 
     /// Σ of the squared residuals.
     pub fn sum_of_squares(&self) -> f64 {
-        let last = self.left.nrows() - 1;
-        self.left[(last, last)].max(0.0)
+        self.squares.max(0.0)
     }
 
     /// Rows less the rank of what was projected out.
@@ -147,7 +186,7 @@ impl Screen {
     /// Share of a column's squared length that is left: what of it the fit of others has not swallowed.
     pub fn visible(&self, column: usize) -> f64 {
         if self.whole[column] > 0.0 {
-            (self.left[(column, column)] / self.whole[column]).max(0.0)
+            (self.product(column, column) / self.whole[column]).max(0.0)
         } else {
             0.0
         }
@@ -160,11 +199,8 @@ impl Screen {
     /// [`Error::Decomposition`] for products that are not finite.
     pub fn gain(&self, group: &[usize]) -> Result<Gain, Error> {
         let part = Part::of(self, group)?;
-        let last = self.left.nrows() - 1;
         let along: Vec<f64> = (0..part.rank())
-            .map(|k| {
-                (0..group.len()).map(|i| part.directions[(i, k)] * self.left[(group[i], last)]).sum::<f64>()
-            })
+            .map(|k| (0..group.len()).map(|i| part.directions[(i, k)] * self.along[group[i]]).sum::<f64>())
             .collect();
         let mut covariance = &part.directions * part.directions.transpose();
         for (i, gone) in part.gone.iter().enumerate() {
@@ -195,13 +231,13 @@ impl Part {
             .iter()
             .map(
                 |&column| {
-                    if screen.visible(column) > GONE { screen.left[(column, column)].sqrt() } else { 0.0 }
+                    if screen.visible(column) > GONE { screen.product(column, column).sqrt() } else { 0.0 }
                 },
             )
             .collect();
         let scaled = Mat::from_fn(group.len(), group.len(), |i, j| {
             let product = lengths[i] * lengths[j];
-            if product > 0.0 { screen.left[(group[i], group[j])] / product } else { 0.0 }
+            if product > 0.0 { screen.product(group[i], group[j]) / product } else { 0.0 }
         });
         let (values, vectors) = eigen(scaled.as_ref())?;
         let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k] > ROUNDING).collect();

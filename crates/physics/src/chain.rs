@@ -3,6 +3,7 @@
 use common::Axis;
 use nalgebra::Vector3;
 use num_dual::Dual64;
+use rayon::prelude::*;
 use std::borrow::Cow;
 
 use crate::effects::add_known_gradient;
@@ -90,7 +91,7 @@ pub fn predict_with_jacobian(
 ) -> Result<(Prediction, Vec<Prediction>), Error> {
     let prediction = predict(basic, effects, context)?;
     let derivatives = parameters
-        .iter()
+        .par_iter()
         .map(|parameter| {
             let mut lifted: Basic<Dual64> = basic.lift();
             let mut values: Vec<Vec<Dual64>> = effects
@@ -123,10 +124,14 @@ pub(crate) fn seed(
     };
     match parameter {
         Parameter::CoilTurn(axis, which) => {
-            lifted.eta.set_column(axis.index(), &frames::turned(&column(&basic.eta, axis), turn(which)));
+            lifted
+                .eta
+                .set_column(axis.index(), &frames::turned_at_length(&column(&basic.eta, axis), turn(which)));
         }
         Parameter::SensorTurn(axis, which) => {
-            lifted.mu.set_column(axis.index(), &frames::turned(&column(&basic.mu, axis), turn(which)));
+            lifted
+                .mu
+                .set_column(axis.index(), &frames::turned_at_length(&column(&basic.mu, axis), turn(which)));
         }
         Parameter::Effect(effect, number) => values[effect][number].eps = 1.0,
         constant => lifted.constant_mut(constant).into_iter().for_each(|value| value.eps = 1.0),

@@ -154,6 +154,12 @@ pub fn turned<T: Real>(direction: &Vector3<f64>, turn: [T; 2]) -> Vector3<T> {
     moved.map(|component| component / length)
 }
 
+/// The same of a vector that keeps its length: columns of η and μ of two magnetometers are no unit vectors.
+pub fn turned_at_length<T: Real>(column: &Vector3<f64>, turn: [T; 2]) -> Vector3<T> {
+    let length = column.norm();
+    turned(&(column / length), turn).map(|component| component * length)
+}
+
 /// The derivatives of [`turned`] by its two turns.
 pub fn turned_derivatives(direction: &Vector3<f64>, turn: [f64; 2]) -> [Vector3<f64>; 2] {
     [0, 1].map(|which| {
@@ -256,5 +262,22 @@ mod tests {
         }
         assert_eq!(cube_rotations().len(), 24);
         assert_eq!(cube_rotations()[0], Matrix3::identity());
+    }
+
+    /// A column of the matrix between two magnetometers turns without growing, and its derivatives are those of what it is.
+    #[test]
+    fn a_turned_column_keeps_its_length() {
+        let column = Vector3::new(0.3, -1.1, 0.7);
+        let turn = [0.02, -0.05];
+        let at = |turn: [f64; 2]| turned_at_length(&column, turn);
+        assert!((at(turn).norm() - column.norm()).abs() < 1e-15 && (at([0.0; 2]) - column).norm() < 1e-15);
+        for which in 0..2 {
+            let moved =
+                |step: f64| at(std::array::from_fn(|k| turn[k] + if k == which { step } else { 0.0 }));
+            let by_difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+            let seeded = std::array::from_fn(|k| Dual64::new(turn[k], f64::from(u8::from(k == which))));
+            let exact = turned_at_length(&column, seeded).map(|component: Dual64| component.eps);
+            assert!((by_difference - exact).norm() < 1e-9, "{by_difference} for {exact}");
+        }
     }
 }

@@ -78,7 +78,7 @@ pub fn proposal(
     let gain = fitter.gain_as_it_is(fit, &effect)?;
     Ok((gain > 0.0).then(|| Proposal {
         name: format!("{} in \"{}\"", named(&effect), run.recording.id),
-        p: at_least_one(rest.p(gain, 1), looks),
+        p: at_least_one(rest.p(gain / all[number].scatter, 1), looks),
         addition: Addition::Effect(effect),
         gain,
         looks,

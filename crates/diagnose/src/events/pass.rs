@@ -89,11 +89,13 @@ pub fn proposal(
         }
     }
     let Some((_, number, time_s, duration_s)) = strongest else { return Ok(None) };
+    let own = observed.channels.iter().zip(all).filter(|(channel, _)| channel.run == number);
+    let scatter = own.map(|(_, departures)| departures.scatter).fold(1.0, f64::max);
     let effect = still(Some(observed.runs[number].recording.id.clone()), time_s, duration_s);
     let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
     Ok(Some(Proposal {
         name: format!("{} in \"{}\"", effect.kind.name(), observed.runs[number].recording.id),
-        p: at_least_one(rest.p(gain, rank), looks),
+        p: at_least_one(rest.p(gain / scatter, rank), looks),
         addition: Addition::Effect(effect),
         gain,
         looks,

@@ -119,10 +119,18 @@ impl<'a> Model<'a> {
 
     /// Derivatives of what is predicted by the unknowns of the base model at a state.
     pub fn base_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
-        let parameters: Vec<Parameter> = chain().collect();
         let runs: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
+                let moving = |unknown: &Unknown| match unknown {
+                    Unknown::Chain(parameter, instrument) if *instrument == self.instrument(run) => {
+                        self.local(state, run, *parameter)
+                    }
+                    _ => Vec::new(),
+                };
+                let wanted = self.unknowns.iter().flat_map(moving).map(|(local, _)| local);
+                let parameters: Vec<Parameter> =
+                    chain().filter(|own| wanted.clone().any(|local| local == *own)).collect();
                 let Seen { basic, prediction, derivatives } = self.predict(state, run, &parameters)?;
                 let length: usize = self.observed.channels_of(run).map(|channel| channel.rows.len()).sum();
                 let stack = |derivative: &Prediction| -> Vec<f64> {
@@ -202,7 +210,7 @@ impl<'a> Model<'a> {
         column
     }
 
-    fn instrument(&self, run: usize) -> Instrument {
+    pub(super) fn instrument(&self, run: usize) -> Instrument {
         let run = &self.observed.runs[run];
         if run.differential() { Instrument::Pair } else { Instrument::Read(run.setting.context.unit) }
     }
@@ -239,11 +247,11 @@ impl<'a> Model<'a> {
         for axis in Axis::ALL {
             let k = axis.index();
             if turns[0][k] != [0.0; 2] {
-                let turned = turned(&basic.mu.column(k).into_owned(), turns[0][k]);
+                let turned = frames::turned_at_length(&basic.mu.column(k).into_owned(), turns[0][k]);
                 basic.mu.set_column(k, &turned);
             }
             if turns[1][k] != [0.0; 2] {
-                let turned = turned(&basic.eta.column(k).into_owned(), turns[1][k]);
+                let turned = frames::turned_at_length(&basic.eta.column(k).into_owned(), turns[1][k]);
                 basic.eta.set_column(k, &turned);
             }
         }
@@ -255,11 +263,6 @@ impl<'a> Model<'a> {
         }
         (basic, context)
     }
-}
-
-/// A direction turned as [`frames::turned`] does, its length kept: columns of η of two magnetometers are no unit vectors.
-fn turned(direction: &Vector3<f64>, turn: [f64; 2]) -> Vector3<f64> {
-    frames::turned(&direction.normalize(), turn) * direction.norm()
 }
 
 /// The parameters of the chain.

@@ -20,7 +20,7 @@ pub(super) fn detectable(
     fitter: &Fitter<'_, '_>,
     options: &Options,
 ) -> Result<Vec<Detectable>, Error> {
-    let screen = searcher.screen(fitter, &outcome.fit)?;
+    let (_, screen) = searcher.screen(fitter, &outcome.fit)?;
     let scale = outcome.last.rest.scale();
     let mut all = Vec::new();
     for (number, candidate) in searcher.candidates().iter().enumerate() {

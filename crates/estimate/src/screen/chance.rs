@@ -131,10 +131,10 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 /// Products of columns with drawn residuals: one row a draw, normal with the covariance that the columns' own products are.
 fn draw(screen: &Screen, columns: &[usize], normals: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let lengths: Vec<f64> =
-        columns.iter().map(|&column| screen.left[(column, column)].max(0.0).sqrt()).collect();
+        columns.iter().map(|&column| screen.product(column, column).max(0.0).sqrt()).collect();
     let scaled = Mat::from_fn(columns.len(), columns.len(), |i, j| {
         let product = lengths[i] * lengths[j];
-        if product > 0.0 { screen.left[(columns[i], columns[j])] / product } else { 0.0 }
+        if product > 0.0 { screen.product(columns[i], columns[j]) / product } else { 0.0 }
     });
     let (values, vectors) = eigen(scaled.as_ref())?;
     let root = Mat::from_fn(columns.len(), columns.len(), |i, k| {

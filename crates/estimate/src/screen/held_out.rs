@@ -13,11 +13,9 @@ impl Products {
     /// [`Error::Decomposition`] for products that are not finite.
     pub fn left_out(&self, group: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
         let total = self.total();
-        let whole: Vec<f64> = (0..self.columns).map(|j| total[(j, j)]).collect();
         let without = |block| {
             let left: Mat<f64> = &total - block;
-            let rest = Screen { left, whole: whole.clone(), rows: 0, used: 0 };
-            Ok(rest.gain(group)?.coefficients)
+            Ok(Screen::of_products(self.columns, left.as_ref(), 0).gain(group)?.coefficients)
         };
         self.blocks.iter().map(without).collect()
     }

@@ -42,15 +42,21 @@ impl Effect for Quantisation {
     }
 }
 
-/// ΔB = a sin(2πM/p) + b cos(2πM/p), M = B − O: codes that are wider and narrower in turn, with the period p of a bit.
+/// ΔB = Σ a_k sin(2πkM/p) + b_k cos(2πkM/p), k from 1 to 5, M = B − O: codes that are wider and narrower in turn, with the period p of
+/// a bit. A bit of the wrong weight errs like a square wave, which these harmonics follow to 93 % of its energy.
 pub struct DifferentialNonlinearity;
+
+/// An amplitude of a harmonic, none where a document does not give it.
+const fn harmonic(name: &'static str, high: f64) -> ParameterInfo {
+    ParameterInfo::amplitude(name, 0.01, high).or_zero()
+}
 
 impl Effect for DifferentialNonlinearity {
     const ABOUT: About = About {
         name: "differential_nonlinearity",
         title: "codes of the converter differ in width",
         physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
-        equation: "dB = a sin(2 pi M / p) + b cos(2 pi M / p), M = B - O",
+        equation: "dB = sum over k from 1 to 5 of a_k sin(2 pi k M / p) + b_k cos(2 pi k M / p), M = B - O",
         source: SOURCE,
         place: Place::Electronics,
         stage: Stage::Converter,
@@ -59,6 +65,14 @@ impl Effect for DifferentialNonlinearity {
             ParameterInfo::amplitude("sine_nt", 0.02, 5.0),
             ParameterInfo::amplitude("cosine_nt", 0.02, 5.0),
             ParameterInfo::shape("period_nt", 2.0, 20_000.0),
+            harmonic("sine_2_nt", 2.5),
+            harmonic("cosine_2_nt", 2.5),
+            harmonic("sine_3_nt", 1.7),
+            harmonic("cosine_3_nt", 1.7),
+            harmonic("sine_4_nt", 1.3),
+            harmonic("cosine_4_nt", 1.3),
+            harmonic("sine_5_nt", 1.0),
+            harmonic("cosine_5_nt", 1.0),
         ],
         needs: &[],
         invertible: true,
@@ -70,10 +84,14 @@ impl Effect for DifferentialNonlinearity {
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error> {
         let offset = offset(around);
+        let amplitudes = [&parameters[..2], &parameters[3..]].concat();
         for value in signal {
             let own = &mut value[around.axis.index()];
             let phase = (*own - offset) / parameters[2] * TAU;
-            *own += parameters[0] * phase.sin() + parameters[1] * phase.cos();
+            for (pair, k) in amplitudes.chunks_exact(2).zip(1..) {
+                let phase = phase * f64::from(k);
+                *own += pair[0] * phase.sin() + pair[1] * phase.cos();
+            }
         }
         Ok(())
     }

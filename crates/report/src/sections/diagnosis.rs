@@ -27,6 +27,7 @@ pub fn section(document: &Document) -> Option<Section> {
             effect_words(&mut section, effect);
         }
         section.table(effects(diagnosis));
+        section.table(parameters(diagnosis));
         plots.for_each(|plot| section.plot(plot));
         tables(&mut section, diagnosis);
     }
@@ -109,32 +110,43 @@ fn named(effect: &ExplainedEffect) -> String {
     if targets.is_empty() { name } else { format!("{name}, {}", targets.join(", ")) }
 }
 
+/// One row an effect: how sure it is, what it accounts for, and what its form leaves.
 fn effects(diagnosis: &Diagnosis) -> Table {
     let mut table = Table::new(
         "Effects",
         [
             ("effect", ""),
-            ("parameter", ""),
-            ("value", ""),
-            ("unit", ""),
+            ("probability of the name", ""),
+            ("share of what can be explained", ""),
+            ("departure from its equation, share", ""),
             ("p", ""),
             ("gain on readings left out", "nT"),
             ("visible", ""),
         ],
     );
     for effect in &diagnosis.effects {
+        let share = |value: Option<f64>| value.map(|value| number::fixed(value, 3));
+        table.row([
+            named(effect).into(),
+            share(effect.probability).into(),
+            share(effect.share).into(),
+            share(effect.departure).into(),
+            Cell::Probability(effect.p_adjusted),
+            Cell::Figures(effect.held_out_gain_nt, 3),
+            number::fixed(effect.visible_fraction, 3).into(),
+        ]);
+    }
+    table
+}
+
+fn parameters(diagnosis: &Diagnosis) -> Table {
+    let columns = [("effect", ""), ("parameter", ""), ("value", ""), ("unit", "")];
+    let mut table = Table::new("Parameters of the effects", columns);
+    for effect in &diagnosis.effects {
         let parts = effect.list.iter().flat_map(|part| &part.parameters);
         for (name, value) in effect.parameters.iter().chain(parts) {
             let (name, unit) = key(name);
-            table.row([
-                named(effect).into(),
-                name.into(),
-                value.into(),
-                unit.into(),
-                Cell::Probability(effect.p_adjusted),
-                Cell::Figures(effect.held_out_gain_nt, 3),
-                number::fixed(effect.visible_fraction, 3).into(),
-            ]);
+            table.row([named(effect).into(), name.into(), value.into(), unit.into()]);
         }
     }
     table

@@ -1,0 +1,169 @@
+//! What departures from their equations add to the uncertainty of all that is fitted.
+//!
+//! The fit has each effect exactly as its equation has it. Departures are shares of what it does beside the calibration. With J the whitened derivatives of its unknowns, C their covariance and F the
+//! departures, each with its standard deviation ψ beforehand, what the residual w says of the departures is
+//!
+//! ```text
+//! c = K Fᵀw,  K = (Fᵀ(1 − JCJᵀ)F + ψ⁻²)⁻¹
+//! ```
+//!
+//! and the fit is off by CJᵀF times the true ones, of which K + ccᵀ are the mean squares: that comes to C.
+
+use estimate::linear;
+use faer::Mat;
+use nalgebra::{DMatrix, DVector};
+use physics::{Acts, Role};
+
+use crate::Error;
+use crate::decide::FORM;
+use crate::fit::{Fit, left, orthonormal, square};
+use crate::form::{Followed, orders};
+use crate::model::{Model, State};
+use crate::proposal::Addition;
+use crate::stacked::Stacked;
+use crate::whitening::NoiseModel;
+
+/// From one time constant of a blend to the next.
+const APART: f64 = 2.5;
+
+/// The covariance of a fit whose effects, from a number on in the order of these additions, may depart from their equations by these
+/// shares, group by group.
+pub fn covariance<'n>(
+    model: &Model<'_>,
+    (fit, noise): (&Fit, &NoiseModel),
+    from: usize,
+    names: impl Iterator<Item = (&'n [Addition], &'n [f64])>,
+) -> Result<Mat<f64>, Error> {
+    let followed = Followed::of(model, &fit.state)?;
+    let base = model.base_columns(&fit.state)?;
+    let design = fit.jacobian.as_ref().submatrix(0, 0, model.observed.rows, base.len());
+    // What the calibration does not take up: a temperature that the effect counts from is nobody's departure.
+    let seen = |mut own: Vec<f64>| -> Result<Vec<f64>, Error> {
+        let along = linear::fit(design, &noise.whiten(&model.observed, &own), None)?.coefficients;
+        for (column, along) in base.iter().zip(along) {
+            own.iter_mut().zip(column).for_each(|(own, base)| *own -= along * base);
+        }
+        Ok(own)
+    };
+    let mut columns: Vec<Stacked> = Vec::new();
+    let mut shares: Vec<f64> = Vec::new();
+    let mut number = from;
+    for (additions, departs) in names {
+        for addition in additions {
+            let Addition::Effect(_) = addition else { continue };
+            let effect = &fit.state.effects[number];
+            let most = departs.iter().copied().fold(0.0, f64::max);
+            if most > 0.0 {
+                let mut without = fit.state.clone();
+                without.effects.remove(number);
+                without.acts.remove(number);
+                let own = seen(model.change(&without, &fit.state)?)?;
+                let energy = square(&noise.whiten(&model.observed, &own));
+                let own = Stacked::of(&model.observed, &own);
+                let of_one_sensor = effect.axis.is_some() && effect.kind.about().acts == Acts::OneSensor;
+                let groups = followed.departures(effect, of_one_sensor, &own, orders(energy));
+                for (group, columns_of_group) in groups.into_iter().enumerate() {
+                    let share = departs.get(group).copied().unwrap_or(most);
+                    shares.extend(std::iter::repeat_n(share, columns_of_group.len()));
+                    columns.extend(columns_of_group);
+                }
+            }
+            for other in blended(fit, number) {
+                let column = model.change(&fit.state, &other)?;
+                shares.push(FORM[FORM.len() - 1]);
+                columns.push(Stacked::of(&model.observed, &column));
+            }
+            number += 1;
+        }
+    }
+    if columns.is_empty() {
+        return Ok(fit.covariance.clone());
+    }
+    let dense: Vec<Vec<f64>> = columns.iter().map(|column| column.dense(&model.observed)).collect();
+    widened(fit, &noise.whiten_all(&model.observed, &dense), &shares)
+}
+
+/// The state of a fit with the time constant of an effect longer and shorter: bodies warm and fields decay with more than one, and what
+/// they do is a blend.
+fn blended(fit: &Fit, number: usize) -> Vec<State> {
+    let effect = &fit.state.effects[number];
+    let infos = effect.kind.parameters();
+    let sized = infos.iter().any(|info| info.role == Role::Amplitude);
+    let constant = infos.iter().position(|info| info.role == Role::Shape && info.name.ends_with("_s"));
+    let Some(constant) = constant.filter(|_| sized) else { return Vec::new() };
+    let with = |factor: f64| {
+        let mut state = fit.state.clone();
+        state.effects[number].parameters[constant] *= factor;
+        state
+    };
+    vec![with(APART), with(1.0 / APART)]
+}
+
+/// The covariance of a fit with whitened departures of these standard deviations beforehand.
+fn widened(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<f64>, Error> {
+    let (unknowns, count) = (fit.jacobian.ncols(), departures.len());
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    // What nothing determines takes no part in it.
+    let known = |k: usize| fit.covariance[(k, k)].is_finite();
+    let covariance =
+        DMatrix::from_fn(
+            unknowns,
+            unknowns,
+            |i, j| {
+                if known(i) && known(j) { fit.covariance[(i, j)] } else { 0.0 }
+            },
+        );
+    let scaled: Vec<Vec<f64>> = departures
+        .iter()
+        .zip(deviations)
+        .map(|(column, std)| column.iter().map(|value| value * std).collect())
+        .collect();
+    let along = DMatrix::from_fn(unknowns, count, |i, j| dot(fit.jacobian.col_as_slice(i), &scaled[j]));
+    let moved = &covariance * &along;
+    let basis = orthonormal(&fit.jacobian)?;
+    let beside: Vec<Vec<f64>> = scaled.iter().map(|column| left(&basis, column)).collect();
+    let own = DMatrix::from_fn(count, count, |i, j| dot(&beside[i], &beside[j]));
+    let Some(factor) = (DMatrix::identity(count, count) + own).cholesky() else {
+        return Err(Error::Undetermined("what the effects' forms leave is not finite".into()));
+    };
+    let mean = factor.solve(&DVector::from_fn(count, |j, _| dot(&beside[j], &fit.white)));
+    let squares = factor.inverse() + &mean * mean.transpose();
+    let added = &moved * squares * moved.transpose();
+    Ok(Mat::from_fn(unknowns, unknowns, |i, j| fit.covariance[(i, j)] + added[(i, j)]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line through rows that curve: what the curve adds to the slope's variance is what draws of it do.
+    #[test]
+    fn departures_add_what_their_draws_do() {
+        let rows = 40;
+        let x = |i: usize| (i as f64 + 0.5) / rows as f64;
+        let jacobian = Mat::from_fn(rows, 1, |i, _| x(i));
+        let curve: Vec<f64> = (0..rows).map(|i| x(i) * (2.0 * x(i) - 1.0)).collect();
+        let energy: f64 = (0..rows).map(|i| x(i) * x(i)).sum();
+        let std = 3.0;
+        // Nothing is left that the curve could explain, so that only what was known of it beforehand counts.
+        let fit = Fit {
+            state: crate::model::State {
+                base: Vec::new(),
+                effects: Vec::new(),
+                acts: Vec::new(),
+                columns: Vec::new(),
+            },
+            residual: vec![0.0; rows],
+            white: vec![0.0; rows],
+            covariance: Mat::from_fn(1, 1, |_, _| 1.0 / energy),
+            jacobian,
+            rank: 1,
+            cost: 0.0,
+        };
+        let found = widened(&fit, std::slice::from_ref(&curve), &[std]).expect("determined")[(0, 0)];
+        let across: f64 = (0..rows).map(|i| x(i) * curve[i]).sum();
+        let left: f64 = curve.iter().map(|c| c * c).sum::<f64>() - across * across / energy;
+        let expected = 1.0 / energy + (across / energy).powi(2) / (left + 1.0 / (std * std));
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} for {expected}");
+    }
+}
