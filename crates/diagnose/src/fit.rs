@@ -117,7 +117,7 @@ impl Fitter<'_, '_> {
     }
 
     /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model, which change little: they are
-    /// kept until steps no longer gain, and taken anew until a step with them does not gain either. `is_new` says whether those that are
+    /// kept as long as whole steps gain, and taken anew until a step with them does not gain either. `is_new` says whether those that are
     /// given are of that state.
     fn minimum(&self, start: &State, mut base: Vec<Vec<f64>>, mut is_new: bool) -> Result<Fit, Error> {
         let mut at = At::of(self, start.clone())?;
@@ -143,10 +143,11 @@ impl Fitter<'_, '_> {
             if (stands && is_new) || step + 1 == STEPS {
                 return self.with_covariance(at, jacobian);
             }
-            if stands {
+            // A step that had to be damped went where the old derivatives do not hold.
+            is_new = stands || damping > LIGHTEST;
+            if is_new {
                 base = self.base_jacobian(&at.state)?;
             }
-            is_new = stands;
             damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
         }
         Err(Error::Undetermined("no fit settles".into()))
