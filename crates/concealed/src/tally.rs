@@ -14,6 +14,7 @@ use crate::programs::Programs;
 use crate::seal::{self, Folder};
 use crate::sets::Set;
 use crate::verdict::Outcome;
+use crate::wilson::Share;
 
 /// What is asked of a count.
 #[derive(Args, Clone, Debug)]
@@ -148,6 +149,8 @@ fn counts(all: &[Counted]) -> String {
         let parts: Vec<String> = classes.iter().map(|(class, count)| format!("{class} {count}")).collect();
         text += &format!("{set}, {group}: {} cases: {}\n", classes.values().sum::<usize>(), parts.join(", "));
     }
+    let parameters = Share::sum(all.iter().flat_map(|one| &one.outcome).map(|outcome| outcome.parameters));
+    text += &format!("parameters whose 95 % interval holds the truth: {}\n", parameters.words());
     let mut seconds: Vec<f64> = all.iter().map(|one| one.seconds).filter(|s| s.is_finite()).collect();
     seconds.sort_by(f64::total_cmp);
     if let Some(most) = seconds.last() {

@@ -20,6 +20,14 @@ impl Share {
         Self { hits, trials }
     }
 
+    /// Of all together, each given as its hits and trials.
+    pub fn sum(all: impl IntoIterator<Item = [usize; 2]>) -> Self {
+        all.into_iter().fold(Self::default(), |sum, [hits, trials]| Self {
+            hits: sum.hits + hits,
+            trials: sum.trials + trials,
+        })
+    }
+
     /// As a number; not a number where there are no trials.
     pub fn value(self) -> f64 {
         self.hits as f64 / self.trials as f64

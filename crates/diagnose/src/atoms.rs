@@ -108,7 +108,8 @@ impl Atom {
     }
 }
 
-fn of_one_sensor(effect: &EffectInstance) -> Option<Axis> {
+/// The sensor of an effect that acts on one alone.
+pub fn of_one_sensor(effect: &EffectInstance) -> Option<Axis> {
     effect.axis.filter(|_| effect.kind.about().acts == Acts::OneSensor)
 }
 

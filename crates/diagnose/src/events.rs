@@ -9,7 +9,7 @@ mod settle;
 
 pub use settle::settled_in_time;
 
-use estimate::stats::median;
+use estimate::stats::{chi_squared_quantile, median};
 use physics::{EffectInstance, Kind, Parameter, Role};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -27,8 +27,6 @@ use crate::what::named;
 const LEFT: f64 = 1e-3;
 /// Jumps are no more than this share of the rows.
 const RARE: f64 = 0.05;
-/// Median of χ² with one degree of freedom.
-const MIDDLE: f64 = 0.455;
 
 /// A departure of one nT in each row of a channel, against its whitened residual.
 struct Departures {
@@ -38,8 +36,8 @@ struct Departures {
     along: Vec<f64>,
     /// The same with each column of a basis of the base model.
     within: Vec<Vec<f64>>,
-    /// Variance of the residual in units of the noise, by its middle rows, and no less than one (the square of Birge's ratio): where what
-    /// is left is more than the noise all along, a moment must stand out of that.
+    /// Robust variance of the whitened residual, at least one (the square of the Birge ratio): an event must be significant against the
+    /// scatter that there is, not against the noise alone.
     scatter: f64,
 }
 
@@ -50,7 +48,7 @@ impl Departures {
         let white = &fit.white[channel.range()];
         let along = correlate(white, &response);
         let squares: Vec<f64> = white.iter().map(|w| w * w).collect();
-        let scatter = (median(&squares) / MIDDLE).max(1.0);
+        let scatter = (median(&squares) / chi_squared_quantile(0.5, 1.0)).max(1.0);
         let within = (0..basis.ncols())
             .map(|j| correlate(&basis.col_as_slice(j)[channel.range()], &response))
             .collect();

@@ -117,8 +117,8 @@ impl Fitter<'_, '_> {
     }
 
     /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model, which change little: they are
-    /// kept as long as whole steps gain, and taken anew until a step with them does not gain either. `is_new` says whether those that are
-    /// given are of that state.
+    /// kept as long as full steps lower the sum of squares, and the fit ends with a step that does not although they are new. `is_new` says
+    /// whether those given are of the start.
     fn minimum(&self, start: &State, mut base: Vec<Vec<f64>>, mut is_new: bool) -> Result<Fit, Error> {
         let mut at = At::of(self, start.clone())?;
         let mut damping = LIGHTEST;
@@ -137,13 +137,13 @@ impl Fitter<'_, '_> {
             }
             let enough = TOLERANCE.max(1e-9 * at.cost);
             idle = if before - at.cost < enough { idle + 1 } else { 0 };
-            // A shape at its bound promises what it cannot keep.
+            // Of a shape at its bound the linear problem expects a gain that no step reaches.
             let stands =
                 idle > 1 || (idle == 1 && (damping > HEAVIEST || damped.gain(damping) < 2.0 * enough));
             if (stands && is_new) || step + 1 == STEPS {
                 return self.with_covariance(at, jacobian);
             }
-            // A step that had to be damped went where the old derivatives do not hold.
+            // Where a step had to be damped, the old derivatives no longer hold.
             is_new = stands || damping > LIGHTEST;
             if is_new {
                 base = self.base_jacobian(&at.state)?;
@@ -306,16 +306,20 @@ pub fn square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
 }
 
-/// What an orthonormal basis leaves of a series, which ends where the basis goes on to rows of prior knowledge.
-pub fn left(basis: &Mat<f64>, series: &[f64]) -> Vec<f64> {
+/// What some orthonormal columns leave of a series, zero in further rows, which are those of prior knowledge.
+pub fn left<'b>(basis: impl Iterator<Item = &'b [f64]>, series: &[f64]) -> Vec<f64> {
     let mut left = series.to_vec();
-    left.resize(basis.nrows(), 0.0);
-    for j in 0..basis.ncols() {
-        let basis = basis.col_as_slice(j);
-        let along: f64 = basis.iter().zip(&left).map(|(b, l)| b * l).sum();
-        left.iter_mut().zip(basis).for_each(|(l, b)| *l -= along * b);
+    for column in basis {
+        left.resize(column.len(), 0.0);
+        let along: f64 = column.iter().zip(&left).map(|(b, l)| b * l).sum();
+        left.iter_mut().zip(column).for_each(|(l, b)| *l -= along * b);
     }
     left
+}
+
+/// The columns of a matrix.
+pub fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &[f64]> {
+    (0..matrix.ncols()).map(|j| matrix.col_as_slice(j))
 }
 
 /// An orthonormal basis of columns.

@@ -5,7 +5,7 @@ use common::Axis;
 use physics::EffectInstance;
 
 use crate::Error;
-use crate::atoms::{Atom, Atoms, Thing};
+use crate::atoms::{Atom, Atoms, Thing, of_one_sensor};
 use crate::channel::Channel;
 use crate::covariates::{self, ALONG};
 use crate::decide::FORM;
@@ -64,7 +64,7 @@ impl<'m, 'a> Followed<'m, 'a> {
         let own = of(shape);
         let mut form = Form::default();
         if let Thing::Effect(effect) = &atom.thing {
-            form.departures = self.departures(effect, atom.sensor().is_some(), &own, orders);
+            form.departures = self.departures(effect, &own, orders);
         }
         let fitted = &atom.shapes[shape];
         if fitted.fitted.is_some() {
@@ -86,13 +86,7 @@ impl<'m, 'a> Followed<'m, 'a> {
     }
 
     /// A contribution times waves of what its effect follows and of time, group by group.
-    pub fn departures(
-        &self,
-        effect: &EffectInstance,
-        of_one_sensor: bool,
-        own: &Stacked,
-        orders: usize,
-    ) -> Vec<Vec<Stacked>> {
+    pub fn departures(&self, effect: &EffectInstance, own: &Stacked, orders: usize) -> Vec<Vec<Stacked>> {
         let mut groups: Vec<Vec<Stacked>> = Vec::new();
         let mut add = |columns: Vec<Stacked>| {
             let group: Vec<Stacked> = columns.into_iter().filter(|column| !column.is_zero()).collect();
@@ -101,7 +95,7 @@ impl<'m, 'a> Followed<'m, 'a> {
             }
         };
         let mut names = covariates::of(effect);
-        if of_one_sensor && !names.iter().any(|name| name == ALONG) {
+        if of_one_sensor(effect).is_some() && !names.iter().any(|name| name == ALONG) {
             names.push(ALONG.into());
         }
         for name in &names {

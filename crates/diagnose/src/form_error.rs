@@ -1,29 +1,31 @@
 //! What departures from their equations add to the uncertainty of all that is fitted.
 //!
-//! The fit has each effect exactly as its equation has it. Departures are shares of what it does beside the calibration. With J the whitened derivatives of its unknowns, C their covariance and F the
-//! departures, each with its standard deviation ψ beforehand, what the residual w says of the departures is
+//! The fit has each effect exactly as its equation has it. Departures are shares of what the effect does beside the calibration. With J the
+//! whitened derivatives of the fit's unknowns, C their covariance and F the departures, each of prior standard deviation ψ, what the
+//! residual w says of the departures is
 //!
 //! ```text
 //! c = K Fᵀw,  K = (Fᵀ(1 − JCJᵀ)F + ψ⁻²)⁻¹
 //! ```
 //!
-//! and the fit is off by CJᵀF times the true ones, of which K + ccᵀ are the mean squares: that comes to C.
+//! The fit is biased by CJᵀF times the true departures, whose mean square is K + ccᵀ; the covariance of that bias is added to C.
 
 use estimate::linear;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
-use physics::{Acts, Role};
+use physics::Role;
 
 use crate::Error;
+use crate::additions::without;
 use crate::decide::FORM;
-use crate::fit::{Fit, left, orthonormal, square};
+use crate::fit::{Fit, columns as columns_of, left, orthonormal, square};
 use crate::form::{Followed, orders};
 use crate::model::{Model, State};
 use crate::proposal::Addition;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
 
-/// From one time constant of a blend to the next.
+/// From one time constant of a mixture to the next.
 const APART: f64 = 2.5;
 
 /// The covariance of a fit whose effects, from a number on in the order of these additions, may depart from their equations by these
@@ -37,7 +39,7 @@ pub fn covariance<'n>(
     let followed = Followed::of(model, &fit.state)?;
     let base = model.base_columns(&fit.state)?;
     let design = fit.jacobian.as_ref().submatrix(0, 0, model.observed.rows, base.len());
-    // What the calibration does not take up: a temperature that the effect counts from is nobody's departure.
+    // The part that the calibration cannot absorb, so that an effect's reference temperature makes no difference.
     let seen = |mut own: Vec<f64>| -> Result<Vec<f64>, Error> {
         let along = linear::fit(design, &noise.whiten(&model.observed, &own), None)?.coefficients;
         for (column, along) in base.iter().zip(along) {
@@ -54,21 +56,18 @@ pub fn covariance<'n>(
             let effect = &fit.state.effects[number];
             let most = departs.iter().copied().fold(0.0, f64::max);
             if most > 0.0 {
-                let mut without = fit.state.clone();
-                without.effects.remove(number);
-                without.acts.remove(number);
+                let (without, _) = without(&fit.state, (number, 0), std::slice::from_ref(addition));
                 let own = seen(model.change(&without, &fit.state)?)?;
                 let energy = square(&noise.whiten(&model.observed, &own));
                 let own = Stacked::of(&model.observed, &own);
-                let of_one_sensor = effect.axis.is_some() && effect.kind.about().acts == Acts::OneSensor;
-                let groups = followed.departures(effect, of_one_sensor, &own, orders(energy));
+                let groups = followed.departures(effect, &own, orders(energy));
                 for (group, columns_of_group) in groups.into_iter().enumerate() {
                     let share = departs.get(group).copied().unwrap_or(most);
                     shares.extend(std::iter::repeat_n(share, columns_of_group.len()));
                     columns.extend(columns_of_group);
                 }
             }
-            for other in blended(fit, number) {
+            for other in mixture(fit, number) {
                 let column = model.change(&fit.state, &other)?;
                 shares.push(FORM[FORM.len() - 1]);
                 columns.push(Stacked::of(&model.observed, &column));
@@ -83,9 +82,8 @@ pub fn covariance<'n>(
     widened(fit, &noise.whiten_all(&model.observed, &dense), &shares)
 }
 
-/// The state of a fit with the time constant of an effect longer and shorter: bodies warm and fields decay with more than one, and what
-/// they do is a blend.
-fn blended(fit: &Fit, number: usize) -> Vec<State> {
+/// The state of a fit with the time constant of an effect longer and shorter: a real relaxation is a mixture of several.
+fn mixture(fit: &Fit, number: usize) -> Vec<State> {
     let effect = &fit.state.effects[number];
     let infos = effect.kind.parameters();
     let sized = infos.iter().any(|info| info.role == Role::Amplitude);
@@ -121,7 +119,7 @@ fn widened(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat
     let along = DMatrix::from_fn(unknowns, count, |i, j| dot(fit.jacobian.col_as_slice(i), &scaled[j]));
     let moved = &covariance * &along;
     let basis = orthonormal(&fit.jacobian)?;
-    let beside: Vec<Vec<f64>> = scaled.iter().map(|column| left(&basis, column)).collect();
+    let beside: Vec<Vec<f64>> = scaled.iter().map(|column| left(columns_of(&basis), column)).collect();
     let own = DMatrix::from_fn(count, count, |i, j| dot(&beside[i], &beside[j]));
     let Some(factor) = (DMatrix::identity(count, count) + own).cholesky() else {
         return Err(Error::Undetermined("what the effects' forms leave is not finite".into()));
@@ -136,16 +134,16 @@ fn widened(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat
 mod tests {
     use super::*;
 
-    /// A straight line through rows that curve: what the curve adds to the slope's variance is what draws of it do.
+    /// A line through the origin, of rows that may curve: the variance of its slope with the curve's posterior variance, by hand.
     #[test]
-    fn departures_add_what_their_draws_do() {
+    fn a_departure_adds_the_variance_of_the_bias_that_it_makes() {
         let rows = 40;
         let x = |i: usize| (i as f64 + 0.5) / rows as f64;
         let jacobian = Mat::from_fn(rows, 1, |i, _| x(i));
         let curve: Vec<f64> = (0..rows).map(|i| x(i) * (2.0 * x(i) - 1.0)).collect();
         let energy: f64 = (0..rows).map(|i| x(i) * x(i)).sum();
         let std = 3.0;
-        // Nothing is left that the curve could explain, so that only what was known of it beforehand counts.
+        // The residual is zero, so that the posterior mean of the curve is zero too.
         let fit = Fit {
             state: crate::model::State {
                 base: Vec::new(),

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::fit::{Fit, orthonormal, square};
+use crate::fit::{Fit, columns, left, orthonormal, square};
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
@@ -64,16 +64,10 @@ impl Products {
 
     /// Σ of the squares of columns times coefficients in each channel.
     pub fn energy_by_channel(&self, terms: &[(usize, f64)]) -> Vec<f64> {
-        let of = |(channel, range): (usize, &std::ops::Range<usize>)| {
-            let mut sum = vec![0.0; range.len()];
-            for (column, coefficient) in terms {
-                if let Some(part) = self.columns[*column].part(channel) {
-                    sum.iter_mut().zip(part).for_each(|(s, p)| *s += coefficient * p);
-                }
-            }
-            square(&sum)
-        };
-        self.ranges.iter().enumerate().map(of).collect()
+        let terms: Vec<(&Stacked, f64)> =
+            terms.iter().map(|(k, factor)| (&self.columns[*k], *factor)).collect();
+        let sum = Stacked::sum(&terms);
+        (0..self.ranges.len()).map(|channel| sum.part(channel).map_or(0.0, square)).collect()
     }
 
     /// How many columns there are.
@@ -175,14 +169,7 @@ impl Projection {
 
     /// What the fit leaves of a whitened series.
     pub fn left(&self, series: &[f64]) -> Vec<f64> {
-        let rank = self.onto.ncols() - 1;
-        let mut left = series.to_vec();
-        for j in 0..rank {
-            let basis = self.onto.col_as_slice(j);
-            let along: f64 = basis.iter().zip(series).map(|(b, s)| b * s).sum();
-            left.iter_mut().zip(basis).for_each(|(l, b)| *l -= along * b);
-        }
-        left
+        left(columns(&self.onto).take(self.onto.ncols() - 1), series)
     }
 
     /// The screen of no column yet.

@@ -97,8 +97,7 @@ pub fn figures(score: &Score) -> String {
     let located = Share::of(found.iter().filter(|o| o.located.is_some()), |o| o.located == Some(true));
     let outside =
         Share::of(score.set("outside").filter(|o| o.located.is_some()), |o| o.located == Some(true));
-    let [hits, trials] = found.iter().fold([0; 2], |[h, t], o| [h + o.parameters[0], t + o.parameters[1]]);
-    let parameters = Share { hits, trials };
+    let parameters = Share::sum(found.iter().map(|outcome| outcome.parameters));
     let mut text = String::from("## Places, parameters, what is left\n\n| | |\n| --- | --- |\n");
     text += &format!("| located right, of all that is told | {} |\n", located.words());
     text += &format!("| located right, outside the catalogue | {} |\n", outside.words());

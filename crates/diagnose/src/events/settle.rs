@@ -5,7 +5,7 @@ use faer::Mat;
 use physics::{Kind, Parameter, Role};
 
 use crate::Error;
-use crate::fit::{Fit, Fitter, left, orthonormal, square};
+use crate::fit::{Fit, Fitter, columns, left, orthonormal, square};
 use crate::model::State;
 
 /// Most rows by which an event is moved.
@@ -80,12 +80,12 @@ impl Others {
 
     /// Sum of squares at a state, all unknowns but the moments of the effect fitted linearly.
     fn left(&self, fitter: &Fitter<'_, '_>, state: &State) -> Result<f64, Error> {
-        let white = left(&self.basis, &fitter.white(state)?.1);
+        let white = left(columns(&self.basis), &fitter.white(state)?.1);
         let mut rest = square(&white);
         for column in
             fitter.noise.whiten_all(&fitter.model.observed, &fitter.model.derivatives(state, &self.own)?)
         {
-            let column = left(&self.basis, &column);
+            let column = left(columns(&self.basis), &column);
             let along: f64 = column.iter().zip(&white).map(|(c, w)| c * w).sum();
             rest -= along * along / square(&column).max(f64::MIN_POSITIVE);
         }

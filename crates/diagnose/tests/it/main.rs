@@ -11,6 +11,7 @@ mod laws;
 mod moved;
 mod nasa;
 mod outside;
+mod pair;
 mod pipe;
 mod scalar;
 mod several;
