@@ -35,6 +35,7 @@ const MET: f64 = 0.5;
 const FINE_NT: f64 = 1.0;
 
 /// Where the search starts from, and what its answers are held against.
+#[derive(Clone)]
 struct Ground {
     fit: Fit,
     noise: NoiseModel,
@@ -60,12 +61,11 @@ pub fn search(
     told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
     let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
-    let mut ground =
-        with_codes(document, model, searcher, (base.clone(), base_noise.clone(), first.clone()))?;
-    let codes: Vec<Found> = ground.codes.iter().map(certain).collect();
-    if ground.look.clean(searcher.level) {
+    let origin = with_codes(document, model, searcher, (base.clone(), base_noise.clone(), first.clone()))?;
+    let codes: Vec<Found> = origin.codes.iter().map(certain).collect();
+    if origin.look.clean(searcher.level) {
         let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
-        let Ground { fit, noise, look, .. } = ground;
+        let Ground { fit, noise, look, .. } = origin;
         return Ok(Outcome {
             before,
             base,
@@ -81,6 +81,8 @@ pub fn search(
             last: look,
         });
     }
+    // With less noise where the names of a round explain some of what passed for it.
+    let mut ground = origin.clone();
     let mut events: Vec<Proposal> = ground.look.events.clone();
     // Those of them that turned out not to be significant beside the rest.
     let mut dropped: Vec<Proposal> = Vec::new();
@@ -95,8 +97,8 @@ pub fn search(
         let (fit, noise) = match beside(document, model, &ground, &additions) {
             Err(Error::Undetermined(_)) => {
                 let answer = answer.unexplained("no fit with it settles");
-                let last = (ground.fit.clone(), ground.noise.clone(), ground.look.clone());
-                return concluded(model, before, (base, base_noise, first), &ground, codes, answer, last);
+                let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
+                return concluded(model, before, (base, base_noise, first), origin, codes, answer, last);
             }
             found => found?,
         };
@@ -144,7 +146,7 @@ pub fn search(
             model,
             before,
             (base, base_noise, first),
-            &ground,
+            origin,
             codes,
             answer,
             (fit, noise, look),
@@ -332,7 +334,7 @@ fn concluded(
     model: &Model<'_>,
     before: Vec<f64>,
     (base, base_noise, first): (Fit, NoiseModel, Look),
-    ground: &Ground,
+    origin: Ground,
     codes: Vec<Found>,
     answer: verdict::Answer,
     (fit, noise, last): (Fit, NoiseModel, Look),
@@ -342,8 +344,7 @@ fn concluded(
     let near = fit.state.base.clone();
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
         let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
-        let Ground { fit, noise, look, .. } = ground;
-        let (fit, noise, last) = (fit.clone(), noise.clone(), look.clone());
+        let Ground { fit, noise, look: last, .. } = origin;
         return Ok(Outcome {
             before,
             base,
@@ -360,7 +361,7 @@ fn concluded(
         });
     }
     let fitter = Fitter { model, noise: &noise };
-    let mut from = ground.counts();
+    let mut from = origin.counts();
     let departures = names.iter().map(|name| (&name.additions[..], &name.departs[..]));
     let covariance = form_error::covariance(model, (&fit, &noise), from.0, departures)?;
     let held_with = fitter.held_out(&fit)?;

@@ -27,10 +27,11 @@ pub const NAMELESS: f64 = 5.0;
 pub const EXPLAINED: f64 = 0.95;
 /// See [`EXPLAINED`].
 pub const PARTLY: f64 = 0.8;
-/// Share of what the names of a sensor explain together below which one is taken for a departure from the form of the others. Larger:
-/// small effects beside large ones are left unnamed.
+/// Share of what the names explain together, in the readings in which one acts, below which it is taken for a departure from the form
+/// of the others. Larger: small effects beside large ones are left unnamed.
 pub const NEGLIGIBLE: f64 = 0.02;
-/// Share of what would be left without it from which a single moment counts however large other effects are.
+/// Share of what would be left without it from which an event is held against what others do in its own readings, and not against all
+/// that they do in the channel.
 pub const EVENT_SHARE: f64 = 0.2;
 /// What two names of one sensor do together, over the sum of what each does, below which they cancel.
 pub const CANCEL: f64 = 0.25;

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::fit::{Fit, columns, left, orthonormal, square};
+use crate::fit::{Fit, columns, left, orthonormal};
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
@@ -62,12 +62,11 @@ impl Products {
         left
     }
 
-    /// Σ of the squares of columns times coefficients in each channel.
-    pub fn energy_by_channel(&self, terms: &[(usize, f64)]) -> Vec<f64> {
+    /// Whitened columns times coefficients, added up.
+    pub fn sum(&self, terms: &[(usize, f64)]) -> Stacked {
         let terms: Vec<(&Stacked, f64)> =
             terms.iter().map(|(k, factor)| (&self.columns[*k], *factor)).collect();
-        let sum = Stacked::sum(&terms);
-        (0..self.ranges.len()).map(|channel| sum.part(channel).map_or(0.0, square)).collect()
+        Stacked::sum(&terms)
     }
 
     /// How many columns there are.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::fit::square;
 use crate::observed::Observed;
 
 /// A column, channel by channel; None where it is zero throughout. Copies share their values.
@@ -58,6 +59,26 @@ impl Stacked {
         })
     }
 
+    /// Share of the sum of squares of another column that lies where this one is present, row by row or channel by channel: where its mean
+    /// square is more than some share of that of the whole.
+    pub fn share_beside(&self, other: &Self, present: f64, by_row: bool) -> f64 {
+        let (sum, count) = self.squares();
+        let least = present * sum / count.max(1) as f64;
+        let both =
+            self.0.iter().zip(&other.0).filter_map(|(own, other)| Some((own.as_ref()?, other.as_ref()?)));
+        let beside = |own: &[f64], other: &[f64]| {
+            if square(own) > least * own.len() as f64 { square(other) } else { 0.0 }
+        };
+        let beside: f64 = if by_row {
+            both.flat_map(|(own, other)| own.chunks(1).zip(other.chunks(1)))
+                .map(|(own, other)| beside(own, other))
+                .sum()
+        } else {
+            both.map(|(own, other)| beside(own, other)).sum()
+        };
+        beside / other.squares().0.max(f64::MIN_POSITIVE)
+    }
+
     /// Columns times factors, added up.
     pub fn sum(columns: &[(&Self, f64)]) -> Self {
         let channels = columns.first().map_or(0, |(column, _)| column.0.len());
@@ -100,5 +121,21 @@ impl Stacked {
             }
         }
         all.into_iter().map(Self::new).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_others_do_counts_where_a_column_is_present() {
+        // One reading of the first channel, a little everywhere else.
+        let own = Stacked::new(vec![Some(vec![0.01, 10.0, 0.01, 0.01]), Some(vec![0.01; 4])]);
+        let other = Stacked::new(vec![Some(vec![3.0, 1.0, 1.0, 1.0]), Some(vec![2.0; 4])]);
+        assert_eq!(own.share_beside(&other, 0.05, true), 1.0 / 28.0);
+        assert_eq!(own.share_beside(&other, 0.05, false), 12.0 / 28.0);
+        let elsewhere = Stacked::new(vec![None, Some(vec![2.0; 4])]);
+        assert_eq!(own.share_beside(&elsewhere, 0.05, false), 0.0);
     }
 }

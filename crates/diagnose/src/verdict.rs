@@ -21,7 +21,7 @@ const NEEDED: f64 = 0.01;
 /// Sets whose log probability is behind the best by no more may be fitted again with the calibration, and so many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
-/// A member acts in the channels that have this share of its energy or more.
+/// A member acts in the channels in which its mean square is more than this share of that of all, an event in such readings.
 const PRESENT: f64 = 0.05;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
@@ -239,7 +239,7 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The members that explain more than a negligible share of what others explain in the same channels, and the names of the rest: the one
+/// The members that explain more than a negligible share of what others explain in the same readings, and the names of the rest: the one
 /// that explains least goes first, and the others are looked at again without it.
 fn core(
     atoms: &Atoms<'_>,
@@ -249,30 +249,28 @@ fn core(
 ) -> (Vec<usize>, Vec<(String, String)>) {
     let mut core: Vec<usize> = (0..members.len()).collect();
     let mut refused = Vec::new();
-    let Some(places) = sets.places(members) else { return (core, refused) };
-    let gain = |some: &[usize], without: usize| {
-        let some = some.iter().filter(|number| **number != without);
-        sets.gain(&some.map(|number| members[*number].clone()).collect::<Vec<_>>())
-    };
+    let Some(contributions) = sets.contributions(members) else { return (core, refused) };
+    let gain =
+        |some: &[usize]| sets.gain(&some.iter().map(|number| members[*number].clone()).collect::<Vec<_>>());
     loop {
-        let all = gain(&core, usize::MAX);
-        let alone: Vec<f64> = core.iter().map(|number| all - gain(&core, *number)).collect();
-        let share = |at: usize| {
-            let own = core[at];
-            if atoms.all[members[own].atom].is_event() && alone[at] > EVENT_SHARE * (alone[at] + beyond) {
+        let all = gain(&core);
+        let share = |own: usize| {
+            let others: Vec<usize> = core.iter().copied().filter(|other| *other != own).collect();
+            let alone = all - gain(&others);
+            let lasts = |other: &usize| !is_local(&atoms.all[members[*other].atom]);
+            let lasting: Vec<usize> = others.into_iter().filter(lasts).collect();
+            if lasting.is_empty() {
                 return 1.0;
             }
             // What the others do where this one does something.
-            let beside = |other: usize| -> f64 {
-                let (own, other) = (&places[own], &places[core[other]]);
-                own.iter().zip(other).map(|(own, other)| if *own > PRESENT { *other } else { 0.0 }).sum()
-            };
-            let lasts = |other: &usize| !is_local(&atoms.all[members[core[*other]].atom]);
-            let others = (0..core.len()).filter(|other| *other != at).filter(lasts);
-            let others: f64 = others.map(|other| beside(other) * alone[other].max(0.0)).sum();
-            alone[at] / (alone[at] + others)
+            let together = lasting.iter().map(|other| (&contributions[*other], 1.0));
+            let together = Stacked::sum(&together.collect::<Vec<_>>());
+            let by_row = atoms.all[members[own].atom].is_event() && alone > EVENT_SHARE * (alone + beyond);
+            let beside =
+                contributions[own].share_beside(&together, PRESENT, by_row) * gain(&lasting).max(0.0);
+            alone / (alone + beside)
         };
-        let shares = (0..core.len()).map(|at| (share(at), core[at]));
+        let shares = core.iter().map(|number| (share(*number), *number));
         let least = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
         let Some((share, number)) = least else { return (core, refused) };
         core.retain(|other| *other != number);

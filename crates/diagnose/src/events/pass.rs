@@ -16,6 +16,8 @@ use crate::proposal::{Addition, Proposal};
 const SHORTEST: f64 = 1.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 0.1;
+/// Around the best of them so many more are tried to either side.
+const FINER: i32 = 6;
 /// The shapes end so many durations from their middle.
 const REACH: f64 = 6.0;
 /// Fewest rows of a recording.
@@ -48,44 +50,20 @@ pub fn proposal(
         }
         let rows = channels.iter().map(|(_, c)| c.rows.len()).min().unwrap_or(0);
         let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
-        let mut duration = SHORTEST;
-        while duration < LONGEST * rows as f64 {
-            let reach = (REACH * duration).ceil() as i64;
-            let shapes: Vec<Vec<f64>> = (0..3)
-                .map(|power| {
-                    (-reach..=reach)
-                        .map(|row| {
-                            let x = row as f64 / duration;
-                            x.powi(power) / (1.0 + x * x).powf(2.5)
-                        })
-                        .collect()
-                })
-                .collect();
-            let mut gain = vec![0.0; rows];
-            let of_channel = |(at, _): &(usize, &Channel)| -> Option<Vec<f64>> {
-                let departures = &all[*at];
-                // What begins at a row has its middle `reach` rows later.
-                let along: Vec<Vec<f64>> =
-                    shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
-                let products = products(&shapes, &departures.response);
-                let inverse = inverse(&products)?;
-                let gain = |begin: usize| -> f64 {
-                    let a: [f64; 3] = std::array::from_fn(|k| along[k][begin]);
-                    (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum()
-                };
-                Some((0..rows.saturating_sub(2 * reach as usize)).map(gain).collect())
-            };
-            let gains: Vec<Option<Vec<f64>>> = channels.par_iter().map(of_channel).collect();
-            for of_channel in gains.iter().flatten() {
-                gain[reach as usize..].iter_mut().zip(of_channel).for_each(|(sum, gain)| *sum += gain);
-            }
-            looks += 3.0 * rows as f64 / duration;
-            for (row, gain) in gain.iter().enumerate() {
-                if strongest.is_none_or(|(most, ..)| *gain > most) {
-                    strongest = Some((*gain, number, time[channels[0].1.rows[row]], duration * step));
-                }
-            }
-            duration *= LONGER;
+        let tried = |duration: f64| {
+            let (gain, row) = strongest_row(&channels, all, rows, duration);
+            (gain, row, duration)
+        };
+        let better = |a: (f64, usize, f64), b: (f64, usize, f64)| if b.0 > a.0 { b } else { a };
+        let longer = std::iter::successors(Some(SHORTEST), |duration| Some(duration * LONGER));
+        let coarse: Vec<f64> = longer.take_while(|duration| *duration < LONGEST * rows as f64).collect();
+        looks += coarse.iter().map(|duration| 3.0 * rows as f64 / duration).sum::<f64>();
+        let Some(best) = coarse.into_iter().map(tried).reduce(better) else { continue };
+        // A large pass of not quite the right duration leaves what looks like further events.
+        let fine = (1 - FINER..FINER).map(|k| best.2 * LONGER.powf(f64::from(k) / f64::from(FINER)));
+        let (gain, row, duration) = fine.map(tried).fold(best, better);
+        if strongest.is_none_or(|(most, ..)| gain > most) {
+            strongest = Some((gain, number, time[channels[0].1.rows[row]], duration * step));
         }
     }
     let Some((_, number, time_s, duration_s)) = strongest else { return Ok(None) };
@@ -101,6 +79,40 @@ pub fn proposal(
         looks,
         local: true,
     }))
+}
+
+/// The row at which a pass of a duration (in rows) gains most, and how much.
+fn strongest_row(
+    channels: &[(usize, &Channel)],
+    all: &[Departures],
+    rows: usize,
+    duration: f64,
+) -> (f64, usize) {
+    let reach = (REACH * duration).ceil() as i64;
+    let shape = |power: i32| -> Vec<f64> {
+        let x = (-reach..=reach).map(|row| row as f64 / duration);
+        x.map(|x| x.powi(power) / (1.0 + x * x).powf(2.5)).collect()
+    };
+    let shapes: Vec<Vec<f64>> = (0..3).map(shape).collect();
+    let of_channel = |(at, _): &(usize, &Channel)| -> Option<Vec<f64>> {
+        let departures = &all[*at];
+        // What begins at a row has its middle `reach` rows later.
+        let along: Vec<Vec<f64>> = shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
+        let inverse = inverse(&products(&shapes, &departures.response))?;
+        let gain = |begin: usize| -> f64 {
+            let a: [f64; 3] = std::array::from_fn(|k| along[k][begin]);
+            (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum()
+        };
+        Some((0..rows.saturating_sub(2 * reach as usize)).map(gain).collect())
+    };
+    let gains: Vec<Option<Vec<f64>>> = channels.par_iter().map(of_channel).collect();
+    let mut sum = vec![0.0; rows];
+    for of_channel in gains.iter().flatten() {
+        sum[reach as usize..].iter_mut().zip(of_channel).for_each(|(sum, gain)| *sum += gain);
+    }
+    let most =
+        |most: (f64, usize), (row, gain): (usize, &f64)| if *gain > most.0 { (*gain, row) } else { most };
+    sum.iter().enumerate().fold((0.0, 0), most)
 }
 
 /// A pass without a field.

@@ -2,6 +2,7 @@
 
 use super::{Member, Sets};
 use crate::evidence::Given;
+use crate::stacked::Stacked;
 
 impl Sets<'_, '_, '_> {
     /// By how much the sum of squares falls with some of a set's members, their forms and sizes as in the whole set.
@@ -33,14 +34,12 @@ impl Sets<'_, '_, '_> {
         self.projection.left(&self.products.less(white, &terms))
     }
 
-    /// How what each member contributes is distributed over the channels, as shares of its whitened energy.
-    pub fn places(&self, members: &[Member]) -> Option<Vec<Vec<f64>>> {
+    /// What each of a set's members contributes to the whitened readings.
+    pub fn contributions(&self, members: &[Member]) -> Option<Vec<Stacked>> {
         let of = |(member, sizes): (&Member, Vec<f64>)| {
             let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
             let terms: Vec<(usize, f64)> = columns.iter().copied().zip(sizes).collect();
-            let energy = self.products.energy_by_channel(&terms);
-            let whole = energy.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-            energy.into_iter().map(|own| own / whole).collect()
+            self.products.sum(&terms)
         };
         Some(members.iter().zip(self.coefficients(members)?).map(of).collect())
     }

@@ -124,7 +124,8 @@ impl Effect for Saturation {
         for value in signal {
             let own = &mut value[around.axis.index()];
             let reading = *own - offset;
-            *own = offset + reading * ((reading / parameters[0]).powi(8) + 1.0).powf(-0.125);
+            let eighth_power = (reading / parameters[0]).powi(8) + 1.0;
+            *own = offset + reading / eighth_power.sqrt().sqrt().sqrt();
         }
         Ok(())
     }

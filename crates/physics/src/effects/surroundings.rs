@@ -49,7 +49,8 @@ impl Effect for VehiclePass {
         let (first, second, third) = (part(0), part(1), part(2));
         for (field, t) in signal.iter_mut().zip(time) {
             let x = (-parameters[9] + *t) / parameters[10];
-            *field += (first + second * x + third * (x * x)) * (x * x + 1.0).powf(-2.5);
+            let square = x * x + 1.0;
+            *field += (first + second * x + third * (x * x)) / (square * square * square.sqrt());
         }
         Ok(())
     }
