@@ -61,8 +61,9 @@ impl Products {
     }
 }
 
-/// A column is not known by itself when so much of it lies along directions that are gone.
-const LOST: f64 = 1e-8;
+/// A column is not known by itself when so much of it lies along directions that are gone. Below that it is known with what is gone held where
+/// it is: the size of an effect of a hundredth of the field goes with the scale of all readings to 1e-4 of that direction.
+const LOST: f64 = 1e-3;
 
 /// A group of columns fitted to what is left.
 #[derive(Clone, Debug)]
