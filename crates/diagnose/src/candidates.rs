@@ -9,6 +9,7 @@ use crate::Error;
 use crate::channel::Run;
 use crate::generic;
 use crate::model::{Model, State};
+use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 use crate::what::What;
 
@@ -55,18 +56,21 @@ pub struct Pool {
     pub candidates: Vec<Candidate>,
     /// The columns.
     pub columns: Vec<Stacked>,
+    /// Effects that are not considered.
+    pub without: Vec<Kind>,
 }
 
 impl Pool {
-    /// All that can act in the recordings of a model.
-    pub fn of(model: &Model<'_>, state: &State) -> Result<Self, Error> {
+    /// All that can act in the recordings of a model, some effects apart.
+    pub fn of(model: &Model<'_>, state: &State, without: &[Kind]) -> Result<Self, Error> {
         let scale = Scale::of(model);
-        let templates = templates(model, state);
+        let mut templates = templates(model, state);
+        templates.retain(|effect| !is_of(effect, without));
         let made: Vec<Option<Made>> = templates
             .par_iter()
             .map(|effect| make(model, state, effect, &scale))
             .collect::<Result<_, Error>>()?;
-        let mut pool = Pool::default();
+        let mut pool = Pool { without: without.to_vec(), ..Self::default() };
         for (effect, made) in templates.into_iter().zip(made) {
             if let Some((finite, trials)) = made {
                 pool.push(What::Physics(effect), finite, trials);
@@ -76,6 +80,14 @@ impl Pool {
             pool.push(what, false, trials);
         }
         Ok(pool)
+    }
+
+    /// Whether something that was found by itself is considered.
+    pub fn considers(&self, proposal: &Proposal) -> bool {
+        match &proposal.addition {
+            Addition::Effect(effect) => !is_of(effect, &self.without),
+            Addition::Column(_) => true,
+        }
     }
 
     fn push(&mut self, what: What, finite: bool, trials: Vec<(Option<f64>, Vec<Stacked>)>) {
@@ -94,6 +106,11 @@ impl Pool {
             self.candidates.push(Candidate { what, finite, trials });
         }
     }
+}
+
+/// Whether an effect is one of some kinds, or a fuller form of one.
+fn is_of(effect: &EffectInstance, kinds: &[Kind]) -> bool {
+    std::iter::successors(Some(effect.kind), |kind| kind.simpler()).any(|kind| kinds.contains(&kind))
 }
 
 /// Whether the columns are what the effect does, and the columns of each shape.

@@ -161,7 +161,8 @@ fn with_codes(
     searcher: &mut Searcher<'_>,
     (fit, noise, look): (Fit, NoiseModel, Look),
 ) -> Result<Ground, Error> {
-    let codes = lattice::proposals(document, model, &noise, &fit);
+    let mut codes = lattice::proposals(document, model, &noise, &fit);
+    codes.retain(|proposal| searcher.pool().considers(proposal));
     if codes.is_empty() {
         return Ok(Ground { fit, noise, look, codes });
     }

@@ -53,7 +53,7 @@ pub use error::Error;
 pub use words::summary;
 
 use common::{Diagnosis, Document, Verdict};
-use physics::References;
+use physics::{Kind, References};
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
@@ -74,11 +74,13 @@ pub struct Options {
     pub refit: bool,
     /// A simulation to hold the recordings against, in the place of what calibration and model predict.
     pub against: Option<Document>,
+    /// Effects that are not considered, nor fuller forms of them.
+    pub without: Vec<Kind>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, level: 0.01, refit: false, against: None }
+        Self { seed: 1, level: 0.01, refit: false, against: None, without: Vec::new() }
     }
 }
 
@@ -178,7 +180,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let before = model.residual(&start)?;
     told("fitting the calibration again");
     let (base, base_noise) = settled(&original, &model, &start)?;
-    let pool = Pool::of(&model, &base.state)?;
+    let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
     let mut outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
@@ -186,7 +188,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     // are weighed again about the calibration that goes with the best names.
     let nearer = if outcome.is_large() {
         let state = State { base: outcome.near.clone(), ..outcome.base.state.clone() };
-        Some((Pool::of(&model, &state)?, state))
+        Some((Pool::of(&model, &state, &options.without)?, state))
     } else {
         None
     };

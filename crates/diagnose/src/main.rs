@@ -5,6 +5,7 @@ use common::Document;
 use common::procedure;
 use diagnose::Options;
 use indicatif::ProgressBar;
+use physics::Kind;
 use program::pipe::{self, Input, Io, Program};
 use program::{apart, manual, number};
 use std::path::PathBuf;
@@ -37,6 +38,9 @@ struct Cli {
     /// Write the plan of the recording that would decide between names, for `simulate campaign`
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
+    /// An effect that is known not to act, and is not considered; several may be given (`simulate effects` lists them)
+    #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
+    without: Vec<Kind>,
     /// Seed of the draws by which chance is judged
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -51,7 +55,9 @@ fn main() -> ExitCode {
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let mut arguments = vec![format!("--seed={}", cli.seed), format!("--level={}", cli.level)];
-    let mut options = Options { seed: cli.seed, level: cli.level, refit: cli.refit, against: None };
+    let without = cli.without.clone();
+    let mut options = Options { seed: cli.seed, level: cli.level, refit: cli.refit, against: None, without };
+    arguments.extend(cli.without.iter().map(|kind| format!("--without={}", kind.name())));
     if cli.refit {
         arguments.push("--refit".into());
     }

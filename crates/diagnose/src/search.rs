@@ -140,7 +140,7 @@ impl<'p> Searcher<'p> {
             .chain(events::proposals(fitter, fit, rest)?)
             .chain(codes::proposals(fitter, fit, rest)?);
         let stands_out = |proposal: &Proposal| at_least_one(proposal.p, FAMILIES) < self.level;
-        Ok((line, found.filter(stands_out).collect()))
+        Ok((line, found.filter(|proposal| self.pool.considers(proposal) && stands_out(proposal)).collect()))
     }
 
     /// Searches what a fit has left.

@@ -101,6 +101,14 @@ impl Kind {
         Kind::ALL.iter().copied().find(|kind| kind.name() == name)
     }
 
+    /// The same; where there is none, a sentence that lists what there is.
+    pub fn known(name: &str) -> Result<Kind, String> {
+        Kind::named(name).ok_or_else(|| {
+            let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+            format!("there is no effect \"{name}\"; expected one of {}", names.join(", "))
+        })
+    }
+
     /// Name in documents.
     pub fn name(self) -> &'static str {
         self.about().name

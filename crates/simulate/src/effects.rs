@@ -45,10 +45,7 @@ struct Parameter {
 pub fn catalogue(name: Option<&str>, layout: Layout) -> Result<String, Error> {
     let kinds: Vec<Kind> = match name {
         None => Kind::ALL.to_vec(),
-        Some(name) => vec![Kind::named(name).ok_or_else(|| {
-            let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-            Error::Request(format!("there is no effect \"{name}\"; expected one of {}", names.join(", ")))
-        })?],
+        Some(name) => vec![Kind::known(name).map_err(Error::Request)?],
     };
     Ok(match layout {
         Layout::Table => table(&kinds),

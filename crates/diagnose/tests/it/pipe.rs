@@ -31,6 +31,19 @@ fn the_same_bytes_on_any_number_of_threads() {
 }
 
 #[test]
+fn an_effect_that_is_known_not_to_act_is_not_named() {
+    let (out, words, code) =
+        diagnose(&["--without", "offset_temperature", "fixtures/diagnose/warm/input.json"], "2");
+    assert!(code == Some(0) && words.starts_with("diagnose: unexplained"), "{words}");
+    let document = Document::parse(&String::from_utf8(out).expect("text")).expect("a document");
+    let entry = &document.diagnosis.as_ref().expect("a diagnosis")[0];
+    let unnamed: Vec<_> = entry.unnamed.iter().map(|one| one.sensor).collect();
+    assert_eq!(unnamed, [Some(Axis::X)]);
+    let arguments = &document.history.expect("a history").last().expect("an entry").arguments;
+    assert!(arguments.contains(&"--without=offset_temperature".to_string()), "{arguments:?}");
+}
+
+#[test]
 fn a_document_without_readings_is_refused_with_nothing_on_stdout() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("empty.json");
