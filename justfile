@@ -48,9 +48,17 @@ bench:
     FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
     cargo build --release && cargo build --profile dist && cargo bench -p program --bench profiles
 
-# Physics concealed and sealed, and what diagnose finds of it (docs/proof.md); coverage of every interval over 5 000 and 1 000 campaigns
+# Physics concealed and sealed, what diagnose finds of it, and recordings that somebody else made: docs/proof.md and docs/proof/real.md. Three
+# steps with a folder that must be new: what was opened once is not scored again.
+proof folder="target/proof":
+    cargo build --release --workspace --bins
+    target/release/blind make -o {{folder}} --truths {{folder}}-truths.json
+    target/release/blind answer {{folder}}
+    target/release/blind score {{folder}} --truths {{folder}}-truths.json -o docs/proof.md
+    target/release/recorded -o docs/proof/real.md
+
+# Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
-    cargo run --release -p concealed -- prove --build
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it coverage:: -- --nocapture

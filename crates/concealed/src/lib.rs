@@ -1,8 +1,8 @@
-//! Recordings with physics concealed in them, and the score of who finds it.
+//! Recordings with physics concealed in them.
 //!
 //! A tool that finds the effects which its own simulator puts in has shown nothing: simulator and finder share their mistakes. This crate
-//! shares no line of physics, noise or estimation with the stages, and its physics is finer than the catalogue's. It writes documents of
-//! the public format, seals the truth, runs the programs as they are shipped, opens the truth and counts.
+//! shares no line of physics, noise or estimation with the stages, and its physics is finer than the catalogue's. It makes documents of
+//! the public format, each with its truth apart; `blind` has them answered and scores the answers.
 
 pub mod ambiguous;
 pub mod base;
@@ -10,26 +10,14 @@ pub mod case;
 pub mod document;
 pub mod draw;
 pub mod effect;
-mod error;
 pub mod finer;
 pub mod form;
 pub mod kinds;
 pub mod noise;
 pub mod outside;
-pub mod page;
 pub mod pillar;
-pub mod programs;
-pub mod prove;
-pub mod real;
 pub mod scene;
 pub mod scenes;
-pub mod score;
-pub mod seal;
 pub mod sets;
 pub mod signal;
 pub mod swarm;
-pub mod tally;
-pub mod verdict;
-pub mod wilson;
-
-pub use error::Error;

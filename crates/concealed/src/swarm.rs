@@ -1,7 +1,6 @@
 //! An orbit: a vector magnetometer beside a scalar one for thirty days, and a disturbance that depends on the Sun's direction in the body.
 
 mod earth;
-mod section;
 
 use nalgebra::{Matrix3, Vector3};
 use serde_json::{Map, Value, json};
@@ -13,7 +12,6 @@ use crate::scene::AXES;
 use crate::sets::neutral;
 
 pub use earth::Moment;
-pub use section::section;
 
 /// Time from one row to the next, s, and how long it goes on, days.
 const STEP_S: f64 = 120.0;

@@ -1,6 +1,6 @@
 //! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
 //! intervals that hold, other methods to hold answers against,
-//! laws that hold whatever was recorded.
+//! laws that hold whatever was recorded, the stages' programs run one by one.
 
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ mod golden;
 mod help;
 mod jacobian;
 pub mod laws;
+pub mod programs;
 mod words;
 
 pub use beside::beside;

@@ -26,7 +26,10 @@ fn requests_that_make_no_sense() {
     assert!(short.contains("found 120 rows where the simulation of \"run-1\" has 2"), "{short}");
     let other = refused(&["--against", "../coilcal/uneven/input.json", "warm/input.json"]);
     let effect = refused(&["--without", "delays", "warm/input.json"]);
-    assert!(effect.contains("there is no effect \"delays\"; expected one of quadratic_nonlinearity"), "{effect}");
+    assert!(
+        effect.contains("there is no effect \"delays\"; expected one of quadratic_nonlinearity"),
+        "{effect}"
+    );
     assert!(other.contains("the simulation has none of the document's recordings"), "{other}");
 }
 

@@ -1,0 +1,18 @@
+//! Cases of `concealed` made and sealed, answered by the programs as they are shipped, opened once and scored.
+
+mod campaigns;
+mod error;
+mod folder;
+mod page;
+mod reliability;
+mod score;
+mod seal;
+mod steps;
+mod tally;
+mod verdict;
+mod wilson;
+
+pub use campaigns::{Campaign, month, orbit};
+pub use error::Error;
+pub use steps::{Answer, Make, Scoring, answer, make, score, summary};
+pub use tally::{Arguments as Tally, run as tally};

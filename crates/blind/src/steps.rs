@@ -1,0 +1,125 @@
+//! The steps of a proof, each a run of its own: make, answer, score.
+
+use clap::Args;
+use concealed::case::Case;
+use concealed::sets::Set;
+use std::path::PathBuf;
+use testkit::programs::Programs;
+
+use crate::Error;
+use crate::campaigns::{self, Campaign};
+use crate::folder::{Asked, Folder};
+use crate::page::{self, Besides};
+use crate::score::Score;
+use crate::seal;
+
+/// What is asked of the making.
+#[derive(Args, Clone, Debug)]
+pub struct Make {
+    /// What is concealed; several may be given; absent: every set of the page
+    #[arg(long, value_enum)]
+    pub set: Vec<Set>,
+    /// The seed of the sets; absent: a random number of the system, kept in the truths
+    #[arg(long)]
+    pub seed: Option<u64>,
+    /// Rounds of every set; one has each kind at each strength once
+    #[arg(long, default_value_t = 2)]
+    pub rounds: usize,
+    /// At most so many cases of a set
+    #[arg(long, value_name = "N")]
+    pub cases: Option<usize>,
+    /// The folder of the documents and the seals
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// The file of the truths, to be kept away from whoever answers
+    #[arg(long, value_name = "FILE")]
+    pub truths: PathBuf,
+}
+
+/// What is asked of the answering.
+#[derive(Args, Clone, Debug)]
+pub struct Answer {
+    /// The folder of the documents
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// Where the stages' programs are; absent: beside this one
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
+}
+
+/// What is asked of the scoring.
+#[derive(Args, Clone, Debug)]
+pub struct Scoring {
+    /// The folder of the documents, seals and answers
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
+    /// The file of the truths
+    #[arg(long, value_name = "FILE")]
+    pub truths: PathBuf,
+    /// Leave out the orbit and the observatory
+    #[arg(long)]
+    pub cases_only: bool,
+    /// Where the stages' programs are, whose answers are scored; absent: beside this one
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
+    /// The page to write
+    #[arg(short, long, value_name = "FILE", default_value = "docs/proof.md")]
+    pub output: PathBuf,
+}
+
+/// Makes cases and seals their truths. Gives the commitment.
+pub fn make(asked: &Make) -> Result<String, Error> {
+    let seed = match asked.seed {
+        Some(seed) => seed,
+        // As large as a number in JSON that every reader takes.
+        None => getrandom::u32().map(u64::from).map_err(|error| {
+            Error::Common(common::Error::Request(format!("the system gave no random number: {error}")))
+        })?,
+    };
+    let sets: &[Set] = if asked.set.is_empty() { &Set::ALL } else { &asked.set };
+    let cases: Vec<Case> = sets
+        .iter()
+        .flat_map(|set| set.cases(seed, (set.round() * asked.rounds).min(asked.cases.unwrap_or(usize::MAX))))
+        .collect();
+    let folder = Folder::at(&asked.output)?;
+    seal::seal(&folder, &cases, &asked.truths)?;
+    seal::commitment(&folder)
+}
+
+/// Has diagnose answer every document. What ends with an error, or takes too long, stands as an answer without a diagnosis.
+pub fn answer(asked: &Answer) -> Result<usize, Error> {
+    let programs = Programs::find(asked.programs.as_deref())?;
+    let folder = Folder::at(&asked.folder)?;
+    let stored = seal::stored(&folder)?;
+    folder.answer_all(&Asked::diagnose(&programs), stored.keys())?;
+    Ok(stored.len())
+}
+
+/// Opens the truths, scores the answers of a build and writes the page.
+pub fn score(asked: &Scoring) -> Result<Score, Error> {
+    let programs = Programs::find(asked.programs.as_deref())?;
+    let folder = Folder::at(&asked.folder)?;
+    let diagnose = Asked::diagnose(&programs);
+    let answers = folder.answers(diagnose.name, diagnose.arguments, &programs)?;
+    let truths = seal::open(&folder, &asked.truths, &answers)?;
+    let score = Score::of(truths, &answers, seal::commitment(&folder)?)?;
+    let campaign = Campaign {
+        seed: score.outcomes.first().map_or(0, |outcome| outcome.truth.seed),
+        folder: asked.folder.clone(),
+        programs: asked.programs.clone(),
+    };
+    let section =
+        |of: fn(&Campaign) -> Result<String, Error>| (!asked.cases_only).then(|| of(&campaign)).transpose();
+    let besides = Besides { orbit: section(campaigns::orbit)?, month: section(campaigns::month)? };
+    program::pipe::write(Some(&asked.output), &page::of(&score, &besides))?;
+    Ok(score)
+}
+
+/// The goals in a few lines, for people.
+pub fn summary(score: &Score) -> String {
+    let line = |goal: crate::score::Goal| {
+        format!("  {}: {} (wanted: {}): {}\n", goal.what, goal.found.words(), goal.wanted(), goal.verdict())
+    };
+    let lines: String = score.goals().into_iter().map(line).collect();
+    format!("blind: {} cases\n{lines}", score.outcomes.len())
+}

@@ -1,0 +1,4 @@
+//! The integration tests of `blind`: one program, a module for each subject.
+
+mod help;
+mod sealed;

@@ -1,0 +1,147 @@
+//! Pairs of vector magnetometers.
+
+use super::pair::{self, Pair};
+use crate::Error;
+use crate::affine::Affine;
+use crate::page::{Page, three};
+use crate::series::{Series, length};
+use crate::split::{Split, longest_part};
+use crate::stages::Stages;
+
+const DIDD: &str = include_str!("../../../../fixtures/ingest/real/didd.json");
+const MESON_HALL: &str = include_str!("../../../../fixtures/real/meson-hall-pair.json");
+const QUADROTOR: &str = include_str!("../../../../fixtures/ingest/real/quadrotor.json");
+const DAY_S: f64 = 86_400.0;
+
+/// The readings of one instrument of a pair, without the other's.
+fn instrument(series: &Series, name: &str) -> Series {
+    series.clone().only(|column| column == "time_s" || column.starts_with(name))
+}
+
+/// The parts of two instruments before and after a moment of the reference's clock.
+fn parts(reference: Series, test: Series, at_s: f64) -> [(Series, Series); 2] {
+    let test = test.on_clock(reference.start_s);
+    let (reference, test) = (Split::at(&reference, at_s), Split::at(&test, at_s));
+    [(reference.fitted, test.fitted), (reference.left_out, test.left_out)]
+}
+
+/// Conrad: sixteen hours fitted, eight left out.
+pub fn conrad(stages: &Stages) -> Result<Page, Error> {
+    let read = |name: &str| stages.ingest(&[stages.file(&format!("wic-conrad-2022-08/{name}"))?], None);
+    let reference = read("fge_s0252_2022-08-10_1s.csv")?.renamed("sensor", "reference");
+    let test = read("lemi036_xyz_2022-08-10_1s.csv")?.renamed("sensor", "test");
+    let [fitted, left_out] = parts(reference, test, 2.0 / 3.0 * DAY_S);
+    let mut page = Page::default();
+    page.say("FGE S0252 (reference) and LEMI-036 (test) in different buildings of the tunnel; 2022-08-10, a quiet day, one reading a second.");
+    let pair = Pair {
+        reference: fitted.0,
+        test: fitted.1,
+        left_out,
+        parts: ["0 to 16 h", "16 to 24 h"],
+        correct_clock: false,
+        plot: Some("real-conrad.svg"),
+    };
+    pair::study(stages, &mut page, &pair)?;
+    page.undecided(
+        "which of the two is noisy (a third vector instrument would tell); whether the departure from right angles is the one's or the \
+         other's; at periods of seconds anything about the matrix, because the LEMI's filter cuts there and the day was quiet; in z, \
+         where the field hardly moved, the matrix improves nothing that was left out.",
+    );
+    Ok(page)
+}
+
+/// Cobenzl: eight days fitted, four left out, with the storm of the 9th and 10th among them.
+pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
+    let folder = "wik-cobenzl-2011-09a";
+    let didd = stages.ingest(&stages.files(&format!("{folder}/didd"), ".WIK")?, Some(DIDD))?;
+    let lemi = stages.ingest(&stages.files(&format!("{folder}/lemi025"), ".min")?, None)?;
+    let reference = instrument(&didd, "sensor").renamed("sensor", "reference");
+    let test = instrument(&lemi, "sensor").renamed("sensor", "test");
+    let [fitted, left_out] = parts(reference, test, 8.0 * DAY_S);
+    let mut page = Page::default();
+    page.say(
+        "DIDD (reference) and LEMI-025 (test), minutes of 1 to 12 September 2011 at the edge of a city. The LEMI stamps its minutes at 47 s; \
+         times are corrected by what the field itself says.",
+    );
+    let pair = Pair {
+        reference: fitted.0,
+        test: fitted.1,
+        left_out,
+        parts: ["1 to 8 September", "9 to 12 September"],
+        correct_clock: true,
+        plot: Some("real-cobenzl.svg"),
+    };
+    pair::study(stages, &mut page, &pair)?;
+    page.undecided(
+        "any dependence on temperature: the room's log stands at 21.0 °C for all twelve days, in steps of half a degree; which of the two \
+         moved where the level of what was left out is not zero; whether trams or an instrument made the disturbances that one of them shows.",
+    );
+    Ok(page)
+}
+
+/// Meson Hall: two thirds of the longest stretch fitted.
+pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("tucan-fluxgates-2019-08-09-quiet/online_data.csv")?;
+    let series = longest_part(&stages.ingest_with(&[file], Some(MESON_HALL), &["--sort"])?, 30.0);
+    let split = Split::share(&series, 2.0 / 3.0);
+    let mut page = Page::default();
+    page.say("Fluxgates “3” (reference) and “4” (test), metres apart under a cyclotron; one reading a second for 17 minutes.");
+    let both = |series: &Series| (instrument(series, "reference"), instrument(series, "test"));
+    let (reference, test) = both(&split.fitted);
+    let pair = Pair {
+        reference,
+        test,
+        left_out: both(&split.left_out),
+        parts: ["first two thirds", "last third"],
+        correct_clock: false,
+        plot: None,
+    };
+    let document = pair::study(stages, &mut page, &pair)?;
+    if let Some(found) = document.as_ref().and_then(Affine::found) {
+        let lengths = [0, 1, 2].map(|j| three(length([0, 1, 2].map(|i| found.matrix[i][j]))));
+        page.head(format!(
+            "A test axis is {} (x; y; z) of the reference's field, where instruments in one field have 1: no calibration.",
+            lengths.join("; ")
+        ));
+    }
+    page.undecided(
+        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration, however well it predicts the next minutes. From the first two thirds \
+         alone `diffmag` does not say so; over the whole run it does ([diffmag.md](../diffmag.md)).",
+    );
+    Ok(page)
+}
+
+/// The quadrotor: the first half fitted.
+pub fn quadrotor(stages: &Stages) -> Result<Page, Error> {
+    let file = stages.file("mxl-quadrotor-2021-04-23/test1_esti.csv")?;
+    let series = stages.ingest(&[file], Some(QUADROTOR))?;
+    let split = Split::share(&series, 0.5);
+    let repeated = series.vectors("reference").windows(2).filter(|pair| pair[0] == pair[1]).count();
+    let both = |series: &Series| {
+        (
+            instrument(series, "test").renamed("test", "reference"),
+            instrument(series, "reference").renamed("reference", "test"),
+        )
+    };
+    let (reference, test) = both(&split.fitted);
+    let mut page = Page::default();
+    page.say(format!(
+        "An RM3100 (reference) and the autopilot's magnetometer (test), turned about three axes by hand in a meadow, motors off; 24 s at 200 Hz \
+         (nominal: the file's own times are ruined). The autopilot's readings are those of the row before in {repeated} of {} rows.",
+        series.rows()
+    ));
+    let pair = Pair {
+        reference,
+        test,
+        left_out: both(&split.left_out),
+        parts: ["first half", "second half"],
+        correct_clock: true,
+        plot: None,
+    };
+    pair::study(stages, &mut page, &pair)?;
+    page.undecided(
+        "whether the offsets are iron on the frame or the sensors' own (the frame turned as one piece); the clock's offset in seconds, because the \
+         rate is only nominal; anything that follows temperature, which is not recorded fast enough.",
+    );
+    Ok(page)
+}

@@ -1,0 +1,120 @@
+//! Instruments turned in a field whose size is taken as constant: what |B| says of nine constants.
+
+use super::scalar::{self, Scalar};
+use crate::Error;
+use crate::by_hand::ellipsoid;
+use crate::page::Page;
+use crate::series::{Series, length, mean};
+use crate::split::Split;
+use crate::stages::Stages;
+
+const MARG: &str = include_str!("../../../../fixtures/ingest/real/marg.json");
+const PHONE: &str = include_str!("../../../../fixtures/ingest/real/phone.json");
+const VN100: &str = include_str!("../../../../fixtures/ingest/real/vn100.json");
+
+/// The middle of the readings of each sensor, nT: where iron and offsets put the centre of the sphere, roughly.
+fn centre(series: &Series) -> [f64; 3] {
+    ["x", "y", "z"].map(|axis| {
+        let values = series.column(&format!("sensor_{axis}_nt"));
+        let (low, high) =
+            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
+        (low + high) / 2.0
+    })
+}
+
+/// With the constant size of the field beside the readings.
+fn with_size(series: &Series, size_nt: f64) -> Series {
+    let rows = series.rows();
+    series.clone().with("reference_nt", vec![size_nt; rows])
+}
+
+fn mean_size(series: &Series, centre: [f64; 3]) -> f64 {
+    mean(series.vectors("sensor").into_iter().map(|v| length([0, 1, 2].map(|k| v[k] - centre[k]))))
+}
+
+/// One run fitted, another left out.
+fn study(
+    stages: &Stages,
+    page: &mut Page,
+    runs: [&Series; 2],
+    parts: [&str; 2],
+    size_nt: Option<f64>,
+) -> Result<(), Error> {
+    let centre = centre(runs[0]);
+    let size = size_nt.unwrap_or_else(|| mean_size(runs[0], centre));
+    let scalar = Scalar {
+        fitted: with_size(runs[0], size),
+        left_out: with_size(runs[1], size),
+        parts,
+        offset_nt: centre.map(|nt| -nt),
+        by_hand: ("an ellipsoid by plain least squares", ellipsoid),
+        plot: None,
+    };
+    scalar::study(stages, page, &scalar)
+}
+
+/// HMC5883L: the fuller sphere fitted, the other left out.
+pub fn marg(stages: &Stages) -> Result<Page, Error> {
+    let read = |name: &str| {
+        let file = stages.file(&format!("marg-hmc5883l-sunsided/{name}"))?;
+        Ok::<_, Error>(stages.ingest(&[file], Some(MARG))?.every(8))
+    };
+    let mut page = Page::default();
+    page.say(
+        "Every eighth reading. Nothing measured the size of the field: it is set to the mean that the readings have about the middle of their ranges, so that scales are relative. \
+         Offsets as given are those middles.",
+    );
+    let (full, partial) = (read("set2_full_sphere_mag.csv")?, read("set1_tilt_sphere_mag.csv")?);
+    let split = Split::share(&full, 0.6);
+    page.head("*Within a run.*");
+    page.say("One run, its later part left out:");
+    study(stages, &mut page, [&split.fitted, &split.left_out], ["first 60 %", "last 40 %"], None)?;
+    page.head("*From one run to another.*");
+    page.say("One run fitted, another left out:");
+    study(
+        stages,
+        &mut page,
+        [&full, &partial],
+        ["the full sphere", "the partial sphere, another run"],
+        None,
+    )?;
+    page.undecided(
+        "the absolute scale; how the axes stand to the board; whether the field was of one size everywhere that the board was moved, indoors: if it was not, that is in the constants.",
+    );
+    Ok(page)
+}
+
+/// Phone and VN-100, each in halves; then the runs with iron.
+pub fn phone(stages: &Stages) -> Result<Page, Error> {
+    let read = |name: &str, mapping: &str, every: usize| {
+        let file = stages.file(&format!("phone-vn100-rotations/{name}"))?;
+        let series = stages.ingest(&[file], Some(mapping))?;
+        Ok::<_, Error>(series.only(|column| !column.starts_with("attitude")).every(every))
+    };
+    let mut page = Page::default();
+    page.say(
+        "About six readings a second; the size of the field is set to the 52.0 µT that the authors take.",
+    );
+    for (what, name, mapping, every) in [
+        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The VN-100 by itself", "clearIMU.csv", VN100, 6),
+        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6),
+    ] {
+        page.head(format!("*{what}.*"));
+        page.say(format!("{what}:"));
+        let split = Split::share(&read(name, mapping, every)?, 0.6);
+        study(
+            stages,
+            &mut page,
+            [&split.fitted, &split.left_out],
+            ["first 60 %", "last 40 %"],
+            Some(52_000.0),
+        )?;
+    }
+    page.undecided(
+        "the instruments' own offsets apart from iron that turns with them; anything from the VN-100's attitude, which its maker's filter makes of the same magnetometer; whether the field \
+         near a building was of one size: a constant size is an assumption here, not a measurement.",
+    );
+    Ok(page)
+}

@@ -1,0 +1,183 @@
+//! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after what diagnose found.
+
+use serde_json::{Value, json};
+
+use crate::Error;
+use crate::by_hand::{ByHand, mismatch, plane};
+use crate::page::{self, Page, three};
+use crate::plot::{self, Line, Panel};
+use crate::series::{Series, mean, rms};
+use crate::stages::Stages;
+
+/// A vector (`sensor_*_nt`) and a scalar (`reference_nt`) at the same moments.
+#[derive(Debug)]
+pub struct Scalar<'a> {
+    /// What is fitted.
+    pub fitted: Series,
+    /// What is predicted.
+    pub left_out: Series,
+    /// What the parts are, in words.
+    pub parts: [&'a str; 2],
+    /// Offset of each sensor as its maker or logger states it, added to the readings, nT.
+    pub offset_nt: [f64; 3],
+    /// What the same is by plain least squares, in words, and how.
+    pub by_hand: (&'a str, ByHand),
+    /// Name of the plot; none without.
+    pub plot: Option<&'a str>,
+}
+
+/// A level and slopes, for a field that points one way.
+pub const PLANE: (&str, ByHand) = ("a level and three slopes by plain least squares", plane);
+
+/// Readings that correcting moves by no more were not corrected.
+const UNMOVED_NT: f64 = 1e-6;
+
+/// Length of the vector less scalar under one explanation, nT, of the fitted part and of the one that was left out.
+struct Left {
+    what: String,
+    nt: [Vec<f64>; 2],
+}
+
+impl Left {
+    fn rms(&self, part: usize) -> f64 {
+        rms(self.nt[part].iter().copied())
+    }
+
+    fn row(&self) -> Vec<String> {
+        let level = mean(self.nt[1].iter().copied());
+        vec![self.what.clone(), three(self.rms(0)), three(self.rms(1)), three(level)]
+    }
+}
+
+/// Runs diagnose on the fitted part, corrects both parts by what it wrote, and shows what is left.
+pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Error> {
+    let offsets = ["x", "y", "z"].into_iter().zip(scalar.offset_nt);
+    let sensors: Value = offsets.map(|(axis, nt)| (axis.to_string(), json!({"offset_nt": nt}))).collect();
+    let given = json!({"calibration": {"sensors": sensors}});
+    let parts = [&scalar.fitted, &scalar.left_out];
+    let came = parts.map(|part| mismatch(part, "sensor", scalar.offset_nt));
+    let level = mean(came[0].iter().copied());
+    let off = came.each_ref().map(|nt| nt.iter().map(|value| value - level).collect());
+    let mut all = vec![
+        Left { what: "as it came".into(), nt: came },
+        Left { what: "the fitted part's level taken off".into(), nt: off },
+    ];
+    let (what, by_hand) = scalar.by_hand;
+    let found = parts.map(|part| by_hand(&scalar.fitted, part, scalar.offset_nt));
+    if let [Some(fitted), Some(left_out)] = found {
+        all.push(Left { what: what.into(), nt: [fitted, left_out] });
+    }
+    let by_hand = all.get(2).map(|hand| [hand.rms(0), hand.rms(1)]);
+    let recording = scalar.fitted.recording("vector-scalar", "free_run");
+    let answer = stages.stage("diagnose", &[], vec![recording], &given)?;
+    if let Ok(document) = &answer {
+        match corrected(stages, parts, document)? {
+            Ok(nt) if moved(&nt[0], &all[0].nt[0]) => {
+                all.push(Left { what: "corrected by what diagnose wrote".into(), nt });
+            }
+            Ok(_) => {}
+            Err(words) => page.refused("correct", &words),
+        }
+    }
+    let [fitted, left_out] = scalar.parts;
+    let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];
+    page.table(
+        &["length of the vector less scalar, rms, nT", head[0], head[1], "of which level"],
+        &all.iter().map(Left::row).collect::<Vec<_>>(),
+    );
+    if let Some([_, unseen]) = by_hand {
+        let alone = all[1].rms(1);
+        page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
+        let word = if unseen < alone { "better than" } else { "no better than" };
+        page.say(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
+    }
+    match &answer {
+        Ok(document) => diagnosis(page, document, &all, by_hand.map(|hand| hand[0])),
+        Err(words) => page.refused("diagnose", words),
+    }
+    if let Some(name) = scalar.plot {
+        draw(page, name, scalar, &all[1..]);
+    }
+    Ok(())
+}
+
+/// What diagnose says, and what is wrong with its refit.
+fn diagnosis(page: &mut Page, document: &Value, all: &[Left], by_hand_nt: Option<f64>) {
+    let refit = document["diagnosis"][0]["fit"]["rms_refitted_nt"].as_f64().unwrap_or(f64::NAN);
+    page.head(format!("`diagnose` refits to {} nT: {}.", three(refit), page::verdict(document)));
+    if let Some(fault) = fault(refit, all[0].rms(0), by_hand_nt.unwrap_or(f64::NAN)) {
+        page.head(fault);
+        page.say(fault);
+    }
+    page.diagnosis(document);
+    if !all.iter().any(|left| left.what.starts_with("corrected")) {
+        page.say("It wrote no other calibration: what it says of readings left out is its own count.");
+    }
+}
+
+/// What is wrong with a refit, where something is: it is worse than what came, or so much better than plain least squares that only
+/// sensitivities of nothing reach it (k = 0 with an offset as long as the field leaves no residual at all).
+fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
+    if refit_nt > 1.01 * came_nt {
+        return Some("The refit is worse than what came: a fault of the program and no finding.");
+    }
+    let collapsed = refit_nt < 0.1 * by_hand_nt;
+    collapsed.then_some(
+        "The refit has switched the instrument off (no sensitivity, an offset as long as the field): a fault of the program and no finding.",
+    )
+}
+
+fn moved(after: &[f64], before: &[f64]) -> bool {
+    after.iter().zip(before).any(|(after, before)| (after - before).abs() > UNMOVED_NT)
+}
+
+/// What is left of both parts as `correct` has their field by a document's calibration and model; its words where it refuses.
+fn corrected(
+    stages: &Stages,
+    parts: [&Series; 2],
+    document: &Value,
+) -> Result<Result<[Vec<f64>; 2], String>, Error> {
+    let written = ["calibration", "model"].into_iter().filter(|key| !document[key].is_null());
+    let known: Value = written.map(|key| (key.to_string(), document[key].clone())).collect();
+    let mut left = [Vec::new(), Vec::new()];
+    for (part, left) in parts.into_iter().zip(&mut left) {
+        match stages.stage("correct", &[], vec![part.recording("vector-scalar", "free_run")], &known)? {
+            Ok(document) => *left = mismatch(&Series::of(&document).unwrap_or_default(), "field", [0.0; 3]),
+            Err(words) => return Ok(Err(words)),
+        }
+    }
+    Ok(Ok(left))
+}
+
+fn draw(page: &mut Page, name: &str, scalar: &Scalar, all: &[Left]) {
+    let parts = [&scalar.fitted, &scalar.left_out];
+    let hours = |part: &Series| -> Vec<f64> {
+        let start = part.start_s - scalar.fitted.start_s;
+        part.column("time_s").iter().map(|t| (t + start) / 3600.0).collect()
+    };
+    let curve = |left: &Left| {
+        let points =
+            parts.iter().zip(&left.nt).flat_map(|(part, nt)| hours(part).into_iter().zip(nt.clone()));
+        Line { label: left.what.clone(), points: points.collect() }
+    };
+    let panel = Panel { y: "nT".into(), lines: all.iter().map(curve).collect() };
+    let title = format!(
+        "vector less scalar; from the dashed line on ({}) it was left out of the fit",
+        scalar.parts[1]
+    );
+    let from = hours(&scalar.left_out).first().copied();
+    page.plot(name, plot::svg(&title, "time, h", &[panel], from), "mismatch before and after");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fault;
+
+    #[test]
+    fn refits_that_cannot_be_right_are_called_so() {
+        assert_eq!(fault(150.0, 2800.0, 154.0), None);
+        assert!(fault(49_091.0, 9906.0, 1180.0).is_some_and(|words| words.contains("worse")));
+        assert!(fault(0.0, 12_894.0, 2964.0).is_some_and(|words| words.contains("switched")));
+        assert_eq!(fault(0.05, 76.0, f64::NAN), None);
+    }
+}
