@@ -4,6 +4,8 @@ mod electronics;
 mod sensor;
 mod slip;
 mod surroundings;
+#[cfg(test)]
+mod unlike;
 mod walk;
 
 use nalgebra::Vector3;
@@ -35,7 +37,7 @@ pub const ALL: [Outside; 14] = [
     ("rate of a neighbour's field", neighbour_rate),
 ];
 
-/// Further ones, in runs in coils.
+/// Further ones, in runs in coils; apart, so that the cases of [`ALL`] stay as they are.
 pub const FURTHER: [Outside; 18] = [
     ("pinning of domain walls", sensor::pinning),
     ("block that sticks and slips", sensor::friction),
