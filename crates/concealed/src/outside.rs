@@ -1,5 +1,13 @@
 //! Plausible physics that the catalogue does not have: no name of the catalogue is right.
 
+mod electronics;
+mod sensor;
+mod slip;
+mod surroundings;
+#[cfg(test)]
+mod unlike;
+mod walk;
+
 use nalgebra::Vector3;
 
 use crate::draw::Draw;
@@ -29,6 +37,28 @@ pub const ALL: [Outside; 14] = [
     ("rate of a neighbour's field", neighbour_rate),
 ];
 
+/// Further ones, in runs in coils; apart, so that the cases of [`ALL`] stay as they are.
+pub const FURTHER: [Outside; 18] = [
+    ("pinning of domain walls", sensor::pinning),
+    ("block that sticks and slips", sensor::friction),
+    ("heat flow of either direction", sensor::heat_flow),
+    ("bend that follows temperature", sensor::warm_bend),
+    ("humidity that turns an axis", sensor::humidity),
+    ("suspension that swings", sensor::swing),
+    ("beat with a switching supply", electronics::beat),
+    ("loop that rings in large fields", electronics::ringing),
+    ("multiplexer that slews", electronics::multiplexer),
+    ("ripple of a reference", electronics::ripple),
+    ("oven of a reference", electronics::oven),
+    ("relay that toggles", electronics::relay),
+    ("sensitivity with a load", electronics::load),
+    ("geomagnetic pulsations", surroundings::pulsations),
+    ("lift between floors", surroundings::lift),
+    ("bursts of a tram line", surroundings::tram),
+    ("nulling that acts in steps", surroundings::stepwise_nulling),
+    ("coils that share a supply", surroundings::shared_supply),
+];
+
 fn in_one(
     physics: &'static str,
     draw: &mut Draw,
@@ -37,6 +67,33 @@ fn in_one(
     let sensor = draw.below(3);
     let act: Act = on_sensor(sensor, move |campaign, run, _, size| of(campaign, run, sensor, size));
     Effect::new(physics, Vec::new(), act).in_sensor(sensor)
+}
+
+/// The end of the campaign, s.
+fn span(campaign: &Campaign) -> f64 {
+    campaign.runs.last().and_then(|run| run.times.last()).copied().unwrap_or(1.0)
+}
+
+/// A direction at random.
+fn direction(draw: &mut Draw) -> Vector3<f64> {
+    Vector3::from_fn(|_, _| draw.normal()).normalize()
+}
+
+/// Mean over all rows of a campaign.
+fn mean(campaign: &Campaign, of: impl Fn(&Run, f64) -> f64) -> f64 {
+    let all = || campaign.runs.iter().flat_map(|run| run.times.iter().map(|t| of(run, *t)));
+    all().sum::<f64>() / all().count().max(1) as f64
+}
+
+/// Moments at random in every run, one for so many readings.
+fn moments(campaign: &Campaign, readings: usize, draw: &mut Draw) -> Vec<f64> {
+    let mut all = Vec::new();
+    for run in &campaign.runs {
+        let length = run.times.len() as f64 * run.step_s();
+        let begin = run.times.first().copied().unwrap_or(0.0);
+        (0..run.times.len() / readings).for_each(|_| all.push(begin + length * draw.between(0.0, 1.0)));
+    }
+    all
 }
 
 /// Derivative by time over a second.
@@ -177,4 +234,52 @@ fn neighbour_rate(_: &Campaign, draw: &mut Draw) -> Effect {
         let field = |t: f64| run.along(&campaign.bench, (sensor + 1) % 3, t);
         run.times.iter().map(|t| 1e-3 * size * rate(field, *t)).collect()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base;
+    use crate::scene::Kind;
+    use crate::scenes::{self, Length};
+    use std::collections::BTreeSet;
+
+    /// Runs in coils.
+    pub fn campaign(seed: u64) -> Campaign {
+        scenes::campaign(Kind::Coils, Length::Long, true, None, &mut Draw::new("outside", seed))
+    }
+
+    /// What the sensor of an effect gets of a size of one, run by run.
+    pub fn of_sensor(campaign: &Campaign, effect: &Effect) -> Vec<Vec<f64>> {
+        let added = (effect.act)(campaign, &campaign.plain(), 1.0);
+        added.into_iter().map(|run| run[effect.sensors[0]].clone()).collect()
+    }
+
+    #[test]
+    fn every_name_is_there_once() {
+        let names: BTreeSet<&str> = ALL.iter().chain(&FURTHER).map(|(name, _)| *name).collect();
+        assert_eq!(names.len(), ALL.len() + FURTHER.len());
+    }
+
+    /// What the further ones add is finite, in proportion to the size, the same each time, without a name, and a fresh calibration does
+    /// not take it up.
+    #[test]
+    fn further_ones_add_what_no_calibration_takes_up() {
+        for (number, (name, make)) in FURTHER.into_iter().enumerate() {
+            for length in Length::ALL {
+                let mut draw = Draw::new(name, number as u64);
+                let campaign = scenes::campaign(Kind::Coils, length, true, None, &mut draw);
+                let (plain, effect) = (campaign.plain(), make(&campaign, &mut draw));
+                assert!(effect.accepted.is_empty() && !effect.on_codes, "{name}");
+                let (once, twice) =
+                    ((effect.act)(&campaign, &plain, 1.0), (effect.act)(&campaign, &plain, 2.0));
+                for (once, twice) in once.iter().flatten().flatten().zip(twice.iter().flatten().flatten()) {
+                    assert!(once.is_finite() && (twice - 2.0 * once).abs() <= 1e-9 * twice.abs(), "{name}");
+                }
+                let whole = base::rms(&once).into_iter().fold(0.0, f64::max);
+                let left = base::size_left(&campaign, &once);
+                assert!(left > 0.1 * whole && whole > 0.0, "{name}: {left} of {whole} is left");
+            }
+        }
+    }
 }
