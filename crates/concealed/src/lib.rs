@@ -12,6 +12,7 @@ pub mod draw;
 pub mod effect;
 pub mod finer;
 pub mod form;
+pub mod groups;
 pub mod kinds;
 pub mod noise;
 pub mod outside;
