@@ -58,6 +58,9 @@ pub struct Truth {
     pub scene: String,
     /// Readings in all.
     pub readings: usize,
+    /// How the document was written, where it is not as clean as it could be: gaps, noise declared wrongly.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub recorded: Vec<String>,
     /// Rms of the noise that was drawn, nT.
     pub noise_nt: f64,
     /// What was concealed.
@@ -201,6 +204,7 @@ pub fn make(
         covariates: if campaign.apart { "apart" } else { "together" }.into(),
         scene: campaign.kind.words().into(),
         readings: count,
+        recorded: Vec::new(),
         noise_nt,
         effects,
         baselines: Default::default(),

@@ -11,7 +11,9 @@ use crate::signal::wandering;
 const MOST: f64 = 0.2;
 
 /// Moments, codes and single events: none of them has a gain that could err.
-const WITHOUT: [&str; 7] = [
+const WITHOUT: [&str; 9] = [
+    "clipping",
+    "dropout",
     "clock_offset",
     "clock_rate",
     "quantisation",

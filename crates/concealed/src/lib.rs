@@ -5,6 +5,7 @@
 //! the public format, each with its truth apart; `blind` has them answered and scores the answers.
 
 pub mod ambiguous;
+pub mod as_recorded;
 pub mod base;
 pub mod case;
 pub mod document;

@@ -110,6 +110,7 @@ pub fn month(seed: u64) -> Case {
         covariates: "apart".into(),
         scene: "a month of an observatory".into(),
         readings: 3 * count,
+        recorded: Vec::new(),
         noise_nt,
         effects,
         baselines: Default::default(),

@@ -1,5 +1,6 @@
 //! The sets of cases, each from its seed.
 
+pub mod held;
 mod long;
 
 use rayon::prelude::*;
@@ -8,6 +9,7 @@ use sha2::{Digest, Sha256};
 use crate::ambiguous;
 use crate::case::{self, Case, Concealed, Labels};
 use crate::draw::Draw;
+use crate::groups::Group;
 use crate::kinds::{self, Single};
 use crate::noise::Noise;
 use crate::outside;
@@ -39,6 +41,20 @@ pub enum Set {
     LongOutside,
     /// Nothing, in thousands of rows.
     LongClean,
+    /// One effect of the group `choose`, in recordings as instruments write them.
+    Choose,
+    /// Two to four of those at once.
+    ChooseSeveral,
+    /// Physics of that group that the catalogue does not have.
+    ChooseOutside,
+    /// One effect of the group `score`.
+    Score,
+    /// Two to four of those at once.
+    ScoreSeveral,
+    /// Physics of that group that the catalogue does not have.
+    ScoreOutside,
+    /// Nothing, in recordings as instruments write them.
+    RecordedClean,
 }
 
 /// Times the noise.
@@ -51,6 +67,12 @@ impl Set {
 
     /// Those of long recordings.
     pub const LONG: [Set; 4] = [Set::LongSingle, Set::LongSeveral, Set::LongOutside, Set::LongClean];
+
+    /// Those of the group `choose`.
+    pub const CHOOSE: [Set; 3] = [Set::Choose, Set::ChooseSeveral, Set::ChooseOutside];
+
+    /// Those of a release: physics that nobody has looked at.
+    pub const SCORE: [Set; 4] = [Set::Score, Set::ScoreSeveral, Set::ScoreOutside, Set::RecordedClean];
 
     /// Its name.
     pub fn word(self) -> &'static str {
@@ -66,6 +88,13 @@ impl Set {
             Set::LongSeveral => "long-several",
             Set::LongOutside => "long-outside",
             Set::LongClean => "long-clean",
+            Set::Choose => "choose",
+            Set::ChooseSeveral => "choose-several",
+            Set::ChooseOutside => "choose-outside",
+            Set::Score => "score",
+            Set::ScoreSeveral => "score-several",
+            Set::ScoreOutside => "score-outside",
+            Set::RecordedClean => "recorded-clean",
         }
     }
 
@@ -83,6 +112,11 @@ impl Set {
             Set::LongSeveral => 24,
             Set::LongOutside => outside::ALL.len() * long::BEYOND.len(),
             Set::LongClean => 24,
+            Set::Choose => held::kinds_of(Group::Choose).len() * held::STRENGTHS.len(),
+            Set::Score => held::kinds_of(Group::Score).len() * held::STRENGTHS.len(),
+            Set::ChooseSeveral | Set::ScoreSeveral | Set::RecordedClean => 24,
+            Set::ChooseOutside => held::outside_of(Group::Choose).len() * held::BEYOND.len(),
+            Set::ScoreOutside => held::outside_of(Group::Score).len() * held::BEYOND.len(),
         }
     }
 
@@ -104,6 +138,13 @@ impl Set {
             Set::LongSingle => long::single(seed, number, &mut draw),
             Set::LongSeveral => long::several(seed, number, &mut draw),
             Set::LongOutside => long::beyond(seed, number, &mut draw),
+            Set::Choose => held::single(self, Group::Choose, seed, number, &mut draw),
+            Set::ChooseSeveral => held::several(self, Group::Choose, seed, number, &mut draw),
+            Set::ChooseOutside => held::beyond(self, Group::Choose, seed, number, &mut draw),
+            Set::Score => held::single(self, Group::Score, seed, number, &mut draw),
+            Set::ScoreSeveral => held::several(self, Group::Score, seed, number, &mut draw),
+            Set::ScoreOutside => held::beyond(self, Group::Score, seed, number, &mut draw),
+            Set::RecordedClean => held::clean(seed, number, &mut draw),
         }
     }
 

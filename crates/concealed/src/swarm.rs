@@ -137,6 +137,7 @@ pub fn flight(seed: u64) -> Flight {
         covariates: "apart".into(),
         scene: "an orbit".into(),
         readings: count,
+        recorded: Vec::new(),
         noise_nt: rms(noise.iter().copied()),
         effects: vec![TrueEffect {
             name: "sun_thermoelectric".into(),
