@@ -8,6 +8,25 @@ pub fn even_step_s(time: &[f64]) -> Option<f64> {
     (step_s > 0.0 && time.iter().enumerate().all(even)).then_some(step_s)
 }
 
+/// The step of times that would be even if none were missing (each within a quarter of a step of its place, at least half of the places
+/// there), and the place of each; else None.
+pub fn even_places(time: &[f64]) -> Option<(f64, Vec<usize>)> {
+    let mut steps: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    if steps.is_empty() || steps.iter().any(|step| !step.is_finite() || *step <= 0.0) {
+        return None;
+    }
+    steps.sort_by(f64::total_cmp);
+    let length = time[time.len() - 1] - time[0];
+    let last = (length / steps[steps.len() / 2]).round();
+    let step_s = length / last;
+    let places: Vec<usize> = time.iter().map(|t| ((t - time[0]) / step_s).round() as usize).collect();
+    let near = |(t, place): (&f64, &usize)| (t - time[0] - *place as f64 * step_s).abs() <= step_s / 4.0;
+    let fits = last < 2.0 * time.len() as f64
+        && places.windows(2).all(|pair| pair[1] > pair[0])
+        && time.iter().zip(&places).all(near);
+    fits.then_some((step_s, places))
+}
+
 /// A series with each missing sample filled by the mean of its neighbours that are there; more than one in a hundred missing
 /// is refused with their number.
 pub fn filled(column: &[f64]) -> Result<Vec<f64>, usize> {
@@ -30,6 +49,16 @@ pub fn filled(column: &[f64]) -> Result<Vec<f64>, usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_of_times_with_gaps() {
+        let time = [0.0, 1.001, 2.0, 5.0, 6.0, 6.999, 8.0];
+        let (step, places) = even_places(&time).expect("even but for a gap");
+        assert_eq!((step, places), (1.0, vec![0, 1, 2, 5, 6, 7, 8]));
+        assert_eq!(even_places(&[0.0, 1.0, 2.5, 3.5, 4.5, 5.5]), None);
+        assert_eq!(even_places(&[0.0, 1.0, 2.0, 30.0]), None);
+        assert_eq!(even_places(&[0.0, 1.0, 1.0]), None);
+    }
 
     #[test]
     fn evenness_and_gaps() {

@@ -2,6 +2,8 @@
 
 use estimate::stats::{chi_squared_p, f_p};
 
+use crate::decide::DECLARED;
+
 /// Standard deviations of a sum of squares that chance is allowed.
 const BEYOND_CHANCE: f64 = 2.0;
 
@@ -60,6 +62,12 @@ impl Rest {
         } else {
             (self.known + self.sum_of_squares) / (self.known + self.freedom).max(1.0)
         }
+    }
+
+    /// The same where the noise may be larger than it is declared, by the share by which declarations are off.
+    pub fn omnibus_of_larger(&self) -> Option<f64> {
+        let larger = (1.0 + DECLARED).powi(2);
+        Self { sum_of_squares: self.sum_of_squares / larger, ..*self }.omnibus()
     }
 
     /// Probability of a larger sum of squares under the noise as declared; None where it was estimated.

@@ -82,6 +82,13 @@ pub fn report(
             bare(options.level)
         ),
     ];
+    if verdict == Verdict::Agrees && omnibus.is_some_and(|p| p < options.level) {
+        let ratio = (rest.sum_of_squares / rest.freedom).sqrt();
+        reasons.push(format!(
+            "what is left follows nothing, but scatters {} times as much as the noise that is declared: declare it as it is",
+            significant(ratio, 3)
+        ));
+    }
     if left {
         reasons.extend(outcome.refused.iter().map(|(name, why)| format!("not {name}: {why}")));
     }

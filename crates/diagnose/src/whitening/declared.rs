@@ -1,6 +1,6 @@
 //! The noise of each channel: as the document declares it, or as a residual shows it.
 
-use common::{Axis, Document, Noise, series::even_step_s};
+use common::{Axis, Document, Noise, series::even_places};
 use estimate::periodogram::periodogram;
 use estimate::whittle::{self, White};
 use nalgebra::Vector3;
@@ -135,7 +135,7 @@ pub(super) fn known_freedom(declared: &[Option<Noise>]) -> f64 {
     if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
 }
 
-/// Noise as a residual shows it: the spectrum of an even series, else white noise of each kind of channel.
+/// Noise as a residual shows it: the spectrum of a series that is even but for what is missing, else white noise of each kind of channel.
 pub(super) fn estimate(
     document: &Document,
     observed: &Observed<'_>,
@@ -161,11 +161,11 @@ pub(super) fn estimate(
             let variance = (sum / (count as f64 * share)).max(least);
             let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
             let time = observed.times(channel).filter(|_| used.is_some());
-            let step_s = time.and_then(|time| even_step_s(&time));
-            let Some(step_s) = step_s.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
+            let even = time.and_then(|time| even_places(&time));
+            let Some((step_s, places)) = even.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
                 return Ok(white);
             };
-            let spectrum = periodogram(&residual[channel.range()], step_s);
+            let spectrum = periodogram(&with_zeros(&residual[channel.range()], &places), step_s);
             let fit = spectrum.and_then(|spectrum| whittle::fit_with(&[spectrum], White::PerReading));
             let Ok(fit) = fit else { return Ok(white) };
             if fit.amplitude.value <= 0.0 {
@@ -181,6 +181,18 @@ pub(super) fn estimate(
         .collect()
 }
 
+/// An even series of a residual about its mean, zero where a sample is missing, scaled so that its density is that of the residual.
+fn with_zeros(residual: &[f64], places: &[usize]) -> Vec<f64> {
+    let samples = places.last().map_or(0, |last| last + 1);
+    let mean = residual.iter().sum::<f64>() / residual.len().max(1) as f64;
+    let scale = (samples as f64 / residual.len().max(1) as f64).sqrt();
+    let mut even = vec![0.0; samples];
+    for (place, value) in places.iter().zip(residual) {
+        even[*place] = scale * (value - mean);
+    }
+    even
+}
+
 /// Channels that share their white noise.
 fn kind(channel: &Channel) -> String {
     match channel.reader {
@@ -193,6 +205,19 @@ fn kind(channel: &Channel) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn missing_samples_leave_the_power_as_it_is() {
+        let residual: Vec<f64> = (0..900).map(|k| 2.0 + (0.7 * f64::from(k)).sin()).collect();
+        let places: Vec<usize> = (0..1000).filter(|place| !(400..500).contains(place)).collect();
+        let even = with_zeros(&residual, &places);
+        let power = |values: &[f64]| {
+            let mean = values.iter().sum::<f64>() / values.len() as f64;
+            values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64
+        };
+        assert_eq!((even.len(), even[450]), (1000, 0.0));
+        assert!((power(&even) / power(&residual) - 1.0).abs() < 1e-9);
+    }
 
     #[test]
     fn noise_through_a_converter_has_both_limits() {
