@@ -1,13 +1,24 @@
 //! What is concealed one at a time: for each the finer physics and the catalogue's name for it.
 
+mod age;
+mod block;
+mod channel;
 mod craft;
 mod electronics;
 mod environment;
 mod facility;
+mod further;
+mod grids;
+mod ground;
+mod lagging;
+mod loops;
+mod metal;
 mod pair;
 mod sensor;
+mod vehicles;
 
 pub use electronics::second_order_loop;
+pub use further::FURTHER;
 
 use crate::draw::Draw;
 use crate::effect::Effect;
@@ -18,6 +29,8 @@ use crate::scene::{Campaign, Kind};
 pub struct Single {
     /// Its name in scores: the catalogue's.
     pub name: &'static str,
+    /// Which of the forms of its physics it has, in a few words.
+    pub form: &'static str,
     /// The recordings that show it.
     pub scene: Kind,
     /// Time from one row to the next, where it is not the scene's own.
@@ -26,8 +39,11 @@ pub struct Single {
     pub make: fn(&Campaign, &mut Draw) -> Effect,
 }
 
+/// The form of those in [`ALL`].
+pub const FIRST: &str = "first";
+
 const fn single(name: &'static str, scene: Kind, make: fn(&Campaign, &mut Draw) -> Effect) -> Single {
-    Single { name, scene, step_s: None, make }
+    Single { name, form: FIRST, scene, step_s: None, make }
 }
 
 const fn stepped(mut single: Single, step_s: f64) -> Single {
@@ -35,7 +51,7 @@ const fn stepped(mut single: Single, step_s: f64) -> Single {
     single
 }
 
-/// All of them.
+/// The first form of thirty kinds. Further kinds and forms are in [`FURTHER`].
 pub const ALL: [Single; 30] = [
     single("hysteresis", Kind::Coils, sensor::hysteresis),
     single("offset_temperature", Kind::Coils, sensor::offset_temperature),

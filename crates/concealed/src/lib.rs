@@ -13,6 +13,7 @@ pub mod effect;
 mod error;
 pub mod finer;
 pub mod form;
+pub mod groups;
 pub mod kinds;
 pub mod noise;
 pub mod outside;

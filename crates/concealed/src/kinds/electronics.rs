@@ -12,7 +12,7 @@ use crate::scene::{Campaign, Run};
 /// Width of the converter's codes behind the rounding of the document, nT.
 const LSB_NT: f64 = 0.01;
 
-fn span(campaign: &Campaign) -> f64 {
+pub(super) fn span(campaign: &Campaign) -> f64 {
     campaign.runs.last().and_then(|run| run.times.last()).copied().unwrap_or(0.0)
 }
 

@@ -7,7 +7,7 @@ use crate::effect::{Effect, in_geo};
 use crate::finer::mains;
 use crate::scene::Campaign;
 
-fn direction(draw: &mut Draw) -> Vector3<f64> {
+pub(super) fn direction(draw: &mut Draw) -> Vector3<f64> {
     Vector3::from_fn(|_, _| draw.normal()).normalize()
 }
 

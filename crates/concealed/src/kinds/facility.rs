@@ -10,11 +10,11 @@ use crate::scene::{Campaign, Run};
 use crate::signal::Signal;
 
 /// Field of one ampere of a coil, GEO, nT.
-fn per_ampere(campaign: &Campaign, coil: usize) -> Vector3<f64> {
+pub(super) fn per_ampere(campaign: &Campaign, coil: usize) -> Vector3<f64> {
     campaign.bench.eta.column(coil) * campaign.bench.coil_nt_per_a[coil]
 }
 
-fn current(run: &Run, coil: usize) -> Signal {
+pub(super) fn current(run: &Run, coil: usize) -> Signal {
     run.current(coil).cloned().unwrap_or_else(|| Arc::new(|_| 0.0))
 }
 

@@ -2,18 +2,19 @@
 
 use nalgebra::Vector3;
 
+use super::loops::{PAST, followed};
 use crate::draw::Draw;
 use crate::effect::{Effect, named, on_sensor};
 use crate::finer::preisach::Preisach;
 use crate::finer::thermal;
 use crate::scene::{Campaign, Run};
 
-const ARCSEC: f64 = 4.848e-6;
+pub(super) const ARCSEC: f64 = 4.848e-6;
 /// Field to which coefficients of nonlinearity belong, nT.
-const FULL_NT: f64 = 50_000.0;
+pub(super) const FULL_NT: f64 = 50_000.0;
 
 /// Fields across a sensor in cyclic order, SEN, over [`FULL_NT`].
-fn across(campaign: &Campaign, run: &Run, sensor: usize, t: f64) -> [f64; 2] {
+pub(super) fn across(campaign: &Campaign, run: &Run, sensor: usize, t: f64) -> [f64; 2] {
     let field: Vector3<f64> = run.field_sen(&campaign.bench, t) / FULL_NT;
     [field[(sensor + 1) % 3], field[(sensor + 2) % 3]]
 }
@@ -28,21 +29,8 @@ pub fn hysteresis(_: &Campaign, draw: &mut Draw) -> Effect {
     let (coercive, spread) = (draw.octaves(700.0, 4000.0), draw.between(0.2, 0.5));
     let act = on_sensor(sensor, move |campaign, run, _, size| {
         let mut core = Preisach::new(coercive, spread, 60_000.0);
-        let step = run.step_s();
-        let at = |t: f64| run.along(&campaign.bench, sensor, t);
-        let first = run.times.first().copied().unwrap_or(0.0);
-        (0..400).rev().for_each(|k| {
-            core.go(at(first - 0.25 * step * f64::from(k)));
-        });
-        run.times
-            .iter()
-            .map(|t| {
-                (1..4).rev().for_each(|k| {
-                    core.go(at(t - 0.25 * step * f64::from(k)));
-                });
-                20.0 * size * core.lag(at(*t))
-            })
-            .collect()
+        let lag = followed(campaign, run, sensor, PAST, |field| core.lag(field));
+        lag.into_iter().map(|lag| 20.0 * size * lag).collect()
     });
     Effect::new("Preisach's model, coercive fields log-normal", vec![named("hysteresis", sensor)], act)
         .in_sensor(sensor)
