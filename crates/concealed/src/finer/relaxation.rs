@@ -26,17 +26,13 @@ mod tests {
     /// Each begins at 0, and at its derivative's rate: 1/a, β (a/τ)^β exp(−(a/τ)^β) / a and 1/(2 √a).
     #[test]
     fn they_begin_at_zero_with_their_rates() {
-        let (age, tau, exponent) = (900.0, 2000.0, 0.6);
-        let share = (age / tau as f64).powf(exponent);
-        let cases: [(fn(f64) -> f64, f64); 3] = [
-            (|t| logarithmic(t, 900.0), 1.0 / age),
-            (|t| stretched(t, 900.0, 2000.0, 0.6), exponent * share * (-share).exp() / age),
-            (|t| root(t, 900.0), 0.5 / age.sqrt()),
-        ];
-        for (course, rate) in cases {
-            assert_eq!(course(0.0), 0.0);
-            assert!((course(0.01) / (0.01 * rate) - 1.0).abs() < 1e-4);
-        }
+        let (age, tau, exponent): (f64, f64, f64) = (900.0, 2000.0, 0.6);
+        let share = (age / tau).powf(exponent);
+        let begins = |course: f64, rate: f64| assert!((course / (0.01 * rate) - 1.0).abs() < 1e-4);
+        begins(logarithmic(0.01, age), 1.0 / age);
+        begins(stretched(0.01, age, tau, exponent), exponent * share * (-share).exp() / age);
+        begins(root(0.01, age), 0.5 / age.sqrt());
+        assert_eq!([logarithmic(0.0, age), stretched(0.0, age, tau, exponent), root(0.0, age)], [0.0; 3]);
     }
 
     /// Equal steps of the logarithm of time take equal steps; four times the time doubles the root; the stretched one ends.

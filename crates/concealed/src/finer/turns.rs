@@ -49,8 +49,8 @@ mod tests {
     #[test]
     fn on_the_axis_it_is_the_closed_form() {
         let axis = Vector3::new(0.3, -0.5, 0.8).normalize();
-        for z in [-1.0, -0.2, 0.0, 0.7, 3.0] {
-            let exact = axis * TAU / (1.0 + z * z as f64).powf(1.5);
+        for z in [-1.0_f64, -0.2, 0.0, 0.7, 3.0] {
+            let exact = axis * TAU / (1.0 + z * z).powf(1.5);
             assert!((winding(&axis, &(axis * z)) - exact).norm() < 1e-12);
         }
     }

@@ -6,6 +6,7 @@ use crate::effect::{Effect, named, on_sensor};
 use crate::finer::relaxation;
 use crate::scene::Campaign;
 
+/// A day, s.
 pub const DAY_S: f64 = 86_400.0;
 
 /// A course over a campaign of a span, from 0 at its beginning to 1 at its end.

@@ -1,7 +1,6 @@
 //! One channel between sensor and logger.
 
 use super::electronics::span;
-use super::loops::largest_field;
 use crate::draw::Draw;
 use crate::effect::{Effect, named, on_sensor};
 use crate::finer::{average, bandgap, clip, poles};
@@ -51,10 +50,11 @@ pub fn three_poles(_: &Campaign, draw: &mut Draw) -> Effect {
 
 /// An amplifier that ends below the largest fields, its edge rounded over some nT.
 pub fn clipping(campaign: &Campaign, draw: &mut Draw) -> Effect {
-    let (sensor, width) = (draw.below(3), draw.between(4.0, 12.0));
-    let largest = largest_field(campaign, sensor);
+    let (sensor, width) = (draw.below(3), draw.between(1.0, 3.0));
+    let plain = campaign.plain();
+    let largest = plain.iter().flat_map(|run| &run[sensor]).fold(0.0, |most: f64, m| most.max(m.abs()));
     // What is cut off grows faster than the depth of the cut.
-    let level = move |size: f64| largest * (1.0 - 1e-3 * size.powf(0.7)).max(0.3);
+    let level = move |size: f64| (largest + width - 50.0 * size.sqrt()).max(0.3 * largest);
     let act = on_sensor(sensor, move |_, _, plain, size| {
         plain.iter().map(|reading| clip::clipped(*reading, level(size), width) - reading).collect()
     });

@@ -98,6 +98,7 @@ pub const FURTHER: [Single; 39] = [
 mod tests {
     use super::*;
     use crate::base;
+    use crate::case::{self, Concealed, Labels};
     use crate::scenes::{self, Length};
     use std::collections::BTreeSet;
 
@@ -119,6 +120,24 @@ mod tests {
                     "{said}"
                 );
             }
+        }
+    }
+
+    /// The size at which a wanted strength is left can be found for every entry.
+    #[test]
+    fn every_entry_takes_the_strength_that_is_wanted() {
+        for which in FURTHER {
+            let (length, strength) = (Length::Short, 1.0);
+            let draw = &mut Draw::new(&format!("{}/{}", which.name, which.form), 3);
+            let campaign = scenes::campaign(which.scene, length, true, which.step_s, draw);
+            let noise = case::noise_of(draw, campaign.runs[0].step_s());
+            let effect = (which.make)(&campaign, draw);
+            let concealed = Concealed { name: which.name.into(), effect, strength, form_error: 0.0 };
+            let labels =
+                Labels { case: String::new(), set: String::new(), seed: 3, number: 0, strength, length };
+            let truth = case::make(&campaign, noise, vec![concealed], labels, draw).truth;
+            let left = truth.effects[0].left_nt / truth.noise_nt;
+            assert!((left - strength).abs() < 0.05, "{}, {}: {left}", which.name, which.form);
         }
     }
 

@@ -92,7 +92,7 @@ pub fn perming(campaign: &Campaign, draw: &mut Draw) -> Effect {
 }
 
 /// Largest field along a sensor in the campaign, nT.
-pub fn largest_field(campaign: &Campaign, sensor: usize) -> f64 {
+fn largest_field(campaign: &Campaign, sensor: usize) -> f64 {
     let of = |run: &Run| {
         let along = |t: &f64| run.along(&campaign.bench, sensor, *t).abs();
         run.times.iter().map(along).fold(0.0, f64::max)
