@@ -3,10 +3,14 @@
 mod failures;
 pub mod month;
 pub mod orbit;
+mod picture;
 mod tables;
 
 use crate::reliability;
-use crate::score::Score;
+use crate::score::{Score, Sort};
+use crate::verdict::Class;
+use crate::wilson::Share;
+use picture::Point;
 
 /// What the page says besides the score.
 pub struct Besides {
@@ -16,11 +20,12 @@ pub struct Besides {
     pub month: Option<String>,
 }
 
-/// The whole page.
-pub fn of(score: &Score, besides: &Besides) -> String {
+/// The page with its pictures by file name.
+pub fn of(score: &Score, besides: &Besides) -> (String, [(&'static str, String); 2]) {
     let mut sections = vec![
         introduction(score),
         tables::goals(score),
+        PICTURES.into(),
         tables::sets(score),
         tables::strengths(score),
         tables::kinds(score),
@@ -32,7 +37,56 @@ pub fn of(score: &Score, besides: &Besides) -> String {
     sections.extend(besides.orbit.clone());
     sections.extend(besides.month.clone());
     sections.push(concealed());
-    sections.join("\n")
+    (sections.join("\n"), [(STRENGTHS, by_strength(score)), (RELIABILITY, by_probability(score))])
+}
+
+const STRENGTHS: &str = "blind-strengths.svg";
+const RELIABILITY: &str = "blind-reliability.svg";
+
+const PICTURES: &str = "![Single effects named right by strength](proof/blind-strengths.svg)\n\n\
+    ![Whether printed probabilities hold](proof/blind-reliability.svg)\n\n\
+    ![A day of an observatory's variometer, the readings left out of the fit behind the dashed line](proof/real-conrad.svg)\n";
+
+/// Single effects by strength, with what was wanted.
+fn by_strength(score: &Score) -> String {
+    let point = |strength: f64| Point {
+        label: format!("{strength} ×"),
+        share: Share::of(score.of_sort(Sort::Single).filter(|o| o.truth.strength == strength), |o| {
+            o.class == Class::Right
+        }),
+        wanted: match strength {
+            0.3 => Some(0.8),
+            strength if strength >= 1.0 => Some(0.95),
+            _ => None,
+        },
+    };
+    let points: Vec<Point> = tables::strengths_of(score).into_iter().rev().map(point).collect();
+    picture::shares(
+        "Single effects named right, with 95 % intervals; red: wanted",
+        "size of the effect over the noise of a reading",
+        &points,
+    )
+}
+
+/// Names by the probability that was printed, and intervals by their level.
+fn by_probability(score: &Score) -> String {
+    let names = reliability::of_names(score.outcomes.iter()).into_iter().map(|class| Point {
+        label: format!("name {:.3}", class.mean),
+        share: class.right,
+        wanted: Some(class.mean),
+    });
+    let intervals = reliability::of_intervals(score.outcomes.iter()).into_iter();
+    let intervals = intervals.filter(|(_, share)| share.trials > 0).map(|(level, share)| Point {
+        label: format!("interval {level}"),
+        share,
+        wanted: Some(level),
+    });
+    let points: Vec<Point> = names.chain(intervals).collect();
+    picture::shares(
+        "Names that are right and intervals that hold, with 95 % intervals; red: what was printed",
+        "mean of the printed probabilities of a class of names; level of intervals",
+        &points,
+    )
 }
 
 fn introduction(score: &Score) -> String {
@@ -48,6 +102,9 @@ fn introduction(score: &Score) -> String {
         file apart and their SHA-256 stored beside the documents before `diagnose` ran; the truths were opened once, and answers that come later are refused. \
         Commitment, the digest of all {} seals: `{}`. {readings} readings in all.\n\
         - **Seed.** {}, a random number of the system where it was not given.\n\
+        - **Physics that nobody looked at.** What was concealed while `diagnose` was developed is not scored here. Further kinds and forms are divided by a rule that was \
+        written down before any was run (`crates/concealed/src/groups.rs`): half of them choose between versions, half are scored. Documents are as instruments write them: \
+        gaps, lost rows, times to a millisecond, columns that say nothing, noise declared a tenth wrong or not at all. Forms are off their formulas by up to a fifth.\n\
         - **Size of an effect.** What is left of it when all constants of the basic model are fitted to it by least squares: rms in the sensor that \
         keeps most of it, over the rms of the noise that was drawn. The catalogue's own table ([diagnose.md](diagnose.md)) counts before that fit, \
         so that sizes here are the smaller for the same effect, and the harder for what is much like a turned axis.\n\

@@ -16,14 +16,14 @@ use crate::seal;
 /// What is asked of the making.
 #[derive(Args, Clone, Debug)]
 pub struct Make {
-    /// What is concealed; several may be given; absent: every set of the page
+    /// What is concealed; several may be given; absent: the sets of a release
     #[arg(long, value_enum)]
     pub set: Vec<Set>,
     /// The seed of the sets; absent: a random number of the system, kept in the truths
     #[arg(long)]
     pub seed: Option<u64>,
     /// Rounds of every set; one has each kind at each strength once
-    #[arg(long, default_value_t = 2)]
+    #[arg(long, default_value_t = 1)]
     pub rounds: usize,
     /// At most so many cases of a set
     #[arg(long, value_name = "N")]
@@ -62,7 +62,7 @@ pub struct Scoring {
     /// Where the stages' programs are, whose answers are scored; absent: beside this one
     #[arg(long, value_name = "FOLDER")]
     pub programs: Option<PathBuf>,
-    /// The page to write
+    /// The page to write, its pictures in a folder of its name
     #[arg(short, long, value_name = "FILE", default_value = "docs/proof.md")]
     pub output: PathBuf,
 }
@@ -76,7 +76,7 @@ pub fn make(asked: &Make) -> Result<String, Error> {
             Error::Common(common::Error::Request(format!("the system gave no random number: {error}")))
         })?,
     };
-    let sets: &[Set] = if asked.set.is_empty() { &Set::ALL } else { &asked.set };
+    let sets: &[Set] = if asked.set.is_empty() { &Set::SCORE } else { &asked.set };
     let cases: Vec<Case> = sets
         .iter()
         .flat_map(|set| set.cases(seed, (set.round() * asked.rounds).min(asked.cases.unwrap_or(usize::MAX))))
@@ -111,7 +111,13 @@ pub fn score(asked: &Scoring) -> Result<Score, Error> {
     let section =
         |of: fn(&Campaign) -> Result<String, Error>| (!asked.cases_only).then(|| of(&campaign)).transpose();
     let besides = Besides { orbit: section(campaigns::orbit)?, month: section(campaigns::month)? };
-    program::pipe::write(Some(&asked.output), &page::of(&score, &besides))?;
+    let (text, pictures) = page::of(&score, &besides);
+    let beside = asked.output.with_extension("");
+    std::fs::create_dir_all(&beside).map_err(|source| Error::file(&beside, "written", source))?;
+    for (name, svg) in pictures {
+        program::pipe::write(Some(&beside.join(name)), &svg)?;
+    }
+    program::pipe::write(Some(&asked.output), &text)?;
     Ok(score)
 }
 

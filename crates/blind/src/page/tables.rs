@@ -1,17 +1,18 @@
 //! The score as tables.
 
-use concealed::kinds;
-use concealed::sets::{STRENGTHS, Set};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::score::Score;
+use crate::score::{Score, Sort};
 use crate::verdict::{Class, Outcome};
 use crate::wilson::Share;
 
 /// The goals.
 pub fn goals(score: &Score) -> String {
     let mut text = String::from("## Goals\n\n| goal | wanted | found | |\n| --- | --- | --- | --- |\n");
-    for goal in score.goals() {
+    // What is missed comes first.
+    let mut goals = score.goals();
+    goals.sort_by_key(|goal| !goal.verdict().starts_with("missed"));
+    for goal in goals {
         text +=
             &format!("| {} | {} | {} | {} |\n", goal.what, goal.wanted(), goal.found.words(), goal.verdict());
     }
@@ -20,62 +21,84 @@ pub fn goals(score: &Score) -> String {
 
 /// What came of each set.
 pub fn sets(score: &Score) -> String {
-    let mut text = String::from("## What came of it\n\n| set | cases |");
+    let mut text = String::from("## What came of it\n\n| concealed | set | cases |");
     text += &Class::ALL.map(|class| format!(" {} |", class.words())).concat();
-    text += &format!("\n| --- | --- |{}\n", " --- |".repeat(Class::ALL.len()));
-    for set in Set::ALL {
-        let classes = Score::classes(score.set(set.word()));
-        let cells = Class::ALL.map(|class| format!(" {} |", classes.get(&class).copied().unwrap_or(0)));
-        text += &format!("| {} | {} |{}\n", set.word(), score.set(set.word()).count(), cells.concat());
+    text += &format!("\n| --- | --- | --- |{}\n", " --- |".repeat(Class::ALL.len()));
+    for (sort, words) in Sort::ALL {
+        for set in score.sets() {
+            let own = || score.of_sort(sort).filter(|outcome| outcome.truth.set == set);
+            if own().next().is_none() {
+                continue;
+            }
+            let classes = Score::classes(own());
+            let cells = Class::ALL.map(|class| format!(" {} |", classes.get(&class).copied().unwrap_or(0)));
+            text += &format!("| {words} | {set} | {} |{}\n", own().count(), cells.concat());
+        }
     }
-    text + "\n`clean`: nothing was concealed; right is to claim nothing. `old`: the same in noise that did not begin with the recordings, as the format \
-            would have it, but long before, as real noise does: outside the goals. `ambiguous`: the same readings follow from either of two effects; right is the set of \
-            both, and a single name says more than can be known, even where it is one of the two. `outside`: the catalogue has no name; right is `unexplained`.\n"
+    text + "\nWhere nothing was concealed, right is to claim nothing. Outside the catalogue, right is `unexplained` with structure told. Of two that cannot be told apart, right \
+            is the set of both, and a single name says more than can be known, even where it is one of the two.\n"
 }
 
-/// Single effects by strength, length and covariates.
+/// Single effects by strength, length and how they were recorded.
 pub fn strengths(score: &Score) -> String {
     let mut text = String::from(
-        "## Single effects by strength, length and collinearity\n\n| | cases | named right | right, or in the set | wrong name |\n| --- | --- | --- | --- | --- |\n",
+        "## Single effects by strength, length and how they were recorded\n\n| | cases | named right | right, or in the set | wrong name or set |\n| --- | --- | --- | --- | --- |\n",
     );
     let mut line = |what: String, so: &dyn Fn(&Outcome) -> bool| {
-        let those: Vec<&Outcome> = score.set("single").filter(|o| so(o)).collect();
+        let those: Vec<&Outcome> = score.of_sort(Sort::Single).filter(|o| so(o)).collect();
+        if those.is_empty() {
+            return;
+        }
         let share = |so: fn(Class) -> bool| Share::of(&those, |o| so(o.class)).words();
         let right = share(|class| class == Class::Right);
         let set = share(|class| matches!(class, Class::Right | Class::InSet));
-        let wrong = share(|class| class == Class::Wrong);
+        let wrong = share(|class| matches!(class, Class::Wrong | Class::WrongSet));
         text += &format!("| {what} | {} | {right} | {set} | {wrong} |\n", those.len());
     };
-    for strength in STRENGTHS {
+    for strength in strengths_of(score) {
         line(format!("{strength} × noise"), &|o| o.truth.strength == strength);
     }
-    for length in ["short", "medium", "long"] {
-        line(format!("{length} recordings, 1 × and 3 ×"), &|o| {
-            o.truth.length == length && o.truth.strength >= 1.0
-        });
+    for length in ["short", "medium", "long", "campaign", "day"] {
+        line(length.into(), &|o| o.truth.length == length);
     }
     for covariates in ["apart", "together"] {
         line(format!("temperatures {covariates}"), &|o| o.truth.covariates == covariates);
     }
-    text + "\nShort, medium, long: about 300, 540, 960 rows of three sensors; at 0.3 × the noise medium and long alone. Together: the thermometers of electronics and \
-            coil follow the sensor's for the greater part.\n"
+    for how in ["gaps", "lost rows", "times to 1 ms", "decoys", "noise declared", "noise not declared"] {
+        line(how.into(), &|o| o.truth.recorded.iter().any(|own| own.contains(how)));
+    }
+    line("as clean as can be".into(), &|o| o.truth.recorded.is_empty());
+    text + "\nShort, medium, long, campaign, day: about 300, 540, 960, 3 000, 9 000 rows of three sensors. Together: the thermometers of electronics and \
+            coil follow the sensor's for the greater part. Noise declared: a tenth too large or too small.\n"
 }
 
-/// Each kind of single effect.
+/// The strengths of single effects, the largest first.
+pub fn strengths_of(score: &Score) -> Vec<f64> {
+    let mut all: Vec<f64> = score.of_sort(Sort::Single).map(|outcome| outcome.truth.strength).collect();
+    all.sort_by(|a, b| b.total_cmp(a));
+    all.dedup();
+    all
+}
+
+/// Each kind of single effect and its forms.
 pub fn kinds(score: &Score) -> String {
-    let mut text = String::from("## Kind by kind\n\n| effect |");
-    text += &STRENGTHS.map(|strength| format!(" {strength} × noise |")).concat();
-    text += &format!("\n| --- |{}\n", " --- |".repeat(STRENGTHS.len()));
-    for kind in kinds::ALL {
-        let cell = |strength: f64| {
-            let those = score.set("single").filter(|o| o.truth.strength == strength);
-            let words: Vec<String> = those
-                .filter(|o| o.truth.effects.iter().any(|e| e.name == kind.name))
-                .map(in_a_word)
-                .collect();
-            words.join("; ")
+    let strengths = strengths_of(score);
+    let mut text = String::from("## Kind by kind\n\n| effect | physics |");
+    strengths.iter().for_each(|strength| text += &format!(" {strength} × noise |"));
+    text += &format!("\n| --- | --- |{}\n", " --- |".repeat(strengths.len()));
+    let of = |outcome: &Outcome| {
+        let effect = &outcome.truth.effects[0];
+        (effect.name.clone(), effect.physics.clone())
+    };
+    let all: BTreeSet<(String, String)> = score.of_sort(Sort::Single).map(of).collect();
+    for kind in all {
+        let cell = |strength: &f64| {
+            let those =
+                score.of_sort(Sort::Single).filter(|o| o.truth.strength == *strength && of(o) == kind);
+            format!(" {} |", those.map(in_a_word).collect::<Vec<_>>().join("; "))
         };
-        text += &format!("| `{}` |{}\n", kind.name, STRENGTHS.map(|s| format!(" {} |", cell(s))).concat());
+        let cells: String = strengths.iter().map(cell).collect();
+        text += &format!("| `{}` | {} |{cells}\n", kind.0, kind.1);
     }
     text
 }
@@ -96,13 +119,15 @@ pub fn figures(score: &Score) -> String {
     let found: Vec<&Outcome> = score.outcomes.iter().filter(|o| !o.truth.effects.is_empty()).collect();
     let located = Share::of(found.iter().filter(|o| o.located.is_some()), |o| o.located == Some(true));
     let outside =
-        Share::of(score.set("outside").filter(|o| o.located.is_some()), |o| o.located == Some(true));
+        Share::of(score.of_sort(Sort::Outside).filter(|o| o.located.is_some()), |o| o.located == Some(true));
     let mut text = String::from("## Places, parameters, what is left\n\n| | |\n| --- | --- |\n");
     text += &format!("| located right, of all that is told | {} |\n", located.words());
     text += &format!("| located right, outside the catalogue | {} |\n", outside.words());
     let mut ratios: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    let clean =
-        score.set("clean").filter(|o| o.verdict == "agrees").map(|o| ("clean, `agrees`".to_string(), o));
+    let clean = score
+        .of_sort(Sort::Clean)
+        .filter(|o| o.verdict == "agrees")
+        .map(|o| ("clean, `agrees`".to_string(), o));
     for (what, outcome) in found.iter().map(|o| (format!("`{}`", o.verdict), *o)).chain(clean) {
         ratios.entry(what).or_default().push(outcome.over_floor());
     }
@@ -128,26 +153,26 @@ pub fn figures(score: &Score) -> String {
             carry the uncertainty of two dozen constants beside the noise: the line of the clean data says what can be had.\n"
 }
 
-/// What stepwise regression and thresholded least squares choose on the same cases.
+/// Lengths of the recordings that the simple methods are run on.
+const SHORT: [&str; 3] = ["short", "medium", "long"];
+
+/// What stepwise regression and thresholded least squares choose on the same cases, those of up to a thousand rows.
 pub fn baselines(score: &Score) -> String {
     let mut text = String::from(
-        "## Beside it\n\n| | diagnose | stepwise BIC | thresholded least squares |\n| --- | --- | --- | --- |\n",
+        "## Beside it, in recordings of up to a thousand rows\n\n| | diagnose | stepwise BIC | thresholded least squares |\n| --- | --- | --- | --- |\n",
     );
     let mut line = |what: &str,
-                    set: &str,
+                    sort: Sort,
                     ours: fn(&Outcome) -> bool,
                     theirs: fn(&Outcome, &BTreeSet<String>) -> bool| {
-        let of = |which: usize| Share::of(score.set(set), |o| theirs(o, &o.truth.baselines[which])).words();
-        text += &format!(
-            "| {what} | {} | {} | {} |\n",
-            Share::of(score.set(set), |o| ours(o)).words(),
-            of(0),
-            of(1)
-        );
+        let those = || score.of_sort(sort).filter(|o| SHORT.contains(&o.truth.length.as_str()));
+        let of = |which: usize| Share::of(those(), |o| theirs(o, &o.truth.baselines[which])).words();
+        text +=
+            &format!("| {what} | {} | {} | {} |\n", Share::of(those(), |o| ours(o)).words(), of(0), of(1));
     };
     line(
         "single: the truth, alone",
-        "single",
+        Sort::Single,
         |o| o.class == Class::Right,
         |o, chosen| {
             !chosen.is_empty()
@@ -156,12 +181,22 @@ pub fn baselines(score: &Score) -> String {
     );
     line(
         "single: something that is not there",
-        "single",
+        Sort::Single,
         |o| o.class == Class::Wrong,
         |o, chosen| chosen.iter().any(|name| !o.truth.effects.iter().any(|e| e.accepted.contains(name))),
     );
-    line("clean: something claimed", "clean", |o| o.class != Class::Right, |_, chosen| !chosen.is_empty());
-    line("outside: something named", "outside", |o| o.class == Class::Wrong, |_, chosen| !chosen.is_empty());
+    line(
+        "clean: something claimed",
+        Sort::Clean,
+        |o| o.class != Class::Right,
+        |_, chosen| !chosen.is_empty(),
+    );
+    line(
+        "outside: something named",
+        Sort::Outside,
+        |o| o.class == Class::Wrong,
+        |_, chosen| !chosen.is_empty(),
+    );
     text + "\nThe two are given the true calibration for their model, and some 25 simple regressors a sensor (`crates/testkit/src/baselines`). Many kinds have no \
             regressor of theirs: those they cannot name.\n"
 }

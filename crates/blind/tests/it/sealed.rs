@@ -45,7 +45,7 @@ impl Proof {
 #[test]
 fn answers_are_scored_once_and_a_changed_truth_or_a_late_answer_is_refused() {
     diagnose_is_built();
-    let proof = Proof::made(&["--seed", "8001"]);
+    let proof = Proof::made(&["--set", "single", "--set", "clean", "--seed", "8001"]);
     let answered = proof.run(&["answer", "cases"]);
     assert_eq!((answered.code, answered.stdout.as_str()), (0, ""), "{}", answered.stderr);
     let first = proof.score("first.md");
@@ -54,7 +54,8 @@ fn answers_are_scored_once_and_a_changed_truth_or_a_late_answer_is_refused() {
     assert_eq!(proof.score("second.md").code, 0);
     let read = |name: &str| fs::read_to_string(proof.path(name)).expect("a file");
     assert_eq!(read("first.md"), read("second.md"));
-    assert!(read("first.md").contains("| clean | 1 |"), "{}", read("first.md"));
+    assert!(read("first.md").contains("| nothing | clean | 1 |"), "{}", read("first.md"));
+    assert!(proof.path("first/blind-strengths.svg").is_file());
 
     // An answer that was changed after the opening.
     let bears_a_digest =
