@@ -39,7 +39,7 @@ fn an_effect_that_is_known_not_to_act_is_not_named() {
     let entry = &document.diagnosis.as_ref().expect("a diagnosis")[0];
     let unnamed: Vec<_> = entry.unnamed.iter().map(|one| one.sensor).collect();
     assert_eq!(unnamed, [Some(Axis::X)]);
-    let arguments = &document.history.expect("a history").last().expect("an entry").arguments;
+    let arguments = &document.history.last().expect("an entry").arguments;
     assert!(arguments.contains(&"--without=offset_temperature".to_string()), "{arguments:?}");
 }
 
