@@ -3,6 +3,7 @@
 mod campaigns;
 mod error;
 mod folder;
+mod history;
 mod page;
 mod reliability;
 mod score;

@@ -93,7 +93,7 @@ fn introduction(score: &Score) -> String {
     let readings: usize = score.outcomes.iter().map(|outcome| outcome.truth.readings).sum();
     format!(
         "# Proof: what was concealed, and what was found\n\n\
-        This page is made by `just proof` and not by hand. Recordings that somebody else made have their own: [real.md](proof/real.md).\n\n\
+        This page is made by `just proof` and not by hand. Recordings that somebody else made have their own: [real.md](proof/real.md). The scores of earlier builds are in [history.md](proof/history.md).\n\n\
         A tool that finds what its own simulator puts in has shown nothing: the two share their mistakes. The crate `concealed` shares no line of \
         physics, noise or estimation with `diagnose`, `simulate` and what they stand on (`crates/concealed/tests/it/independence.rs`). Its physics is finer than \
         the catalogue's ([below](#what-was-concealed)), fields and temperatures are known at every instant and not at samples alone, and its noise is \

@@ -9,6 +9,7 @@ use testkit::programs::Programs;
 use crate::Error;
 use crate::campaigns::{self, Campaign};
 use crate::folder::{Asked, Folder};
+use crate::history;
 use crate::page::{self, Besides};
 use crate::score::Score;
 use crate::seal;
@@ -118,6 +119,7 @@ pub fn score(asked: &Scoring) -> Result<Score, Error> {
         program::pipe::write(Some(&beside.join(name)), &svg)?;
     }
     program::pipe::write(Some(&asked.output), &text)?;
+    history::add(&beside.join("history.md"), &score)?;
     Ok(score)
 }
 

@@ -56,6 +56,7 @@ fn answers_are_scored_once_and_a_changed_truth_or_a_late_answer_is_refused() {
     assert_eq!(read("first.md"), read("second.md"));
     assert!(read("first.md").contains("| nothing | clean | 1 |"), "{}", read("first.md"));
     assert!(proof.path("first/blind-strengths.svg").is_file());
+    assert_eq!(read("first/history.md").lines().count(), 7);
 
     // An answer that was changed after the opening.
     let bears_a_digest =
