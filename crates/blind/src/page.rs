@@ -71,20 +71,20 @@ fn by_strength(score: &Score) -> String {
 /// Names by the probability that was printed, and intervals by their level.
 fn by_probability(score: &Score) -> String {
     let names = reliability::of_names(score.outcomes.iter()).into_iter().map(|class| Point {
-        label: format!("name {:.3}", class.mean),
+        label: format!("{:.3}", class.mean),
         share: class.right,
         wanted: Some(class.mean),
     });
     let intervals = reliability::of_intervals(score.outcomes.iter()).into_iter();
     let intervals = intervals.filter(|(_, share)| share.trials > 0).map(|(level, share)| Point {
-        label: format!("interval {level}"),
+        label: format!("{:.0} %", 100.0 * level),
         share,
         wanted: Some(level),
     });
     let points: Vec<Point> = names.chain(intervals).collect();
     picture::shares(
-        "Names that are right and intervals that hold, with 95 % intervals; red: what was printed",
-        "mean of the printed probabilities of a class of names; level of intervals",
+        "Names that are right, and intervals that hold; red: what was printed",
+        "names, by mean printed probability; intervals of parameters, by level",
         &points,
     )
 }
