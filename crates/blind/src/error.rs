@@ -42,6 +42,11 @@ impl Error {
     pub fn file(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
         Error::Common(common::Error::File { path: path.into(), action, source })
     }
+
+    /// A file that is not the JSON it should be.
+    pub fn unreadable(path: impl Into<PathBuf>, source: serde_json::Error) -> Self {
+        Self::file(path, "read", std::io::Error::other(source))
+    }
 }
 
 impl From<Error> for common::Error {

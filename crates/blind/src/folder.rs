@@ -1,6 +1,7 @@
 //! A folder of documents and their answers.
 
 use rayon::prelude::*;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -120,7 +121,7 @@ fn answered(document: &Path, answer: &Path) -> Result<bool, Error> {
         return Ok(false);
     }
     let asked = digest(read(document)?.as_bytes());
-    let answer = value(answer)?;
+    let answer: Value = value(answer)?;
     let history = answer["history"].as_array();
     Ok(history.is_some_and(|entries| entries.iter().any(|entry| entry["input_sha256"] == *asked)))
 }
@@ -131,9 +132,8 @@ pub fn digest(bytes: &[u8]) -> String {
 }
 
 /// The JSON of a file.
-pub fn value(path: &Path) -> Result<Value, Error> {
-    serde_json::from_str(&read(path)?)
-        .map_err(|source| Error::file(path, "read", std::io::Error::other(source)))
+pub fn value<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
+    serde_json::from_str(&read(path)?).map_err(|source| Error::unreadable(path, source))
 }
 
 /// The text of a file.

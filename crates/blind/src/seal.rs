@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::folder::{Folder, digest, read, write};
+use crate::folder::{self, Folder, digest, read, write};
 
 /// Truths as they were sealed: the text of each by its case.
 pub type Truths = BTreeMap<String, String>;
@@ -44,7 +44,7 @@ pub fn stored(folder: &Folder) -> Result<BTreeMap<String, String>, Error> {
 ///
 /// A truth that is not the one that was sealed; a document without an answer; answers that were not there when the truths were first opened.
 pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>, Error> {
-    let texts: Truths = parsed(truths)?;
+    let texts: Truths = folder::value(truths)?;
     let stored = stored(folder)?;
     let mut opened = Vec::new();
     for (case, sealed) in &stored {
@@ -58,13 +58,13 @@ pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>
                 sealed: sealed.clone(),
             });
         }
-        opened.push(serde_json::from_str(text).map_err(|source| unreadable(truths, source))?);
+        opened.push(serde_json::from_str(text).map_err(|source| Error::unreadable(truths, source))?);
     }
     let note = folder.path().join("opened.json");
     let own = answers.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let now = digest_of_answers(answers, &stored)?;
     if note.is_file() {
-        let known: BTreeMap<String, String> = parsed(&note)?;
+        let known: BTreeMap<String, String> = folder::value(&note)?;
         if known.get(&own) != Some(&now) {
             return Err(Error::Late { answers: answers.into(), opened: note });
         }
@@ -97,12 +97,4 @@ fn seals(folder: &Folder) -> PathBuf {
 fn json(path: &Path, value: &impl serde::Serialize) -> Result<String, Error> {
     serde_json::to_string_pretty(value)
         .map_err(|source| Error::file(path, "written", std::io::Error::other(source)))
-}
-
-fn unreadable(path: &Path, source: serde_json::Error) -> Error {
-    Error::file(path, "read", std::io::Error::other(source))
-}
-
-fn parsed<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    serde_json::from_str(&read(path)?).map_err(|source| unreadable(path, source))
 }

@@ -39,22 +39,13 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Has cargo build all programs of the workspace, optimised.
-    pub fn build() -> Result<(), Error> {
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let built = Command::new(&cargo).args(["build", "--release", "--workspace", "--bins"]).status();
-        match built.map_err(|source| Error::file(&cargo, "run", source))? {
-            status if status.success() => Ok(()),
-            _ => Err(Error::Common(common::Error::Request("the programs could not be built".into()))),
-        }
-    }
-
     /// In a folder; absent: beside the running program.
     pub fn find(folder: Option<&Path>) -> Result<Self, Error> {
         let folder = match folder {
             Some(folder) => folder.to_path_buf(),
             None => {
-                let own = std::env::current_exe().map_err(|e| Error::file("concealed", "read", e))?;
+                let own =
+                    std::env::current_exe().map_err(|e| Error::file("the running program", "read", e))?;
                 own.parent().map(Path::to_path_buf).unwrap_or_default()
             }
         };
