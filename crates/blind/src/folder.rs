@@ -4,12 +4,16 @@ use rayon::prelude::*;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use testkit::programs::{self, Programs};
 
 use crate::Error;
+
+/// What a program is told besides, by the case.
+pub type Arguments = BTreeMap<String, Vec<String>>;
 
 /// Documents in `documents`, the answers of each build of a program in a folder that bears the program's digest.
 #[derive(Clone, Debug)]
@@ -36,6 +40,21 @@ impl Folder {
     /// Writes the document of a case.
     pub fn write(&self, case: &str, document: &Value) -> Result<(), Error> {
         write(&self.document(case), &document.to_string())
+    }
+
+    /// Writes what a program is told for some cases besides.
+    pub fn write_arguments(&self, name: &str, arguments: &Arguments) -> Result<(), Error> {
+        write(&self.of_arguments(name), &json!(arguments).to_string())
+    }
+
+    /// What a program is told for some cases besides.
+    fn arguments(&self, name: &str) -> Result<Arguments, Error> {
+        let path = self.of_arguments(name);
+        if path.is_file() { value(&path) } else { Ok(Arguments::new()) }
+    }
+
+    fn of_arguments(&self, name: &str) -> PathBuf {
+        self.0.join(format!("arguments-{name}.json"))
     }
 
     /// The folder of a program's answers with some arguments.
@@ -83,13 +102,18 @@ impl Folder {
         cases: impl Iterator<Item = &'c String>,
     ) -> Result<PathBuf, Error> {
         let answers = self.answers(asked.name, asked.arguments, asked.programs)?;
+        let besides = self.arguments(asked.name)?;
         let cases: Vec<&String> = cases.collect();
-        cases.par_iter().try_for_each(|case| match self.answer(asked, case, &answers) {
-            Err(Error::Program(programs::Error::Program { words, .. })) => {
-                let answer = answers.join(format!("{case}.json"));
-                write(&answer, &json!({"failed": words}).to_string())
+        cases.par_iter().try_for_each(|case| {
+            let besides = besides.get(*case).map_or(&[][..], Vec::as_slice);
+            let arguments = [asked.arguments, besides].concat();
+            match self.answer(&Asked { arguments: &arguments, ..*asked }, case, &answers) {
+                Err(Error::Program(programs::Error::Program { words, .. })) => {
+                    let answer = answers.join(format!("{case}.json"));
+                    write(&answer, &json!({"failed": words}).to_string())
+                }
+                other => other.map(|_| ()),
             }
-            other => other.map(|_| ()),
         })?;
         Ok(answers)
     }

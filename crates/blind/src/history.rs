@@ -18,9 +18,13 @@ pub fn with(page: &str, score: &Score) -> String {
     let mut text = page.to_string();
     if text.is_empty() {
         text += "# Scores by release\n\n\
-            Each line is written by `blind score`, and none is taken out; all figures but the last line's are of earlier builds. The commitment is the beginning of the digest of the seals.\n\n| commitment | cases |";
-        score.goals().iter().for_each(|goal| text += &format!(" {} |", goal.what));
-        text += &format!("\n| --- | --- |{}\n", " --- |".repeat(score.goals().len()));
+            Each line is written by `blind score`, and none is taken out; all figures but the last line's are of earlier builds. The commitment is the beginning of the digest of the seals.\n";
+    }
+    let mut header = String::from("| commitment | cases |");
+    score.goals().iter().for_each(|goal| header += &format!(" {} |", goal.what));
+    // Goals that were not there before need a table of their own.
+    if text.lines().rfind(|line| line.starts_with("| commitment")) != Some(&header) {
+        text += &format!("\n{header}\n| --- | --- |{}\n", " --- |".repeat(score.goals().len()));
     }
     text += &format!("| `{short}` | {} |", score.outcomes.len());
     for goal in score.goals() {

@@ -29,6 +29,7 @@ pub fn of(score: &Score, besides: &Besides) -> (String, [(&'static str, String);
         tables::sets(score),
         tables::strengths(score),
         tables::kinds(score),
+        tables::removed(score),
         tables::figures(score),
         reliability::section(score.outcomes.iter()),
         tables::baselines(score),

@@ -97,6 +97,7 @@ impl Score {
                 Share::of(self.of_sort(Sort::Clean), |o| o.class != Class::Right),
             ),
             at_least("outside the catalogue, no wrong name", 0.95, not_wrong(Sort::Outside)),
+            at_least("taken out of the catalogue, no neighbour named", 0.95, not_wrong(Sort::Removed)),
             at_least(
                 "explained, and readings left out within 5 % of the floor",
                 0.95,
@@ -129,14 +130,17 @@ pub enum Sort {
     Ambiguous,
     /// What the catalogue does not have.
     Outside,
+    /// What was taken out of the catalogue.
+    Removed,
 }
 
 impl Sort {
     /// All of them with their words.
-    pub const ALL: [(Sort, &'static str); 6] = [
+    pub const ALL: [(Sort, &'static str); 7] = [
         (Sort::Single, "one effect"),
         (Sort::Several, "several effects"),
         (Sort::Outside, "outside the catalogue"),
+        (Sort::Removed, "taken out of the catalogue"),
         (Sort::Clean, "nothing"),
         (Sort::Old, "nothing, in older noise"),
         (Sort::Ambiguous, "one of two that cannot be told apart"),
@@ -148,6 +152,7 @@ impl Sort {
         match (truth.set.as_str(), &truth.effects[..]) {
             ("old", _) => Sort::Old,
             ("ambiguous", _) => Sort::Ambiguous,
+            _ if !truth.without.is_empty() => Sort::Removed,
             (_, []) => Sort::Clean,
             (_, effects) if effects.iter().all(|effect| effect.accepted.is_empty()) => Sort::Outside,
             (_, [_]) => Sort::Single,

@@ -1,6 +1,6 @@
 //! Truths are sealed before anything is answered, and opened once.
 //!
-//! A folder of cases holds the documents, the digest of each truth (`seals.txt`) and the answers; the truths are in a file apart, which
+//! A folder of cases holds the documents, what diagnose is told besides (`arguments-diagnose.json`), the digest of each truth (`seals.txt`) and the answers; the truths are in a file apart, which
 //! whoever answers need not have. The digest of `seals.txt` is the commitment. The first opening notes the digests of the answers that are
 //! there (`opened.json`); answers that come later are refused.
 
@@ -21,9 +21,16 @@ pub fn seal(folder: &Folder, cases: &[Case], truths: &Path) -> Result<(), Error>
         folder.write(&truth.case, document)?;
         texts.insert(truth.case.clone(), json(truths, truth)?);
     }
+    let told = cases.iter().map(|case| (case.truth.case.clone(), arguments(&case.truth)));
+    folder.write_arguments("diagnose", &told.filter(|(_, arguments)| !arguments.is_empty()).collect())?;
     let lines = texts.iter().map(|(case, text)| format!("{}  {case}\n", digest(text.as_bytes())));
     write(&seals(folder), &lines.collect::<String>())?;
     write(truths, &(json(truths, &texts)? + "\n"))
+}
+
+/// What diagnose is told for a case: the entries that are taken out of its catalogue.
+pub fn arguments(truth: &Truth) -> Vec<String> {
+    truth.without.iter().map(|name| format!("--without={name}")).collect()
 }
 
 /// SHA-256 of the seals: whoever has it can check later that nothing was changed.

@@ -5,7 +5,7 @@ use concealed::case::{Case, Truth};
 use concealed::sets::Set;
 use program::pipe;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 use testkit::programs::{self, Programs};
@@ -13,6 +13,7 @@ use testkit::programs::{self, Programs};
 use crate::Error;
 use crate::folder::{self, Asked, Folder};
 use crate::reliability;
+use crate::seal;
 use crate::verdict::Outcome;
 use crate::wilson::Share;
 
@@ -67,7 +68,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let one = |(set, number): (Set, usize)| -> Result<Counted, Error> {
         let Case { document, mut truth } = set.case(arguments.seed, number);
         folder.write(&truth.case, &document)?;
-        let without = if arguments.removed { removed(&mut truth) } else { Vec::new() };
+        if arguments.removed {
+            truth.take_names();
+        }
+        let without = seal::arguments(&truth);
         let limit = Duration::from_secs(arguments.limit);
         let asked = Asked { arguments: &without, limit, ..Asked::diagnose(&programs) };
         let answers = folder.answers(asked.name, asked.arguments, asked.programs)?;
@@ -88,14 +92,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let all: Vec<Counted> = threads
         .install(|| wanted.collect::<Vec<_>>().into_iter().par_bridge().map(one).collect::<Result<_, _>>())?;
     Ok(pipe::write(None, &counts(&all))?)
-}
-
-/// Takes the accepted names out of a truth. Gives the arguments that take them out of diagnose's catalogue.
-fn removed(truth: &mut Truth) -> Vec<String> {
-    let names = truth.effects.iter_mut().flat_map(|effect| std::mem::take(&mut effect.accepted));
-    let kinds: BTreeSet<String> =
-        names.filter_map(|name| name.split(' ').next().map(|kind| format!("--without={kind}"))).collect();
-    kinds.into_iter().collect()
 }
 
 impl Counted {

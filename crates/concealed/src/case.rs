@@ -65,11 +65,24 @@ pub struct Truth {
     pub noise_nt: f64,
     /// What was concealed.
     pub effects: Vec<TrueEffect>,
+    /// Effects that are taken out of the finder's catalogue for this case.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub without: Vec<String>,
     /// What stepwise regression and thresholded least squares choose, with the true calibration for their model; of long
     /// recordings nothing.
     pub baselines: [BTreeSet<String>; 2],
     /// Random digits: without them a seal of a short truth could be guessed open.
     pub nonce: String,
+}
+
+impl Truth {
+    /// The same with the names that would be right taken out of the finder's catalogue: right is then no name at all.
+    pub fn take_names(&mut self) {
+        let names = self.effects.iter_mut().flat_map(|effect| std::mem::take(&mut effect.accepted));
+        let kinds: BTreeSet<String> =
+            names.filter_map(|name| name.split(' ').next().map(str::to_string)).collect();
+        self.without = kinds.into_iter().collect();
+    }
 }
 
 /// A document with its truth.
@@ -207,6 +220,7 @@ pub fn make(
         recorded: Vec::new(),
         noise_nt,
         effects,
+        without: Vec::new(),
         baselines: Default::default(),
         nonce: nonce(draw),
     };

@@ -113,6 +113,7 @@ pub fn month(seed: u64) -> Case {
         recorded: Vec::new(),
         noise_nt,
         effects,
+        without: Vec::new(),
         baselines: Default::default(),
         nonce: nonce(&mut draw),
     };

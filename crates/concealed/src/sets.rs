@@ -2,6 +2,7 @@
 
 pub mod held;
 mod long;
+mod removed;
 
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
@@ -41,7 +42,13 @@ pub enum Set {
     LongOutside,
     /// Nothing, in thousands of rows.
     LongClean,
-    /// One effect of the group `choose`, in recordings as instruments write them.
+    /// One effect of the group `develop`, in recordings as instruments write them.
+    Develop,
+    /// Two to four of those at once.
+    DevelopSeveral,
+    /// Physics of that group that the catalogue does not have.
+    DevelopOutside,
+    /// One effect of the group `choose`.
     Choose,
     /// Two to four of those at once.
     ChooseSeveral,
@@ -55,6 +62,8 @@ pub enum Set {
     ScoreOutside,
     /// Nothing, in recordings as instruments write them.
     RecordedClean,
+    /// One effect whose name is taken out of the finder's catalogue, for every name in turn.
+    Removed,
 }
 
 /// Times the noise.
@@ -68,11 +77,15 @@ impl Set {
     /// Those of long recordings.
     pub const LONG: [Set; 4] = [Set::LongSingle, Set::LongSeveral, Set::LongOutside, Set::LongClean];
 
+    /// Those of the group `develop`.
+    pub const DEVELOP: [Set; 3] = [Set::Develop, Set::DevelopSeveral, Set::DevelopOutside];
+
     /// Those of the group `choose`.
     pub const CHOOSE: [Set; 3] = [Set::Choose, Set::ChooseSeveral, Set::ChooseOutside];
 
-    /// Those of a release: physics that nobody has looked at.
-    pub const SCORE: [Set; 4] = [Set::Score, Set::ScoreSeveral, Set::ScoreOutside, Set::RecordedClean];
+    /// Those of a release: physics that nobody has looked at, and a catalogue with holes.
+    pub const SCORE: [Set; 5] =
+        [Set::Score, Set::ScoreSeveral, Set::ScoreOutside, Set::RecordedClean, Set::Removed];
 
     /// Its name.
     pub fn word(self) -> &'static str {
@@ -88,6 +101,9 @@ impl Set {
             Set::LongSeveral => "long-several",
             Set::LongOutside => "long-outside",
             Set::LongClean => "long-clean",
+            Set::Develop => "develop",
+            Set::DevelopSeveral => "develop-several",
+            Set::DevelopOutside => "develop-outside",
             Set::Choose => "choose",
             Set::ChooseSeveral => "choose-several",
             Set::ChooseOutside => "choose-outside",
@@ -95,6 +111,7 @@ impl Set {
             Set::ScoreSeveral => "score-several",
             Set::ScoreOutside => "score-outside",
             Set::RecordedClean => "recorded-clean",
+            Set::Removed => "removed",
         }
     }
 
@@ -112,9 +129,12 @@ impl Set {
             Set::LongSeveral => 24,
             Set::LongOutside => outside::ALL.len() * long::BEYOND.len(),
             Set::LongClean => 24,
+            Set::Develop => held::kinds_of(Group::Develop).len() * held::STRENGTHS.len(),
+            Set::DevelopOutside => held::outside_of(Group::Develop).len() * held::BEYOND.len(),
             Set::Choose => held::kinds_of(Group::Choose).len() * held::STRENGTHS.len(),
             Set::Score => held::kinds_of(Group::Score).len() * held::STRENGTHS.len(),
-            Set::ChooseSeveral | Set::ScoreSeveral | Set::RecordedClean => 24,
+            Set::DevelopSeveral | Set::ChooseSeveral | Set::ScoreSeveral | Set::RecordedClean => 24,
+            Set::Removed => removed::names().len(),
             Set::ChooseOutside => held::outside_of(Group::Choose).len() * held::BEYOND.len(),
             Set::ScoreOutside => held::outside_of(Group::Score).len() * held::BEYOND.len(),
         }
@@ -138,6 +158,9 @@ impl Set {
             Set::LongSingle => long::single(seed, number, &mut draw),
             Set::LongSeveral => long::several(seed, number, &mut draw),
             Set::LongOutside => long::beyond(seed, number, &mut draw),
+            Set::Develop => held::single(self, Group::Develop, seed, number, &mut draw),
+            Set::DevelopSeveral => held::several(self, Group::Develop, seed, number, &mut draw),
+            Set::DevelopOutside => held::beyond(self, Group::Develop, seed, number, &mut draw),
             Set::Choose => held::single(self, Group::Choose, seed, number, &mut draw),
             Set::ChooseSeveral => held::several(self, Group::Choose, seed, number, &mut draw),
             Set::ChooseOutside => held::beyond(self, Group::Choose, seed, number, &mut draw),
@@ -145,6 +168,7 @@ impl Set {
             Set::ScoreSeveral => held::several(self, Group::Score, seed, number, &mut draw),
             Set::ScoreOutside => held::beyond(self, Group::Score, seed, number, &mut draw),
             Set::RecordedClean => held::clean(seed, number, &mut draw),
+            Set::Removed => removed::case(seed, number, &mut draw),
         }
     }
 

@@ -151,6 +151,7 @@ pub fn flight(seed: u64) -> Flight {
             form_error: 0.0,
             left_nt: SIZE_NT,
         }],
+        without: Vec::new(),
         baselines: Default::default(),
         nonce: nonce(&mut draw),
     };

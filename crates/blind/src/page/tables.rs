@@ -103,6 +103,28 @@ pub fn kinds(score: &Score) -> String {
     text
 }
 
+/// Each name that was taken out of the catalogue, and what came of it.
+pub fn removed(score: &Score) -> String {
+    let mut text = String::from(
+        "## Taken out of the catalogue\n\n| taken out | physics | times the noise | | answer | place |\n| --- | --- | --- | --- | --- | --- |\n",
+    );
+    for outcome in score.of_sort(Sort::Removed) {
+        for effect in &outcome.truth.effects {
+            let place = outcome.located.map_or("–", |right| if right { "right" } else { "wrong" });
+            text += &format!(
+                "| `{}` | {} | {:.1} | {} | {} | {place} |\n",
+                outcome.truth.without.join("`, `"),
+                effect.physics,
+                effect.left_nt / outcome.truth.noise_nt,
+                outcome.class.words(),
+                outcome.said()
+            );
+        }
+    }
+    text + "\nEach effect of the catalogue for which there is a generator, in turn: `diagnose --without` leaves out the names that would be right and their fuller forms. Right is \
+            `unexplained` with structure told; a name is then a neighbour's, though some neighbours predict the same readings.\n"
+}
+
 fn in_a_word(outcome: &Outcome) -> String {
     match outcome.class {
         Class::Right if outcome.verdict == "partly_explained" => "right, something left".into(),
