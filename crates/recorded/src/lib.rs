@@ -19,9 +19,11 @@ use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+pub use affine::least_squares;
 use page::Page;
+pub use series::Series;
 pub use sets::{SETS, Set};
-use stages::Stages;
+pub use stages::Stages;
 pub use testkit::programs::Error;
 use testkit::programs::Programs;
 
