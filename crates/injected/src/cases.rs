@@ -58,7 +58,8 @@ fn with(
     (seed, number, strength): (u64, usize, f64),
     draw: &mut Draw,
 ) -> Option<Case> {
-    let made = (0..TRIES).map(|_| (kind.make)(&host.campaign, draw)).find(|effect| suits::shows(host, effect))?;
+    let made =
+        (0..TRIES).map(|_| (kind.make)(&host.campaign, draw)).find(|effect| suits::shows(host, effect))?;
     let (effect, form_error) = form::inexact(kind.name, made, &host.campaign, draw);
     let added = |size: f64| (effect.act)(&host.campaign, &host.plain, size);
     let wanted = strength * host.scatter_nt;
@@ -150,5 +151,60 @@ fn truth(
         effects,
         baselines: Default::default(),
         nonce: case::nonce(draw),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{Beside, CANDIDATE, series};
+
+    fn host(beside: &Beside) -> Host {
+        Host::of(&CANDIDATE, &series(beside)).expect("a host")
+    }
+
+    /// Every case has its strength by the measure of the others, and a document that differs from the host's in the readings alone.
+    #[test]
+    fn an_effect_is_added_to_what_was_recorded() {
+        for beside in [Beside::Vector, Beside::Scalar, Beside::Thermometer] {
+            let host = host(&beside);
+            let cases = injected(&host, 3, 0, 6);
+            assert_eq!(cases.len(), 6);
+            for Case { document, truth } in &cases {
+                let [effect] = &truth.effects[..] else { panic!("one effect") };
+                let times = effect.left_nt / host.scatter_nt;
+                assert!((times / truth.strength - 1.0).abs() <= CLOSE, "{}: {times}", effect.name);
+                let (mut ours, mut own) = (document.clone(), host.document.clone());
+                assert_ne!(ours["recordings"], own["recordings"], "{}", effect.name);
+                for sensor in 0..3 {
+                    ours["recordings"][0]["columns"][host.column(sensor)] = json!(null);
+                    own["recordings"][0]["columns"][host.column(sensor)] = json!(null);
+                }
+                assert_eq!(ours["recordings"], own["recordings"]);
+                assert_eq!(ours["title"], truth.case.as_str());
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_cases() {
+        let host = host(&Beside::Scalar);
+        let text =
+            || injected(&host, 5, 1, 3).iter().map(|case| case.document.to_string()).collect::<String>();
+        assert_eq!(text(), text());
+        assert_ne!(untouched(&host, 5).truth.case, untouched(&host, 6).truth.case);
+    }
+
+    #[test]
+    fn beside_a_scalar_the_name_counts_and_not_the_sensor() {
+        let cases = injected(&host(&Beside::Scalar), 3, 0, 6);
+        for effect in cases.iter().flat_map(|case| &case.truth.effects) {
+            assert!(effect.sensors.is_empty());
+            let names = |name: String| effect.accepted.contains(&name);
+            assert!(
+                names(effect.name.clone())
+                    && AXES.iter().all(|axis| names(format!("{} {axis}", effect.name)))
+            );
+        }
     }
 }

@@ -211,3 +211,30 @@ fn calibration(bench: &Bench, pair: bool) -> Value {
 pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{Beside, CANDIDATE, series};
+
+    /// Noise even over a tenth of a nT has 0.1/√12 rms; of a pair both have it, of a length the field's direction weighs it.
+    #[test]
+    fn the_scatter_is_what_the_basic_model_leaves() {
+        let one = 0.1 / 12.0_f64.sqrt();
+        for (beside, wanted) in [
+            (Beside::Vector, one * 2.0_f64.sqrt()),
+            (Beside::Scalar, one * 2.0_f64.sqrt()),
+            (Beside::Thermometer, one),
+        ] {
+            let host = Host::of(&CANDIDATE, &series(&beside)).expect("a host");
+            assert!((host.scatter_nt / wanted - 1.0).abs() < 0.05, "{} for {wanted}", host.scatter_nt);
+        }
+    }
+
+    #[test]
+    fn a_few_rows_or_no_readings_make_no_host() {
+        let short = series(&Beside::Scalar).filter(|row| row < 50);
+        assert!(Host::of(&CANDIDATE, &short).is_none());
+        assert!(Host::of(&CANDIDATE, &Series::default()).is_none());
+    }
+}

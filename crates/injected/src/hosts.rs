@@ -128,6 +128,15 @@ pub const CANDIDATES: &[Candidate] = &[
         read: |stages| Ok(conrad_pair(stages)?.means(120.0)),
     },
     Candidate {
+        name: "boulder-published",
+        folder: BOULDER,
+        words: "minutes of 8 January 2016 as the fluxgate gave them and as the observatory published them, a moving field; its scatter is two roundings",
+        source: BY_USGS,
+        offset_nt: [0.0; 3],
+        code_nt: 0.01,
+        read: |stages| boulder_published(stages, 8),
+    },
+    Candidate {
         name: "cobenzl-night",
         folder: "wik-cobenzl-2011-09a",
         words: "DIDD and LEMI-025 at the edge of a city, 22 to 7.5 h of 2 September 2011, the LEMI's minutes moved by 18.38 s",
@@ -175,6 +184,14 @@ fn boulder(stages: &Stages, day: u32) -> Result<Series, Error> {
     let month = stages.ingest(&[stages.file(&format!("{BOULDER}/BOU201601vmin.min"))?], None)?.complete();
     let from = f64::from(day - 1) * DAY_S;
     Ok(between(month, from, from + DAY_S))
+}
+
+fn boulder_published(stages: &Stages, day: u32) -> Result<Series, Error> {
+    let read = |name: &str| stages.ingest(&[stages.file(&format!("{BOULDER}/{name}"))?], None);
+    let raw = read("BOU201601vmin.min")?.only(|name| name != "reference_nt").renamed("sensor", "reference");
+    let adjusted = read("BOU201601adj.min")?.only(|name| name != "reference_nt").renamed("sensor", "test");
+    let from = f64::from(day - 1) * DAY_S;
+    Ok(between(raw.joined(&adjusted).complete(), from, from + DAY_S))
 }
 
 fn hmc5883l(stages: &Stages) -> Result<Series, Error> {

@@ -10,6 +10,8 @@ pub mod cases;
 pub mod host;
 pub mod hosts;
 pub mod left;
+#[cfg(test)]
+mod made_up;
 pub mod suits;
 
 pub use cases::{SET, injected, untouched};

@@ -1,7 +1,9 @@
 //! Which effects a host can carry: a rule about recordings and physics, not about who finds what.
 //!
 //! 1. What an effect needs is recorded: coils and their currents, a station outside, tiltmeters, solar arrays and milliseconds are in no
-//!    host; a temperature, a field that moves, a second magnetometer, or a working day are in some.
+//!    host; a temperature that moves, a field that moves, a second vector magnetometer, a working day, or a reading each ten seconds for a
+//!    vehicle that passes in a minute, are in some. A sensitivity that changes needs a field that does: in one that stays the same within
+//!    a tenth it is an offset by another name.
 //! 2. A fresh calibration does not take it up: of its changes at least a twentieth is left.
 //! 3. Beside a scalar magnetometer its sensor has at least a tenth of the field: the length feels it.
 //! 4. The strength that is wanted can be reached within a tenth.
@@ -19,11 +21,15 @@ const LEAST_LEFT: f64 = 0.05;
 const LEAST_ALONG: f64 = 0.1;
 /// A working day with the hours before and after it, s.
 const DAY_S: f64 = 85_000.0;
+/// Longest step at which a vehicle is more than one reading, s.
+const PASSING_S: f64 = 10.0;
 /// A temperature that moves by less, from its least to its greatest, is held, K.
 const HELD_K: f64 = 0.1;
+/// A field whose sensors move by less of its length, from least to greatest, is no drive for a sensitivity.
+const DRIVE: f64 = 0.1;
 
-/// What no host has, by the names that need it.
-const IN_NO_HOST: [&str; 11] = [
+/// What needs columns or rates that no host has.
+const IN_NO_HOST: [&str; 10] = [
     "eddy_currents",
     "coil_heating",
     "coil_temperature",
@@ -34,12 +40,10 @@ const IN_NO_HOST: [&str; 11] = [
     "sun_thermoelectric",
     "mains",
     "traction_power",
-    // Beside zero fields alone.
-    "perming",
 ];
 
-/// Kinds that ask nothing of the field: an offset of a channel, or a field that is added.
-const WITHOUT_FIELD: [&str; 11] = [
+/// What asks nothing of the field: an offset of a channel, or a field that is added. Offsets that follow a temperature are besides.
+const WITHOUT_FIELD: [&str; 8] = [
     "ageing",
     "warm_up",
     "reading_step",
@@ -48,9 +52,6 @@ const WITHOUT_FIELD: [&str; 11] = [
     "dropout",
     "vehicle_pass",
     "working_hours",
-    "offset_temperature",
-    "offset_temperature_lag",
-    "offset_temperature_inflection",
 ];
 
 /// Kinds and forms whose inputs a host has: the first part of the rule.
@@ -60,22 +61,32 @@ pub fn kinds_of(host: &Host) -> Vec<Single> {
 
 fn has_inputs(host: &Host, kind: &Single) -> bool {
     let name = kind.name;
-    if IN_NO_HOST.contains(&name) || (kind.scene == Kind::Pair && host.campaign.kind != Kind::Pair) {
-        // What holds a value is seen in any channel.
-        return name == "dropout";
-    }
-    let thermometer = match name {
-        name if name.contains("electronics_temperature") => Some(1),
-        "axis_creep" | "pillar_tilt" => Some(0),
-        name if name.contains("temperature") => Some(0),
-        _ => None,
-    };
-    let without_field = WITHOUT_FIELD.contains(&name) || name.starts_with("offset_electronics_temperature");
+    let warm = name.contains("temperature") || ["axis_creep", "pillar_tilt"].contains(&name);
+    let thermometer = usize::from(name.contains("electronics"));
+    let still = WITHOUT_FIELD.contains(&name) || (name.starts_with("offset_") && warm);
+    // A dropout holds the value of any channel, whatever is beside it.
+    let pair = kind.scene == Kind::Pair && name != "dropout";
     let times = &host.campaign.runs[0].times;
-    let long = times.last().zip(times.first()).is_some_and(|(last, first)| last - first > DAY_S);
-    thermometer.is_none_or(|which| goes(host, which))
-        && (without_field || host.moves)
-        && (name != "working_hours" || long)
+    let span = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
+    !IN_NO_HOST.contains(&name)
+        && (!pair || host.campaign.kind == Kind::Pair)
+        && (!warm || goes(host, thermometer))
+        && (still || host.moves)
+        && (!name.starts_with("sensitivity_") || drive(host) >= DRIVE)
+        && (name != "working_hours" || span > DAY_S)
+        && (name != "vehicle_pass" || host.campaign.runs[0].step_s() <= PASSING_S)
+}
+
+/// How far the fields along the sensors move, from least to greatest, over the field's length.
+fn drive(host: &Host) -> f64 {
+    let (run, bench) = (&host.campaign.runs[0], &host.campaign.bench);
+    let fields: Vec<_> = run.times.iter().map(|t| run.field_sen(bench, *t)).collect();
+    let range = |k: usize| {
+        let all = || fields.iter().map(|field| field[k]);
+        all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
+    };
+    let longest = fields.iter().map(|field| field.norm()).fold(0.0, f64::max);
+    [0, 1, 2].map(range).into_iter().fold(0.0, f64::max) / longest
 }
 
 /// Whether a thermometer was recorded, and moves.
@@ -100,4 +111,30 @@ pub fn shows(host: &Host, effect: &Effect) -> bool {
     });
     let (changes, left) = (changes.fold(0.0, f64::max), left::size(host, &added));
     left.is_finite() && changes > 0.0 && left >= LEAST_LEFT * changes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::made_up::{Beside, CANDIDATE, series};
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn a_host_carries_what_it_has_the_columns_for() {
+        let names = |beside: &Beside| -> BTreeSet<&str> {
+            let host = Host::of(&CANDIDATE, &series(beside)).expect("a host");
+            kinds_of(&host).into_iter().map(|kind| kind.name).collect()
+        };
+        let [pair, scalar, alone] = [Beside::Vector, Beside::Scalar, Beside::Thermometer].map(|b| names(&b));
+        for names in [&pair, &scalar, &alone] {
+            assert!(names.contains("reading_step") && names.contains("dropout"), "{names:?}");
+            for out in ["eddy_currents", "mains", "sensitivity_ageing", "vehicle_pass", "working_hours"] {
+                assert!(!names.contains(out), "{out}");
+            }
+        }
+        assert!(pair.contains("induction_difference") && !scalar.contains("induction_difference"));
+        assert!(scalar.contains("clock_offset") && !alone.contains("clock_offset"));
+        assert!(alone.contains("offset_temperature_lag") && !scalar.contains("offset_temperature_lag"));
+        assert!(!alone.contains("offset_electronics_temperature"));
+    }
 }
