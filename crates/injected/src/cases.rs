@@ -66,7 +66,7 @@ fn with(
     let size = case::sized(|size| left::size(host, &added(size)), wanted);
     let added = added(size);
     let left_nt = left::size(host, &added);
-    if (left_nt / wanted - 1.0).abs() > CLOSE {
+    if (left_nt / wanted - 1.0).abs() > CLOSE || !suits::stays(host, &added) {
         return None;
     }
     let told = TrueEffect {

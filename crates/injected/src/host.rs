@@ -45,11 +45,12 @@ pub struct Host {
 }
 
 impl Host {
-    /// A host of columns: `reference_*_nt` with `test_*_nt`, or `sensor_*_nt` with or without `reference_nt`; None where there are neither,
-    /// or too few rows for the constants.
+    /// A host of columns: `reference_*_nt` with `test_*_nt`, or `sensor_*_nt` with `ambient_*_nt`, with `reference_nt` or alone; None where
+    /// there are no readings, or too few rows for the constants.
     pub fn of(candidate: &'static Candidate, series: &Series) -> Option<Self> {
         let pair = series.holds("test_x_nt");
         let length = !pair && series.holds("reference_nt");
+        let ambient = !pair && series.holds("ambient_x_nt");
         let quantity = if pair { "test" } else { "sensor" };
         if series.rows() < 100 || !series.holds(&format!("{quantity}_z_nt")) {
             return None;
@@ -67,6 +68,8 @@ impl Host {
         let fields: [Vec<f64>; 3] = if pair {
             (bench.eta, bench.offset_nt) = matrix(series)?;
             [0, 1, 2].map(|k| column("reference", k))
+        } else if ambient {
+            [0, 1, 2].map(|k| column("ambient", k))
         } else if length {
             [0, 1, 2].map(|k| readings[k].iter().map(|value| value + bench.offset_nt[k]).collect())
         } else {
@@ -81,10 +84,14 @@ impl Host {
         let mut centred = campaign.clone();
         centred.runs[0].world = world(pair, &times, &about);
         let procedure = if pair { "differential" } else { "free_run" };
+        let mut recording = series.recording("run", procedure);
+        if ambient {
+            recording["conditions"] = json!({"orientation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]});
+        }
         let document = json!({
             "fluxcal": 1,
             "calibration": calibration(&campaign.bench, pair),
-            "recordings": [series.recording("run", procedure)],
+            "recordings": [recording],
         });
         let mut host = Self {
             candidate,
@@ -93,7 +100,7 @@ impl Host {
             centred,
             plain: vec![readings],
             watched: if length { Watched::Length } else { Watched::Vectors },
-            moves: pair || length,
+            moves: pair || length || ambient,
             scatter_nt: f64::NAN,
         };
         let residual = host.residual(series);
@@ -143,7 +150,7 @@ impl Host {
 }
 
 /// Matrix and offsets of test = R η + d by plain least squares: the calibration that the document states.
-fn matrix(series: &Series) -> Option<(Matrix3<f64>, [f64; 3])> {
+pub(crate) fn matrix(series: &Series) -> Option<(Matrix3<f64>, [f64; 3])> {
     let mut columns = vec![vec![1.0; series.rows()]];
     let mut means = [0.0; 3];
     for (k, axis) in AXES.iter().enumerate() {

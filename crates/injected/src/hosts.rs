@@ -5,6 +5,8 @@
 
 use recorded::{Error, Series, Stages};
 
+use crate::host;
+
 const DIDD: &str = include_str!("../../../fixtures/ingest/real/didd.json");
 const HAMSCI: &str = include_str!("../../../fixtures/ingest/real/hamsci.json");
 const MARG: &str = include_str!("../../../fixtures/ingest/real/marg.json");
@@ -60,6 +62,27 @@ pub const CANDIDATES: &[Candidate] = &[
         offset_nt: CONRAD_COMPENSATION_NT,
         code_nt: 0.0,
         read: |stages| conrad_scalar(stages, "2022-08-10", 60.0),
+    },
+    Candidate {
+        name: "conrad-vectors",
+        folder: CONRAD,
+        words: "LEMI-036, 2022-08-10, means of a minute, in the field as the FGE 200 m away has it (by a matrix and offsets of least squares)",
+        source: BY_CONRAD,
+        offset_nt: [0.0; 3],
+        code_nt: 0.0,
+        read: |stages| Ok(in_the_field(&conrad_pair(stages)?.means(60.0))),
+    },
+    Candidate {
+        name: "conrad-fge",
+        folder: CONRAD,
+        words: "the FGE by itself at night, 2022-08-10, 2 to 2.25 h, as it was read each second; its scatter is the field's own variation",
+        source: BY_CONRAD,
+        offset_nt: [0.0; 3],
+        code_nt: 0.001,
+        read: |stages| {
+            let file = stages.file(&format!("{CONRAD}/fge_s0252_2022-08-10_1s.csv"))?;
+            Ok(between(stages.ingest(&[file], None)?.complete(), 2.0 * HOUR_S, 2.25 * HOUR_S))
+        },
     },
     Candidate {
         name: "vernadsky",
@@ -178,6 +201,18 @@ fn conrad_pair(stages: &Stages) -> Result<Series, Error> {
     let reference = read("fge_s0252_2022-08-10_1s.csv")?.renamed("sensor", "reference");
     let test = read("lemi036_xyz_2022-08-10_1s.csv")?.renamed("sensor", "test");
     Ok(reference.joined(&test).complete())
+}
+
+/// The test instrument of a pair in the field that the other one tells it has.
+fn in_the_field(pair: &Series) -> Series {
+    let Some((eta, offset_nt)) = host::matrix(pair) else { return Series::default() };
+    let field = |reference: [f64; 3]| {
+        let own = |j: usize| offset_nt[j] + (0..3).map(|i| reference[i] * eta[(i, j)]).sum::<f64>();
+        [own(0), own(1), own(2)]
+    };
+    let ambient: Vec<[f64; 3]> = pair.vectors("reference").into_iter().map(field).collect();
+    let test = pair.vectors("test");
+    pair.clone().only(|name| name == "time_s").with_vectors("ambient", &ambient).with_vectors("sensor", &test)
 }
 
 fn boulder(stages: &Stages, day: u32) -> Result<Series, Error> {

@@ -6,11 +6,12 @@
 //!    a tenth it is an offset by another name.
 //! 2. A fresh calibration does not take it up: of its changes at least a twentieth is left.
 //! 3. Beside a scalar magnetometer its sensor has at least a tenth of the field: the length feels it.
-//! 4. The strength that is wanted can be reached within a tenth.
+//! 4. The strength that is wanted can be reached within a tenth, by what adds no more than the Earth's field to any reading, and the second
+//!    part holds for it too.
 
 use concealed::effect::Effect;
 use concealed::kinds::{self, Single};
-use concealed::scene::Kind;
+use concealed::scene::{Kind, Readings};
 
 use crate::host::{Host, Watched, mean};
 use crate::left;
@@ -19,6 +20,8 @@ use crate::left;
 const LEAST_LEFT: f64 = 0.05;
 /// Least share of the field that a sensor must have where the length alone is seen.
 const LEAST_ALONG: f64 = 0.1;
+/// The most that may be added to a reading, nT.
+const MOST_NT: f64 = 60_000.0;
 /// A working day with the hours before and after it, s.
 const DAY_S: f64 = 85_000.0;
 /// Longest step at which a vehicle is more than one reading, s.
@@ -104,12 +107,19 @@ pub fn shows(host: &Host, effect: &Effect) -> bool {
             return false;
         }
     }
-    let added = (effect.act)(&host.campaign, &host.plain, 1.0);
+    stays(host, &(effect.act)(&host.campaign, &host.plain, 1.0))
+}
+
+/// Whether a fresh calibration leaves enough of what is added, and it is no more than there can be.
+pub fn stays(host: &Host, added: &Readings) -> bool {
+    if added.iter().flatten().flatten().any(|value| !value.is_finite() || value.abs() > MOST_NT) {
+        return false;
+    }
     let changes = added[0].iter().map(|column| {
         let level = mean(column);
         left::rms(&column.iter().map(|value| value - level).collect::<Vec<_>>())
     });
-    let (changes, left) = (changes.fold(0.0, f64::max), left::size(host, &added));
+    let (changes, left) = (changes.fold(0.0, f64::max), left::size(host, added));
     left.is_finite() && changes > 0.0 && left >= LEAST_LEFT * changes
 }
 
