@@ -124,7 +124,8 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
 /// Meson Hall: two thirds of the longest stretch fitted.
 pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
     let file = stages.file("tucan-fluxgates-2019-08-09-quiet/online_data.csv")?;
-    let series = longest_part(&stages.ingest_with(&[file], Some(MESON_HALL), &["--sort"])?, 30.0);
+    let whole = stages.ingest_with(&[file], Some(MESON_HALL), &["--sort"])?;
+    let series = longest_part(&whole, 30.0);
     let split = Split::share(&series, 2.0 / 3.0);
     let mut page = Page::default();
     page.say("Fluxgates “3” (reference) and “4” (test), metres apart under a cyclotron; one reading a second for 17 minutes.");
@@ -140,8 +141,8 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
     };
     let document = pair::study(stages, &mut page, &pair)?;
     let all = vec![
-        instrument(&series, "reference").recording("reference", "differential"),
-        instrument(&series, "test").recording("test", "differential"),
+        instrument(&whole, "reference").recording("reference", "differential"),
+        instrument(&whole, "test").recording("test", "differential"),
     ];
     if let Ok(document) = stages.stage("diffmag", &[], all, &json!({}))? {
         page.known.push(Known {
