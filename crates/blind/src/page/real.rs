@@ -15,6 +15,9 @@ use crate::wilson::Share;
 /// File name of the picture.
 pub const PICTURE: &str = "blind-real.svg";
 
+/// Time, h, and residual, nT.
+type Course = Vec<[f64; 2]>;
+
 /// The section and its picture; None where nothing was concealed in real recordings.
 pub fn of(score: &Score, tried: &[Tried], answers: &Path) -> Result<Option<(String, String)>, Error> {
     if tried.is_empty() {
@@ -128,7 +131,7 @@ fn table(all: &[Hosted]) -> String {
 
 /// The case named right in which the residual falls most: before, and with what was found taken out.
 fn before_and_after(all: &[Hosted], answers: &Path) -> Result<(String, String), Error> {
-    let mut best: Option<(f64, &Hosted, [Vec<[f64; 2]>; 2])> = None;
+    let mut best: Option<(f64, &Hosted, [Course; 2])> = None;
     for one in all.iter().filter(|one| one.named() && one.removed()) {
         let answer: Value = folder::value(&answers.join(format!("{}.json", one.outcome.truth.case)))?;
         let Some(courses) = courses(&answer) else { continue };
@@ -148,7 +151,7 @@ fn before_and_after(all: &[Hosted], answers: &Path) -> Result<(String, String), 
 }
 
 /// The residual along time before and after, means of neighbours, levels off; of the column that changes most.
-fn courses(answer: &Value) -> Option<[Vec<[f64; 2]>; 2]> {
+fn courses(answer: &Value) -> Option<[Course; 2]> {
     let all = answer["diagnosis"][0]["series"].as_array()?.iter();
     let in_time = all.filter(|series| series["along"] == "time_s");
     let both = in_time.filter_map(|series| {
@@ -156,7 +159,7 @@ fn courses(answer: &Value) -> Option<[Vec<[f64; 2]>; 2]> {
             Some(series[key].as_array()?.iter().filter_map(Value::as_f64).collect())
         };
         let x = numbers("x")?;
-        let course = |key: &str| -> Option<Vec<[f64; 2]>> {
+        let course = |key: &str| -> Option<Course> {
             let values = numbers(key)?;
             let level = values.iter().sum::<f64>() / values.len() as f64;
             Some(x.iter().zip(values).map(|(x, value)| [x / 3600.0, value - level]).collect())
