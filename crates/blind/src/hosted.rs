@@ -56,9 +56,11 @@ impl<'o> Hosted<'o> {
     }
 }
 
-/// The hosts as they came.
+/// The hosts as they came, by name.
 pub fn untouched(score: &Score) -> impl Iterator<Item = &Outcome> {
-    score.real.iter().filter(|outcome| outcome.truth.effects.is_empty())
+    let mut hosts: Vec<&Outcome> = score.real.iter().filter(|one| one.truth.effects.is_empty()).collect();
+    hosts.sort_by(|a, b| a.truth.scene.cmp(&b.truth.scene));
+    hosts.into_iter()
 }
 
 /// The goals, analogous to those of what is made up; none where there are no real recordings.

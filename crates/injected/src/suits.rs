@@ -2,8 +2,9 @@
 //!
 //! 1. What an effect needs is recorded: coils and their currents, a station outside, tiltmeters, solar arrays and milliseconds are in no
 //!    host; a temperature that moves, a field that moves, a second vector magnetometer, a working day, or a reading each ten seconds for a
-//!    vehicle that passes in a minute, are in some. A sensitivity that changes needs a field that does: in one that stays the same within
-//!    a tenth it is an offset by another name.
+//!    vehicle that passes in a minute, are in some. A sensitivity that changes, and whatever a core does with its drive,
+//!    needs a field that moves by a tenth of itself: else the first is an offset by another name, and the second thousands of times what any
+//!    core has.
 //! 2. A fresh calibration does not take it up: of its changes at least a twentieth is left.
 //! 3. Beside a scalar magnetometer its sensor has at least a tenth of the field: the length feels it.
 //! 4. The strength that is wanted can be reached within a tenth, by what adds no more than the Earth's field to any reading, and the second
@@ -28,7 +29,7 @@ const DAY_S: f64 = 85_000.0;
 const PASSING_S: f64 = 10.0;
 /// A temperature that moves by less, from its least to its greatest, is held, K.
 const HELD_K: f64 = 0.1;
-/// A field whose sensors move by less of its length, from least to greatest, is no drive for a sensitivity.
+/// A field whose sensors move by less of its length, from least to greatest, is no drive.
 const DRIVE: f64 = 0.1;
 
 /// What needs columns or rates that no host has.
@@ -57,6 +58,18 @@ const WITHOUT_FIELD: [&str; 8] = [
     "working_hours",
 ];
 
+/// What a core or an amplifier does with a drive.
+const OF_THE_DRIVE: [&str; 8] = [
+    "hysteresis",
+    "perming",
+    "quadratic_nonlinearity",
+    "cubic_nonlinearity",
+    "cross_field",
+    "cross_field_sensitivity",
+    "saturation",
+    "clipping",
+];
+
 /// Kinds and forms whose inputs a host has: the first part of the rule.
 pub fn kinds_of(host: &Host) -> Vec<Single> {
     kinds::ALL.into_iter().chain(kinds::FURTHER).filter(|kind| has_inputs(host, kind)).collect()
@@ -75,7 +88,7 @@ fn has_inputs(host: &Host, kind: &Single) -> bool {
         && (!pair || host.campaign.kind == Kind::Pair)
         && (!warm || goes(host, thermometer))
         && (still || host.moves)
-        && (!name.starts_with("sensitivity_") || drive(host) >= DRIVE)
+        && (!(name.starts_with("sensitivity_") || OF_THE_DRIVE.contains(&name)) || drive(host) >= DRIVE)
         && (name != "working_hours" || span > DAY_S)
         && (name != "vehicle_pass" || host.campaign.runs[0].step_s() <= PASSING_S)
 }
@@ -138,7 +151,14 @@ mod tests {
         let [pair, scalar, alone] = [Beside::Vector, Beside::Scalar, Beside::Thermometer].map(|b| names(&b));
         for names in [&pair, &scalar, &alone] {
             assert!(names.contains("reading_step") && names.contains("dropout"), "{names:?}");
-            for out in ["eddy_currents", "mains", "sensitivity_ageing", "vehicle_pass", "working_hours"] {
+            for out in [
+                "eddy_currents",
+                "mains",
+                "sensitivity_ageing",
+                "hysteresis",
+                "vehicle_pass",
+                "working_hours",
+            ] {
                 assert!(!names.contains(out), "{out}");
             }
         }
