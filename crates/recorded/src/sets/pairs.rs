@@ -161,8 +161,8 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         ));
     }
     page.undecided(
-        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration, however well it predicts the next minutes. From the first two thirds \
-         alone `diffmag` does not say so; over the whole run it does ([diffmag.md](../diffmag.md)).",
+        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration, however well it predicts the next minutes. \
+         `diffmag` does not say so.",
     );
     Ok(page)
 }
