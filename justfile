@@ -52,7 +52,7 @@ bench:
 # steps with a folder that must be new: what was opened once is not scored again.
 proof folder="target/proof":
     cargo build --release --workspace --bins
-    target/release/blind make -o {{folder}} --truths {{folder}}-truths.json
+    target/release/blind make -o {{folder}} --truths {{folder}}-truths.json --recordings ../shared/data
     target/release/blind answer {{folder}}
     target/release/blind score {{folder}} --truths {{folder}}-truths.json -o docs/proof.md
     target/release/recorded -o docs/proof/real.md

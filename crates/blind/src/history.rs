@@ -50,7 +50,7 @@ mod tests {
 
     #[test]
     fn a_score_stands_once() {
-        let score = |seal: &str| Score { outcomes: Vec::new(), seal: seal.into() };
+        let score = |seal: &str| Score { outcomes: Vec::new(), real: Vec::new(), seal: seal.into() };
         let first = with("", &score("0123456789abcdef"));
         assert_eq!(first.lines().count(), 7, "{first}");
         assert_eq!(with(&first, &score("0123456789abcdef")), first);

@@ -4,6 +4,8 @@ mod campaigns;
 mod error;
 mod folder;
 mod history;
+mod hosted;
+mod hosts;
 mod page;
 mod reliability;
 mod score;

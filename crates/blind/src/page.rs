@@ -4,6 +4,7 @@ mod failures;
 pub mod month;
 pub mod orbit;
 mod picture;
+pub mod real;
 mod tables;
 
 use crate::reliability;
@@ -18,10 +19,12 @@ pub struct Besides {
     pub orbit: Option<String>,
     /// The section of the observatory, where it was run.
     pub month: Option<String>,
+    /// The section of real recordings and its picture, where there are some.
+    pub real: Option<(String, String)>,
 }
 
 /// The page with its pictures by file name.
-pub fn of(score: &Score, besides: &Besides) -> (String, [(&'static str, String); 2]) {
+pub fn of(score: &Score, besides: &Besides) -> (String, Vec<(&'static str, String)>) {
     let mut sections = vec![
         introduction(score),
         tables::goals(score),
@@ -35,10 +38,13 @@ pub fn of(score: &Score, besides: &Besides) -> (String, [(&'static str, String);
         tables::baselines(score),
         failures::section(score),
     ];
+    sections.extend(besides.real.as_ref().map(|(section, _)| section.clone()));
     sections.extend(besides.orbit.clone());
     sections.extend(besides.month.clone());
     sections.push(concealed());
-    (sections.join("\n"), [(STRENGTHS, by_strength(score)), (RELIABILITY, by_probability(score))])
+    let mut pictures = vec![(STRENGTHS, by_strength(score)), (RELIABILITY, by_probability(score))];
+    pictures.extend(besides.real.as_ref().map(|(_, picture)| (real::PICTURE, picture.clone())));
+    (sections.join("\n"), pictures)
 }
 
 const STRENGTHS: &str = "blind-strengths.svg";
@@ -113,7 +119,7 @@ fn introduction(score: &Score) -> String {
         is named. One name too many is a wrong name. Names told as equals are right where each of them is (a second-order loop is a lag as well as a delay), and \
         *in the set* where one of them is.\n\
         - Intervals are Wilson's, 95 %.\n",
-        score.outcomes.len(),
+        score.cases(),
         score.seal,
         score.outcomes.first().map_or(0, |outcome| outcome.truth.seed)
     )

@@ -16,6 +16,8 @@ use crate::wilson::Share;
 pub struct Score {
     /// By set, seed and number.
     pub outcomes: Vec<Outcome>,
+    /// Those of effects in real recordings, and of the recordings themselves: no goal of the others counts them.
+    pub real: Vec<Outcome>,
     /// SHA-256 of the file of seals.
     pub seal: String,
 }
@@ -32,7 +34,13 @@ impl Score {
             let key = |o: &Outcome| (o.truth.set.clone(), o.truth.seed, o.truth.number);
             key(a).cmp(&key(b))
         });
-        Ok(Self { outcomes, seal })
+        let (real, outcomes) = outcomes.into_iter().partition(|outcome| outcome.truth.set == injected::SET);
+        Ok(Self { outcomes, real, seal })
+    }
+
+    /// How many cases there are.
+    pub fn cases(&self) -> usize {
+        self.outcomes.len() + self.real.len()
     }
 
     /// Those in which something of a sort was concealed.

@@ -10,6 +10,8 @@ use crate::Error;
 use crate::campaigns::{self, Campaign};
 use crate::folder::{Asked, Folder};
 use crate::history;
+use crate::hosted;
+use crate::hosts;
 use crate::page::{self, Besides};
 use crate::score::Score;
 use crate::seal;
@@ -29,6 +31,15 @@ pub struct Make {
     /// At most so many cases of a set
     #[arg(long, value_name = "N")]
     pub cases: Option<usize>,
+    /// The folder of real recordings, to conceal effects in those that show nothing; absent: none
+    #[arg(long, value_name = "FOLDER")]
+    pub recordings: Option<PathBuf>,
+    /// At most so many effects a round in each real recording
+    #[arg(long, value_name = "N", default_value_t = 12)]
+    pub each: usize,
+    /// Where the stages' programs are, which read real recordings and say whether they show nothing; absent: beside this one
+    #[arg(long, value_name = "FOLDER")]
+    pub programs: Option<PathBuf>,
     /// The folder of the documents and the seals
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
@@ -78,11 +89,14 @@ pub fn make(asked: &Make) -> Result<String, Error> {
         })?,
     };
     let sets: &[Set] = if asked.set.is_empty() { &Set::SCORE } else { &asked.set };
-    let cases: Vec<Case> = sets
+    let mut cases: Vec<Case> = sets
         .iter()
         .flat_map(|set| set.cases(seed, (set.round() * asked.rounds).min(asked.cases.unwrap_or(usize::MAX))))
         .collect();
     let folder = Folder::at(&asked.output)?;
+    if let Some(recordings) = &asked.recordings {
+        cases.extend(hosts::cases(&folder, recordings, asked, seed)?);
+    }
     seal::seal(&folder, &cases, &asked.truths)?;
     seal::commitment(&folder)
 }
@@ -111,7 +125,11 @@ pub fn score(asked: &Scoring) -> Result<Score, Error> {
     };
     let section =
         |of: fn(&Campaign) -> Result<String, Error>| (!asked.cases_only).then(|| of(&campaign)).transpose();
-    let besides = Besides { orbit: section(campaigns::orbit)?, month: section(campaigns::month)? };
+    let besides = Besides {
+        orbit: section(campaigns::orbit)?,
+        month: section(campaigns::month)?,
+        real: page::real::of(&score, &hosts::tried(&folder)?, &answers)?,
+    };
     let (text, pictures) = page::of(&score, &besides);
     let beside = asked.output.with_extension("");
     std::fs::create_dir_all(&beside).map_err(|source| Error::file(&beside, "written", source))?;
@@ -128,6 +146,6 @@ pub fn summary(score: &Score) -> String {
     let line = |goal: crate::score::Goal| {
         format!("  {}: {} (wanted: {}): {}\n", goal.what, goal.found.words(), goal.wanted(), goal.verdict())
     };
-    let lines: String = score.goals().into_iter().map(line).collect();
-    format!("blind: {} cases\n{lines}", score.outcomes.len())
+    let lines: String = score.goals().into_iter().chain(hosted::goals(score)).map(line).collect();
+    format!("blind: {} cases\n{lines}", score.cases())
 }

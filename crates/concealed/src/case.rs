@@ -143,9 +143,8 @@ pub fn flicker(draw: &mut Draw) -> Noise {
     Noise { white_nt: 0.85 * size, flicker_nt2_per_hz: 0.03 * size * size, exponent: 1.0, old: false }
 }
 
-/// The size at which `strength` times the noise is left of an effect after the basic model is fitted.
-fn sized(campaign: &Campaign, plain: &Readings, effect: &Effect, wanted_nt: f64) -> f64 {
-    let left = |size: f64| base::size_left(campaign, &(effect.act)(campaign, plain, size));
+/// The size at which so many nT are left of an effect after the basic model is fitted; `left` says how many are left of a size.
+pub fn sized(left: impl Fn(f64) -> f64, wanted_nt: f64) -> f64 {
     let mut size = 1.0_f64;
     for _ in 0..12 {
         let now = left(size);
@@ -179,7 +178,8 @@ pub fn make(
     let mut effects = Vec::new();
     let mut of_codes = Vec::new();
     for one in concealed {
-        let size = sized(campaign, &plain, &one.effect, one.strength * noise_nt);
+        let left = |size: f64| base::size_left(campaign, &(one.effect.act)(campaign, &plain, size));
+        let size = sized(left, one.strength * noise_nt);
         let added = (one.effect.act)(campaign, &plain, size);
         let parameters = (one.effect.parameters)(size).into_iter();
         effects.push(TrueEffect {

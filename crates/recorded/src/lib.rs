@@ -6,6 +6,7 @@
 
 mod affine;
 mod by_hand;
+mod known;
 mod page;
 mod plot;
 mod series;
@@ -19,9 +20,11 @@ use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+pub use affine::least_squares;
 use page::Page;
+pub use series::Series;
 pub use sets::{SETS, Set};
-use stages::Stages;
+pub use stages::Stages;
 pub use testkit::programs::Error;
 use testkit::programs::Programs;
 
@@ -96,7 +99,8 @@ pub fn recorded(data: &Path, programs: Programs, name: Option<&str>) -> Result<R
     let heads = sets.iter().zip(&pages).map(|(set, page)| vec![set.title.to_string(), headline(page)]);
     let mut summary = Page::default();
     summary.table(&["asked", "found"], &heads.collect::<Vec<_>>());
-    let mut top = Page { text: INTRODUCTION.to_string() + &summary.text, ..Page::default() };
+    let known = known::table(pages.iter().flatten().flat_map(|page| page.known.clone()));
+    let mut top = Page { text: INTRODUCTION.to_string() + &summary.text + KNOWN + &known, ..Page::default() };
     for (set, page) in sets.iter().zip(&pages) {
         top.text += &format!("## {}\n\n", set.title);
         match page {
@@ -116,5 +120,11 @@ const INTRODUCTION: &str = "# Real recordings
 This page is made by `cargo run --release -p recorded -- -o docs/proof/real.md` and not by hand. Recorded by others, and not in this repository; each set goes through the programs as they are shipped. Fitted is one part; the other is
 predicted without having been seen. *Levels alone* is what is known without any fit: axes and scales alike, mean levels of the fitted part.
 ± are standard uncertainties.
+
+";
+
+const KNOWN: &str = "## Known from the source
+
+What the notes of the recordings, or another instrument, say is in them. No stage was told of it; whether it was found is decided by the program that makes this page, from the stage's output.
 
 ";

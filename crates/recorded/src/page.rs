@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+use crate::known::Known;
+
 /// A part of the page.
 #[derive(Clone, Debug, Default)]
 pub struct Page {
@@ -11,6 +13,8 @@ pub struct Page {
     pub text: String,
     /// Plots by file name.
     pub plots: Vec<(String, String)>,
+    /// What the source says is in it, and whether it was found.
+    pub known: Vec<Known>,
 }
 
 impl Page {

@@ -31,6 +31,11 @@ impl Series {
         self.columns.values().next().map_or(0, Vec::len)
     }
 
+    /// Whether there is a column of that name.
+    pub fn holds(&self, name: &str) -> bool {
+        self.columns.contains_key(name)
+    }
+
     /// A column; empty where there is none of that name.
     pub fn column(&self, name: &str) -> &[f64] {
         self.columns.get(name).map_or(&[], Vec::as_slice)

@@ -68,9 +68,60 @@ pub fn shares(title: &str, below: &str, points: &[Point]) -> String {
     )
 }
 
+/// Courses one over the other: x and y of each with its words, and what x and y are.
+pub fn courses(title: &str, [below, beside]: [&str; 2], lines: &[(String, Vec<[f64; 2]>)]) -> String {
+    let range = |k: usize| {
+        let all = || lines.iter().flat_map(|(_, points)| points).map(|point| point[k]);
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+        if high > low { [low, high] } else { [low - 1.0, low + 1.0] }
+    };
+    let ([left, right], [low, high]) = (range(0), range(1));
+    let x = |value: f64| LEFT + (value - left) / (right - left) * (WIDTH - LEFT - RIGHT);
+    let y = |value: f64| TOP + (high - value) / (high - low) * (HEIGHT - TOP - BOTTOM);
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-family=\"sans-serif\" font-size=\"11\">\n\
+         <rect width=\"{WIDTH}\" height=\"{HEIGHT}\" fill=\"#fff\"/>\n<text x=\"{LEFT}\" y=\"16\" font-size=\"12\">{title}</text>\n"
+    );
+    for value in [low, high] {
+        svg += &format!(
+            "<line x1=\"{LEFT}\" x2=\"{:.1}\" y1=\"{1:.1}\" y2=\"{1:.1}\" stroke=\"#ddd\"/>\n\
+             <text x=\"{2:.1}\" y=\"{3:.1}\" text-anchor=\"end\">{value:.2}</text>\n",
+            WIDTH - RIGHT,
+            y(value),
+            LEFT - 6.0,
+            y(value) + 4.0
+        );
+    }
+    for ((words, points), (number, colour)) in
+        lines.iter().zip(["#c2410c", "#1d4ed8", "#15803d"].iter().enumerate())
+    {
+        let path: Vec<String> = points.iter().map(|[a, b]| format!("{:.1},{:.1}", x(*a), y(*b))).collect();
+        svg += &format!(
+            "<polyline points=\"{}\" fill=\"none\" stroke=\"{colour}\"/>\n<text x=\"{:.1}\" y=\"{:.1}\" fill=\"{colour}\">{words}</text>\n",
+            path.join(" "),
+            LEFT + 180.0 * number as f64,
+            HEIGHT - 10.0
+        );
+    }
+    svg + &format!(
+        "<text x=\"{:.1}\" y=\"{1:.1}\" text-anchor=\"middle\">{below}</text>\n<text x=\"4\" y=\"{2:.1}\">{beside}</text>\n</svg>\n",
+        (WIDTH + LEFT) / 2.0,
+        HEIGHT - BOTTOM + 18.0,
+        TOP - 6.0
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_course_goes_from_edge_to_edge() {
+        let line = ("before".to_string(), vec![[0.0, -1.0], [2.0, 3.0], [4.0, 1.0]]);
+        let svg = courses("a title", ["time, h", "nT"], &[line]);
+        assert!(svg.contains("points=\"50.0,216.0 299.0,30.0 548.0,123.0\""), "{svg}");
+        assert!(svg.starts_with("<svg") && svg.ends_with("</svg>\n") && !svg.contains("NaN"));
+    }
 
     #[test]
     fn a_share_stands_at_its_height() {

@@ -1,10 +1,12 @@
 //! Two magnetometers on a balloon: the colder it gets, the farther they are apart.
 
 use serde_json::json;
+use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::affine::{least_squares, rms_of_each};
-use crate::page::{Page, three, verdict};
+use crate::known::Known;
+use crate::page::{Page, array, three, verdict};
 use crate::series::{Series, length};
 use crate::split::Split;
 use crate::stages::Stages;
@@ -103,6 +105,17 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {
         Ok(document) => {
+            let warm = array(&document["diagnosis"][0]["effects"]).filter(|effect| {
+                effect["effect"].as_str().is_some_and(|name| name.starts_with("offset_temperature"))
+            });
+            let axes = warm.filter_map(|effect| effect["sensor"].as_str()).collect::<BTreeSet<_>>().len();
+            page.known.push(Known {
+                from: "the balloon's way back, by least squares",
+                what: "the two go apart with the temperature of the die, and not with time",
+                stage: "diagnose",
+                answer: format!("an offset that follows the temperature in {axes} of three axes"),
+                found: axes == 3,
+            });
             page.head(format!("`diagnose` {}.", verdict(&document)));
             page.diagnosis(&document);
         }

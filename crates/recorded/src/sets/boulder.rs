@@ -5,6 +5,7 @@ use serde_json::json;
 use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
 use crate::affine::{Affine, rms_of_each};
+use crate::known::Known;
 use crate::page::{Page, plus_minus, three};
 use crate::series::{Series, length, mean, rms};
 use crate::split::Split;
@@ -13,6 +14,8 @@ use crate::stages::Stages;
 const DAY_S: f64 = 86_400.0;
 /// Standard uncertainty of the difference of two readings that are each printed to 0.01 nT.
 const PRINTED_NT: f64 = 0.0041;
+/// What is left by no more than this is the rounding.
+const ROUNDED: f64 = 1.1;
 
 /// Readings as the fluxgate gave them (`reference_*_nt`) and as the observatory adjusted them (`test_*_nt`).
 fn both(stages: &Stages) -> Result<Series, Error> {
@@ -37,6 +40,14 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
             let Some(found) = Affine::found(&document) else { return Ok(page) };
             let left =
                 |part: &Series| rms_of_each(&found.differences(part)).map(|nt| format!("{nt:.4}")).join("; ");
+            let unseen = rms_of_each(&found.differences(&split.left_out));
+            page.known.push(Known {
+                from: "the survey's notes",
+                what: "adjusted data are raw data times one matrix, rounded to 0.01 nT",
+                stage: "diffmag",
+                answer: format!("a matrix that leaves {} nT where it was not fitted", left(&split.left_out)),
+                found: unseen.iter().all(|nt| *nt < ROUNDED * PRINTED_NT),
+            });
             let elements = &document["calibration"]["differential"]["fit"]["elements"];
             let element = |i: &str, j: &str| {
                 let element = &elements[format!("{i}{j}")];

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::Error;
+use crate::known::Known;
 use crate::page::{Page, array, plus_minus, three, verdict};
 use crate::series::{Series, mean, rms};
 use crate::stages::Stages;
@@ -78,6 +79,14 @@ pub fn square_wave(stages: &Stages) -> Result<Page, Error> {
                     effect["effect"] == "spike" && time.as_f64().or(time["value"].as_f64()) == Some(0.0)
                 };
                 let found = array(&document["diagnosis"][0]["effects"]).filter(first).count();
+                page.known.push(Known {
+                    from: "notes of the square wave",
+                    what: "the logger's first row is a start-up artefact",
+                    stage: "diagnose",
+                    answer: format!("{what} a spike in the first row of {found} of three axes")
+                        .replace(':', ""),
+                    found: found == 3,
+                });
                 page.head(format!(
                     "{what} the known artefact of the first row is found in {found} of three axes; {}.",
                     verdict(&document)
@@ -111,6 +120,7 @@ pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
     };
     let empty = read("2021-03-03_16-00-03-background-2")?;
     let mut page = Page::default();
+    let mut told = Vec::new();
     page.say(
         "A fluxgate through 0.8 m of gradient, 974 places. The scan of the empty holder is the prediction (`--against`); held against it are a scan with a magnetised foil, and the empty holder \
          again ten minutes after. How far two empty scans differ is what a foil must exceed.",
@@ -133,9 +143,19 @@ pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
             Ok(document) => {
                 page.head(format!("{what} {}.", verdict(&document)));
                 page.diagnosis(&document);
+                told.push(verdict(&document));
             }
             Err(words) => page.refused("diagnose", &words),
         }
+    }
+    if let [empty, foil] = &told[..] {
+        page.known.push(Known {
+            from: "notes of the gradiometer",
+            what: "a magnetised foil in one scan, the holder empty in the other",
+            stage: "diagnose",
+            answer: format!("{foil} with the foil, {empty} of the empty holder"),
+            found: foil != "agrees" && empty == "agrees",
+        });
     }
     page.undecided(
         "the foil's size and place: the catalogue's nearest is a vehicle that passes, a dipole on a straight path, right in form and wrong in name; and below some 10 nT nothing at all, because two empty scans \

@@ -1,10 +1,12 @@
 //! Other observatories: vector against scalar.
 
+use serde_json::{Value, json};
 use std::fs;
 
 use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
-use crate::page::{Page, three};
+use crate::known::Known;
+use crate::page::{Page, array, quantity, three};
 use crate::series::{Series, mean, rms};
 use crate::split::Split;
 use crate::stages::Stages;
@@ -150,7 +152,21 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
             by_hand: PLANE,
             plot: None,
         };
+        let recording =
+            joined(&late(fitted, days[8].0.unwrap_or(0.0))).recording("vector-scalar", "free_run");
         scalar::study(stages, &mut page, &scalar)?;
+        if let Ok(document) = stages.stage("diagnose", &[], vec![recording], &json!({}))? {
+            let clock = |effect: &&Value| effect["effect"] == "clock_offset";
+            let found = array(&document["diagnosis"][0]["effects"]).find(clock);
+            let offset = found.map(|effect| quantity(&effect["parameters"]["offset_s"]));
+            page.known.push(Known {
+                from: "the field at Cobenzl, by shifts of the clock",
+                what: "the proton magnetometer's own clock is off by half a minute and more; 9 September by that clock",
+                stage: "diagnose",
+                answer: offset.map_or("no clock named".into(), |s| format!("`clock_offset` {s} s")),
+                found: found.is_some(),
+            });
+        }
     }
     page.undecided(
         "the clock to better than some 5 s; whose the scatter of the disturbed days is (trams, at two places); whether the DIDD's F is right, since it is made of its own X, Y and Z; how either \
@@ -169,6 +185,12 @@ fn clocks_apart_s(line: &str) -> Option<f64> {
     };
     let apart = second_of_day(&log)? - second_of_day(instrument.get(4..)?)?;
     Some((apart + 43_200.0).rem_euclid(86_400.0) - 43_200.0)
+}
+
+/// The same readings at the times of the instrument's own clock, which the log's is ahead of.
+fn late(proton: &Series, apart_s: f64) -> Series {
+    let times = proton.column("time_s").iter().map(|t| t - apart_s).collect();
+    proton.clone().with("time_s", times)
 }
 
 /// Means of a minute about the whole minute, as the DIDD gives them.

@@ -1,0 +1,19 @@
+//! Effects concealed in real recordings that show nothing.
+//!
+//! Noise that a generator draws is as kind as its author. Here noise, rounding and disturbances are those of instruments: a host is a
+//! recording that somebody else made, of which `diagnose` says that it agrees with the basic model, and an effect of `concealed` is added
+//! to its readings. Which recordings are tried stands in [`hosts::CANDIDATES`], which effects a host can carry in [`suits`]; both were
+//! written down before anything was injected.
+
+pub mod between;
+pub mod cases;
+pub mod host;
+pub mod hosts;
+pub mod left;
+#[cfg(test)]
+mod made_up;
+pub mod suits;
+
+pub use cases::{SET, injected, untouched};
+pub use host::Host;
+pub use hosts::{CANDIDATES, Candidate};
