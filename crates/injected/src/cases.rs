@@ -149,6 +149,7 @@ fn truth(
         recorded: Vec::new(),
         noise_nt: host.scatter_nt,
         effects,
+        without: Vec::new(),
         baselines: Default::default(),
         nonce: case::nonce(draw),
     }
