@@ -4,6 +4,7 @@ mod campaigns;
 mod error;
 mod folder;
 mod history;
+mod methods;
 mod page;
 mod reliability;
 mod score;

@@ -14,6 +14,8 @@ use picture::Point;
 
 /// What the page says besides the score.
 pub struct Besides {
+    /// What other methods make of the same documents.
+    pub methods: String,
     /// The section of the orbit, where it was run.
     pub orbit: Option<String>,
     /// The section of the observatory, where it was run.
@@ -31,7 +33,7 @@ pub fn of(score: &Score, besides: &Besides) -> (String, [(&'static str, String);
         tables::kinds(score),
         tables::figures(score),
         reliability::section(score.outcomes.iter()),
-        tables::baselines(score),
+        besides.methods.clone(),
         failures::section(score),
     ];
     sections.extend(besides.orbit.clone());

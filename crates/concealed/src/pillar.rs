@@ -113,7 +113,6 @@ pub fn month(seed: u64) -> Case {
         recorded: Vec::new(),
         noise_nt,
         effects,
-        baselines: Default::default(),
         nonce: nonce(&mut draw),
     };
     Case { document, truth }

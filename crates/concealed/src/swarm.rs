@@ -151,7 +151,6 @@ pub fn flight(seed: u64) -> Flight {
             form_error: 0.0,
             left_nt: SIZE_NT,
         }],
-        baselines: Default::default(),
         nonce: nonce(&mut draw),
     };
     Flight { case: Case { document, truth }, moments, disturbance, residual }
