@@ -15,11 +15,11 @@ use std::ops::Range;
 use crate::blocks::Sample;
 
 /// Coefficients are found when none moves by more than this share of the largest.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-4;
 /// Most rounds over the groups.
 const ROUNDS: usize = 2000;
 /// From one penalty of a path to the next.
-const STEP: f64 = 0.93;
+const STEP: f64 = 0.9;
 /// The least penalty of a path, as a share of the one at which the first group comes in.
 const LIGHTEST: f64 = 1e-3;
 
@@ -68,8 +68,7 @@ impl<'s> Lasso<'s> {
         if group.is_empty() || steep <= 0.0 {
             return 0.0;
         }
-        let towards: Vec<f64> =
-            group.clone().map(|j| steep * at.coefficients[j] + at.along[j]).collect();
+        let towards: Vec<f64> = group.clone().map(|j| steep * at.coefficients[j] + at.along[j]).collect();
         let kept = (1.0 - penalty * (group.len() as f64).sqrt() / length(&towards)).max(0.0) / steep;
         let mut most = 0.0_f64;
         for (j, towards) in group.clone().zip(towards) {
@@ -89,8 +88,7 @@ impl<'s> Lasso<'s> {
     fn minimum(&self, at: &mut At, penalty: f64, tolerance: f64) {
         let largest = |at: &At| at.coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
         for _ in 0..ROUNDS {
-            let moved =
-                (0..self.groups.len()).map(|g| self.descend(at, g, penalty)).fold(0.0, f64::max);
+            let moved = (0..self.groups.len()).map(|g| self.descend(at, g, penalty)).fold(0.0, f64::max);
             if moved <= tolerance * largest(at) {
                 return;
             }

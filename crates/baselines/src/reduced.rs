@@ -12,7 +12,7 @@ use crate::Combination;
 /// A direction that holds less than this share of the squared length of a group's largest is left out.
 const LEAST: f64 = 1e-4;
 /// A column of which the calibration leaves less than this share of the squared length is left out.
-const VISIBLE: f64 = 1e-9;
+pub const VISIBLE: f64 = 1e-9;
 
 /// The columns of all groups.
 #[derive(Clone, Debug)]

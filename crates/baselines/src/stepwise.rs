@@ -1,6 +1,7 @@
 //! Stepwise regression: the form that lowers the criterion most comes in, any that raises it goes, until neither helps.
 //!
-//! A form is all columns of a group at one value of its grid, or at one moment. Several forms of a group may come in.
+//! A form is all columns of a group at one value of its grid or at one moment, or one of these columns alone. Several forms of a group may
+//! come in.
 
 use diagnose::{Dictionary, Error};
 use estimate::screen::Screen;
@@ -25,8 +26,14 @@ pub fn choose(dictionary: &Dictionary, screen: &Screen) -> Result<Choice, Error>
     let groups = dictionary.groups.len() as f64;
     let forms: Vec<Form> = (dictionary.groups.iter().enumerate())
         .flat_map(|(group, own)| {
-            let log_candidates = (groups * own.forms.len() as f64).ln();
-            own.forms.iter().map(move |form| Form { group, columns: form.columns.clone(), log_candidates })
+            let all = own.forms.iter().flat_map(|form| {
+                let single =
+                    form.columns.iter().filter(|_| form.columns.len() > 1).map(|column| vec![*column]);
+                single.chain([form.columns.clone()])
+            });
+            let all: Vec<Vec<usize>> = all.collect();
+            let log_candidates = (groups * all.len() as f64).ln();
+            all.into_iter().map(move |columns| Form { group, columns, log_candidates })
         })
         .collect();
     let criterion = Criterion { rows: screen.freedom(), search: SEARCH };

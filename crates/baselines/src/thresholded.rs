@@ -48,12 +48,7 @@ pub fn thresholded(sample: &Sample, groups: &[Range<usize>], threshold: f64, rid
 }
 
 /// (XᵀX + α)⁻¹ Xᵀy over the columns of some groups, α from the squared length of a column.
-fn fitted(
-    sample: &Sample,
-    groups: &[Range<usize>],
-    kept: &[usize],
-    ridge: impl Fn(f64) -> f64,
-) -> Vec<f64> {
+fn fitted(sample: &Sample, groups: &[Range<usize>], kept: &[usize], ridge: impl Fn(f64) -> f64) -> Vec<f64> {
     let columns: Vec<usize> = kept.iter().flat_map(|group| groups[*group].clone()).collect();
     let mut coefficients = vec![0.0; sample.along.len()];
     if columns.is_empty() {
@@ -131,8 +126,7 @@ pub mod reference {
             let rms = (values.iter().map(|v| v * v).sum::<f64>() / n).sqrt();
             values.iter().map(|value| value / rms).collect()
         };
-        let columns: Vec<Vec<f64>> =
-            case.columns.iter().map(unit).chain([centred(&case.response)]).collect();
+        let columns: Vec<Vec<f64>> = case.columns.iter().map(unit).chain([centred(&case.response)]).collect();
         (0..case.response.len()).map(|row| columns.iter().map(|column| column[row]).collect()).collect()
     }
 }

@@ -62,7 +62,8 @@ pub fn section(diagnose: &Score, others: &[Score]) -> String {
         let shares = all().map(|score| format!(" {} |", Share::of(score.of_sort(sort), |o| so(o)).words()));
         text += &format!("| {what} |{}\n", shares.collect::<String>());
     }
-    let silent = all().map(|score| format!(" {} |", Share::of(&score.outcomes, |o| o.verdict == "none").words()));
+    let silent =
+        all().map(|score| format!(" {} |", Share::of(&score.outcomes, |o| o.verdict == "none").words()));
     text += &format!("| no answer |{}\n", silent.collect::<String>());
     text + &format!(
         "\nAll documents, each answered within {LIMIT_S} s, sealed and scored as the answers of diagnose are. Each method chooses among the whole of diagnose's dictionary, whitened by \
