@@ -29,7 +29,7 @@ const PAIRS: u64 = 50;
 /// The share of halves π.
 const SHARE: f64 = 0.75;
 /// The bound on the expected number of false choices, from which q follows.
-const FALSE: f64 = 0.5;
+const FALSE: f64 = 0.1;
 /// A sample in which the mean square of a group's columns is less than this share of what it is in all rows does not count for it.
 pub const HELD: f64 = 0.5;
 
