@@ -40,7 +40,7 @@ impl Blocks {
         let readings = dictionary.channels.iter().map(|channel| channel.rows.end).max().unwrap_or(0);
         let moments = dictionary.channels.iter().flat_map(|channel| channel.moments.last());
         let moments = moments.max().map_or(1, |last| last + 1);
-        let found: Vec<Vec<(usize, f64, Vec<usize>, Mat<f64>)>> = (0..dictionary.channels.len())
+        let found: Vec<Vec<Part>> = (0..dictionary.channels.len())
             .into_par_iter()
             .map(|number| of_channel(dictionary, columns, number, |moment| moment * pieces / moments))
             .collect();
@@ -130,13 +130,16 @@ impl Blocks {
     }
 }
 
-/// The products of the columns that are something in a channel: piece, rows, columns, products.
+/// Of a channel in a piece: the piece, its rows, the columns that are something there, and their products.
+type Part = (usize, f64, Vec<usize>, Mat<f64>);
+
+/// All pieces of a channel.
 fn of_channel(
     dictionary: &Dictionary,
     columns: &[Combination],
     number: usize,
     piece_of: impl Fn(usize) -> usize,
-) -> Vec<(usize, f64, Vec<usize>, Mat<f64>)> {
+) -> Vec<Part> {
     let channel = &dictionary.channels[number];
     let (base, length) = (dictionary.base.ncols(), channel.rows.len());
     let mut there: Vec<usize> = (0..base).collect();
