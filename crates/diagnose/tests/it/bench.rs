@@ -2,7 +2,6 @@
 
 use common::{Document, Quantity};
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 
 /// Rms of the noise of a reading that every document declares, nT.
