@@ -6,6 +6,7 @@ mod folder;
 mod history;
 mod hosted;
 mod hosts;
+mod methods;
 mod page;
 mod reliability;
 mod score;

@@ -25,7 +25,7 @@ struct Cli {
 enum Command {
     /// Makes documents with something concealed and seals the truths; the commitment goes to standard output
     Make(Make),
-    /// Has diagnose answer the documents of a folder
+    /// Has diagnose answer the documents of a folder, and other methods beside it
     Answer(Answer),
     /// Opens the truths, scores the answers, and writes the page
     Score(Scoring),

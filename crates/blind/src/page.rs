@@ -15,6 +15,8 @@ use picture::Point;
 
 /// What the page says besides the score.
 pub struct Besides {
+    /// What other methods make of the same documents.
+    pub methods: String,
     /// The section of the orbit, where it was run.
     pub orbit: Option<String>,
     /// The section of the observatory, where it was run.
@@ -35,7 +37,7 @@ pub fn of(score: &Score, besides: &Besides) -> (String, Vec<(&'static str, Strin
         tables::removed(score),
         tables::figures(score),
         reliability::section(score.outcomes.iter()),
-        tables::baselines(score),
+        besides.methods.clone(),
         failures::section(score),
     ];
     sections.extend(besides.real.as_ref().map(|(section, _)| section.clone()));

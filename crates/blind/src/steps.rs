@@ -12,6 +12,7 @@ use crate::folder::{Asked, Folder};
 use crate::history;
 use crate::hosted;
 use crate::hosts;
+use crate::methods;
 use crate::page::{self, Besides};
 use crate::score::Score;
 use crate::seal;
@@ -101,12 +102,13 @@ pub fn make(asked: &Make) -> Result<String, Error> {
     seal::commitment(&folder)
 }
 
-/// Has diagnose answer every document. What ends with an error, or takes too long, stands as an answer without a diagnosis.
+/// Has diagnose answer every document, and the methods beside it. What ends with an error, or takes too long, stands as an answer without a diagnosis.
 pub fn answer(asked: &Answer) -> Result<usize, Error> {
     let programs = Programs::find(asked.programs.as_deref())?;
     let folder = Folder::at(&asked.folder)?;
     let stored = seal::stored(&folder)?;
     folder.answer_all(&Asked::diagnose(&programs), stored.keys())?;
+    methods::answer(&folder, &programs, stored.keys())?;
     Ok(stored.len())
 }
 
@@ -118,6 +120,7 @@ pub fn score(asked: &Scoring) -> Result<Score, Error> {
     let answers = folder.answers(diagnose.name, diagnose.arguments, &programs)?;
     let truths = seal::open(&folder, &asked.truths, &answers)?;
     let score = Score::of(truths, &answers, seal::commitment(&folder)?)?;
+    let others = methods::scores(&folder, &programs, &asked.truths)?;
     let campaign = Campaign {
         seed: score.outcomes.first().map_or(0, |outcome| outcome.truth.seed),
         folder: asked.folder.clone(),
@@ -126,6 +129,7 @@ pub fn score(asked: &Scoring) -> Result<Score, Error> {
     let section =
         |of: fn(&Campaign) -> Result<String, Error>| (!asked.cases_only).then(|| of(&campaign)).transpose();
     let besides = Besides {
+        methods: methods::section(&score, &others),
         orbit: section(campaigns::orbit)?,
         month: section(campaigns::month)?,
         real: page::real::of(&score, &hosts::tried(&folder)?, &answers)?,

@@ -249,7 +249,7 @@ mod tests {
         });
         serde_json::from_value(json!({"case": "a", "set": "single", "seed": 1, "number": 0, "strength": 1.0, "length": "short",
             "covariates": "apart", "scene": "", "readings": 9, "noise_nt": 0.3, "effects": effects.collect::<Vec<_>>(),
-            "baselines": [[], []], "nonce": ""}))
+            "nonce": ""}))
         .expect("a truth")
     }
 

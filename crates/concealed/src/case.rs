@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, BTreeSet};
-use testkit::baselines::{Method, Series, chosen};
+use std::collections::BTreeSet;
 
 use crate::base;
 use crate::document;
@@ -68,9 +67,6 @@ pub struct Truth {
     /// Effects that are taken out of the finder's catalogue for this case.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub without: Vec<String>,
-    /// What stepwise regression and thresholded least squares choose, with the true calibration for their model; of long
-    /// recordings nothing.
-    pub baselines: [BTreeSet<String>; 2],
     /// Random digits: without them a seal of a short truth could be guessed open.
     pub nonce: String,
 }
@@ -207,7 +203,7 @@ pub fn make(
     }
     let count = campaign.runs.iter().map(|run| 3 * run.times.len()).sum();
     let document = document::of(campaign, noise, &readings, &labels.case, draw);
-    let mut truth = Truth {
+    let truth = Truth {
         case: labels.case.clone(),
         set: labels.set,
         seed: labels.seed,
@@ -221,30 +217,9 @@ pub fn make(
         noise_nt,
         effects,
         without: Vec::new(),
-        baselines: Default::default(),
         nonce: nonce(draw),
     };
-    if !long {
-        truth.baselines = baselines(campaign, &plain, &document);
-    }
     Case { document, truth }
-}
-
-/// What others make of the same recordings, with the truth for their model.
-fn baselines(campaign: &Campaign, plain: &Readings, document: &Value) -> [BTreeSet<String>; 2] {
-    let columns = |number: usize| -> BTreeMap<String, Vec<f64>> {
-        serde_json::from_value(document["recordings"][number]["columns"].clone()).unwrap_or_default()
-    };
-    let series: Vec<Series> = plain
-        .iter()
-        .enumerate()
-        .map(|(number, plain)| {
-            let scale = |sensor: usize| campaign.reading_nt(sensor);
-            let predicted = [0, 1, 2].map(|k| plain[k].iter().map(|value| value / scale(k)).collect());
-            Series { columns: columns(number), predicted }
-        })
-        .collect();
-    [Method::Stepwise, Method::Thresholded].map(|method| chosen(&series, method))
 }
 
 /// Random digits.

@@ -114,7 +114,6 @@ pub fn month(seed: u64) -> Case {
         noise_nt,
         effects,
         without: Vec::new(),
-        baselines: Default::default(),
         nonce: nonce(&mut draw),
     };
     Case { document, truth }

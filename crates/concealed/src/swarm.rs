@@ -152,7 +152,6 @@ pub fn flight(seed: u64) -> Flight {
             left_nt: SIZE_NT,
         }],
         without: Vec::new(),
-        baselines: Default::default(),
         nonce: nonce(&mut draw),
     };
     Flight { case: Case { document, truth }, moments, disturbance, residual }

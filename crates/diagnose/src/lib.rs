@@ -17,6 +17,7 @@ mod course;
 mod covariates;
 mod decide;
 mod dependence;
+mod dictionary;
 mod error;
 mod events;
 mod evidence;
@@ -49,6 +50,7 @@ mod what;
 mod whitening;
 mod words;
 
+pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
 pub use error::Error;
 pub use words::summary;
 

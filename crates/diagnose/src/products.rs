@@ -69,6 +69,11 @@ impl Products {
         Stacked::sum(&terms)
     }
 
+    /// A whitened column.
+    pub fn column(&self, number: usize) -> &Stacked {
+        &self.columns[number]
+    }
+
     /// How many columns there are.
     pub fn len(&self) -> usize {
         self.columns.len()

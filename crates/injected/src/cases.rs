@@ -150,7 +150,6 @@ fn truth(
         noise_nt: host.scatter_nt,
         effects,
         without: Vec::new(),
-        baselines: Default::default(),
         nonce: case::nonce(draw),
     }
 }

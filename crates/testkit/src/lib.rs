@@ -1,10 +1,8 @@
 //! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
-//! intervals that hold, other methods to hold answers against,
-//! laws that hold whatever was recorded, the stages' programs run one by one.
+//! intervals that hold, laws that hold whatever was recorded, the stages' programs run one by one.
 
 use std::path::{Path, PathBuf};
 
-pub mod baselines;
 mod beside;
 mod binary;
 mod coverage;

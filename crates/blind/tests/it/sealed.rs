@@ -7,14 +7,16 @@ use std::path::{Path, PathBuf};
 
 const BLIND: &str = env!("CARGO_BIN_EXE_blind");
 
-/// The program under proof is beside this one: `cargo test --workspace` builds both.
-fn diagnose_is_built() {
-    let diagnose = Path::new(BLIND).with_file_name("diagnose");
-    assert!(
-        diagnose.is_file(),
-        "no {}; `cargo test --workspace` or `cargo build -p diagnose` makes it",
-        diagnose.display()
-    );
+/// The programs under proof are beside this one: `cargo test --workspace` builds them all.
+fn the_programs_are_built() {
+    for name in ["diagnose", "baselines"] {
+        let program = Path::new(BLIND).with_file_name(name);
+        assert!(
+            program.is_file(),
+            "no {}; `cargo test --workspace` or `cargo build -p {name}` makes it",
+            program.display()
+        );
+    }
 }
 
 /// Cases in a folder with their truths beside it.
@@ -44,7 +46,7 @@ impl Proof {
 
 #[test]
 fn answers_are_scored_once_and_a_changed_truth_or_a_late_answer_is_refused() {
-    diagnose_is_built();
+    the_programs_are_built();
     let proof = Proof::made(&["--set", "single", "--set", "clean", "--seed", "8001"]);
     let answered = proof.run(&["answer", "cases"]);
     assert_eq!((answered.code, answered.stdout.as_str()), (0, ""), "{}", answered.stderr);
@@ -109,7 +111,7 @@ fn the_documents_do_not_hold_the_truths() {
 /// What diagnose cannot name because the name was taken out of its catalogue is no neighbour of it.
 #[test]
 fn what_is_taken_out_of_the_catalogue_gets_no_name() {
-    diagnose_is_built();
+    the_programs_are_built();
     let proof = Proof(tempfile::tempdir().expect("a folder"));
     let counted = proof.run(&[
         "tally",
@@ -132,7 +134,7 @@ fn what_is_taken_out_of_the_catalogue_gets_no_name() {
 /// On this orbit the turns of the sensors were once all taken for a turn of them together, and the names that came after were wrong.
 #[test]
 fn an_orbit_is_explained_down_to_its_noise() {
-    diagnose_is_built();
+    the_programs_are_built();
     let folder = tempfile::tempdir().expect("a folder");
     let run = testkit::run(
         BLIND,

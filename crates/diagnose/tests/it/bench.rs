@@ -2,9 +2,7 @@
 
 use common::{Document, Quantity};
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
-use testkit::baselines::{Method, Series, chosen};
 
 /// Rms of the noise of a reading that every document declares, nT.
 pub const NOISE_NT: f64 = 0.3;
@@ -232,26 +230,6 @@ fn times_parameters(effect: &Value, factor: f64) -> Value {
         }
     }
     scaled
-}
-
-/// What the baselines choose on the same document, with the true calibration for their model.
-pub fn baseline(document: &Document, method: Method) -> BTreeSet<String> {
-    let predicted = simulate::replay(document, None).expect("predicted").document;
-    let columns = |recording: &common::Recording| -> BTreeMap<String, Vec<f64>> {
-        recording.columns.iter().map(|(name, column)| (name.clone(), column.0.clone())).collect()
-    };
-    let series = |(observed, predicted): (&common::Recording, &common::Recording)| {
-        let (mut columns, mut predicted) = (columns(observed), columns(predicted));
-        let readings = ["x", "y", "z"].map(|axis| {
-            let names = [format!("sensor_{axis}_nt"), format!("test_{axis}_nt")];
-            names.iter().find_map(|name| predicted.remove(name)).expect("readings")
-        });
-        // A frozen reading is one that is there.
-        columns.values_mut().flatten().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
-        Series { columns, predicted: readings }
-    };
-    let all: Vec<Series> = document.recordings.iter().zip(&predicted.recordings).map(series).collect();
-    chosen(&all, method)
 }
 
 /// The name of an effect with what it acts on, as plans have it.

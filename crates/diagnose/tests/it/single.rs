@@ -6,8 +6,6 @@ use bench::{Scene, noise, scaled, simulated, target, worst_sigma};
 use common::Verdict;
 use diagnose::Options;
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
-use testkit::baselines::Method;
 
 /// Every effect of the catalogue that a calibration does not hold already, on a recording that shows it.
 fn cases() -> Vec<(Scene, Value)> {
@@ -221,8 +219,6 @@ struct Outcome {
     ambiguity: Vec<Vec<String>>,
     sigma: f64,
     held_out_over_floor: f64,
-    /// What stepwise regression and thresholded least squares choose.
-    baselines: [BTreeSet<String>; 2],
 }
 
 fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) {
@@ -230,7 +226,6 @@ fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) 
     bench::longer(if times < 1.0 { 5 } else { 1 });
     let effect = scaled(which, effect, times);
     let document = simulated(which, std::slice::from_ref(&effect), &noise(), seed);
-    let baselines = [Method::Stepwise, Method::Thresholded].map(|method| bench::baseline(&document, method));
     let found = diagnose::run(document, &Options::default()).expect("diagnosed");
     if std::env::var("FLUXCAL_EFFECT").is_ok() {
         println!("{effect}\n{}", diagnose::summary(&found));
@@ -243,7 +238,6 @@ fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) 
         ambiguity: entry.ambiguity,
         sigma: entry.effects.first().map_or(f64::NAN, |found| worst_sigma(&found.parameters, &effect)),
         held_out_over_floor: fit.held_out_after_nt / fit.noise_floor_nt,
-        baselines,
     };
     (outcome, effect)
 }
@@ -262,16 +256,6 @@ fn cell(outcome: &Outcome, right: bool, held: bool) -> String {
     if right { format!("{answer} ({figures})") } else { answer }
 }
 
-/// A baseline's answer in a word.
-fn in_a_word(chosen: &BTreeSet<String>, truth: &str) -> &'static str {
-    match (chosen.contains(truth), chosen.len()) {
-        (_, 0) => "nothing",
-        (true, 1) => "right",
-        (true, _) => "and others",
-        (false, _) => "others",
-    }
-}
-
 /// One case in eight, or all with `FLUXCAL_CASES=all`, at 3 times the noise, or at `FLUXCAL_TIMES` of it; with `FLUXCAL_TABLE` as a table for the docs.
 #[test]
 fn effects_are_named() {
@@ -282,18 +266,16 @@ fn effects_are_named() {
     };
     let mut wrong = Vec::new();
     let mut table = format!(
-        "| effect | {} | stepwise BIC | STLSQ |\n| --- |{}\n",
+        "| effect | {} |\n| --- |{}\n",
         times.iter().map(|t| format!("{t} × noise")).collect::<Vec<_>>().join(" | "),
-        " --- |".repeat(times.len() + 2)
+        " --- |".repeat(times.len())
     );
-    let mut words: BTreeMap<(usize, String, &str), usize> = BTreeMap::new();
     let cases: Vec<_> = cases().into_iter().enumerate().collect();
     for (number, (which, effect)) in if only.is_some() { cases } else { testkit::some(cases, 8) } {
         if only.as_ref().is_some_and(|only| effect["effect"] != **only) {
             continue;
         }
         table += &format!("| `{}` |", target(&effect));
-        let mut others: [Vec<&str>; 2] = Default::default();
         for times in &times {
             let (outcome, effect) = run(which, &effect, *times, 11 + number as u64);
             let name = target(&effect);
@@ -309,11 +291,6 @@ fn effects_are_named() {
                 outcome.held_out_over_floor
             );
             table += &format!(" {} |", cell(&outcome, right, held));
-            for (which, chosen) in outcome.baselines.iter().enumerate() {
-                let word = in_a_word(chosen, &name);
-                others[which].push(word);
-                *words.entry((which, times.to_string(), word)).or_default() += 1;
-            }
             let silent = matches!(outcome.verdict, Verdict::Agrees | Verdict::Unexplained);
             let short = SHORT.contains(&(name.as_str(), *times));
             let passed = right || held || short || (silent && *times < 3.0);
@@ -328,11 +305,7 @@ fn effects_are_named() {
                 wrong.push(format!("{name} ×{times}: {left:.3} times the noise is left"));
             }
         }
-        table += &others.map(|words| format!(" {} |", words.join(", "))).concat();
         table.push('\n');
-    }
-    for ((which, times, word), count) in words {
-        println!("{} ×{times}: {word} {count}", ["stepwise BIC", "STLSQ"][which]);
     }
     if let Ok(path) = std::env::var("FLUXCAL_TABLE") {
         std::fs::write(path, table).expect("written");
