@@ -17,6 +17,7 @@ pub use answer::summary;
 use clap::ValueEnum;
 use common::Document;
 use diagnose::{Dictionary, Error, dictionary};
+use physics::Kind;
 
 /// How effects are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -44,12 +45,14 @@ impl Method {
 }
 
 /// What is asked for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Options {
     /// The method.
     pub method: Method,
     /// Seed of half-samples and bags.
     pub seed: u64,
+    /// Effects that the dictionary is without.
+    pub without: Vec<Kind>,
 }
 
 /// A weighted sum of the dictionary's columns: their numbers and weights.
@@ -72,7 +75,7 @@ struct Choice {
 ///
 /// As [`diagnose::dictionary`].
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let dictionary = dictionary(&document, &[])?;
+    let dictionary = dictionary(&document, &options.without)?;
     let choice = choose(&dictionary, options)?;
     document.diagnosis = Some(vec![answer::diagnosis(&dictionary, &choice)?]);
     Ok(document)

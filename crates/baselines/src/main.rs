@@ -3,6 +3,7 @@
 use baselines::{Method, Options};
 use clap::Parser;
 use common::procedure;
+use physics::Kind;
 use program::pipe::{self, Io, Program};
 use std::process::ExitCode;
 
@@ -26,6 +27,9 @@ struct Cli {
     /// Seed of the half-samples and of the bags
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// An effect that is known not to act, and is not considered; several may be given
+    #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
+    without: Vec<Kind>,
 }
 
 fn main() -> ExitCode {
@@ -33,8 +37,9 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let arguments = vec![format!("--method={}", cli.method.name()), format!("--seed={}", cli.seed)];
-    let options = Options { method: cli.method, seed: cli.seed };
+    let mut arguments = vec![format!("--method={}", cli.method.name()), format!("--seed={}", cli.seed)];
+    arguments.extend(cli.without.iter().map(|kind| format!("--without={}", kind.name())));
+    let options = Options { method: cli.method, seed: cli.seed, without: cli.without.clone() };
     pipe::stage(
         PROGRAM,
         &cli.io,

@@ -12,7 +12,7 @@ use testkit::programs::{self, Programs};
 
 use crate::Error;
 
-/// What a program is told besides, by the case.
+/// What programs are told besides, by the case.
 pub type Arguments = BTreeMap<String, Vec<String>>;
 
 /// Documents in `documents`, the answers of each build of a program in a folder that bears the program's digest.
@@ -42,19 +42,19 @@ impl Folder {
         write(&self.document(case), &document.to_string())
     }
 
-    /// Writes what a program is told for some cases besides.
-    pub fn write_arguments(&self, name: &str, arguments: &Arguments) -> Result<(), Error> {
-        write(&self.of_arguments(name), &json!(arguments).to_string())
+    /// Writes what programs are told for some cases besides.
+    pub fn write_arguments(&self, arguments: &Arguments) -> Result<(), Error> {
+        write(&self.of_arguments(), &json!(arguments).to_string())
     }
 
-    /// What a program is told for some cases besides.
-    fn arguments(&self, name: &str) -> Result<Arguments, Error> {
-        let path = self.of_arguments(name);
+    /// What programs are told for some cases besides.
+    fn arguments(&self) -> Result<Arguments, Error> {
+        let path = self.of_arguments();
         if path.is_file() { value(&path) } else { Ok(Arguments::new()) }
     }
 
-    fn of_arguments(&self, name: &str) -> PathBuf {
-        self.0.join(format!("arguments-{name}.json"))
+    fn of_arguments(&self) -> PathBuf {
+        self.0.join("arguments.json")
     }
 
     /// The folder of a program's answers with some arguments.
@@ -102,7 +102,7 @@ impl Folder {
         cases: impl Iterator<Item = &'c String>,
     ) -> Result<PathBuf, Error> {
         let answers = self.answers(asked.name, asked.arguments, asked.programs)?;
-        let besides = self.arguments(asked.name)?;
+        let besides = self.arguments()?;
         let cases: Vec<&String> = cases.collect();
         cases.par_iter().try_for_each(|case| {
             let besides = besides.get(*case).map_or(&[][..], Vec::as_slice);

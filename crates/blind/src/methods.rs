@@ -77,10 +77,11 @@ pub fn section(diagnose: &Score, others: &[Score]) -> String {
 /// A line of the table: in words, what was concealed, and what is counted.
 type Line = (&'static str, Sort, fn(&Outcome) -> bool);
 
-const LINES: [Line; 5] = [
+const LINES: [Line; 6] = [
     ("single: right, alone", Sort::Single, |o| o.class == Class::Right),
     ("single: a wrong name", Sort::Single, |o| o.class == Class::Wrong),
     ("several: all right", Sort::Several, |o| o.class == Class::Right),
     ("clean: anything claimed", Sort::Clean, |o| o.class != Class::Right),
     ("outside: a wrong name", Sort::Outside, |o| o.class == Class::Wrong),
+    ("taken out of the catalogue: a neighbour named", Sort::Removed, |o| o.class == Class::Wrong),
 ];

@@ -1,6 +1,6 @@
 //! Truths are sealed before anything is answered, and opened once.
 //!
-//! A folder of cases holds the documents, what diagnose is told besides (`arguments-diagnose.json`), the digest of each truth (`seals.txt`) and the answers; the truths are in a file apart, which
+//! A folder of cases holds the documents, what whoever answers is told besides (`arguments.json`), the digest of each truth (`seals.txt`) and the answers; the truths are in a file apart, which
 //! whoever answers need not have. The digest of `seals.txt` is the commitment. The first opening notes the digests of the answers that are
 //! there (`opened.json`); answers that come later are refused.
 
@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::folder::{self, Folder, digest, read, write};
+use crate::folder::{self, Arguments, Folder, digest, read, write};
 
 /// Truths as they were sealed: the text of each by its case.
 pub type Truths = BTreeMap<String, String>;
@@ -22,13 +22,16 @@ pub fn seal(folder: &Folder, cases: &[Case], truths: &Path) -> Result<(), Error>
         texts.insert(truth.case.clone(), json(truths, truth)?);
     }
     let told = cases.iter().map(|case| (case.truth.case.clone(), arguments(&case.truth)));
-    folder.write_arguments("diagnose", &told.filter(|(_, arguments)| !arguments.is_empty()).collect())?;
+    let told: Arguments = told.filter(|(_, arguments)| !arguments.is_empty()).collect();
+    if !told.is_empty() {
+        folder.write_arguments(&told)?;
+    }
     let lines = texts.iter().map(|(case, text)| format!("{}  {case}\n", digest(text.as_bytes())));
     write(&seals(folder), &lines.collect::<String>())?;
     write(truths, &(json(truths, &texts)? + "\n"))
 }
 
-/// What diagnose is told for a case: the entries that are taken out of its catalogue.
+/// What whoever answers is told for a case: the entries that are taken out of its catalogue.
 pub fn arguments(truth: &Truth) -> Vec<String> {
     truth.without.iter().map(|name| format!("--without={name}")).collect()
 }
