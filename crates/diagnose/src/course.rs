@@ -18,7 +18,7 @@ use crate::model::{Model, State};
 use crate::moments::{follow, fresh, grouped, insignificant, same};
 use crate::proposal::{Addition, Proposal};
 use crate::search::{Look, Searcher};
-use crate::sets::Sets;
+use crate::sets::{Member, Sets};
 use crate::stacked::Stacked;
 use crate::verdict;
 use crate::what::named;
@@ -52,7 +52,66 @@ impl Ground {
 }
 
 /// Searches, fits, and judges.
+///
+/// Noise that nobody declared is estimated from a residual that has in it what is to be found: slow effects pass for slow noise. Where
+/// nothing is named, the noise is estimated again from what the best names leave when all noise is taken for white; what is found then
+/// counts where it makes the readings that much more likely, each answer with its own noise.
 pub fn search(
+    document: &Document,
+    model: &Model<'_>,
+    searcher: &mut Searcher<'_>,
+    before: Vec<f64>,
+    (base, base_noise): (Fit, NoiseModel),
+    told: &dyn Fn(&str),
+) -> Result<Outcome, Error> {
+    let slow = (0..model.observed.channels.len()).any(|channel| base_noise.remembers(channel));
+    let estimated = base_noise.known == 0.0;
+    let outcome = searched(document, model, searcher, before, (base, base_noise), told)?;
+    if !(estimated && slow && outcome.found.is_empty()) {
+        return Ok(outcome);
+    }
+    told("searching again with less slow noise");
+    let Some(noise) = beside_names(document, model, searcher, &outcome.base)? else { return Ok(outcome) };
+    let fit = Fitter { model, noise: &noise }.refine(&outcome.base.state)?;
+    let other = searched(document, model, searcher, outcome.before.clone(), (fit, noise), told)?;
+    let likelier = other.noise.log_likelihood(&other.fit) - outcome.base_noise.log_likelihood(&outcome.base);
+    if other.found.is_empty() || likelier < dearer(searcher, model, &other) {
+        return Ok(outcome);
+    }
+    let Outcome { base, base_noise, first, .. } = outcome;
+    Ok(Outcome { base, base_noise, first, ..other })
+}
+
+/// The noise of what the best names leave, all noise taken for white; None where there are no names.
+fn beside_names(
+    document: &Document,
+    model: &Model<'_>,
+    searcher: &mut Searcher<'_>,
+    base: &Fit,
+) -> Result<Option<NoiseModel>, Error> {
+    let white = NoiseModel::white(document, &model.observed, &base.residual)?;
+    let fitter = Fitter { model, noise: &white };
+    let fit = fitter.refine(&base.state)?;
+    let look = searcher.look(&fitter, &fit)?;
+    let events = look.events.clone();
+    let ground = Ground { fit, noise: white.clone(), look, codes: Vec::new() };
+    let answer = weighed(searcher, &fitter, &ground, (&events, &[]))?;
+    let used = Some(ground.fit.rank);
+    let noise = |left: &[f64]| NoiseModel::of(document, &model.observed, &ground.fit.state, left, used);
+    answer.left.as_deref().map(noise).transpose()
+}
+
+/// What names cost, in units of log likelihood: that any of what was looked at could have been named, their unknowns, and the odds of a false
+/// claim.
+fn dearer(searcher: &Searcher<'_>, model: &Model<'_>, outcome: &Outcome) -> f64 {
+    let rows = (model.observed.rows as f64).ln();
+    let candidates = (searcher.pool().candidates.len() as f64).ln();
+    let names: f64 = outcome.found.iter().map(|found| if found.local { rows } else { candidates }).sum();
+    let unknowns = outcome.fit.rank.saturating_sub(outcome.base.rank) as f64;
+    names + 0.5 * unknowns * rows - searcher.level.ln()
+}
+
+fn searched(
     document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
@@ -94,7 +153,7 @@ pub fn search(
         let mut answer =
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-        let (fit, noise) = match beside(document, model, &ground, &additions) {
+        let (fit, noise, left) = match beside(document, model, &ground, &additions) {
             Err(Error::Undetermined(_)) => {
                 let answer = answer.unexplained("no fit with it settles");
                 let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
@@ -102,7 +161,6 @@ pub fn search(
             }
             found => found?,
         };
-        let left = square(&ground.noise.whiten(&model.observed, &fit.residual));
         let met = square(&ground.fit.white[..fit.residual.len()]) - left > MET * answer.gain;
         let insignificant = insignificant(model, ground.counts(), (&fit, &noise), &additions, &events);
         let more = fresh(&answer.events, &[&events[..], &dropped].concat());
@@ -114,7 +172,7 @@ pub fn search(
         if round <= REFITS {
             for rival in &answer.rivals {
                 // A rival that has no minimum is none.
-                if let Ok((fit, _)) = beside(document, model, &ground, rival) {
+                if let Ok((fit, ..)) = beside(document, model, &ground, rival) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
                 }
             }
@@ -124,8 +182,8 @@ pub fn search(
         let settled =
             before_this.is_some_and(|before| before.0 == now.0 && left > (1.0 - SETTLED) * before.1);
         before_this = Some(now);
-        if round < ROUNDS && !settled && (!more.is_empty() || !insignificant.is_empty() || quieter || sharper)
-        {
+        let further = !settled && (!more.is_empty() || quieter || sharper);
+        if round < ROUNDS && (further || !insignificant.is_empty()) {
             events.retain(|event| !insignificant.iter().any(|other| same(event, other)));
             events.extend(more);
             dropped.extend(insignificant);
@@ -250,17 +308,25 @@ fn weighed(
     let screen = searcher.screen(fitter, &ground.fit)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
     let ranked = sets.search();
-    let mut answer = verdict::answer(model, &atoms, &sets, &ranked);
-    let best = &ranked[0];
-    let white = sets.residual(&best.members, &ground.fit.white);
-    let residual = fitter.in_nt(&white);
-    let left = Fit { white, residual, ..ground.fit.clone() };
-    let rest = Rest {
-        sum_of_squares: square(&left.white),
-        freedom: (ground.look.rest.freedom - sets.unknowns(&best.members) as f64).max(1.0),
-        known: ground.look.rest.known,
-    };
-    answer.events = searcher.events(fitter, &left, &rest)?.1;
+    let mut answer = verdict::answer(model, &atoms, &sets, &ranked, searcher.level);
+    let named = |member: &&Member| atoms.all[member.atom].is_named();
+    let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();
+    let best = answer.members.clone();
+    // What stands out of all that was found; and beside the names alone, for structure without a name passes for what happened at a moment.
+    let beside = named.len() < best.len();
+    answer.left = (!named.is_empty()).then(|| fitter.in_nt(&sets.residual(&named, &ground.fit.white)));
+    for members in if beside { vec![best, named] } else { vec![best] } {
+        let white = sets.residual(&members, &ground.fit.white);
+        let residual = fitter.in_nt(&white);
+        let left = Fit { white, residual, ..ground.fit.clone() };
+        let rest = Rest {
+            sum_of_squares: square(&left.white),
+            freedom: (ground.look.rest.freedom - sets.unknowns(&members) as f64).max(1.0),
+            known: ground.look.rest.known,
+        };
+        let more = fresh(&searcher.events(fitter, &left, &rest)?.1, &answer.events);
+        answer.events.extend(more);
+    }
     Ok(answer)
 }
 
@@ -290,24 +356,24 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// The ground with additions, at its minimum, and the noise that it leaves.
+/// The ground with additions, at its minimum, the noise that it leaves, and the sum of squares at the minimum under the noise of the ground.
 fn beside(
     document: &Document,
     model: &Model<'_>,
     ground: &Ground,
     additions: &[Addition],
-) -> Result<(Fit, NoiseModel), Error> {
+) -> Result<(Fit, NoiseModel, f64), Error> {
     let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, additions)?;
     fitted(document, model, ground, &state)
 }
 
-/// The minimum from a state, and the noise that it leaves.
+/// The same from a state.
 fn fitted(
     document: &Document,
     model: &Model<'_>,
     ground: &Ground,
     state: &State,
-) -> Result<(Fit, NoiseModel), Error> {
+) -> Result<(Fit, NoiseModel, f64), Error> {
     let noise = &ground.noise;
     let fitter = Fitter { model, noise };
     let from = ground.fit.state.effects.len();
@@ -319,10 +385,12 @@ fn fitted(
     for number in from..state.effects.len() {
         fit = events::settled_in_time(&fitter, fit, number)?;
     }
+    let left = square(&fit.white[..fit.residual.len()]);
     if noise.known > 0.0 && ground.codes.is_empty() && !changes_noise(state, from) {
-        return Ok((fit, noise.clone()));
+        return Ok((fit, noise.clone(), left));
     }
-    settled(document, model, &fit.state)
+    let (fit, noise) = settled(document, model, &fit.state)?;
+    Ok((fit, noise, left))
 }
 
 /// Whether an effect that came in is a part of the noise.

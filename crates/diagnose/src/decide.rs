@@ -23,9 +23,9 @@ pub const TEMPERATURE: f64 = 2.0;
 pub const SURE: f64 = 0.9;
 /// Log odds against structure without a name beforehand. Larger: wrong names for physics outside the catalogue.
 pub const NAMELESS: f64 = 5.0;
-/// Declared noise is taken to be known to this share of its size, where the document does not say how well: scatter that follows nothing and
-/// exceeds it by no more is told as larger noise, and not as a difference. Larger: a difference that is white and small agrees.
-pub const DECLARED: f64 = 0.2;
+/// Relative standard uncertainty of the size of declared noise, where the document does not state one (`relative_std`). Larger: more scatter
+/// beyond a declaration passes for noise.
+pub const DECLARED: f64 = 0.1;
 /// Share of the explicable energy above which names explain a difference, and above which they explain a part.
 pub const EXPLAINED: f64 = 0.95;
 /// See [`EXPLAINED`].

@@ -9,6 +9,7 @@ mod settle;
 
 pub use settle::settled_in_time;
 
+use common::Axis;
 use estimate::stats::{chi_squared_quantile, median};
 use physics::{EffectInstance, Kind, Parameter, Role};
 use rayon::prelude::*;
@@ -111,8 +112,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
         let [one, lasting] = departures.lengths();
         let rows = channel.rows.len();
-        let timed =
-            observed.runs[channel.run].time_s.is_some() && matches!(channel.reader, Reader::Sensor(_));
+        let timed = observed.runs[channel.run].time_s.is_some() && !matches!(channel.reader, Reader::Scalar);
         let later: Vec<usize> = later(fitter, number).collect();
         let mut sum = (0.0, vec![0.0; basis.ncols()]);
         let mut after = (0.0, 0.0, vec![0.0; basis.ncols()]);
@@ -156,10 +156,16 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     let mut found = Vec::new();
     let steps = [(step, Kind::ReadingStep, true), (stays, Kind::ReadingStep, false)];
     let singles = isolated(singles, spike).into_iter().map(|best| (best, Kind::Spike, true));
-    for (best, kind, alone) in singles.chain(steps) {
-        if best.gain > 0.0 {
-            let scatter = all[best.channel].scatter;
-            found.extend(moment(fitter, fit, (rest, scatter), best, kind, alone, looks)?);
+    for (best, kind, alone) in singles.chain(steps).filter(|(best, ..)| best.gain > 0.0) {
+        let scatter = all[best.channel].scatter;
+        // A step of the field's magnitude may be that of any sensor.
+        let axes: Vec<Option<Axis>> = match (kind, observed.channels[best.channel].reader) {
+            (_, Reader::Sensor(axis)) => vec![Some(axis)],
+            (Kind::ReadingStep, Reader::Magnitude) => Axis::ALL.map(Some).to_vec(),
+            _ => vec![None],
+        };
+        for axis in axes {
+            found.extend(moment(fitter, fit, (rest, scatter), (best, axis), (kind, alone), looks)?);
         }
     }
     found.extend(freeze::proposal(fitter, fit, rest, &all)?);
@@ -231,16 +237,15 @@ fn moment(
     fitter: &Fitter<'_, '_>,
     fit: &Fit,
     (rest, scatter): (&Rest, f64),
-    best: Best,
-    kind: Kind,
-    alone: bool,
+    (best, axis): (Best, Option<Axis>),
+    (kind, alone): (Kind, bool),
     looks: f64,
 ) -> Result<Option<Proposal>, Error> {
     let observed = &fitter.model.observed;
     let channel: &Channel = &observed.channels[best.channel];
     let run = &observed.runs[channel.run];
-    let (mut addition, column) = match (channel.reader, run.time_s) {
-        (Reader::Sensor(axis), Some(time)) => {
+    let (mut addition, column) = match (axis, run.time_s) {
+        (Some(axis), Some(time)) => {
             let clock_s = if alone { 0.0 } else { run.setting.context.clock_s };
             let effect = EffectInstance {
                 kind,

@@ -13,7 +13,7 @@ use crate::model::{Model, State};
 use crate::whitening::NoiseModel;
 
 /// Most steps.
-const STEPS: usize = 25;
+const STEPS: usize = 100;
 /// A step that lowers the sum of squares by less than this is the last one.
 const TOLERANCE: f64 = 1e-3;
 /// Standard deviation of normal numbers over the median of their sizes.
@@ -24,6 +24,9 @@ const BLOCK: usize = 16_384;
 const LIGHTEST: f64 = 1e-10;
 const HEAVIEST: f64 = 1e3;
 const HEAVIER: f64 = 10.0;
+/// The damping that a fit far from its minimum begins with: where a field hardly changes, whole steps along directions that hardly show turn
+/// sensors by radians, and end in a minimum that is none.
+const FIRST: f64 = 1e-4;
 /// Directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -121,7 +124,7 @@ impl Fitter<'_, '_> {
     /// whether those given are of the start.
     fn minimum(&self, start: &State, mut base: Vec<Vec<f64>>, mut is_new: bool) -> Result<Fit, Error> {
         let mut at = At::of(self, start.clone())?;
-        let mut damping = LIGHTEST;
+        let mut damping = if is_new { FIRST } else { LIGHTEST };
         let mut idle = 0;
         for step in 0.. {
             let jacobian = self.jacobian(&at.state, &base)?;
@@ -284,6 +287,11 @@ impl Damped {
     }
 }
 
+/// Most times that noise is estimated anew, white and with a spectrum each.
+const ESTIMATES: usize = 8;
+/// Change of its variance below which it is as it was.
+const ESTIMATED: f64 = 0.02;
+
 /// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it as white. (Of the residual
 /// of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
@@ -293,10 +301,19 @@ pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<
     if first.known > 0.0 {
         return Ok((fit, first));
     }
+    // Beside the scatter of a calibration that is far off, what is stated of it weighs too much, and slow noise takes what is left of it: the
+    // size of white noise settles before its spectrum.
     let (mut fit, mut noise) = (fit, first);
-    for _ in 0..2 {
-        noise = NoiseModel::of(document, &model.observed, start, &fit.residual, Some(fit.rank))?;
-        fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
+    for with_spectrum in [false, true] {
+        for _ in 0..ESTIMATES {
+            let before = noise.variance();
+            let used = with_spectrum.then_some(fit.rank);
+            noise = NoiseModel::of(document, &model.observed, start, &fit.residual, used)?;
+            fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
+            if (noise.variance() / before - 1.0).abs() < ESTIMATED {
+                break;
+            }
+        }
     }
     Ok((fit, noise))
 }

@@ -2,8 +2,6 @@
 
 use estimate::stats::{chi_squared_p, f_p};
 
-use crate::decide::DECLARED;
-
 /// Standard deviations of a sum of squares that chance is allowed.
 const BEYOND_CHANCE: f64 = 2.0;
 
@@ -55,6 +53,11 @@ impl Rest {
         (left - self.freedom - BEYOND_CHANCE * spread).max(0.0)
     }
 
+    /// Whether the scatter is larger than the declaration by more than chance, its own uncertainty left aside.
+    pub fn is_larger(&self, level: f64) -> bool {
+        self.known > 0.0 && chi_squared_p(self.sum_of_squares, self.freedom) < level
+    }
+
     /// Variance of the errors in units of the noise that is allowed for.
     pub fn scale(&self) -> f64 {
         if self.known.is_infinite() {
@@ -62,12 +65,6 @@ impl Rest {
         } else {
             (self.known + self.sum_of_squares) / (self.known + self.freedom).max(1.0)
         }
-    }
-
-    /// The same where the noise may be larger than it is declared, by the share by which declarations are off.
-    pub fn omnibus_of_larger(&self) -> Option<f64> {
-        let larger = (1.0 + DECLARED).powi(2);
-        Self { sum_of_squares: self.sum_of_squares / larger, ..*self }.omnibus()
     }
 
     /// Probability of a larger sum of squares under the noise as declared; None where it was estimated.

@@ -7,8 +7,8 @@ use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::whitening::NoiseModel;
 
-/// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance.
-/// The additions stand in the fit from a number of effects and of columns on.
+/// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance,
+/// and those that last for less than the step from reading to reading: they have more unknowns than readings in which they act. The additions stand in the fit from a number of effects and of columns on.
 pub fn insignificant(
     model: &Model<'_>,
     from: (usize, usize),
@@ -20,38 +20,56 @@ pub fn insignificant(
     // Where more than the noise is left, heights are as uncertain as that makes them (Birge's ratio).
     let left = fit.cost / fit.residual.len().saturating_sub(fit.rank).max(1) as f64;
     let scale = if noise.known > 0.0 { left.max(1.0) } else { left };
+    let variance = |unknown: usize| {
+        let at = model.unknowns.len() + unknown;
+        fit.covariance[(at, at)] * scale
+    };
+    // The unknowns of an effect that have a role.
+    let of_effect = |number: usize, role: Role| -> Vec<usize> {
+        let infos = fit.state.effects[number].kind.parameters();
+        let own = |of: &(usize, usize)| of.0 == number && infos[of.1].role == role;
+        (0..free.len()).filter(|unknown| own(&free[*unknown])).collect()
+    };
+    let value = |unknown: usize| fit.state.effects[free[unknown].0].parameters[free[unknown].1];
+    let too_low = |height: f64, unknown: usize, looks: f64| {
+        variance(unknown).is_finite() && height * height < 2.0 * looks.max(1.0).ln() * variance(unknown)
+    };
     let (mut effects, mut columns) = from;
     let mut found = Vec::new();
     for addition in additions {
-        let unknown = match addition {
-            Addition::Effect(effect) => {
-                effects += 1;
-                let infos = effect.kind.parameters();
-                let own = |of: &(usize, usize)| of.0 == effects - 1 && infos[of.1].role == Role::Amplitude;
-                let one = free.iter().filter(|of| own(of)).count() == 1;
-                free.iter().position(own).filter(|_| one)
+        let number = match addition {
+            Addition::Effect(_) => &mut effects,
+            Addition::Column(_) => &mut columns,
+        };
+        *number += 1;
+        let number = *number - 1;
+        let Some(event) = events.iter().find(|event| event.local && is(event, addition)) else { continue };
+        let is_none = match addition {
+            Addition::Effect(_) => {
+                let step_s = step_s(model, &fit.state.effects[number]);
+                let unresolved = |unknown: &usize| value(*unknown) < step_s;
+                let low = match of_effect(number, Role::Amplitude)[..] {
+                    [only] => too_low(value(only), only, event.looks),
+                    _ => false,
+                };
+                low || of_effect(number, Role::Shape).iter().any(unresolved)
             }
             Addition::Column(_) => {
-                columns += 1;
-                Some(free.len() + columns - 1)
+                too_low(fit.state.columns[number].coefficient, free.len() + number, event.looks)
             }
         };
-        let event = events.iter().find(|event| event.local && is(event, addition));
-        let Some((unknown, event)) = unknown.zip(event) else { continue };
-        let height = match addition {
-            Addition::Effect(_) => {
-                let (effect, parameter) = free[unknown];
-                fit.state.effects[effect].parameters[parameter]
-            }
-            Addition::Column(_) => fit.state.columns[columns - 1].coefficient,
-        };
-        let at = model.unknowns.len() + unknown;
-        let variance = fit.covariance[(at, at)] * scale;
-        if variance.is_finite() && height * height < 2.0 * event.looks.max(1.0).ln() * variance {
+        if is_none {
             found.push(event.clone());
         }
     }
     found
+}
+
+/// Mean step from reading to reading of the recording in which an effect acts; zero where it acts in all.
+fn step_s(model: &Model<'_>, effect: &EffectInstance) -> f64 {
+    let runs = model.observed.runs.iter().filter(|run| Some(&run.recording.id) == effect.recording.as_ref());
+    let time = runs.filter_map(|run| run.time_s).find(|time| time.len() > 1);
+    time.map_or(0.0, |time| (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64)
 }
 
 /// Brings lines and codes to the frequencies and periods that a fit has of them, its effects in the order of the additions; whether any

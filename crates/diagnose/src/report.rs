@@ -82,7 +82,7 @@ pub fn report(
             bare(options.level)
         ),
     ];
-    if verdict == Verdict::Agrees && omnibus.is_some_and(|p| p < options.level) {
+    if verdict == Verdict::Agrees && rest.is_larger(options.level) {
         let ratio = (rest.sum_of_squares / rest.freedom).sqrt();
         reasons.push(format!(
             "what is left follows nothing, but scatters {} times as much as the noise that is declared: declare it as it is",

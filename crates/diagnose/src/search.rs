@@ -64,9 +64,9 @@ pub struct Look {
 }
 
 impl Look {
-    /// Whether the sum of squares is beyond what the noise makes, as declared or a little larger.
+    /// Whether the sum of squares is beyond what the noise makes, as well as its size is known.
     pub fn exceeds(&self, level: f64) -> bool {
-        self.rest.omnibus_of_larger().is_some_and(|p| at_least_one(p, FAMILIES) < level)
+        self.rest.omnibus().is_some_and(|p| at_least_one(p, FAMILIES) < level)
     }
 
     /// Whether nothing is left but the noise.

@@ -1,6 +1,6 @@
 //! What the weighed sets say: which names, how sure, what share, and what the others lack.
 
-use common::number::{probability, significant};
+use common::number::{p_value, probability, significant};
 use common::{Axis, Verdict};
 
 use estimate::stats::chi_squared_quantile;
@@ -8,7 +8,7 @@ use estimate::stats::chi_squared_quantile;
 use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
 use crate::decide::{EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
-use crate::level::at_least_one;
+use crate::level::{Rest, at_least_one};
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::sets::{Member, Set, Sets};
@@ -86,7 +86,11 @@ pub struct Answer {
     pub refused: Vec<(String, String)>,
     /// By how much its names lower the sum of squares where all is linear.
     pub gain: f64,
-    /// Moments, lines and codes in what the best set leaves.
+    /// The members of the best set that stand.
+    pub members: Vec<Member>,
+    /// What the names among them leave, nT; None where there are none.
+    pub left: Option<Vec<f64>>,
+    /// Moments, lines and codes in what they leave.
     pub events: Vec<Proposal>,
     /// What other sets that are nearly as probable hold.
     pub rivals: Vec<Vec<Addition>>,
@@ -125,7 +129,14 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
 }
 
 /// The answer of ranked sets, the empty one among them.
-pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Answer {
+/// A name whose gain chance has too, at a level, is none.
+pub fn answer(
+    model: &Model<'_>,
+    atoms: &Atoms<'_>,
+    sets: &Sets<'_, '_, '_>,
+    ranked: &[Set],
+    level: f64,
+) -> Answer {
     let rest = sets.rest;
     let weights = weights(ranked);
     let nothing = 1.0 / (1.0 + (ranked[0].log / TEMPERATURE).exp());
@@ -136,7 +147,9 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
     let explicable = (all + beyond).max(f64::MIN_POSITIVE);
     let coefficients = sets.coefficients(&best.members).unwrap_or_default();
     let departures = sets.departures(&best.members);
-    let (core, mut refused) = core(atoms, sets, &best.members, beyond);
+    let ranks: Vec<usize> =
+        best.members.iter().enumerate().map(|(k, _)| coefficients.get(k).map_or(1, Vec::len)).collect();
+    let (core, mut refused) = core(atoms, sets, (&best.members, &ranks), (beyond, level));
     let members = |which: &dyn Fn(&usize) -> bool| -> Vec<Member> {
         core.iter().filter(|number| which(number)).map(|number| best.members[*number].clone()).collect()
     };
@@ -162,8 +175,7 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         }
         let slot = Slot::of(atoms, ranked, &weights, (best, member.atom));
         let gain = whole_core - sets.gain(&members(&|other| *other != number));
-        let rank = coefficients.get(number).map_or(1, Vec::len);
-        let p = at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp());
+        let p = by_chance(&rest, atom, gain, coefficients.get(number).map_or(1, Vec::len));
         let Some(equal) = slot.equal else {
             let why = format!(
                 "its probability is {}; structure without a name and other sets have the rest",
@@ -212,7 +224,19 @@ pub fn answer(model: &Model<'_>, atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ran
         }
     }
     let rivals = rivals(model, atoms, sets, ranked);
-    Answer { verdict, names, refused, gain: named, events: Vec::new(), rivals, unnamed, nothing }
+    let members = members(&|_| true);
+    Answer {
+        verdict,
+        names,
+        refused,
+        gain: named,
+        members,
+        left: None,
+        events: Vec::new(),
+        rivals,
+        unnamed,
+        nothing,
+    }
 }
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance, none
@@ -239,13 +263,14 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The members that explain more than a negligible share of what others explain in the same readings, and the names of the rest: the one
-/// that explains least goes first, and the others are looked at again without it.
+/// The members whose gain beside the others chance does not have too, and which explain more than a negligible share of what others
+/// explain in the same readings; and the names of the rest: the one that explains least goes first, and the others are looked at again
+/// without it.
 fn core(
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
-    members: &[Member],
-    beyond: f64,
+    (members, ranks): (&[Member], &[usize]),
+    (beyond, level): (f64, f64),
 ) -> (Vec<usize>, Vec<(String, String)>) {
     let mut core: Vec<usize> = (0..members.len()).collect();
     let mut refused = Vec::new();
@@ -254,8 +279,22 @@ fn core(
         |some: &[usize]| sets.gain(&some.iter().map(|number| members[*number].clone()).collect::<Vec<_>>());
     loop {
         let all = gain(&core);
+        // Beside structure without a name, which could do what any name does, no name would add anything.
+        let is_named = |number: &usize| atoms.all[members[*number].atom].is_named();
+        let names: Vec<usize> = core.iter().copied().filter(is_named).collect();
+        let by_names = gain(&names);
+        let chance = names.iter().map(|number| {
+            let alone = by_names - gain(&others_of(&names, *number));
+            (by_chance(&sets.rest, &atoms.all[members[*number].atom], alone, ranks[*number]), *number)
+        });
+        if let Some((p, number)) = chance.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(p, _)| *p > level) {
+            core.retain(|other| *other != number);
+            let why = format!("what it adds to the others is what chance adds too ({})", p_value(p));
+            refused.push((atoms.all[members[number].atom].name.clone(), why));
+            continue;
+        }
         let share = |own: usize| {
-            let others: Vec<usize> = core.iter().copied().filter(|other| *other != own).collect();
+            let others = others_of(&core, own);
             let alone = all - gain(&others);
             let lasts = |other: &usize| !is_local(&atoms.all[members[*other].atom]);
             let lasting: Vec<usize> = others.into_iter().filter(lasts).collect();
@@ -345,6 +384,15 @@ fn rivals(
         }
     }
     chosen
+}
+
+fn others_of(all: &[usize], own: usize) -> Vec<usize> {
+    all.iter().copied().filter(|other| *other != own).collect()
+}
+
+/// Probability that chance gains as much anywhere among what an atom was chosen from.
+fn by_chance(rest: &Rest, atom: &Atom, gain: f64, rank: usize) -> f64 {
+    at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp())
 }
 
 fn member_prior(atom: &Atom) -> f64 {

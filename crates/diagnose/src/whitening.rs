@@ -3,11 +3,13 @@
 mod declared;
 
 use common::{Document, Noise};
+use estimate::stats::median;
 use noise::{NoiseError, Whitening};
 use rayon::prelude::*;
 
 use crate::Error;
 use crate::channel::Channel;
+use crate::fit::{Fit, square};
 use crate::matched::correlate;
 use crate::model::State;
 use crate::observed::Observed;
@@ -17,6 +19,8 @@ use declared::{declared, estimate, known_freedom};
 
 /// Periods of declared flicker noise that count, in lengths of the campaign.
 const OLDEST: f64 = 8.0;
+/// Standard deviations of a normal variable in a median of its absolute values.
+const NORMAL: f64 = 1.4826;
 /// Columns that are whitened in one pass.
 const BATCH: usize = 32;
 
@@ -61,6 +65,31 @@ impl NoiseModel {
         let variance = |own: &Whitening| if own.is_white() { own.white_nt2() } else { own.variance_nt2() };
         let std_nt = whitenings.iter().map(|whitening| variance(whitening).sqrt()).collect();
         Ok(Self { whitenings, std_nt, known, source: if estimated { "residuals" } else { "declared" } })
+    }
+
+    /// White noise as neighbouring readings of a residual differ, in each channel by itself: by the median of the distances.
+    pub fn white(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
+        let of = |channel: &Channel| -> Result<Whitening, Error> {
+            let values = &residual[channel.range()];
+            let apart: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+            let most =
+                apart.iter().map(|value| value * value).sum::<f64>() / (2.0 * apart.len().max(1) as f64);
+            let usual = NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2;
+            let least = code_nt(document, observed, channel) / 12.0_f64.sqrt();
+            // Of coarse codes most distances are zero.
+            let std =
+                if usual > least { usual } else { most.sqrt().max(least).max(f64::MIN_POSITIVE.sqrt()) };
+            whitening(observed, channel, &Noise { white_rms_nt: Some(std), ..Noise::default() }, false)
+        };
+        let whitenings: Vec<Whitening> = observed.channels.iter().map(of).collect::<Result<_, _>>()?;
+        let std_nt = whitenings.iter().map(|whitening| whitening.white_nt2().sqrt()).collect();
+        Ok(Self { whitenings, std_nt, known: 0.0, source: "residuals" })
+    }
+
+    /// ln of the likelihood of a fit's residual up to a constant: −½ (Σ of squares, whitened, and ln of the covariance's determinant).
+    pub fn log_likelihood(&self, fit: &Fit) -> f64 {
+        let determinant: f64 = self.whitenings.iter().map(Whitening::log_determinant).sum();
+        -0.5 * (square(&fit.white[..fit.residual.len()]) + determinant)
     }
 
     /// Whether it whitens as another does: the same declaration, through the same converters.

@@ -1,8 +1,7 @@
 //! Where an event begins and ends, to the row.
 
-use common::series::even_step_s;
 use faer::Mat;
-use physics::{Kind, Parameter, Role};
+use physics::{EffectInstance, Kind, Parameter, Role};
 
 use crate::Error;
 use crate::fit::{Fit, Fitter, columns, left, orthonormal, square};
@@ -20,11 +19,7 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Resu
         Kind::Dropout => &[0, 1],
         _ => return Ok(fit),
     };
-    let step = effect.recording.as_ref().and_then(|id| {
-        let run = fitter.model.observed.runs.iter().find(|run| run.recording.id == *id)?;
-        even_step_s(run.time_s?)
-    });
-    let Some(step) = step else { return Ok(fit) };
+    let Some(times) = times(fitter, effect) else { return Ok(fit) };
     let others = Others::of(fitter, &fit, number)?;
     let as_it_is = others.left(fitter, &fit.state)?;
     let mut best = (as_it_is, fit.state.clone());
@@ -32,7 +27,10 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Resu
         let around = best.1.clone();
         let before = best.0;
         for &at in movable {
-            for shift in [-step, step] {
+            let parameters = &around.effects[number].parameters;
+            let ends = effect.kind == Kind::Dropout && at == 1;
+            let moment = if ends { parameters[0] + parameters[1] } else { parameters[at] };
+            for shift in to_neighbours(&times, moment) {
                 let mut state = around.clone();
                 let parameters = &mut state.effects[number].parameters;
                 parameters[at] += shift;
@@ -54,6 +52,33 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Resu
         return Ok(fit);
     }
     Ok(fitter.refine(&best.1).ok().filter(|moved| moved.cost < fit.cost).unwrap_or(fit))
+}
+
+/// The times of the recording in which an event is, by the clock by which its moment is told; None where there are none.
+fn times(fitter: &Fitter<'_, '_>, effect: &EffectInstance) -> Option<Vec<f64>> {
+    let runs = fitter.model.observed.runs.iter();
+    match &effect.recording {
+        Some(id) => runs.filter(|run| run.recording.id == *id).find_map(|run| Some(run.time_s?.to_vec())),
+        // What goes on in later recordings is told by the clock that they share.
+        None => runs
+            .filter_map(|run| {
+                let clock_s = run.setting.context.clock_s;
+                Some(run.time_s?.iter().map(|time| time + clock_s).collect::<Vec<f64>>())
+            })
+            .find(|times| {
+                let moment = effect.parameters.get(1).copied().unwrap_or(f64::NAN);
+                times.first() <= Some(&moment) && Some(&moment) <= times.last()
+            }),
+    }
+}
+
+/// How far it is from the reading at a moment to the one before and the one after.
+fn to_neighbours(times: &[f64], moment: f64) -> impl Iterator<Item = f64> {
+    let after = times.partition_point(|time| *time < moment);
+    let nearer = |row: &usize| times.get(*row).map_or(f64::INFINITY, |time| (time - moment).abs());
+    let row = [after, after.saturating_sub(1)].into_iter().min_by(|a, b| nearer(a).total_cmp(&nearer(b)));
+    let to = |other: Option<usize>| Some(times.get(other?)? - times.get(row?)?);
+    [to(row.and_then(|row| row.checked_sub(1))), to(row.map(|row| row + 1))].into_iter().flatten()
 }
 
 /// The unknowns of a fit but those of one effect, as an orthonormal basis of their whitened derivatives.
@@ -90,5 +115,20 @@ impl Others {
             rest -= along * along / square(&column).max(f64::MIN_POSITIVE);
         }
         Ok(rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::to_neighbours;
+
+    #[test]
+    fn a_moment_goes_to_the_readings_beside_it_across_gaps() {
+        let times = [0.0, 1.0, 2.0, 10.0, 11.0];
+        let shifts = |moment: f64| to_neighbours(&times, moment).collect::<Vec<f64>>();
+        assert_eq!(shifts(2.0), [-1.0, 8.0]);
+        assert_eq!(shifts(10.0 + 1e-9), [-8.0, 1.0]);
+        assert_eq!((shifts(0.0), shifts(11.0)), (vec![1.0], vec![-1.0]));
+        assert!(to_neighbours(&[], 1.0).next().is_none());
     }
 }

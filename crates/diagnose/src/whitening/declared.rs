@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::Error;
 use crate::channel::{Channel, Reader};
+use crate::decide::DECLARED;
 use crate::model::State;
 use crate::observed::Observed;
 
@@ -126,12 +127,13 @@ fn about_a_code(std: f64, width: f64) -> f64 {
     width * width * sum / weights
 }
 
-/// 1/(2 u²) for the largest relative uncertainty u that is stated of a declared noise.
+/// 1/(2 u²) for the largest relative uncertainty u of a declared noise, as it is stated or else taken to be.
 pub(super) fn known_freedom(declared: &[Option<Noise>]) -> f64 {
     if declared.iter().any(Option::is_none) {
         return 0.0;
     }
-    let relative = declared.iter().flatten().filter_map(|noise| noise.relative_std).fold(0.0, f64::max);
+    let relative = |noise: &Noise| noise.relative_std.unwrap_or(DECLARED);
+    let relative = declared.iter().flatten().map(relative).fold(0.0, f64::max);
     if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
 }
 
