@@ -113,7 +113,8 @@ impl Set {
             Set::LongOutside => outside::ALL.len() * long::BEYOND.len(),
             Set::LongClean => 24,
             Set::Choose => held::kinds_of(Group::Choose).len() * held::STRENGTHS.len(),
-            Set::Score => held::kinds_of(Group::Score).len() * held::STRENGTHS.len(),
+            // Four of the six strengths for each kind: a whole release stays below two hundred cases.
+            Set::Score => held::kinds_of(Group::Score).len() * 4,
             Set::ChooseSeveral | Set::ScoreSeveral | Set::RecordedClean => 24,
             Set::ChooseOutside => held::outside_of(Group::Choose).len() * held::BEYOND.len(),
             Set::ScoreOutside => held::outside_of(Group::Score).len() * held::BEYOND.len(),
