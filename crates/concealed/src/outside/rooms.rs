@@ -60,7 +60,8 @@ pub fn crane(campaign: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// Source: Davenport 1961, The spectrum of horizontal gustiness near the ground, Q. J. R. Meteorol. Soc. 87, 194.
 pub fn wind(_: &Campaign, draw: &mut Draw) -> Effect {
-    let (rows, seed, angle) = (draw.between(5.0, 20.0), draw.below(1 << 20) as u64, draw.between(0.0, 6.28));
+    let (rows, seed, angle) =
+        (draw.between(5.0, 20.0), draw.below(1 << 20) as u64, draw.between(0.0, std::f64::consts::TAU));
     let about = Vector3::new(angle.cos(), angle.sin(), 0.0);
     let act = in_geo(move |campaign, run, size| {
         let mut gusts = Draw::new(&format!("gusts/{}", run.id), seed);
