@@ -1,5 +1,5 @@
-//! Documents as instruments write them: times printed to a thousandth, gaps and lost rows, noise declared wrongly or not at all, columns
-//! that have nothing to do with it.
+//! Documents as instruments write them: times printed to a thousandth or to a millionth of a second, gaps and lost rows, noise declared wrongly
+//! or not at all, columns that have nothing to do with it.
 
 use serde_json::{Map, Value, json};
 
@@ -7,8 +7,11 @@ use crate::case::Case;
 use crate::draw::Draw;
 use crate::signal::wandering;
 
-/// Shortest step whose times are printed to a thousandth of a second: below it the rounding would be an error of its own.
-const COARSE_S: f64 = 1.0;
+/// Shortest step whose times may be printed to a thousandth of a second where they are not on it: below it, and in coils whose field goes by
+/// hundreds of nT in a second, the rounding would be an error of its own.
+const COARSE_S: f64 = 0.5;
+/// What cannot lose rows: what happens at one reading must stay, and turns that are not read cannot be counted.
+const WHOLE: [&str; 3] = ["spike", "reaction_wheel", "reaction_wheel_harmonic"];
 /// Stretches that are missing from a recording, at most, and the share of its rows that each may have.
 const GAPS: usize = 3;
 const GAP: f64 = 0.05;
@@ -20,11 +23,11 @@ const OFF: f64 = 1.1;
 const DECOYS: [(&str, f64, f64); 3] =
     [("humidity_percent", 45.0, 8.0), ("pressure_hpa", 1013.0, 6.0), ("supply_v", 12.0, 0.2)];
 
-/// The case with its document as an instrument would have written it; the truth says what was done.
+/// The case with its document as an instrument would have written it; what was done is added to the truth.
 pub fn as_recorded(case: &mut Case, draw: &mut Draw) {
     let mut done = Vec::new();
-    // What happens at one reading must stay.
-    let may_lose = case.truth.effects.iter().all(|effect| effect.name != "spike");
+    let may_lose = case.truth.effects.iter().all(|effect| !WHOLE.contains(&effect.name.as_str()));
+    let (mut rounded, mut fine) = (false, false);
     let [printed, gaps, lost] = [0.5, 0.5, 0.3].map(|chance| draw.between(0.0, 1.0) < chance);
     let decoys = draw.below(DECOYS.len() + 1);
     for recording in case.document["recordings"].as_array_mut().into_iter().flatten() {
@@ -37,8 +40,13 @@ pub fn as_recorded(case: &mut Case, draw: &mut Draw) {
             remove(columns, &gone);
         }
         let time = values(columns, "time_s");
-        if printed && time.windows(2).all(|pair| pair[1] - pair[0] >= COARSE_S) {
+        let on_it = time.iter().zip(thousandths(&time)).all(|(time, printed)| (time - printed).abs() < 1e-7);
+        let slow = time.windows(2).all(|pair| pair[1] - pair[0] >= COARSE_S);
+        if printed && (on_it || (slow && !columns.contains_key("coil_x_a"))) {
             columns.insert("time_s".into(), json!(thousandths(&time)));
+            rounded = true;
+        } else {
+            fine |= !on_it;
         }
         for (name, mean, wide) in &DECOYS[..decoys] {
             let span = time.last().copied().unwrap_or(1.0) - time.first().copied().unwrap_or(0.0);
@@ -47,9 +55,12 @@ pub fn as_recorded(case: &mut Case, draw: &mut Draw) {
             columns.insert((*name).into(), json!(thousandths(&course)));
         }
     }
-    for (was, word) in
-        [(gaps && may_lose, "gaps"), (lost && may_lose, "lost rows"), (printed, "times to 1 ms")]
-    {
+    for (was, word) in [
+        (gaps && may_lose, "gaps"),
+        (lost && may_lose, "lost rows"),
+        (rounded, "times to 1 ms"),
+        (fine, "times to 1 us"),
+    ] {
         done.extend(was.then(|| word.to_string()));
     }
     done.extend((decoys > 0).then(|| format!("{decoys} decoys")));
@@ -72,7 +83,7 @@ pub fn as_recorded(case: &mut Case, draw: &mut Draw) {
             done.push("noise not declared".into());
         }
     }
-    case.truth.recorded = done;
+    case.truth.recorded.extend(done);
 }
 
 fn rows(columns: &Map<String, Value>) -> usize {

@@ -49,7 +49,7 @@ pub struct Truth {
     pub number: usize,
     /// So many times the noise each effect is.
     pub strength: f64,
-    /// `short`, `medium`, `long`, `campaign` or `day`.
+    /// `short`, `medium`, `long`, `campaign`, `day` or `longest`.
     pub length: String,
     /// `apart` or `together`: how the thermometers go.
     pub covariates: String,
@@ -60,7 +60,7 @@ pub struct Truth {
     /// How the document was written, where it is not as clean as it could be: gaps, noise declared wrongly.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub recorded: Vec<String>,
-    /// Rms of the noise that was drawn, nT.
+    /// Rms of the noise that was drawn, with that of the codes, nT.
     pub noise_nt: f64,
     /// What was concealed.
     pub effects: Vec<TrueEffect>,
@@ -170,7 +170,8 @@ pub fn make(
         readings.iter_mut().zip(&of_run).for_each(|(column, noise)| add(column, noise));
         drawn.push(of_run);
     }
-    let noise_nt = rms_of_all(&drawn);
+    // The rounding to codes, which the document declares, is noise as well.
+    let noise_nt = rms_of_all(&drawn).hypot(campaign.code_nt / 12.0_f64.sqrt());
     let mut effects = Vec::new();
     let mut of_codes = Vec::new();
     for one in concealed {

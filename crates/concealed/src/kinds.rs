@@ -3,6 +3,7 @@
 mod age;
 mod block;
 mod channel;
+mod cores;
 mod craft;
 mod electronics;
 mod environment;
@@ -11,11 +12,13 @@ mod further;
 mod grids;
 mod ground;
 mod lagging;
+mod logger;
 mod loops;
 mod metal;
 mod pair;
 mod sensor;
 mod vehicles;
+mod warmth;
 
 pub use electronics::second_order_loop;
 pub use further::FURTHER;

@@ -1,6 +1,9 @@
 //! Plausible physics that the catalogue does not have: no name of the catalogue is right.
 
+mod cores;
 mod electronics;
+mod readout;
+mod rooms;
 mod sensor;
 mod slip;
 mod surroundings;
@@ -38,7 +41,7 @@ pub const ALL: [Outside; 14] = [
 ];
 
 /// Further ones, in runs in coils; apart, so that the cases of [`ALL`] stay as they are.
-pub const FURTHER: [Outside; 18] = [
+pub const FURTHER: [Outside; 36] = [
     ("pinning of domain walls", sensor::pinning),
     ("block that sticks and slips", sensor::friction),
     ("heat flow of either direction", sensor::heat_flow),
@@ -57,6 +60,24 @@ pub const FURTHER: [Outside; 18] = [
     ("bursts of a tram line", surroundings::tram),
     ("nulling that acts in steps", surroundings::stepwise_nulling),
     ("coils that share a supply", surroundings::shared_supply),
+    ("avalanches of domain walls", cores::barkhausen),
+    ("sensitivity with the rate of the field", cores::rate_sensitivity),
+    ("core warmed by its feedback", cores::feedback_heat),
+    ("cube of the field across", cores::cube_across),
+    ("mount that gives way after a turn", cores::after_a_turn),
+    ("product of two temperatures", cores::two_temperatures),
+    ("automatic zero that misses", cores::automatic_zero),
+    ("clock that is steered", cores::swinging_clock),
+    ("converters that take turns", readout::interleaved),
+    ("popcorn noise", readout::popcorn),
+    ("alias of a chopper", readout::chopper),
+    ("soakage of a capacitor", readout::soakage),
+    ("ground loop", readout::ground_loop),
+    ("strings of a solar array", readout::strings),
+    ("heater in pulses", readout::heater_pulses),
+    ("steel door", rooms::door),
+    ("crane", rooms::crane),
+    ("wind on a building", rooms::wind),
 ];
 
 fn in_one(

@@ -21,6 +21,8 @@ pub enum Length {
     Campaign,
     /// About 9 000: a day at ten seconds.
     Day,
+    /// Up to 30 000.
+    Longest,
 }
 
 impl Length {
@@ -35,6 +37,19 @@ impl Length {
             Length::Long => "long",
             Length::Campaign => "campaign",
             Length::Day => "day",
+            Length::Longest => "longest",
+        }
+    }
+
+    /// That of so many rows.
+    pub fn of(rows: usize) -> Length {
+        match rows {
+            0..400 => Length::Short,
+            400..720 => Length::Medium,
+            720..1700 => Length::Long,
+            1700..5200 => Length::Campaign,
+            5200..16_000 => Length::Day,
+            _ => Length::Longest,
         }
     }
 
@@ -45,14 +60,23 @@ impl Length {
             Length::Long => 960,
             Length::Campaign => 3000,
             Length::Day => 9000,
+            Length::Longest => 30_000,
         }
     }
 }
 
+/// Speed of a spacecraft's wheel, and the longest step at which it is told: its turns could not be counted at longer ones.
+pub const WHEEL: &str = "wheel_1_hz";
+const WHEEL_STEP_S: f64 = 2.0;
+
 /// A campaign of a kind. `step_s` overrides the usual step.
 pub fn campaign(kind: Kind, length: Length, apart: bool, step_s: Option<f64>, draw: &mut Draw) -> Campaign {
+    of_rows(kind, length.rows(), apart, step_s, draw)
+}
+
+/// A campaign of a kind with so many rows in all.
+pub fn of_rows(kind: Kind, rows: usize, apart: bool, step_s: Option<f64>, draw: &mut Draw) -> Campaign {
     let bench = bench(kind, draw);
-    let rows = length.rows();
     let usual = match kind {
         Kind::Coils => draw.between(6.0, 15.0),
         Kind::Fast => 0.01,
@@ -61,8 +85,8 @@ pub fn campaign(kind: Kind, length: Length, apart: bool, step_s: Option<f64>, dr
         Kind::Craft => draw.between(10.0, 20.0),
         Kind::Pair => 120.0,
     };
-    // Whole milliseconds, as loggers have them.
-    let step = (step_s.unwrap_or(usual) * 1000.0).round() / 1000.0;
+    // Whole milliseconds, as loggers have them; a step that was asked for is taken as it is.
+    let step = step_s.unwrap_or((usual * 1000.0).round() / 1000.0);
     let runs = match kind {
         Kind::Coils => coils(rows / 3, step, apart, draw),
         Kind::Fast | Kind::Held => vec![fast(kind, rows, step, draw)],
@@ -263,6 +287,17 @@ fn craft(rows: usize, step: f64, apart: bool, draw: &mut Draw) -> Run {
         let share = wandering(draw, 0.15, [0.1 * period, 0.5 * period], 3);
         Arc::new(move |t| lit(t) * (2.2 + 2.2 * share(t)) + load(t)) as Signal
     };
+    let mut columns = vec![
+        ("panel_current_a".into(), panel),
+        ("sunlit".into(), lit),
+        ("sun_azimuth_rad".into(), azimuth),
+        ("sun_elevation_rad".into(), elevation),
+    ];
+    if step <= WHEEL_STEP_S {
+        let speed = draw.between(3.0, 25.0);
+        let wander = wandering(draw, 0.08 * speed, [120.0 * step, 600.0 * step], 3);
+        columns.push((WHEEL.into(), over(speed, wander)));
+    }
     Run {
         id: "run".into(),
         times: (0..rows).map(|row| row as f64 * step).collect(),
@@ -270,12 +305,7 @@ fn craft(rows: usize, step: f64, apart: bool, draw: &mut Draw) -> Run {
         attitude,
         still: false,
         temperatures: warm,
-        columns: vec![
-            ("panel_current_a".into(), panel),
-            ("sunlit".into(), lit),
-            ("sun_azimuth_rad".into(), azimuth),
-            ("sun_elevation_rad".into(), elevation),
-        ],
+        columns,
     }
 }
 

@@ -19,6 +19,17 @@ pub fn root(t: f64, age_s: f64) -> f64 {
     (age_s + t).sqrt() - age_s.sqrt()
 }
 
+/// Two exponentials beside each other of something that was made a time ago: Σ w_k (exp(−a/τ_k) − exp(−(a + t)/τ_k)).
+pub fn two(t: f64, age_s: f64, parts: [(f64, f64); 2]) -> f64 {
+    parts.iter().map(|(weight, tau)| weight * ((-age_s / tau).exp() - (-(age_s + t) / tau).exp())).sum()
+}
+
+/// How many times faster something ages at a temperature than at a reference: exp(E (1/T_0 − 1/T)), E an activation energy over Boltzmann's
+/// constant, K. Source: Arrhenius 1889.
+pub fn hastened(temperature_c: f64, reference_c: f64, activation_k: f64) -> f64 {
+    (activation_k * (1.0 / (reference_c + 273.15) - 1.0 / (temperature_c + 273.15))).exp()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +53,21 @@ mod tests {
         assert!((root(400.0, 0.0) - 2.0 * root(100.0, 0.0)).abs() < 1e-12);
         assert!((stretched(1e9, 0.0, 10.0, 0.5) - 1.0).abs() < 1e-12);
         assert!((stretched(30.0, 0.0, 10.0, 1.0) - (1.0 - (-3.0_f64).exp())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_exponentials_are_the_sum_of_theirs() {
+        let one = |t: f64, age: f64, tau: f64| stretched(t, age, tau, 1.0);
+        let parts = [(0.3, 40.0), (0.7, 300.0)];
+        let sum = 0.3 * one(25.0, 60.0, 40.0) + 0.7 * one(25.0, 60.0, 300.0);
+        assert!((two(25.0, 60.0, parts) - sum).abs() < 1e-12);
+    }
+
+    /// With E = ln 2 · T T_0 / 10 K ten degrees double the rate.
+    #[test]
+    fn ten_degrees_double_the_rate() {
+        let activation = 2.0_f64.ln() * 296.15 * 306.15 / 10.0;
+        assert!((hastened(33.0, 23.0, activation) - 2.0).abs() < 1e-9);
+        assert_eq!(hastened(23.0, 23.0, activation), 1.0);
     }
 }

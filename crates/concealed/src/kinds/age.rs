@@ -1,10 +1,12 @@
 //! What ages: its course over a campaign is nearly straight, since the instrument is older than the campaign is long.
 
+use std::sync::Arc;
+
 use super::electronics::span;
 use crate::draw::Draw;
-use crate::effect::{Effect, named, on_sensor};
+use crate::effect::{Act, Effect, named, on_sensor};
 use crate::finer::relaxation;
-use crate::scene::Campaign;
+use crate::scene::{Campaign, Readings, Run};
 
 /// A day, s.
 pub const DAY_S: f64 = 86_400.0;
@@ -33,6 +35,13 @@ pub fn stretched(span: f64, draw: &mut Draw) -> Course {
 pub fn root(span: f64, draw: &mut Draw) -> Course {
     let age = span * draw.octaves(2.0, 10.0);
     to_one(span, move |t| relaxation::root(t, age))
+}
+
+/// Two exponentials of something about as old as the campaign is long, the quicker one nearly over.
+pub fn two(span: f64, draw: &mut Draw) -> Course {
+    let age = span * draw.octaves(1.0, 3.0);
+    let (slow, quick) = (span * draw.octaves(5.0, 15.0), span * draw.octaves(0.6, 1.2));
+    to_one(span, move |t| relaxation::two(t, age, [(0.85, slow), (0.15, quick)]))
 }
 
 /// An offset that moves by a nT in the campaign.
@@ -68,4 +77,35 @@ pub fn sensitivity(
     Effect::new(physics, vec![named("sensitivity_ageing", sensor)], act)
         .in_sensor(sensor)
         .with(move |size| vec![("rate_ppm_per_day", size * ppm * DAY_S / span)])
+}
+
+/// Of half the energy of an electron volt over Boltzmann's constant, K.
+const ACTIVATION_K: f64 = 5800.0;
+
+/// A feedback coil whose glue ages the faster the warmer it is.
+pub fn warm_glue(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let (sensor, ppm, span) = (draw.below(3), 20.0 * draw.sign(), span(campaign));
+    let act: Act = Arc::new(move |campaign: &Campaign, plain: &Readings, size: f64| {
+        // From one run to the next it ages at the rate of the latter's beginning.
+        let (mut aged, mut at) = (0.0, 0.0);
+        let mut of_run = |run: &Run| -> Vec<f64> {
+            let rate =
+                |t: f64| relaxation::hastened(run.temperatures[0](t), campaign.reference_c[0], ACTIVATION_K);
+            let next = |&time: &f64| {
+                aged += 0.5 * (rate(at) + rate(time)) * (time - at);
+                at = time;
+                aged / span
+            };
+            run.times.iter().map(next).collect()
+        };
+        let one = |(run, plain): (&Run, &[Vec<f64>; 3])| {
+            let mut added = [0; 3].map(|_| vec![0.0; run.times.len()]);
+            let grown = |(aged, reading): (f64, &f64)| 1e-6 * size * ppm * aged * reading;
+            added[sensor] = of_run(run).into_iter().zip(&plain[sensor]).map(grown).collect();
+            added
+        };
+        campaign.runs.iter().zip(plain).map(one).collect()
+    });
+    Effect::new("glue that ages the faster the warmer it is", vec![named("sensitivity_ageing", sensor)], act)
+        .in_sensor(sensor)
 }

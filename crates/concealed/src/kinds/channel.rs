@@ -3,7 +3,7 @@
 use super::electronics::span;
 use crate::draw::Draw;
 use crate::effect::{Effect, named, on_sensor};
-use crate::finer::{average, bandgap, clip, poles};
+use crate::finer::{average, bandgap, clip, convection, poles};
 use crate::scene::Campaign;
 
 /// A channel that is handed on late, each time a little unlike.
@@ -131,4 +131,13 @@ pub fn divider(_: &Campaign, draw: &mut Draw) -> Effect {
     Effect::new("divider of unlike resistors", accepted, act)
         .in_sensor(sensor)
         .with(move |size| vec![("coefficient_ppm_per_k", size * (upper - lower))])
+}
+
+/// A box that still air cools.
+pub fn box_in_still_air(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let (sensor, size, tau) = (draw.below(3), draw.sign(), span(campaign) * draw.octaves(0.08, 0.25));
+    let act = on_sensor(sensor, move |_, run, _, times| {
+        convection::missing(&run.times, tau).iter().map(|left| times * size * left).collect()
+    });
+    Effect::new("box that still air cools", vec![named("warm_up", sensor)], act).in_sensor(sensor)
 }

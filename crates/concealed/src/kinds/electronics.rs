@@ -100,7 +100,7 @@ pub fn saturation(_: &Campaign, draw: &mut Draw) -> Effect {
 }
 
 /// All sensors read too late by a time for each row.
-fn late(of: impl Fn(&Run, f64) -> Vec<f64> + Send + Sync + 'static) -> Act {
+pub(super) fn late(of: impl Fn(&Run, f64) -> Vec<f64> + Send + Sync + 'static) -> Act {
     Arc::new(move |campaign, _, size| {
         let one = |run: &Run| {
             let late = of(run, size);
@@ -137,7 +137,7 @@ pub fn clock_rate(_: &Campaign, draw: &mut Draw) -> Effect {
 }
 
 /// A moment between 25 and 75 % of a random run.
-fn moment(campaign: &Campaign, draw: &mut Draw) -> f64 {
+pub(super) fn moment(campaign: &Campaign, draw: &mut Draw) -> f64 {
     let run = &campaign.runs[draw.below(campaign.runs.len())];
     run.times[(run.times.len() as f64 * draw.between(0.25, 0.75)) as usize]
 }

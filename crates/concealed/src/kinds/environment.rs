@@ -62,3 +62,43 @@ pub fn working_hours(_: &Campaign, draw: &mut Draw) -> Effect {
     });
     Effect::new("machines switched by hand, their load uneven", vec!["working_hours".into()], act)
 }
+
+/// Machines that are started one after another in the first half hour of work, and stopped so in the last.
+const MACHINES: usize = 6;
+
+/// Share of the machines that run at a time of day, s, by when each is started after seven and stopped before five.
+fn running(second: f64, after: &[f64; MACHINES], before: &[f64; MACHINES]) -> f64 {
+    let runs = |k: &usize| second >= 7.0 * 3600.0 + after[*k] && second < 17.0 * 3600.0 - before[*k];
+    (0..MACHINES).filter(runs).count() as f64 / MACHINES as f64
+}
+
+/// A hall of machines, one started after another.
+pub fn one_after_another(_: &Campaign, draw: &mut Draw) -> Effect {
+    let field = direction(draw);
+    let moments = |draw: &mut Draw| std::array::from_fn(|_| draw.between(0.0, 1800.0));
+    let (after, before) = (moments(draw), moments(draw));
+    let act = in_geo(move |_, run, size| {
+        let works = |t: &f64| {
+            // As above, the third and fourth day of the campaign's weeks are Saturday and Sunday.
+            let (day, second) = ((t / 86_400.0) as usize % 7, t % 86_400.0);
+            if (2..4).contains(&day) { 0.0 } else { running(second, &after, &before) }
+        };
+        run.times.iter().map(|t| field * (size * works(t))).collect()
+    });
+    Effect::new("machines started one after another", vec!["working_hours".into()], act)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// None at night, all at noon, and on the average so many hours as their moments leave.
+    #[test]
+    fn machines_run_by_day() {
+        let (after, before) = ([0.0, 300.0, 600.0, 900.0, 1200.0, 1500.0], [900.0; MACHINES]);
+        let of = |second: f64| running(second, &after, &before);
+        assert_eq!([of(0.0), of(43_200.0), of(70_000.0)], [0.0, 1.0, 0.0]);
+        let worked: f64 = (0..86_400).map(|second| of(f64::from(second))).sum();
+        assert!((worked - (36_000.0 - 750.0 - 900.0)).abs() < 2.0, "{worked}");
+    }
+}

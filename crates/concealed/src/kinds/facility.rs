@@ -87,3 +87,28 @@ pub fn nulling(campaign: &Campaign, draw: &mut Draw) -> Effect {
         },
     )
 }
+
+/// A nulling loop whose amplifier is proportional, behind a building that the variation passes late: a loop of gain G leaves 1/(1 + G) of what
+/// comes to it, and is itself G-fold faster than its filter.
+pub fn proportional_nulling(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let shares: [f64; 3] = std::array::from_fn(|_| draw.sign() * draw.between(0.004, 0.01));
+    let step = campaign.runs[0].step_s();
+    let building = [step * draw.between(1.5, 4.0), step * draw.between(0.5, 1.5)];
+    let filter = step * draw.between(0.05, 0.3);
+    let lag = building.iter().sum::<f64>() - filter;
+    let act = in_geo(move |_, run, size| {
+        let of = |axis: usize| -> Vec<f64> {
+            let name = ["outside_x_nt", "outside_y_nt", "outside_z_nt"][axis];
+            let Some(outside) = run.column(name) else { return vec![0.0; run.times.len()] };
+            nulling::proportional(outside, &run.times, building, filter, size * shares[axis])
+        };
+        let parts = [0, 1, 2].map(of);
+        (0..run.times.len()).map(|row| Vector3::from_fn(|axis, _| parts[axis][row])).collect()
+    });
+    Effect::new("proportional nulling loop behind a building", vec!["nulling_leakage".into()], act).with(
+        move |size| {
+            let ppm = |axis: usize| 1e6 * size * shares[axis];
+            vec![("north_ppm", ppm(0)), ("east_ppm", ppm(1)), ("down_ppm", ppm(2)), ("lag_s", lag)]
+        },
+    )
+}

@@ -1,6 +1,9 @@
 //! Further kinds, and further forms of the kinds in [`super::ALL`].
 
-use super::{Single, age, block, channel, grids, ground, lagging, loops, metal, single, stepped, vehicles};
+use super::{
+    Single, age, block, channel, cores, craft, environment, facility, grids, ground, lagging, logger, loops,
+    metal, pair, single, stepped, vehicles, warmth,
+};
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::scene::{Campaign, Kind};
@@ -15,7 +18,7 @@ const fn form(
 }
 
 /// All of them. Name and form together are unique; by them an entry has its group, see [`crate::groups`].
-pub const FURTHER: [Single; 39] = [
+pub const FURTHER: [Single; 84] = [
     form("ageing", "logarithm of age", Kind::Coils, |campaign, draw| {
         age::offset(campaign, draw, "relaxation over barriers of all heights", age::logarithm)
     }),
@@ -92,6 +95,61 @@ pub const FURTHER: [Single; 39] = [
     form("measured_tilt", "tiltmeters askew", Kind::Site, ground::measured_tilt),
     form("pillar_tilt", "diffusion", Kind::Pair, ground::pillar_tilt),
     form("pillar_settling", "logarithm of age", Kind::Pair, ground::pillar_settling),
+    form("hysteresis", "loading and unloading", Kind::Coils, cores::loaded_and_unloaded),
+    form("hysteresis", "weak fields", Kind::Coils, cores::weak_fields),
+    form("quadratic_nonlinearity", "unlike halves", Kind::Coils, cores::unlike_halves),
+    form("cubic_nonlinearity", "arctangent", Kind::Coils, cores::arctangent),
+    form("cross_field", "hard axis", Kind::Coils, cores::turned_core),
+    form("cross_field_sensitivity", "tilted core", Kind::Coils, cores::tilted_core),
+    form("offset_temperature", "remanence", Kind::Coils, warmth::remanence),
+    form("sensitivity_temperature", "finite gain", Kind::Coils, warmth::finite_gain),
+    form("offset_electronics_temperature", "thermistor", Kind::Coils, warmth::thermistor),
+    form("offset_temperature_inflection", "two bars", Kind::Coils, warmth::two_bars),
+    form("axis_temperature", "backlash", Kind::Coils, warmth::backlash),
+    form("axis_creep", "spread of times", Kind::Coils, warmth::resin),
+    form("offset_temperature_lag", "sphere", Kind::Coils, |campaign, draw| {
+        lagging::offset(campaign, draw, 0, lagging::sphere)
+    }),
+    form("sensitivity_temperature_lag", "round rod", Kind::Coils, |campaign, draw| {
+        lagging::sensitivity(campaign, draw, 0, lagging::rod)
+    }),
+    form("offset_electronics_temperature_lag", "spread of times", Kind::Coils, |campaign, draw| {
+        lagging::offset(campaign, draw, 1, lagging::spread)
+    }),
+    form("sensitivity_electronics_temperature_lag", "sphere", Kind::Coils, |campaign, draw| {
+        lagging::sensitivity(campaign, draw, 1, lagging::sphere)
+    }),
+    form("warm_up", "still air", Kind::Coils, channel::box_in_still_air),
+    form("ageing", "two exponentials", Kind::Coils, |campaign, draw| {
+        age::offset(campaign, draw, "two relaxations, the quicker one nearly over", age::two)
+    }),
+    form("sensitivity_ageing", "faster when warm", Kind::Coils, age::warm_glue),
+    form("loop_bandwidth", "digital integrator", Kind::Fast, logger::digital_integrator),
+    form("delay", "filter with weights", Kind::Fast, logger::hann_filter),
+    form("clock_offset", "set by a server", Kind::Coils, logger::disciplined),
+    form("clock_rate", "cubic of temperature", Kind::Coils, logger::at_cut),
+    form("reading_step", "creep after the step", Kind::Coils, logger::creeping_step),
+    form("spike", "ringing", Kind::Coils, logger::ringing_spike),
+    form("quantisation", "dither", Kind::Coils, logger::dither),
+    form("saturation", "soft end", Kind::Coils, logger::soft_end),
+    form("eddy_currents", "round rods", Kind::Coils, metal::rods),
+    form("coil_heating", "still air", Kind::Coils, metal::winding_in_still_air),
+    form("coil_gradient", "square windings", Kind::Coils, metal::square_windings),
+    form("nulling_leakage", "proportional loop", Kind::Site, facility::proportional_nulling),
+    form("mains", "two feeders", Kind::Held, grids::two_feeders),
+    form("traction_power", "notches", Kind::Held, grids::notches),
+    stepped(form("vehicle_pass", "wagons", Kind::Site, vehicles::wagons), 2.0),
+    stepped(form("vehicle_pass", "crossing", Kind::Site, vehicles::at_a_crossing), 2.0),
+    stepped(form("working_hours", "one after another", Kind::Site, environment::one_after_another), 200.0),
+    form("measured_tilt", "bubbles", Kind::Site, ground::bubbles),
+    form("pillar_tilt", "round pillar", Kind::Pair, ground::round_pillar),
+    form("pillar_settling", "consolidation", Kind::Pair, ground::consolidation),
+    form("induction_difference", "half space", Kind::Pair, pair::half_space),
+    form("stray_current", "metal about the loop", Kind::Craft, craft::loop_in_metal),
+    form("sun_thermoelectric", "skin and body", Kind::Craft, craft::skin_and_body),
+    form("sun_thermoelectric_harmonics", "glossy plates", Kind::Craft, craft::glossy_plates),
+    stepped(form("reaction_wheel", "magnet on the rim", Kind::Craft, craft::magnet_on_a_wheel), 0.5),
+    stepped(form("reaction_wheel_harmonic", "two magnets", Kind::Craft, craft::two_magnets_on_a_wheel), 0.5),
 ];
 
 #[cfg(test)]

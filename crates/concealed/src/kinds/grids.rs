@@ -41,3 +41,35 @@ pub fn railway(_: &Campaign, draw: &mut Draw) -> Effect {
     });
     Effect::new("railway power under a changing load", vec!["traction_power".into()], act)
 }
+
+/// Two feeders with loads of their own, a third of a turn apart: the sum wanders in size and phase.
+pub fn two_feeders(_: &Campaign, draw: &mut Draw) -> Effect {
+    let fields = [direction(draw), 0.5 * direction(draw)];
+    let (departure, seed) = (draw.between(-0.05, 0.05), draw.below(1 << 20) as u64);
+    let loads = [0; 2].map(|_| wandering(draw, 0.1, [0.4 * RUN_S, 2.0 * RUN_S], 3));
+    let act = in_geo(move |_, run, size| {
+        let phase = mains::phase(&run.times, departure, 0.02, 200.0, &mut Draw::new("grid", seed));
+        let field = |(p, t): (&f64, &f64)| {
+            fields[0] * ((1.0 + loads[0](*t)) * p.sin())
+                + fields[1] * ((1.0 + loads[1](*t)) * (p + TAU / 3.0).sin())
+        };
+        phase.iter().zip(&run.times).map(|both| field(both) * size).collect()
+    });
+    Effect::new("mains of two feeders with loads of their own", vec!["mains".into()], act)
+}
+
+/// A locomotive whose power goes up and down in notches.
+pub fn notches(_: &Campaign, draw: &mut Draw) -> Effect {
+    let (along, across) = (direction(draw), 0.4 * direction(draw));
+    let (departure, seed) = (draw.between(-0.1, 0.1), draw.below(1 << 20) as u64);
+    let power = wandering(draw, 1.5, [RUN_S, 4.0 * RUN_S], 3);
+    let act = in_geo(move |_, run, size| {
+        let mains = mains::phase(&run.times, departure, 0.03, 200.0, &mut Draw::new("railway", seed));
+        let field = |(p, t): (&f64, &f64)| {
+            let (third, notch) = (p / 3.0, 1.0 + 0.05 * power(*t).round());
+            (along * third.sin() + across * third.cos()) * (size * notch)
+        };
+        mains.iter().zip(&run.times).map(field).collect()
+    });
+    Effect::new("railway power in notches", vec!["traction_power".into()], act)
+}

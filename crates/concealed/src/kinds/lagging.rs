@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::electronics::span;
 use crate::draw::Draw;
 use crate::effect::{Effect, named, on_sensor};
-use crate::finer::{bodies, convection, thermal, wall};
+use crate::finer::{beside, bodies, convection, modes, thermal, wall};
 use crate::scene::{Campaign, Run};
 use crate::signal::Signal;
 
@@ -82,6 +82,34 @@ pub fn thermometer_elsewhere(campaign: &Campaign, draw: &mut Draw, thermometer: 
     behind("a core beside a thermometer that is late itself", None, thermometer, move |signal, times| {
         bodies::beside_a_late_thermometer(signal, times, share * core, core)
     })
+}
+
+/// A body of many modes.
+fn of_modes<const N: usize>(
+    physics: &'static str,
+    lags: [(f64, f64); N],
+    lag_s: Option<f64>,
+    thermometer: usize,
+) -> Behind {
+    behind(physics, lag_s, thermometer, move |signal, times| beside::lags(signal, times, lags, 0.0))
+}
+
+/// A round rod into which the heat diffuses.
+pub fn rod(campaign: &Campaign, draw: &mut Draw, thermometer: usize) -> Behind {
+    let lags = modes::seconds(modes::rod(), 1.3 * late(campaign, draw));
+    of_modes("a round rod into which the heat diffuses", lags, Some(modes::mean_lag(&lags)), thermometer)
+}
+
+/// A potted sphere into which the heat diffuses.
+pub fn sphere(campaign: &Campaign, draw: &mut Draw, thermometer: usize) -> Behind {
+    let lags = modes::seconds(modes::sphere(), 1.4 * late(campaign, draw));
+    of_modes("a potted sphere into which the heat diffuses", lags, Some(modes::mean_lag(&lags)), thermometer)
+}
+
+/// Foam and boards without one time constant.
+pub fn spread(campaign: &Campaign, draw: &mut Draw, thermometer: usize) -> Behind {
+    let lags = modes::seconds(modes::spread::<9>(0.8, 2.5), late(campaign, draw));
+    of_modes("parts with a spread of time constants", lags, None, thermometer)
 }
 
 fn with_lag(mut parameters: Vec<(&'static str, f64)>, lag_s: Option<f64>) -> Vec<(&'static str, f64)> {

@@ -127,7 +127,7 @@ pub fn axis_temperature(_: &Campaign, draw: &mut Draw) -> Effect {
 }
 
 /// A formula of the own field and those across, over [`FULL_NT`].
-fn of_fields(
+pub(super) fn of_fields(
     sensor: usize,
     formula: impl Fn(f64, f64, f64) -> f64 + Send + Sync + 'static,
 ) -> crate::effect::Act {

@@ -56,6 +56,46 @@ pub fn round_a_bend(campaign: &Campaign, draw: &mut Draw) -> Effect {
     Effect::new("dipole that turns as it drives round a bend", vec!["vehicle_pass".into()], act)
 }
 
+/// A short train: five magnetised wagons behind each other, each with its own moment beside the common one.
+pub fn wagons(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let (at, distance, speed, height) = pass(campaign, draw);
+    let (length, common) = (draw.between(3.0, 6.0), direction(draw));
+    let wagons: Vec<(f64, Vector3<f64>)> =
+        (-2..=2).map(|k| (length * f64::from(k), (common + 0.5 * direction(draw)) / 5.0)).collect();
+    let act = in_geo(move |_, run, size| {
+        let field = |t: &f64| -> Vector3<f64> {
+            let way = speed * (t - at);
+            let one = |(along, moment): &(f64, Vector3<f64>)| {
+                dipole::field(moment, &Vector3::new(way + along, distance, height))
+            };
+            wagons.iter().map(one).sum::<Vector3<f64>>() * size * distance.powi(3)
+        };
+        run.times.iter().map(field).collect()
+    });
+    Effect::new("five wagons on a straight line", vec!["vehicle_pass".into()], act)
+}
+
+/// Way of a vehicle that slows down about a moment and goes on, m: v (t − a w tanh(t/w)), its least speed (1 − a) v.
+fn slowed(since: f64, speed: f64, slower: f64, width: f64) -> f64 {
+    speed * (since - slower * width * (since / width).tanh())
+}
+
+/// A lorry that slows down at a crossing, somewhere near the sensors, and goes on.
+pub fn at_a_crossing(campaign: &Campaign, draw: &mut Draw) -> Effect {
+    let (at, distance, speed, height) = pass(campaign, draw);
+    let (slower, moment) = (draw.between(0.3, 0.6), direction(draw));
+    let width = distance / speed * draw.between(0.3, 0.8);
+    let crossing = distance / speed * draw.between(-0.6, 0.6);
+    let act = in_geo(move |_, run, size| {
+        let field = |t: &f64| -> Vector3<f64> {
+            let way = slowed(t - at - crossing, speed, slower, width) + speed * crossing;
+            dipole::field(&moment, &Vector3::new(way, distance, height)) * size * distance.powi(3)
+        };
+        run.times.iter().map(field).collect()
+    });
+    Effect::new("dipole that slows down at a crossing", vec!["vehicle_pass".into()], act)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,5 +109,13 @@ mod tests {
             assert!((dx.hypot(dy) / 1e-3 - 1.0).abs() < 1e-6, "{way}");
             assert!((dy.atan2(dx) - heading).abs() < 1e-3, "{way}");
         }
+    }
+
+    /// Far from the crossing it goes at its speed, at it at the least one.
+    #[test]
+    fn a_vehicle_slows_down_and_goes_on() {
+        let speed = |t: f64| (slowed(t + 1e-3, 3.0, 0.4, 20.0) - slowed(t - 1e-3, 3.0, 0.4, 20.0)) / 2e-3;
+        assert!((speed(0.0) - 1.8).abs() < 1e-6);
+        assert!((speed(300.0) - 3.0).abs() < 1e-6 && (speed(-300.0) - 3.0).abs() < 1e-6);
     }
 }

@@ -3,15 +3,18 @@
 
 use super::Set;
 use crate::as_recorded::as_recorded;
+use crate::base;
 use crate::case::{self, Case, Concealed};
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::form;
 use crate::groups::{self, Group};
+use crate::housekeeping;
 use crate::kinds::{self, Single};
+use crate::manner;
 use crate::outside::{self, Outside};
-use crate::scene::{Campaign, Kind};
-use crate::scenes::{self, Length};
+use crate::scene::{Campaign, Kind, Readings};
+use crate::scenes::Length;
 
 /// Times the noise.
 pub const STRENGTHS: [f64; 6] = [3.0, 1.0, 10.0, 0.3, 100.0, 0.1];
@@ -32,11 +35,6 @@ pub fn outside_of(group: Group) -> Vec<Outside> {
     all.filter(|(name, _)| groups::of(name, "") == group).collect()
 }
 
-/// A thousand rows, three thousand, nine thousand.
-fn length(turn: usize) -> Length {
-    [Length::Long, Length::Campaign, Length::Day][turn % 3]
-}
-
 fn concealed(
     name: &str,
     make: fn(&Campaign, &mut Draw) -> Effect,
@@ -47,9 +45,39 @@ fn concealed(
     Concealed { name: name.into(), effect, strength, form_error }
 }
 
-fn written(mut case: Case, draw: &mut Draw) -> Case {
+/// A campaign at random with what is made for it concealed in it, written down as an instrument would have.
+fn written(
+    (set, seed, number): (Set, u64, usize),
+    (scene, step_s, strength): (Kind, Option<f64>, f64),
+    make: impl FnOnce(&Campaign, &mut Draw) -> Vec<Concealed>,
+    draw: &mut Draw,
+) -> Case {
+    let apart = draw.sign() > 0.0;
+    let (mut campaign, mut said) = manner::campaign(scene, step_s, apart, draw);
+    let noise = case::noise_of(draw, campaign.runs[0].step_s());
+    let all = make(&campaign, draw);
+    said.extend(manner::converter(&mut campaign, &noise, &all, draw));
+    let left = left_of(&campaign, &all);
+    let rows = campaign.runs.iter().map(|run| run.times.len()).sum();
+    let labels = set.labels(seed, number, strength, Length::of(rows));
+    let mut case = case::make(&campaign, noise, all, labels, draw);
+    case.truth.recorded = said;
+    housekeeping::add(&mut case, &left, draw);
     as_recorded(&mut case, draw);
     case
+}
+
+/// What a fresh calibration leaves of effects at a size of one each.
+fn left_of(campaign: &Campaign, all: &[Concealed]) -> Readings {
+    let plain = campaign.plain();
+    let mut sum: Readings =
+        plain.iter().map(|run| run.clone().map(|column| vec![0.0; column.len()])).collect();
+    for one in all {
+        let added = (one.effect.act)(campaign, &plain, 1.0);
+        let both = sum.iter_mut().flatten().flatten().zip(added.iter().flatten().flatten());
+        both.for_each(|(sum, added)| *sum += added);
+    }
+    base::left(campaign, &sum)
 }
 
 /// One effect; kinds go fastest, and strengths with them.
@@ -58,30 +86,27 @@ pub(super) fn single(set: Set, group: Group, seed: u64, number: usize, draw: &mu
     let (turn, round) = (number % kinds.len(), number / kinds.len());
     let which = kinds[turn];
     let strength = STRENGTHS[(turn + round) % STRENGTHS.len()];
-    let length = length(turn / STRENGTHS.len() + turn + round);
-    let campaign =
-        scenes::campaign(which.scene, length, (turn + round).is_multiple_of(2), which.step_s, draw);
-    let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let all = vec![concealed(which.name, which.make, (&campaign, strength), draw)];
-    written(case::make(&campaign, noise, all, set.labels(seed, number, strength, length), draw), draw)
+    let make = |campaign: &Campaign, draw: &mut Draw| {
+        vec![concealed(which.name, which.make, (campaign, strength), draw)]
+    };
+    written((set, seed, number), (which.scene, which.step_s, strength), make, draw)
 }
 
 /// Two to four effects of different names in runs in coils.
 pub(super) fn several(set: Set, group: Group, seed: u64, number: usize, draw: &mut Draw) -> Case {
-    let (count, length) = (2 + number % 3, length(number));
-    let campaign = scenes::campaign(Kind::Coils, length, number.is_multiple_of(2), None, draw);
-    let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let mut kinds = kinds_of(group);
-    kinds.retain(|kind| kind.scene == Kind::Coils);
-    let mut all = Vec::new();
-    while all.len() < count && !kinds.is_empty() {
-        let which = kinds.swap_remove(draw.below(kinds.len()));
-        kinds.retain(|kind| kind.name != which.name);
-        let strength = draw.octaves(SEVERAL[0], SEVERAL[1]);
-        all.push(concealed(which.name, which.make, (&campaign, strength), draw));
-    }
-    let strength = (SEVERAL[0] * SEVERAL[1]).sqrt();
-    written(case::make(&campaign, noise, all, set.labels(seed, number, strength, length), draw), draw)
+    let make = |campaign: &Campaign, draw: &mut Draw| {
+        let mut kinds = kinds_of(group);
+        kinds.retain(|kind| kind.scene == Kind::Coils);
+        let mut all = Vec::new();
+        while all.len() < 2 + number % 3 && !kinds.is_empty() {
+            let which = kinds.swap_remove(draw.below(kinds.len()));
+            kinds.retain(|kind| kind.name != which.name);
+            let strength = draw.octaves(SEVERAL[0], SEVERAL[1]);
+            all.push(concealed(which.name, which.make, (campaign, strength), draw));
+        }
+        all
+    };
+    written((set, seed, number), (Kind::Coils, None, (SEVERAL[0] * SEVERAL[1]).sqrt()), make, draw)
 }
 
 /// What the catalogue has no name for, in runs in coils.
@@ -90,20 +115,13 @@ pub(super) fn beyond(set: Set, group: Group, seed: u64, number: usize, draw: &mu
     let (turn, round) = (number % all.len(), number / all.len());
     let (name, make) = all[turn];
     let strength = BEYOND[(turn + round) % BEYOND.len()];
-    let length = length(turn / BEYOND.len() + turn + round);
-    let campaign = scenes::campaign(Kind::Coils, length, (turn + round).is_multiple_of(2), None, draw);
-    let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let all = vec![concealed(name, make, (&campaign, strength), draw)];
-    written(case::make(&campaign, noise, all, set.labels(seed, number, strength, length), draw), draw)
+    let make = |campaign: &Campaign, draw: &mut Draw| vec![concealed(name, make, (campaign, strength), draw)];
+    written((set, seed, number), (Kind::Coils, None, strength), make, draw)
 }
 
 /// Nothing.
 pub(super) fn clean(seed: u64, number: usize, draw: &mut Draw) -> Case {
-    let kinds = [Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair];
-    let length = length(number);
-    let campaign =
-        scenes::campaign(kinds[number % kinds.len()], length, number.is_multiple_of(2), None, draw);
-    let noise = case::noise_of(draw, campaign.runs[0].step_s());
-    let labels = Set::RecordedClean.labels(seed, number, 0.0, length);
-    written(case::make(&campaign, noise, Vec::new(), labels, draw), draw)
+    let kinds = [Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair, Kind::Fast];
+    let scene = kinds[number % kinds.len()];
+    written((Set::RecordedClean, seed, number), (scene, None, 0.0), |_, _| Vec::new(), draw)
 }

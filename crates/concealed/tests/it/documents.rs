@@ -51,3 +51,51 @@ fn long_recordings_are_long_and_their_effects_have_the_stated_size() {
         assert!((left / truth.strength - 1.0).abs() < 0.1, "{}: {left}", effect.name);
     }
 }
+
+/// Of recordings as instruments write them too: the public format, columns of one length, times that go forward, and a truth that tells each
+/// way in which they were written.
+#[test]
+fn recordings_as_they_are_are_documents_as_well() {
+    let sets =
+        [(Set::Choose, 30), (Set::ChooseSeveral, 6), (Set::ChooseOutside, 8), (Set::RecordedClean, 14)];
+    let mut said = String::new();
+    for (set, count) in sets {
+        for case in set.cases(2, count) {
+            Document::parse(&case.document.to_string())
+                .unwrap_or_else(|error| panic!("{}: {error}", set.word()));
+            for recording in case.document["recordings"].as_array().expect("recordings") {
+                let columns = recording["columns"].as_object().expect("columns");
+                let time: Vec<f64> = serde_json::from_value(columns["time_s"].clone()).expect("times");
+                assert!(time.windows(2).all(|pair| pair[1] > pair[0]), "{}", case.truth.case);
+                let rows = |column: &serde_json::Value| column.as_array().map(Vec::len);
+                assert!(
+                    columns.values().all(|column| rows(column) == Some(time.len())),
+                    "{}",
+                    case.truth.case
+                );
+            }
+            assert!((1_500..=90_000).contains(&case.truth.readings), "{}", case.truth.readings);
+            said += &format!("{} {}, ", case.truth.length, case.truth.recorded.join(", "));
+        }
+    }
+    let ways = [
+        "Hz",
+        "uneven times",
+        "a storm",
+        "codes of",
+        "follows the truth",
+        "correlates by chance",
+        "gaps",
+        "lost rows",
+        "times to 1 ms",
+        "times to 1 us",
+        "decoys",
+        "noise declared",
+        "noise not declared",
+        "medium",
+        "longest",
+    ];
+    for way in ways {
+        assert!(said.contains(way), "{way} never occurs");
+    }
+}
