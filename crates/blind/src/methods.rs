@@ -19,7 +19,7 @@ const METHODS: [(&str, &str); 3] = [
 ];
 
 /// How long a method may take on a document, s.
-const LIMIT_S: u64 = 120;
+const LIMIT_S: u64 = 60;
 
 fn with<T>(
     programs: &Programs,

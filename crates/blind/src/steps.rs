@@ -29,7 +29,7 @@ pub struct Make {
     /// Rounds of every set; one has each kind at each strength once
     #[arg(long, default_value_t = 1)]
     pub rounds: usize,
-    /// At most so many cases of a set
+    /// At most so many cases of a set, but of `removed`, which has every name of the catalogue once a round
     #[arg(long, value_name = "N")]
     pub cases: Option<usize>,
     /// The folder of real recordings, to conceal effects in those that show nothing; absent: none
@@ -90,10 +90,12 @@ pub fn make(asked: &Make) -> Result<String, Error> {
         })?,
     };
     let sets: &[Set] = if asked.set.is_empty() { &Set::SCORE } else { &asked.set };
-    let mut cases: Vec<Case> = sets
-        .iter()
-        .flat_map(|set| set.cases(seed, (set.round() * asked.rounds).min(asked.cases.unwrap_or(usize::MAX))))
-        .collect();
+    let count = |set: Set| match (set, asked.cases) {
+        // Every name is taken out, whatever else there is.
+        (Set::Removed, _) | (_, None) => set.round() * asked.rounds,
+        (_, Some(most)) => most.min(set.round() * asked.rounds),
+    };
+    let mut cases: Vec<Case> = sets.iter().flat_map(|set| set.cases(seed, count(*set))).collect();
     let folder = Folder::at(&asked.output)?;
     if let Some(recordings) = &asked.recordings {
         cases.extend(hosts::cases(&folder, recordings, asked, seed)?);
