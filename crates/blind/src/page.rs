@@ -30,7 +30,7 @@ pub fn of(score: &Score, besides: &Besides) -> (String, Vec<(&'static str, Strin
     let mut sections = vec![
         introduction(score),
         tables::goals(score),
-        PICTURES.into(),
+        pictures_of(besides),
         tables::sets(score),
         tables::strengths(score),
         tables::kinds(score),
@@ -52,9 +52,23 @@ pub fn of(score: &Score, besides: &Besides) -> (String, Vec<(&'static str, Strin
 const STRENGTHS: &str = "blind-strengths.svg";
 const RELIABILITY: &str = "blind-reliability.svg";
 
-const PICTURES: &str = "![Single effects named right by strength](proof/blind-strengths.svg)\n\n\
-    ![Whether printed probabilities hold](proof/blind-reliability.svg)\n\n\
-    ![A day of an observatory's variometer, the readings left out of the fit behind the dashed line](proof/real-conrad.svg)\n";
+/// Score against strength, reliability, and a real recording before and after.
+fn pictures_of(besides: &Besides) -> String {
+    let (words, file) = match besides.real {
+        Some(_) => ("A real recording with an effect concealed in it, before and after", real::PICTURE),
+        None => (
+            "A day of an observatory's variometer, the readings left out of the fit behind the dashed line",
+            "real-conrad.svg",
+        ),
+    };
+    [
+        ("Single effects named right by strength", STRENGTHS),
+        ("Whether printed probabilities hold", RELIABILITY),
+        (words, file),
+    ]
+    .map(|(words, file)| format!("![{words}](proof/{file})\n"))
+    .join("\n")
+}
 
 /// Single effects by strength, with what was wanted.
 fn by_strength(score: &Score) -> String {
@@ -113,7 +127,8 @@ fn introduction(score: &Score) -> String {
         - **Seed.** {}, a random number of the system where it was not given.\n\
         - **Physics that nobody looked at.** What was concealed while `diagnose` was developed is not scored here. Further kinds and forms are divided by a rule that was \
         written down before any was run (`crates/concealed/src/groups.rs`): some choose between versions, the others are scored. Documents are as instruments write them: \
-        gaps, lost rows, times to a millisecond, columns that say nothing, noise declared a tenth wrong or not at all. Forms are off their formulas by up to a fifth.\n\
+        500 to 30 000 rows, readings each quarter of a minute to 500 a second, times to a millisecond or a microsecond, uneven or with gaps and lost rows, storms in the field, coarse converters, \
+        housekeeping that follows the truth, columns that say nothing, noise declared rightly, a tenth wrong, or not at all. Forms are off their formulas by up to a fifth.\n\
         - **Size of an effect.** What is left of it when all constants of the basic model are fitted to it by least squares: rms in the sensor that \
         keeps most of it, over the rms of the noise that was drawn. The catalogue's own table ([diagnose.md](diagnose.md)) counts before that fit, \
         so that sizes here are the smaller for the same effect, and the harder for what is much like a turned axis.\n\

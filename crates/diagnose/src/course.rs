@@ -36,12 +36,15 @@ const FINE_NT: f64 = 1.0;
 
 /// Where the search starts from, and what its answers are held against.
 #[derive(Clone)]
-struct Ground {
-    fit: Fit,
-    noise: NoiseModel,
-    look: Look,
+pub struct Ground {
+    /// The fit.
+    pub fit: Fit,
+    /// The noise on which it rests.
+    pub noise: NoiseModel,
+    /// What stands out of it.
+    pub look: Look,
     /// Codes that the readings show by themselves.
-    codes: Vec<Proposal>,
+    pub codes: Vec<Proposal>,
 }
 
 impl Ground {
@@ -52,66 +55,7 @@ impl Ground {
 }
 
 /// Searches, fits, and judges.
-///
-/// Noise that nobody declared is estimated from a residual that has in it what is to be found: slow effects pass for slow noise. Where
-/// nothing is named, the noise is estimated again from what the best names leave when all noise is taken for white; what is found then
-/// counts where it makes the readings that much more likely, each answer with its own noise.
 pub fn search(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    before: Vec<f64>,
-    (base, base_noise): (Fit, NoiseModel),
-    told: &dyn Fn(&str),
-) -> Result<Outcome, Error> {
-    let slow = (0..model.observed.channels.len()).any(|channel| base_noise.remembers(channel));
-    let estimated = base_noise.known == 0.0;
-    let outcome = searched(document, model, searcher, before, (base, base_noise), told)?;
-    if !(estimated && slow && outcome.found.is_empty()) {
-        return Ok(outcome);
-    }
-    told("searching again with less slow noise");
-    let Some(noise) = beside_names(document, model, searcher, &outcome.base)? else { return Ok(outcome) };
-    let fit = Fitter { model, noise: &noise }.refine(&outcome.base.state)?;
-    let other = searched(document, model, searcher, outcome.before.clone(), (fit, noise), told)?;
-    let likelier = other.noise.log_likelihood(&other.fit) - outcome.base_noise.log_likelihood(&outcome.base);
-    if other.found.is_empty() || likelier < dearer(searcher, model, &other) {
-        return Ok(outcome);
-    }
-    let Outcome { base, base_noise, first, .. } = outcome;
-    Ok(Outcome { base, base_noise, first, ..other })
-}
-
-/// The noise of what the best names leave, all noise taken for white; None where there are no names.
-fn beside_names(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
-    base: &Fit,
-) -> Result<Option<NoiseModel>, Error> {
-    let white = NoiseModel::white(document, &model.observed, &base.residual)?;
-    let fitter = Fitter { model, noise: &white };
-    let fit = fitter.refine(&base.state)?;
-    let look = searcher.look(&fitter, &fit)?;
-    let events = look.events.clone();
-    let ground = Ground { fit, noise: white.clone(), look, codes: Vec::new() };
-    let answer = weighed(searcher, &fitter, &ground, (&events, &[]))?;
-    let used = Some(ground.fit.rank);
-    let noise = |left: &[f64]| NoiseModel::of(document, &model.observed, &ground.fit.state, left, used);
-    answer.left.as_deref().map(noise).transpose()
-}
-
-/// What names cost, in units of log likelihood: that any of what was looked at could have been named, their unknowns, and the odds of a false
-/// claim.
-fn dearer(searcher: &Searcher<'_>, model: &Model<'_>, outcome: &Outcome) -> f64 {
-    let rows = (model.observed.rows as f64).ln();
-    let candidates = (searcher.pool().candidates.len() as f64).ln();
-    let names: f64 = outcome.found.iter().map(|found| if found.local { rows } else { candidates }).sum();
-    let unknowns = outcome.fit.rank.saturating_sub(outcome.base.rank) as f64;
-    names + 0.5 * unknowns * rows - searcher.level.ln()
-}
-
-fn searched(
     document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
@@ -263,7 +207,7 @@ fn certain(proposal: &Proposal) -> Found {
 }
 
 /// Sets of atoms weighed on the ground of a search, and what they say.
-fn weighed(
+pub fn weighed(
     searcher: &mut Searcher<'_>,
     fitter: &Fitter<'_, '_>,
     ground: &Ground,

@@ -44,6 +44,7 @@ mod search;
 mod sets;
 mod smooth;
 mod stacked;
+mod undeclared;
 mod verdict;
 mod waves;
 mod what;
@@ -185,7 +186,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
-    let mut outcome = course::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
+    let mut outcome = undeclared::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
     // Where what was left out is large, the calibration fitted without it is off by so much that effects do not add up about it: the sets
     // are weighed again about the calibration that goes with the best names.
     let nearer = if outcome.is_large() {
@@ -200,7 +201,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         let noise = outcome.base_noise.clone();
         let about = Fitter { model: &model, noise: &noise }.at(state)?;
         let again =
-            course::search(&original, &model, &mut other, outcome.before.clone(), (about, noise), told)?;
+            undeclared::search(&original, &model, &mut other, outcome.before.clone(), (about, noise), told)?;
         if !matches!(again.verdict, Verdict::Unexplained | Verdict::Agrees) {
             let Outcome { base, base_noise, first, .. } = outcome;
             outcome = Outcome { base, base_noise, first, ..again };

@@ -25,8 +25,7 @@ pub fn of(score: &Score, tried: &[Tried], answers: &Path) -> Result<Option<(Stri
     }
     let all = Hosted::all(score);
     let (words, picture) = before_and_after(&all, answers)?;
-    let sections =
-        [introduction(), hosts(score, tried), strengths(score, &all), goals(score), words, table(&all)];
+    let sections = [introduction(), hosts(score, tried), strengths(score, &all), words, table(&all)];
     Ok(Some((sections.join("\n"), picture)))
 }
 
@@ -92,15 +91,6 @@ fn strengths(score: &Score, all: &[Hosted]) -> String {
         line(format!("`{}`", host.truth.scene), those.collect());
     }
     text + "\nSized: of those named right whose truth has parameters. Removed: of those named right.\n"
-}
-
-fn goals(score: &Score) -> String {
-    let mut text = String::from("| goal | wanted | found | |\n| --- | --- | --- | --- |\n");
-    for goal in hosted::goals(score) {
-        text +=
-            &format!("| {} | {} | {} | {} |\n", goal.what, goal.wanted(), goal.found.words(), goal.verdict());
-    }
-    text
 }
 
 fn table(all: &[Hosted]) -> String {

@@ -10,6 +10,7 @@ mod help;
 mod laws;
 mod moved;
 mod nasa;
+mod noise;
 mod outside;
 mod pair;
 mod pipe;
