@@ -104,7 +104,7 @@ fn introduction(score: &Score) -> String {
         - **Seed.** {}, a random number of the system where it was not given.\n\
         - **Physics that nobody looked at.** What was concealed while `diagnose` was developed is not scored here. Further kinds and forms are divided by a rule that was \
         written down before any was run (`crates/concealed/src/groups.rs`): some choose between versions, the others are scored. Documents are as instruments write them: \
-        gaps, lost rows, times to a millisecond, columns that say nothing, noise declared a tenth wrong or not at all. Forms are off their formulas by up to a fifth.\n\
+        gaps, lost rows, uneven times, times to a millisecond, storms, coarse converters, columns that say nothing or follow what matters, noise declared a tenth wrong or not at all. Forms are off their formulas by up to a fifth.\n\
         - **Size of an effect.** What is left of it when all constants of the basic model are fitted to it by least squares: rms in the sensor that \
         keeps most of it, over the rms of the noise that was drawn. The catalogue's own table ([diagnose.md](diagnose.md)) counts before that fit, \
         so that sizes here are the smaller for the same effect, and the harder for what is much like a turned axis.\n\

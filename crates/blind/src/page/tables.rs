@@ -58,18 +58,33 @@ pub fn strengths(score: &Score) -> String {
     for strength in strengths_of(score) {
         line(format!("{strength} × noise"), &|o| o.truth.strength == strength);
     }
-    for length in ["short", "medium", "long", "campaign", "day"] {
+    for length in ["short", "medium", "long", "campaign", "day", "longest"] {
         line(length.into(), &|o| o.truth.length == length);
     }
     for covariates in ["apart", "together"] {
         line(format!("temperatures {covariates}"), &|o| o.truth.covariates == covariates);
     }
-    for how in ["gaps", "lost rows", "times to 1 ms", "decoys", "noise declared", "noise not declared"] {
+    for how in [
+        "gaps",
+        "lost rows",
+        "uneven times",
+        "times to 1 ms",
+        "times to 1 us",
+        "decoys",
+        "follows the truth",
+        "correlates by chance",
+        "a storm",
+        "codes of",
+        "noise declared",
+        "noise not declared",
+    ] {
         line(how.into(), &|o| o.truth.recorded.iter().any(|own| own.contains(how)));
     }
     line("as clean as can be".into(), &|o| o.truth.recorded.is_empty());
-    text + "\nShort, medium, long, campaign, day: about 300, 540, 960, 3 000, 9 000 rows of three sensors. Together: the thermometers of electronics and \
-            coil follow the sensor's for the greater part. Noise declared: a tenth too large or too small.\n"
+    text + "\nShort, medium, long, campaign, day, longest: about 300, 540, 960, 3 000, 9 000, 20 000 rows of three sensors. Together: the thermometers of electronics and \
+            coil follow the sensor's for the greater part. Noise declared: a tenth too large or too small. \
+            Follows the truth: a housekeeping column that follows what drives the effect. Correlates by chance: the one of sixty random courses \
+            that looks most like the effect. Codes: a converter of a third to three times the white noise, declared.\n"
 }
 
 /// The strengths of single effects, the largest first.
