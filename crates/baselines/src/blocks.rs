@@ -174,6 +174,9 @@ fn of_channel(
 /// D with Dᵀ P D = 1 over the directions that are more than rounding.
 fn directions(products: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let size = products.ncols();
+    if size == 0 {
+        return Ok(Mat::zeros(0, 0));
+    }
     let scale = |i: usize| if products[(i, i)] > 0.0 { 1.0 / products[(i, i)].sqrt() } else { 0.0 };
     let scaled = Mat::from_fn(size, size, |i, j| products[(i, j)] * scale(i) * scale(j));
     let eigen = scaled.self_adjoint_eigen(Side::Lower).map_err(|error| {

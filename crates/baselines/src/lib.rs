@@ -31,9 +31,6 @@ pub enum Method {
 }
 
 impl Method {
-    /// All of them.
-    pub const ALL: [Method; 3] = [Method::Stepwise, Method::Lasso, Method::Ensemble];
-
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {

@@ -2,14 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use crate::reliability::HALF_95;
 use crate::score::{Goal, Score};
 use crate::verdict::{Class, Outcome};
 use crate::wilson::Share;
 
 /// Readings left out are predicted as before the injection within this, relative.
 pub const CLOSE: f64 = 0.05;
-/// Half the width of an interval of 95 %, in standard uncertainties.
-const HALF: f64 = 1.959_964;
 
 /// An effect in a real recording.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +46,7 @@ impl<'o> Hosted<'o> {
     /// Whether all parameters that are told of it hold; None where the name is not right or the truth has none to hold against.
     pub fn sized(&self) -> Option<bool> {
         let off = &self.outcome.parameters;
-        (!off.is_empty()).then(|| off.iter().all(|off| off.abs() <= HALF))
+        (!off.is_empty()).then(|| off.iter().all(|off| off.abs() <= HALF_95))
     }
 
     /// Whether readings left out are predicted as before the injection.
@@ -91,7 +90,7 @@ pub fn goals(score: &Score) -> Vec<Goal> {
         at_least(
             "in real recordings, intervals of 95 % of parameters that hold",
             0.93,
-            Share::of(parameters(), |off| off.abs() <= HALF),
+            Share::of(parameters(), |off| off.abs() <= HALF_95),
         ),
         at_least(
             "in real recordings, named right, and readings left out predicted within 5 % as before the injection",

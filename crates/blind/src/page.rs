@@ -7,6 +7,8 @@ mod picture;
 pub mod real;
 mod tables;
 
+use concealed::sets::Set;
+
 use crate::reliability;
 use crate::score::{Score, Sort};
 use crate::verdict::Class;
@@ -113,10 +115,11 @@ fn by_probability(score: &Score) -> String {
 }
 
 fn introduction(score: &Score) -> String {
+    let whole: usize = Set::SCORE.into_iter().map(Set::round).sum();
     let readings: usize = score.outcomes.iter().map(|outcome| outcome.truth.readings).sum();
     format!(
         "# Proof: what was concealed, and what was found\n\n\
-        This page is made by `just proof` and not by hand. Recordings that somebody else made have their own: [real.md](proof/real.md). The scores of earlier builds are in [history.md](proof/history.md).\n\n\
+        This page is made by `blind score` and not by hand; `just proof` makes one of a whole round, {whole} cases and those in real recordings, of which this one has {}. Recordings that somebody else made have their own: [real.md](proof/real.md). The scores of earlier builds are in [history.md](proof/history.md).\n\n\
         A tool that finds what its own simulator puts in has shown nothing: the two share their mistakes. The crate `concealed` shares no line of \
         physics, noise or estimation with `diagnose`, `simulate` and what they stand on (`crates/concealed/tests/it/independence.rs`). Its physics is finer than \
         the catalogue's ([below](#what-was-concealed)), fields and temperatures are known at every instant and not at samples alone, and its noise is \
@@ -136,6 +139,7 @@ fn introduction(score: &Score) -> String {
         is named. One name too many is a wrong name. Names told as equals are right where each of them is (a second-order loop is a lag as well as a delay), and \
         *in the set* where one of them is.\n\
         - Intervals are Wilson's, 95 %.\n",
+        score.cases(),
         score.cases(),
         score.seal,
         score.outcomes.first().map_or(0, |outcome| outcome.truth.seed)

@@ -270,6 +270,12 @@ mod tests {
         scenes::campaign(Kind::Coils, Length::Long, true, None, &mut Draw::new("outside", seed))
     }
 
+    /// What all sensors get of a size of one, row by row.
+    pub fn field_of(campaign: &Campaign, effect: &Effect) -> Vec<[f64; 3]> {
+        let added = (effect.act)(campaign, &campaign.plain(), 1.0);
+        added.iter().flat_map(|run| (0..run[0].len()).map(|row| [0, 1, 2].map(|k| run[k][row]))).collect()
+    }
+
     /// What the sensor of an effect gets of a size of one, run by run.
     pub fn of_sensor(campaign: &Campaign, effect: &Effect) -> Vec<Vec<f64>> {
         let added = (effect.act)(campaign, &campaign.plain(), 1.0);

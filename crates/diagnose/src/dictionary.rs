@@ -9,9 +9,9 @@
 //!
 //! What diagnose searches along a grid (time constants, levels, inflections, lags of a dependence) stands here at each value of the grid.
 //! What it finds by a search of its own (a line's frequency, single readings, steps, frozen stretches, passes, the period and the width of
-//! codes) stands here where that search finds it in r, if it stands out of all that was looked at. Left out are what diagnose does beyond a linear model: shapes between the values of
-//! the grid, searches again in what is left when something came in, a second linearisation about the constants that go with what was found,
-//! and what is known of sizes beforehand.
+//! codes) stands here where that search finds it in r, if it stands out of all that was looked at. Left out is what diagnose does beyond a
+//! linear model: shapes between the values of the grid, searches again in what is left when something came in, a second linearisation about
+//! the constants that go with what was found, and what is known of sizes beforehand.
 
 use common::{Axis, Document, ExplainedEffect};
 use estimate::screen::Screen;

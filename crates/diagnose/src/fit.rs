@@ -2,7 +2,6 @@
 
 use common::Document;
 use estimate::screen::{Gain, Products, Screen};
-use estimate::stats::median;
 use faer::Mat;
 use physics::EffectInstance;
 use rayon::prelude::*;
@@ -10,14 +9,12 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::channel::Channel;
 use crate::model::{Model, State};
-use crate::whitening::NoiseModel;
+use crate::whitening::{NoiseModel, neighbours_std};
 
 /// Most steps.
 const STEPS: usize = 100;
 /// A step that lowers the sum of squares by less than this is the last one.
 const TOLERANCE: f64 = 1e-3;
-/// Standard deviation of normal numbers over the median of their sizes.
-const NORMAL: f64 = 1.4826;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;
 /// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
@@ -97,11 +94,7 @@ impl Fitter<'_, '_> {
         if self.noise.known > 0.0 {
             return self.noise.std_nt.iter().copied().fold(0.0, f64::max);
         }
-        let of = |channel: &Channel| {
-            let residual = &fit.residual[channel.range()];
-            let apart: Vec<f64> = residual.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
-            NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2
-        };
+        let of = |channel: &Channel| neighbours_std(&fit.residual[channel.range()]);
         self.model.observed.channels.iter().map(of).fold(0.0, f64::max)
     }
 

@@ -8,7 +8,8 @@ use crate::proposal::{Addition, Proposal};
 use crate::whitening::NoiseModel;
 
 /// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance,
-/// and those that last for less than the step from reading to reading: they have more unknowns than readings in which they act. The additions stand in the fit from a number of effects and of columns on.
+/// and those that last for less than the step from reading to reading: they have more unknowns than readings in which they act. The
+/// additions stand in the fit from a number of effects and of columns on.
 pub fn insignificant(
     model: &Model<'_>,
     from: (usize, usize),

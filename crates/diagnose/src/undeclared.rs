@@ -31,7 +31,7 @@ pub fn search(
     let fit = Fitter { model, noise: &noise }.refine(&outcome.base.state)?;
     let other = course::search(document, model, searcher, outcome.before.clone(), (fit, noise), told)?;
     let likelier = other.noise.log_likelihood(&other.fit) - outcome.base_noise.log_likelihood(&outcome.base);
-    if other.found.is_empty() || likelier < dearer(searcher, model, &other) {
+    if other.found.is_empty() || likelier < cost(searcher, model, &other) {
         return Ok(outcome);
     }
     let Outcome { base, base_noise, first, .. } = outcome;
@@ -57,9 +57,9 @@ fn beside_names(
     answer.left.as_deref().map(noise).transpose()
 }
 
-/// What names cost, in units of log likelihood: that any of what was looked at could have been named, their unknowns, and the odds of a false
-/// claim.
-fn dearer(searcher: &Searcher<'_>, model: &Model<'_>, outcome: &Outcome) -> f64 {
+/// The log likelihood that names must gain: for the number of candidates or rows that were searched, ½ ln(readings) for each unknown (the
+/// Bayesian information criterion), and the odds of a false claim.
+fn cost(searcher: &Searcher<'_>, model: &Model<'_>, outcome: &Outcome) -> f64 {
     let rows = (model.observed.rows as f64).ln();
     let candidates = (searcher.pool().candidates.len() as f64).ln();
     let names: f64 = outcome.found.iter().map(|found| if found.local { rows } else { candidates }).sum();

@@ -19,10 +19,16 @@ use declared::{declared, estimate, known_freedom};
 
 /// Periods of declared flicker noise that count, in lengths of the campaign.
 const OLDEST: f64 = 8.0;
-/// Standard deviations of a normal variable in a median of its absolute values.
+/// Standard deviation of normal numbers over the median of their sizes.
 const NORMAL: f64 = 1.4826;
 /// Columns that are whitened in one pass.
 const BATCH: usize = 32;
+
+/// Standard deviation of white noise as neighbouring readings differ: by the median of the distances.
+pub fn neighbours_std(residual: &[f64]) -> f64 {
+    let apart: Vec<f64> = residual.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
+    NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2
+}
 
 /// The noise of all channels.
 #[derive(Clone, Debug)]
@@ -74,7 +80,7 @@ impl NoiseModel {
             let apart: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
             let most =
                 apart.iter().map(|value| value * value).sum::<f64>() / (2.0 * apart.len().max(1) as f64);
-            let usual = NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2;
+            let usual = neighbours_std(values);
             let least = code_nt(document, observed, channel) / 12.0_f64.sqrt();
             // Of coarse codes most distances are zero.
             let std =

@@ -12,7 +12,6 @@ pub fn goals(score: &Score) -> String {
     let mut text = String::from("## Goals\n\n| goal | wanted | found | |\n| --- | --- | --- | --- |\n");
     // What is missed comes first.
     let mut goals = [score.goals(), hosted::goals(score)].concat();
-    goals.retain(|goal| goal.found.trials > 0);
     goals.sort_by_key(|goal| !goal.verdict().starts_with("missed"));
     for goal in goals {
         text +=

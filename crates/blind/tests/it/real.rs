@@ -3,31 +3,19 @@
 
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::path::Path;
 
 const BLIND: &str = env!("CARGO_BIN_EXE_blind");
+
+fn made(place: &Path, more: &[&str]) -> testkit::Run {
+    let always = ["make", "--set", "clean", "--seed", "1", "-o", "cases", "--truths", "t.json"];
+    testkit::run_in(BLIND, place, &[&always, more].concat())
+}
 
 #[test]
 fn a_folder_that_is_missing_is_said_and_left_out() {
     let place = tempfile::tempdir().expect("a folder");
-    let made = testkit::run_in(
-        BLIND,
-        place.path(),
-        &[
-            "make",
-            "--set",
-            "clean",
-            "--cases",
-            "1",
-            "--seed",
-            "1",
-            "--recordings",
-            "nowhere",
-            "-o",
-            "cases",
-            "--truths",
-            "t.json",
-        ],
-    );
+    let made = made(place.path(), &["--cases", "1", "--recordings", "nowhere"]);
     assert_eq!((made.code, made.stdout.trim().len()), (0, 64), "{}", made.stderr);
     assert_eq!(made.stderr, "blind: nowhere: no folder of recordings; nothing is concealed in real ones\n");
     let seals = std::fs::read_to_string(place.path().join("cases/seals.txt")).expect("seals");
@@ -40,27 +28,7 @@ fn a_folder_that_is_missing_is_said_and_left_out() {
 fn quiet_recordings_become_hosts() {
     let place = tempfile::tempdir().expect("a folder");
     let recordings = testkit::recordings("").display().to_string();
-    let made = testkit::run_in(
-        BLIND,
-        place.path(),
-        &[
-            "make",
-            "--set",
-            "clean",
-            "--cases",
-            "0",
-            "--each",
-            "4",
-            "--seed",
-            "1",
-            "--recordings",
-            &recordings,
-            "-o",
-            "cases",
-            "--truths",
-            "t.json",
-        ],
-    );
+    let made = made(place.path(), &["--cases", "0", "--each", "4", "--recordings", &recordings]);
     assert_eq!(made.code, 0, "{}", made.stderr);
     let json = |name: &str| -> Value {
         let text = std::fs::read_to_string(place.path().join(name)).expect(name);

@@ -75,13 +75,8 @@ pub fn wind(_: &Campaign, draw: &mut Draw) -> Effect {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::campaign;
+    use super::super::tests::{campaign, field_of};
     use super::*;
-
-    fn field_of(campaign: &Campaign, effect: &Effect) -> Vec<[f64; 3]> {
-        let added = (effect.act)(campaign, &campaign.plain(), 1.0);
-        added.iter().flat_map(|run| (0..run[0].len()).map(|row| [0, 1, 2].map(|k| run[k][row]))).collect()
-    }
 
     /// A door stands still between two moves.
     #[test]

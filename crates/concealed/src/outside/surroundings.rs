@@ -160,14 +160,9 @@ pub fn shared_supply(_: &Campaign, draw: &mut Draw) -> Effect {
 
 #[cfg(test)]
 mod tests {
-    use super::super::tests::campaign;
+    use super::super::tests::{campaign, field_of};
     use super::*;
     use std::collections::BTreeSet;
-
-    fn field_of(campaign: &Campaign, effect: &Effect) -> Vec<[f64; 3]> {
-        let added = (effect.act)(campaign, &campaign.plain(), 1.0);
-        added.iter().flat_map(|run| (0..run[0].len()).map(|row| [0, 1, 2].map(|k| run[k][row]))).collect()
-    }
 
     /// A packet has the sum √(2π) w e^(−(2π w / P)² / 2) of a Gaussian wave, and is gone after six widths.
     #[test]
