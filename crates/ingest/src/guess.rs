@@ -1,8 +1,10 @@
 //! A mapping guessed from a file: its notation, where the time is, what the columns are. What the file does not say stays open.
 
 mod columns;
+mod content;
 mod notation;
 mod sample;
+mod temperatures;
 mod time;
 
 use common::number::counted;
@@ -10,9 +12,11 @@ use common::{Error as Fault, to_text};
 use serde_json::json;
 use std::path::Path;
 
+use tables::Content;
+
 use crate::Error;
 use crate::mapping::Mapping;
-use crate::text::{Kind, Source};
+use crate::text::Source;
 
 use sample::Sample;
 
@@ -55,7 +59,7 @@ impl Guess {
 /// A file that cannot be read, holds no rows, or is IAGA-2002, which needs no mapping.
 pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
     let source = Source::read(file)?;
-    if source.kind == Kind::Iaga {
+    if source.kind == Content::Iaga {
         let expected = "CSV, NDJSON or Parquet; IAGA-2002 needs no mapping: ingest FILE";
         return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
     }
@@ -70,6 +74,7 @@ fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
             note: None,
             separator: sample.notation.separator,
             decimal: sample.notation.decimal,
+            thousands: sample.notation.thousands,
             comment: sample.notation.comment.clone(),
             header_line: sample.notation.header_line,
             first_row_line: sample.notation.first_row_line,
@@ -80,6 +85,12 @@ fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
         doubts: Vec::new(),
         notes: Vec::new(),
     };
+    if let Some(mark) = guess.mapping.thousands.filter(|_| sample.notation.thousands_are_doubtful) {
+        let doubt = format!(
+            "whether {mark:?} stands between thousands or is the decimal mark (`thousands`, `decimal`)"
+        );
+        guess.doubts.push(doubt);
+    }
     let time = time::guess(&sample, &source.name, &mut guess);
     columns::guess(&sample, &time, quantity, &mut guess);
     if guess.mapping.columns.is_empty() {

@@ -12,7 +12,7 @@ use crate::piece::Piece;
 use crate::text::{Source, decoded};
 use crate::{Error, Options};
 
-use components::convert;
+pub use components::convert;
 use header::Header;
 
 /// Reads a file.

@@ -1,20 +1,23 @@
-//! Files of observatories and loggers into a document: IAGA-2002, CSV, NDJSON and Parquet.
+//! Files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON and Parquet.
 //!
 //! [`run`] reads files of one series, brings their times to UTC and their values to the document's units, joins them in the order of
 //! time and adds them as one recording. A long series goes beside the document as a [`Table`]. Nothing is written here.
 
+mod cdf;
 mod clock;
 mod delimited;
 mod error;
 mod fill;
 mod guess;
 mod iaga;
+mod imagcdf;
 mod mapping;
 mod ndjson;
 mod number;
 mod parquet;
 mod parts;
 mod piece;
+mod raw;
 mod recording;
 mod series;
 mod text;
@@ -31,7 +34,8 @@ use common::Document;
 use std::path::PathBuf;
 
 use piece::Piece;
-use text::{Kind, Source};
+use tables::Content;
+use text::Source;
 
 /// Rows up to which a recording keeps its readings in the document.
 pub const INLINE_ROWS: usize = 10_000;
@@ -113,10 +117,16 @@ pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<I
 
 /// What one file says.
 fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
-    if source.kind == Kind::Iaga {
+    if options.mapping.is_none()
+        && source.kind == Content::Cdf
+        && let Some(piece) = imagcdf::read(source, options)?
+    {
+        return Ok(piece);
+    }
+    if source.kind == Content::Iaga {
         if options.mapping.is_some() {
             let expected =
-                "no --map, which is for CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
+                "no --map, which is for CDF, CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
             return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
         }
         return iaga::read(source, options);
@@ -125,7 +135,7 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
         Some(mapping) => (mapping.clone(), Vec::new()),
         None => guess::certain(source, &options.quantity)?,
     };
-    let named = matches!(source.kind, Kind::NdJson | Kind::Parquet);
+    let named = matches!(source.kind, Content::NdJson | Content::Parquet | Content::Cdf);
     if let Some(number) = mapping.number().filter(|_| named) {
         let found = format!("a mapping that takes column {number}");
         return Err(source.fault(
@@ -135,9 +145,10 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
         ));
     }
     let mut piece = match source.kind {
-        Kind::NdJson => ndjson::read(source, &mapping)?,
-        Kind::Parquet => parquet::read(source, &mapping)?,
-        Kind::Delimited | Kind::Iaga => delimited::read(source, &mapping)?,
+        Content::NdJson => ndjson::read(source, &mapping)?,
+        Content::Parquet => parquet::read(source, &mapping)?,
+        Content::Cdf => cdf::read(source, &mapping)?,
+        Content::Delimited | Content::Iaga | Content::Document => delimited::read(source, &mapping)?,
     };
     piece.header.insert("mapping".into(), serde_json::to_value(&mapping).unwrap_or_default());
     piece.notes.extend(notes);

@@ -132,8 +132,11 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
     }
     let (document, added) = match &args.add {
         Some(path) => {
-            let input = Input::read(Some(path))?;
-            (Document::parse(&input.text).map_err(|error| input.locate(error))?, Some(input.sha256()))
+            let files =
+                args.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(" ");
+            let command = |file: &str| format!("ingest {file} | ingest --add - {files}");
+            let (input, document) = Input::document(Some(path), command)?;
+            (document, Some(input.sha256()))
         }
         None => (Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }, None),
     };

@@ -47,6 +47,20 @@ pub fn parse(field: &[u8], point: u8) -> Option<f64> {
     }
 }
 
+/// A number whose digits before the decimal mark stand in groups of three.
+pub fn grouped(field: &[u8], point: u8, mark: u8) -> Option<f64> {
+    let end = field.iter().position(|byte| *byte == point).unwrap_or(field.len());
+    let (whole, rest) = field.split_at(end);
+    let digits = whole.strip_prefix(b"-").or(whole.strip_prefix(b"+")).unwrap_or(whole);
+    let mut groups = digits.split(|byte| *byte == mark);
+    let first = groups.next().is_some_and(|group| (1..=3).contains(&group.len()));
+    let fits = first
+        && groups.all(|group| group.len() == 3)
+        && digits.iter().all(|byte| *byte == mark || byte.is_ascii_digit());
+    let plain: Vec<u8> = whole.iter().filter(|byte| **byte != mark).chain(rest).copied().collect();
+    fits.then(|| parse(&plain, point))?
+}
+
 fn with_comma(field: &[u8]) -> Option<f64> {
     if field.contains(&b'.') {
         return None;
@@ -73,6 +87,17 @@ mod tests {
         assert_eq!(parse(b"48.520,3", b','), None);
         assert_eq!(parse(b"1.5x", b'.'), None);
         assert_eq!(parse(b"-0", b'.').map(f64::to_bits), Some((-0.0_f64).to_bits()));
+    }
+
+    #[test]
+    fn groups_of_three() {
+        assert_eq!(grouped(b"48,520.31", b'.', b','), Some(48_520.31));
+        assert_eq!(grouped(b"-1.048.520,5", b',', b'.'), Some(-1_048_520.5));
+        assert_eq!(grouped(b"48 520", b'.', b' '), Some(48_520.0));
+        assert_eq!(grouped(b"520.31", b'.', b','), Some(520.31));
+        for other in ["48,52.3", "4852,031", ",520", "48,520,", "48,5x0", "48.520,5"] {
+            assert_eq!(grouped(other.as_bytes(), b'.', b','), None, "{other}");
+        }
     }
 
     proptest! {

@@ -9,6 +9,7 @@ use crate::Error;
 use crate::fill::{self, Fill};
 use crate::mapping::Mapping;
 use crate::parts::Rows;
+use crate::raw::Raw;
 use crate::text::Source;
 use crate::times::Times;
 
@@ -90,6 +91,12 @@ impl Piece {
                 let fills = counted(missing + not_observed, "fill value");
                 piece.notes.push(format!("{fills} (99999, 88888, 1e31) of {}, taken as missing", column.to));
             }
+            let raw = Raw::of(column, &mut values);
+            piece.notes.extend(raw.notes(&column.to));
+            if let Some((row, expected)) = raw.no_integer {
+                let found = format!("{} for {}", quoted(values[row]), column.to);
+                return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
+            }
             let values = match (conversion.factor, conversion.offset) {
                 (1.0, 0.0) => values,
                 (factor, 0.0) => values.into_iter().map(|value| value * factor).collect(),
@@ -99,7 +106,7 @@ impl Piece {
                 let [low, high] = range::bounds(&column.to);
                 let found = format!("{} for {}", quoted(values[row]), column.to);
                 let expected = format!(
-                    "a reading between {} and {}; name the value under `missing` of the mapping where it stands for none",
+                    "a reading between {} and {}; name the value under `missing` of the mapping where it stands for none, or what is a reading under `valid`",
                     bare(low),
                     bare(high)
                 );

@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
-use tables::Place;
+use tables::{Content, Place};
 
 /// A file that was read.
 pub struct Source {
@@ -22,26 +22,13 @@ pub struct Source {
     /// SHA-256 of the file as it is, where `bytes` are not.
     original_sha256: Option<String>,
     /// What it is.
-    pub kind: Kind,
-}
-
-/// What a file is, told from its content: names of files say little.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// IAGA-2002.
-    Iaga,
-    /// Lines of values between separators.
-    Delimited,
-    /// A JSON object a line.
-    NdJson,
-    /// Apache Parquet.
-    Parquet,
+    pub kind: Content,
 }
 
 impl Source {
     /// Text that needs no cleaning.
     #[cfg(test)]
-    pub fn new(shown: String, name: String, bytes: Vec<u8>, kind: Kind) -> Self {
+    pub fn new(shown: String, name: String, bytes: Vec<u8>, kind: Content) -> Self {
         Source { shown, name, bytes: bytes.into(), original_sha256: None, kind }
     }
 
@@ -49,7 +36,7 @@ impl Source {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet.
+    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet nor CDF.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let failed = |source| Error::Table(tables::Error::File { path: path.into(), action: "read", source });
         let (bytes, shown) = if path == Path::new("-") {
@@ -61,8 +48,12 @@ impl Source {
         };
         let named = path.file_name().filter(|name| *name != "-");
         let name = named.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
-        let kind = kind(&shown, &bytes)?;
-        let as_it_is = kind == Kind::Parquet || is_plain(&bytes);
+        let kind = Content::of(&shown, &bytes)?;
+        if kind == Content::Document {
+            let expected = "a file of readings; to add recordings to a document, name it with --add";
+            return Err(Error::at(&shown, Place::Whole, "a fluxcal document", expected));
+        }
+        let as_it_is = kind.is_binary() || is_plain(&bytes);
         let original_sha256 = (!as_it_is).then(|| sha256(&bytes));
         let bytes = if as_it_is { bytes } else { plain(bytes) }.into();
         Ok(Source { shown, name, bytes, original_sha256, kind })
@@ -81,52 +72,6 @@ impl Source {
 
 fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-fn kind(shown: &str, bytes: &[u8]) -> Result<Kind, Error> {
-    let refused = |found: &str, expected: &str| Err(Error::at(shown, Place::Whole, found, expected));
-    let archive = "a file of readings; unpack it first";
-    let utf8 = "text in UTF-8; convert it, for example with iconv -f UTF-16 -t UTF-8";
-    match bytes {
-        [] => return refused("an empty file", "readings; was it copied in full?"),
-        [b'P', b'A', b'R', b'1', ..] => return Ok(Kind::Parquet),
-        [b'P', b'K', 3, 4, ..] => return refused("a zip archive (a spreadsheet is one too)", archive),
-        [0x1f, 0x8b, ..] => return refused("a gzip archive", archive),
-        [0x89, b'H', b'D', b'F', ..] => {
-            return refused("HDF5", "IAGA-2002, CSV, NDJSON or Parquet; convert it first");
-        }
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return refused("text in UTF-16", utf8),
-        _ => {}
-    }
-    let head = &bytes[..bytes.len().min(4096)];
-    match memchr(0, head) {
-        Some(at) if at < 4 && head.len() > 3 => {
-            return refused("text in UTF-16, without a mark that says so", utf8);
-        }
-        Some(at) => return refused(&format!("a zero byte at byte {}", at + 1), "text, or Parquet"),
-        None => {}
-    }
-    let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
-    let first = head.trim_ascii_start();
-    if first.is_empty() {
-        return refused("nothing but blanks", "readings; was it copied in full?");
-    }
-    if first.starts_with(b"{") || first.starts_with(b"[") {
-        if head.windows(9).any(|part| part == b"\"fluxcal\"") {
-            return refused(
-                "a fluxcal document",
-                "a file of readings; to add recordings to a document, name it with --add",
-            );
-        }
-        if first.starts_with(b"{") {
-            return Ok(Kind::NdJson);
-        }
-        return refused("a JSON list", "NDJSON, which is one JSON object a line");
-    }
-    let label = first.get(..6).is_some_and(|label| label.eq_ignore_ascii_case(b"format"));
-    let line = &first[..memchr(b'\n', first).unwrap_or(first.len())];
-    let line = line.to_ascii_uppercase();
-    Ok(if label && line.windows(4).any(|part| part == b"IAGA") { Kind::Iaga } else { Kind::Delimited })
 }
 
 /// Whether text has no byte-order mark, and carriage returns only before line feeds.
@@ -196,18 +141,5 @@ mod tests {
         let all: Vec<_> = lines(&text).map(|(number, line)| (number, line.to_vec())).collect();
         let expected = [b"a", b"b", b"c", b"d", b"e"].iter().zip(1..).map(|(line, n)| (n, line.to_vec()));
         assert_eq!(all, expected.collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn kinds_are_told_from_content() {
-        let of = |bytes: &[u8]| kind("x", bytes).map_err(|error| error.to_string());
-        assert_eq!(of(b" Format                 IAGA-2002   |\n"), Ok(Kind::Iaga));
-        assert_eq!(of(b"t,x\n1,2\n"), Ok(Kind::Delimited));
-        assert_eq!(of(b"{\"t\": 1}\n"), Ok(Kind::NdJson));
-        assert_eq!(of(b"PAR1...."), Ok(Kind::Parquet));
-        assert!(of(b"\xff\xfet\0").expect_err("UTF-16").contains("UTF-16"));
-        assert!(of(b"t\0,\0x\0").expect_err("UTF-16").contains("UTF-16"));
-        assert!(of(b"PK\x03\x04").expect_err("zip").contains("zip"));
-        assert!(of(b"{\n \"fluxcal\": 1}").expect_err("a document").contains("--add"));
     }
 }

@@ -41,14 +41,62 @@ enum Form {
     },
     /// A pattern with the date.
     Pattern(String),
-    /// A pattern of the time of day, with the day from the file's name.
-    OfDay {
+    /// A pattern of the day, and a number since its midnight.
+    Dated {
         pattern: String,
+        since: Since,
+    },
+    /// The time of day alone, with the day from elsewhere.
+    OfDay {
+        time: OfDay,
         day: i64,
+        whose: Day,
     },
     /// Row by row.
     Step(f64),
     None,
+}
+
+/// A number since midnight.
+#[derive(Clone, Copy)]
+struct Since {
+    unit_ns: i64,
+    point: u8,
+}
+
+/// A time of day as it is written.
+enum OfDay {
+    Pattern(String),
+    Number(Since),
+}
+
+/// Whose day is known.
+#[derive(Clone, Copy, PartialEq)]
+enum Day {
+    /// That of most rows: the file is named after it.
+    MostRows,
+    /// That of the first row.
+    FirstRow,
+}
+
+impl Since {
+    fn read(self, text: &[u8]) -> Option<i64> {
+        // Midnight may be the end of a day as well.
+        clock::decimal(text, self.unit_ns, self.point).filter(|ns| (0..=DAY_NS).contains(ns))
+    }
+}
+
+impl OfDay {
+    fn read(&self, text: &[u8]) -> Option<i64> {
+        match self {
+            OfDay::Number(since) => since.read(text),
+            OfDay::Pattern(pattern) => {
+                let time = strtime::parse(pattern, text).ok()?.to_time().ok()?;
+                let midnight = jiff::civil::Time::midnight();
+                Some((time - midnight).total(jiff::Unit::Nanosecond).ok()? as i64)
+            }
+        }
+    }
 }
 
 impl Times {
@@ -74,10 +122,19 @@ impl Times {
             (None, "day_of_year") => Form::DayOfYear { point },
             (None, "excel_days") => Form::Days { epoch: 25_569.0, point },
             (None, "matlab_days") => Form::Days { epoch: 719_529.0, point },
-            (None, pattern) => match &mapping.date_in_name {
-                Some(date) => Form::OfDay { pattern: pattern.into(), day: day_in_name(source, date)? },
-                None => Form::Pattern(pattern.into()),
-            },
+            (None, said) => {
+                let number = mapping.of_day().map(|(before, unit_ns, _)| (before, Since { unit_ns, point }));
+                let time = || number.map_or(OfDay::Pattern(said.into()), |(_, since)| OfDay::Number(since));
+                let first = mapping.start.as_deref().and_then(|start| clock::date(start.as_bytes()));
+                match (&mapping.date_in_name, first, number) {
+                    (Some(date), ..) => {
+                        Form::OfDay { time: time(), day: day_in_name(source, date)?, whose: Day::MostRows }
+                    }
+                    (None, Some((day, _)), _) => Form::OfDay { time: time(), day, whose: Day::FirstRow },
+                    (None, None, Some((before, since))) => Form::Dated { pattern: before.into(), since },
+                    (None, None, None) => Form::Pattern(said.into()),
+                }
+            }
         };
         let counted =
             matches!(form, Form::Step(_)) || matches!(mapping.format.as_str(), "seconds" | "milliseconds");
@@ -124,12 +181,14 @@ impl Times {
                 self.zone.moment(stamp(&parts).ok_or_else(as_expected)?)
             }
             // Brought to UTC by `settle`, when it is known on which day each row was taken.
-            Form::OfDay { pattern, day } => {
-                let time = strtime::parse(pattern, text).ok().and_then(|parts| parts.to_time().ok());
-                let time = time.ok_or_else(as_expected)?;
-                let midnight = jiff::civil::Time::midnight();
-                Ok(day * DAY_NS
-                    + (time - midnight).total(jiff::Unit::Nanosecond).map_err(|_| as_expected())? as i64)
+            Form::OfDay { time, day, .. } => {
+                time.read(text).map(|ns| day * DAY_NS + ns).ok_or_else(as_expected)
+            }
+            Form::Dated { pattern, since } => {
+                let cut = text.iter().rposition(|byte| *byte == b' ').ok_or_else(as_expected)?;
+                let date = strtime::parse(pattern, &text[..cut]).ok().and_then(|parts| parts.to_date().ok());
+                let (date, ns) = date.zip(since.read(&text[cut + 1..])).ok_or_else(as_expected)?;
+                self.zone.moment(Stamp { clock_ns: days_of(date) * DAY_NS + ns, ahead_s: None })
             }
             Form::Step(_) | Form::None => Ok(0),
         }
@@ -143,6 +202,10 @@ impl Times {
                 Some((value * (*unit_ns as f64 / 1e3)).round() * 1e3)
             }
             Form::Decimal { unit_ns, .. } => Some((value * *unit_ns as f64).round()),
+            Form::OfDay { time: OfDay::Number(since), day, .. } => {
+                let ns = (value * since.unit_ns as f64).round();
+                (0.0..=DAY_NS as f64).contains(&ns).then_some(*day as f64 * DAY_NS as f64 + ns)
+            }
             Form::Days { epoch, .. } => {
                 let stamp = clock::days(value, *epoch).map(|clock_ns| Stamp { clock_ns, ahead_s: None });
                 return stamp.ok_or_else(|| self.expected()).and_then(|stamp| self.zone.moment(stamp));
@@ -157,6 +220,9 @@ impl Times {
     pub fn expected(&self) -> String {
         match self.said.as_str() {
             "iso" => "a time as in 2024-05-10T00:00:00Z".into(),
+            "seconds_of_day" => "seconds since midnight, 0 to 86400".into(),
+            "milliseconds_of_day" => "milliseconds since midnight, 0 to 86400000".into(),
+            "hours_of_day" => "hours since midnight, 0 to 24".into(),
             "day_of_year" => "a year and a day of it, as in 2024 131.5".into(),
             said => format!("a time as the mapping's `time.format` says: {said}"),
         }
@@ -171,34 +237,20 @@ impl Times {
                 rows.times_ns = (0..count).map(at).collect();
             }
             Form::None => rows.times_ns = (0..count as i64).collect(),
-            Form::OfDay { .. } => self.settle_days(source, rows, notes)?,
+            Form::OfDay { whose, .. } => {
+                match whose {
+                    Day::MostRows => name_day(source, rows, notes)?,
+                    Day::FirstRow => count_days(rows),
+                }
+                self.settle_zone(source, rows)?;
+            }
             _ => {}
         }
         Ok(())
     }
 
-    /// Midnight is where the time of day falls by more than half a day. The day of the file's name is that of most rows: a log that
-    /// begins at 23:59 began the day before.
-    fn settle_days(&self, source: &Source, rows: &mut Rows, notes: &mut Vec<String>) -> Result<(), Error> {
-        let midnights: Vec<usize> = (1..rows.times_ns.len())
-            .filter(|row| rows.times_ns[row - 1] - rows.times_ns[*row] > DAY_NS / 2)
-            .collect();
-        match midnights.as_slice() {
-            [] => {}
-            [midnight] => {
-                let before = 2 * midnight < rows.times_ns.len();
-                let (part, shift) =
-                    if before { (0..*midnight, -DAY_NS) } else { (*midnight..rows.times_ns.len(), DAY_NS) };
-                let which = if before { "begins on the day before" } else { "goes on into the day after" };
-                notes.push(format!("{which} the one in its name"));
-                rows.times_ns[part].iter_mut().for_each(|time| *time += shift);
-            }
-            [_, second, ..] => {
-                let line = u64::from(rows.lines[*second]);
-                let expected = "the rows of one day; give a column with the date";
-                return Err(source.fault(Place::Line(line), "a second midnight in the file", expected));
-            }
-        }
+    /// Clock times of known days to UTC.
+    fn settle_zone(&self, source: &Source, rows: &mut Rows) -> Result<(), Error> {
         for (time, line) in rows.times_ns.iter_mut().zip(&rows.lines) {
             let stamp = Stamp { clock_ns: *time, ahead_s: None };
             *time = self.zone.moment(stamp).map_err(|expected| {
@@ -209,6 +261,40 @@ impl Times {
         }
         Ok(())
     }
+}
+
+/// Rows with which a day begins: midnight is where the time of day falls by more than half a day.
+fn midnights(times_ns: &[i64]) -> Vec<usize> {
+    (1..times_ns.len()).filter(|row| times_ns[row - 1] - times_ns[*row] > DAY_NS / 2).collect()
+}
+
+/// Each midnight begins the next day.
+fn count_days(rows: &mut Rows) {
+    for midnight in midnights(&rows.times_ns) {
+        rows.times_ns[midnight..].iter_mut().for_each(|time| *time += DAY_NS);
+    }
+}
+
+/// The day of the file's name is that of most rows: a log that begins at 23:59 began the day before.
+fn name_day(source: &Source, rows: &mut Rows, notes: &mut Vec<String>) -> Result<(), Error> {
+    match midnights(&rows.times_ns).as_slice() {
+        [] => {}
+        [midnight] => {
+            let before = 2 * midnight < rows.times_ns.len();
+            let (part, shift) =
+                if before { (0..*midnight, -DAY_NS) } else { (*midnight..rows.times_ns.len(), DAY_NS) };
+            let which = if before { "begins on the day before" } else { "goes on into the day after" };
+            notes.push(format!("{which} the one in its name"));
+            rows.times_ns[part].iter_mut().for_each(|time| *time += shift);
+        }
+        [_, second, ..] => {
+            let line = u64::from(rows.lines[*second]);
+            let expected =
+                "the rows of one day; give a column with the date, or `start` in place of `date_in_name`";
+            return Err(source.fault(Place::Line(line), "a second midnight in the file", expected));
+        }
+    }
+    Ok(())
 }
 
 /// The date within the file's name: the first place where the pattern fits.
@@ -255,10 +341,10 @@ fn day_of_year(text: &[u8], point: u8) -> Option<Stamp> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::Kind;
+    use tables::Content;
 
     fn source(name: &str) -> Source {
-        Source::new(name.to_string(), name.to_string(), Vec::new(), Kind::Delimited)
+        Source::new(name.to_string(), name.to_string(), Vec::new(), Content::Delimited)
     }
 
     fn read(format: &str, zone: Option<&str>, text: &str) -> Result<String, String> {
@@ -283,6 +369,35 @@ mod tests {
         assert_eq!(ok("excel_days", Some("+02:00"), "45422.5"), "2024-05-10T10:00:00Z");
         assert!(read("iso", None, "1.9.2011").expect_err("no ISO").contains("2024-05-10T00:00:00Z"));
         assert!(read("day_of_year", None, "2024 0.5").is_err());
+    }
+
+    #[test]
+    fn days_and_numbers_since_midnight() {
+        let ok = |format: &str, zone: Option<&str>, text: &str| read(format, zone, text).expect(text);
+        assert_eq!(ok("%Y-%m-%d seconds_of_day", None, "2025-03-14 3661.25"), "2025-03-14T01:01:01.25Z");
+        assert_eq!(ok("%Y %j seconds_of_day", Some("+01:00"), "2025 73 86400"), "2025-03-14T23:00:00Z");
+        assert_eq!(ok("%Y%m%d hours_of_day", None, "20250314 1.5"), "2025-03-14T01:30:00Z");
+        assert_eq!(ok("%m/%d/%Y %I:%M:%S %p", None, "3/14/2025 1:05:00 PM"), "2025-03-14T13:05:00Z");
+        assert_eq!(ok("%m/%d/%Y %I:%M:%S %p", None, "12/4/2025 12:05:00 AM"), "2025-12-04T00:05:00Z");
+        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14 86401").is_err());
+        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14").is_err());
+        // From a day that is stated, over two midnights.
+        for (format, texts) in [
+            ("seconds_of_day", ["43200", "86399.5", "0.5", "60000", "1"]),
+            ("%H:%M:%S%.f", ["12:00:00", "23:59:59.5", "00:00:00.5", "16:40:00", "00:00:01"]),
+        ] {
+            let mapping = TimeMapping {
+                format: format.into(),
+                start: Some("2025-03-14T00:00:00Z".into()),
+                ..TimeMapping::default()
+            };
+            let times = Times::new(&source("x.csv"), Some(&mapping), '.').expect("times");
+            let mut rows = Rows { lines: (1..=5).collect(), ..Rows::default() };
+            rows.times_ns = texts.map(|text| times.read(text.as_bytes()).expect(text)).into();
+            times.settle(&source("x.csv"), &mut rows, &mut Vec::new()).expect("settled");
+            let days: Vec<i64> = rows.times_ns.iter().map(|time| time / DAY_NS - 20_161).collect();
+            assert_eq!((days, times.clock()), (vec![0, 0, 1, 1, 2], Clock::Utc), "{format}");
+        }
     }
 
     #[test]

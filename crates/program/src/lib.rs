@@ -6,3 +6,4 @@ pub mod beside;
 pub mod manual;
 pub mod number;
 pub mod pipe;
+mod readings;

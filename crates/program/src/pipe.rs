@@ -13,7 +13,7 @@ use std::process;
 
 use common::{Document, Error, ExitCode, HistoryEntry, line_of};
 
-use crate::{apart, beside};
+use crate::{apart, beside, readings};
 
 /// Arguments for the document's way in and out, the same in every stage.
 #[derive(Args, Clone, Debug, Default)]
@@ -61,26 +61,37 @@ pub struct Input {
 impl Input {
     /// Reads a file, or standard input where no file is given.
     pub fn read(file: Option<&Path>) -> Result<Self, Error> {
-        let (bytes, source_name) = match file.filter(|path| *path != Path::new("-")) {
-            Some(path) => {
-                let bytes = fs::read(path).map_err(|source| unreadable(path, source))?;
-                (bytes, path.display().to_string())
-            }
-            None if io::stdin().is_terminal() => {
-                return Err(Error::Request(
-                    "no document: standard input is a terminal. Give a file, or put this program behind \
-                     another in a pipe; --help shows an example"
-                        .into(),
-                ));
-            }
-            None => {
-                let mut bytes = Vec::new();
-                io::stdin()
-                    .read_to_end(&mut bytes)
-                    .map_err(|source| unreadable(Path::new("standard input"), source))?;
-                (bytes, "standard input".to_string())
-            }
-        };
+        let (bytes, source_name) = bytes(file)?;
+        Self::of(bytes, source_name)
+    }
+
+    /// Reads a document. Readings as a file (CSV, IAGA-2002, CDF, …) are answered with the command that reads them: `command` makes it of
+    /// the file's name.
+    ///
+    /// # Errors
+    ///
+    /// What is no document, with file and line.
+    pub fn document(
+        file: Option<&Path>,
+        command: impl Fn(&str) -> String,
+    ) -> Result<(Self, Document), Error> {
+        let (bytes, source_name) = bytes(file)?;
+        let named = file.filter(|path| *path != Path::new("-")).map(|path| path.display().to_string());
+        let readings = readings::told(&bytes).map(|found| Error::Syntax {
+            message: format!(
+                "{source_name}: found {found}; expected a fluxcal document. To read it:\n  {}",
+                command(named.as_deref().unwrap_or("FILE"))
+            ),
+        });
+        if let Some(error) = readings {
+            return Err(error);
+        }
+        let input = Self::of(bytes, source_name)?;
+        let document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
+        Ok((input, document))
+    }
+
+    fn of(bytes: Vec<u8>, source_name: String) -> Result<Self, Error> {
         let text = String::from_utf8(bytes).map_err(|error| Error::Syntax {
             message: format!(
                 "{source_name}: byte {} is not UTF-8; expected JSON text, which is always UTF-8",
@@ -110,6 +121,27 @@ impl Input {
     }
 }
 
+/// What is in a file or comes on standard input, and how messages name it.
+fn bytes(file: Option<&Path>) -> Result<(Vec<u8>, String), Error> {
+    match file.filter(|path| *path != Path::new("-")) {
+        Some(path) => {
+            let bytes = fs::read(path).map_err(|source| unreadable(path, source))?;
+            Ok((bytes, path.display().to_string()))
+        }
+        None if io::stdin().is_terminal() => Err(Error::Request(
+            "no document: standard input is a terminal. Give a file, or put this program behind \
+             another in a pipe; --help shows an example"
+                .into(),
+        )),
+        None => {
+            let mut bytes = Vec::new();
+            let read = io::stdin().read_to_end(&mut bytes);
+            read.map_err(|source| unreadable(Path::new("standard input"), source))?;
+            Ok((bytes, "standard input".to_string()))
+        }
+    }
+}
+
 fn unreadable(path: &Path, source: io::Error) -> Error {
     Error::File { path: path.into(), action: "read", source }
 }
@@ -125,6 +157,23 @@ pub struct Program {
     pub takes: &'static [&'static str],
 }
 
+impl Program {
+    /// The command that reads a file of readings for this program.
+    pub fn ingest(&self, file: &str) -> String {
+        format!("ingest {} | {}", quoted(file), self.name)
+    }
+}
+
+/// A file's name as a shell takes it.
+fn quoted(file: &str) -> String {
+    let plain = |letter: char| letter.is_alphanumeric() || "/._-+,:=@".contains(letter);
+    if !file.is_empty() && file.chars().all(plain) {
+        file.into()
+    } else {
+        format!("'{}'", file.replace('\'', "'\\''"))
+    }
+}
+
 /// Runs a stage: document in, `run`, words to standard error, document out.
 ///
 /// `arguments` is what the history records of the request. Nothing is written when anything fails.
@@ -138,9 +187,24 @@ pub fn stage<E>(
 where
     Error: From<E>,
 {
-    let input = Input::read(io.file.as_deref())?;
+    stage_or(program, io, arguments, |file| program.ingest(file), run, words)
+}
+
+/// As [`stage`], where another command than `ingest` reads a file of readings that was given as the document: `command` makes it of the
+/// file's name.
+pub fn stage_or<E>(
+    program: Program,
+    io: &Io,
+    arguments: Vec<String>,
+    command: impl Fn(&str) -> String,
+    run: impl FnOnce(Document) -> Result<Document, E>,
+    words: impl FnOnce(&Document) -> String,
+) -> Result<(), Error>
+where
+    Error: From<E>,
+{
+    let (input, mut document) = Input::document(io.file.as_deref(), command)?;
     let located = |error: Error| input.locate(error);
-    let mut document = Document::parse(&input.text).map_err(located)?;
     let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
     let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
     io.apart(tables.iter().map(PathBuf::as_path))?;
@@ -240,6 +304,23 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn readings_are_answered_with_the_command_that_reads_them() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a day.csv");
+        fs::write(&path, "time,x_nT\n2025-03-14T00:00:00Z,20900.5\n").expect("written");
+        let program = Program { name: "diffmag", version: "1", takes: &[] };
+        let error =
+            Input::document(Some(&path), |file| program.ingest(file)).err().expect("refused").to_string();
+        let shown = path.display();
+        let expected = format!(
+            "{shown}: found lines of values (CSV); expected a fluxcal document. To read it:\n  ingest '{shown}' | diffmag"
+        );
+        assert_eq!(error, expected);
+        fs::write(&path, "{\"fluxcal\": 1}").expect("written");
+        assert!(Input::document(Some(&path), |file| program.ingest(file)).is_ok());
+    }
 
     #[test]
     fn a_file_is_whole_or_not_there() {

@@ -1,7 +1,7 @@
 //! `report`: any document as one page.
 
 use clap::Parser;
-use common::{Document, procedure};
+use common::procedure;
 use program::pipe::{self, Input, Io, Program};
 use program::{beside, manual};
 use report::certificate::Spec;
@@ -46,9 +46,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         let input = Input::read(Some(file))?;
         options.spec = Some(Spec::parse(&input.text).map_err(|error| input.locate(error))?);
     }
-    let input = Input::read(cli.io.file.as_deref())?;
+    let (input, mut document) = Input::document(cli.io.file.as_deref(), |file| PROGRAM.ingest(file))?;
     options.document_sha256 = Some(input.sha256());
-    let mut document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
     if let Err(error) = beside::read(&mut document, cli.io.folder(), PROGRAM.takes) {
         pipe::say(&format!("report: {}; the page does without", input.locate(error)));
     }

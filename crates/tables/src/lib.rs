@@ -17,6 +17,7 @@
 
 mod batch;
 mod beside;
+mod content;
 mod error;
 mod format;
 mod read;
@@ -24,6 +25,7 @@ mod write;
 
 pub use batch::{BATCH_ROWS, Batch};
 pub use beside::beside;
+pub use content::Content;
 pub use error::{Error, Place};
 pub use format::Format;
 pub use read::{ColumnKind, Reader, parquet_columns};

@@ -133,7 +133,13 @@ impl Parser<'_> {
         if field.is_empty() {
             return Some(f64::NAN);
         }
-        match number::parse(field, self.mapping.decimal as u8) {
+        let parsed = match self.mapping.thousands {
+            Some(mark) if field.contains(&(mark as u8)) => {
+                number::grouped(field, self.mapping.decimal as u8, mark as u8)
+            }
+            _ => number::parse(field, self.mapping.decimal as u8),
+        };
+        match parsed {
             Some(value) if value.is_finite() && !self.missing.contains(&value) => Some(value),
             Some(value) if value.is_finite() => Some(f64::NAN),
             _ => self.missing_word(field).then_some(f64::NAN),
@@ -152,13 +158,23 @@ impl Parser<'_> {
         let found = quoted(field.trim_ascii());
         let own = self.mapping.decimal;
         let other = if own == ',' { '.' } else { ',' };
-        let marked =
-            field.contains(&(other as u8)) && decoded(field).trim().replace(',', ".").parse::<f64>().is_ok();
+        let marked = other != self.mapping.separator
+            && field.contains(&(other as u8))
+            && decoded(field).trim().replace(',', ".").parse::<f64>().is_ok();
+        let grouped =
+            |own: char, mark: char| number::grouped(field.trim_ascii(), own as u8, mark as u8).is_some();
         let expected = if field.starts_with(b"\"") {
             "a closing quote on the same line".to_string()
         } else if marked {
             format!(
                 "a number with the decimal mark {own:?}; where the file writes {other:?}, say \"decimal\": \"{other}\" in the mapping"
+            )
+        } else if let Some(mark) = [',', '.', '\'', ' ']
+            .into_iter()
+            .find(|mark| *mark != own && field.contains(&(*mark as u8)) && grouped(own, *mark))
+        {
+            format!(
+                "a number; where {mark:?} stands between thousands, say \"thousands\": \"{mark}\" in the mapping"
             )
         } else {
             format!(

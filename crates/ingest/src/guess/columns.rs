@@ -3,6 +3,7 @@
 use super::Guess;
 use super::sample::{Cells, Sample};
 use super::time::plain;
+use super::{content, temperatures};
 use crate::mapping::ColumnMapping;
 use crate::units;
 
@@ -72,24 +73,29 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
             }
         }
     }
-    let vector = vector(&told);
+    let by_name = vector(&told);
+    let by_content = if by_name.is_none() { vector_by_content(&told, sample) } else { None };
+    let (vector, why) = match by_content {
+        Some((vector, unit, why)) => (Some(vector), Some((unit, why))),
+        None => (by_name, None),
+    };
     let mut names: Vec<String> = Vec::new();
     for (index, one) in told.iter().enumerate() {
-        let mut mapping = ColumnMapping {
-            from: sample.from[one.column].clone(),
-            to: String::new(),
-            unit: one.unit.clone(),
-            scale: None,
-            sign: None,
-            offset: None,
-            note: None,
-        };
+        let mut mapping =
+            ColumnMapping::plain(sample.from[one.column].clone(), String::new(), one.unit.clone());
         let axis = vector.as_ref().and_then(|vector| vector.iter().position(|found| *found == index));
         let named = KNOWN.iter().any(|known| sample.names[one.column].starts_with(known));
         match axis {
             Some(axis) if !named => {
-                let all = vector.unwrap_or_default().map(|index| sample.numbers(told[index].column));
-                field(&mut mapping, ["x", "y", "z"][axis], quantity, &all);
+                let axis = ["x", "y", "z"][axis];
+                if let Some((unit, why)) = &why {
+                    mapping.to = format!("{quantity}_{axis}_nt");
+                    mapping.unit = Some(unit.to_string());
+                    mapping.note = Some(format!("taken as the axes of one field by their content: {why}"));
+                } else {
+                    let all = vector.unwrap_or_default().map(|index| sample.numbers(told[index].column));
+                    field(&mut mapping, axis, quantity, &all);
+                }
             }
             _ => scalar_or_other(&mut mapping, one, sample),
         }
@@ -125,18 +131,37 @@ fn doubts(sample: &Sample, told: &[Told], guess: &mut Guess) {
     }
 }
 
-/// A unit in which readings of that size are the Earth's field. Not mG: a field of hundreds of µT is as likely.
-fn of_earth(mut sizes: Vec<f64>) -> (String, Option<String>) {
-    sizes.sort_by(f64::total_cmp);
-    let size = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    let units = [("nT", 1.0), ("uT", 1e3), ("G", 1e5), ("T", 1e9)];
-    match units.into_iter().find(|(_, nt)| (20_000.0..70_000.0).contains(&(size * nt))) {
-        Some((unit, _)) => {
+/// A unit in which readings of that size are the Earth's field, with the question; `?` where there is none.
+fn of_earth(sizes: Vec<f64>) -> (String, Option<String>) {
+    match content::unit_of_earth(sizes) {
+        Some(unit) => {
             let note = format!("no unit is stated; in {unit} the field would be as strong as the Earth's");
             (unit.into(), Some(note))
         }
         None => ("?".into(), None),
     }
+}
+
+/// Whether a name says nothing: none, a number, `ch3`, `Column 5`.
+fn is_generic(base: &str) -> bool {
+    const GENERIC: [&str; 18] = [
+        "", "ch", "chan", "channel", "c", "col", "column", "var", "field", "value", "val", "data", "in",
+        "input", "ain", "analog", "adc", "unnamed",
+    ];
+    let name = plain(base);
+    GENERIC.contains(&name.trim_matches(|letter: char| letter.is_ascii_digit()))
+}
+
+/// Three columns beside one another that are one field by their content, where their names say nothing.
+fn vector_by_content(told: &[Told], sample: &Sample) -> Option<([usize; 3], &'static str, String)> {
+    let candidate = |one: &Told| one.unit.is_none() && is_generic(&one.base);
+    (2..told.len()).find_map(|last| {
+        let all = [last - 2, last - 1, last];
+        let columns = all.map(|index| sample.numbers(told[index].column));
+        let (unit, why) =
+            content::field(&columns).filter(|_| all.iter().all(|index| candidate(&told[*index])))?;
+        Some((all, unit, why))
+    })
 }
 
 /// Three columns that are x, y and z of one field: the first such three.
@@ -172,8 +197,7 @@ fn field(mapping: &mut ColumnMapping, axis: &str, quantity: &str, all: &[Vec<f64
     if mapping.unit.is_some() {
         return;
     }
-    let rows = all[0].iter().zip(all[1].iter().zip(&all[2]));
-    let (unit, note) = of_earth(rows.map(|(x, (y, z))| (x * x + y * y + z * z).sqrt()).collect());
+    let (unit, note) = of_earth(content::norms(all));
     (mapping.unit, mapping.note) = (Some(unit), note);
 }
 
@@ -194,12 +218,24 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample) {
         return;
     }
     let base = sanitized(&told.base, column);
-    if short.starts_with("temp") || short == "t" && ending == Some("c") {
-        mapping.to = "sensor_temperature_c".into();
+    let by_name =
+        temperatures::column(&told.base, ending == Some("c")).filter(|_| matches!(ending, None | Some("c")));
+    if let Some(temperature) = by_name {
+        mapping.to = temperature;
         if told.unit.is_none() {
-            mapping.unit = Some("C".into());
-            mapping.note = Some("no unit is stated; °C is usual".into());
+            let kelvin = content::temperature(&sample.numbers(column)).is_some_and(|(unit, _)| unit == "K");
+            mapping.unit = Some(if kelvin { "K" } else { "C" }.into());
+            mapping.note =
+                Some("no unit is stated; °C is usual".replace("°C", if kelvin { "K" } else { "°C" }));
         }
+        return;
+    }
+    if told.unit.is_none()
+        && is_generic(&told.base)
+        && let Some((unit, why)) = content::temperature(&sample.numbers(column))
+    {
+        mapping.to = "sensor_temperature_c".into();
+        (mapping.unit, mapping.note) = (Some(unit.into()), Some(why));
         return;
     }
     mapping.to = match ending {

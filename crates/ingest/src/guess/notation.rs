@@ -2,13 +2,15 @@
 
 use tables::Place;
 
-use super::sample::number;
+use super::sample::{grouped, plain_number as number};
 use crate::Error;
 use crate::clock;
 use crate::delimited::fields;
 use crate::text::{Source, decoded, lines};
 use crate::units;
 
+/// What may stand between thousands. A blank is not told from a separator.
+const THOUSANDS: [char; 4] = [',', '.', '\'', '_'];
 /// Lines that are looked at for the first row.
 const HEAD: usize = 1000;
 
@@ -18,6 +20,10 @@ pub struct Notation {
     pub separator: char,
     /// The decimal mark.
     pub decimal: char,
+    /// What stands between thousands, where something does.
+    pub thousands: Option<char>,
+    /// Whether a comma before three digits might as well be the decimal mark.
+    pub thousands_are_doubtful: bool,
     /// What comments begin with.
     pub comment: Option<String>,
     /// The line of the names.
@@ -40,6 +46,8 @@ impl Notation {
         Notation {
             separator: ',',
             decimal: '.',
+            thousands: None,
+            thousands_are_doubtful: false,
             comment: None,
             header_line: None,
             first_row_line: None,
@@ -48,6 +56,11 @@ impl Notation {
             units: None,
             rows: Vec::new(),
         }
+    }
+
+    /// A number in this notation.
+    pub fn number(&self, cell: &str) -> Option<f64> {
+        number(cell, self.decimal).or_else(|| grouped(cell, self.decimal, self.thousands?))
     }
 
     /// Looks at the beginning of a file.
@@ -79,9 +92,13 @@ impl Notation {
         let cells: Vec<Vec<String>> =
             table[first..].iter().take(rows).map(|(_, line)| of_line(line)).collect();
         let width = cells[0].len();
+        let decimal = decimal(&cells, separator);
+        let (thousands, thousands_are_doubtful) = thousands(&cells, decimal);
         let mut notation = Notation {
             separator,
-            decimal: decimal(&cells, separator),
+            decimal,
+            thousands,
+            thousands_are_doubtful,
             comment: comment.map(str::to_string),
             width,
             ..Self::usual()
@@ -126,6 +143,9 @@ fn is_value(cell: &str) -> bool {
     let text = cell.trim();
     number(text, '.').is_some()
         || number(text, ',').is_some()
+        || ['.', ',']
+            .into_iter()
+            .any(|decimal| THOUSANDS.into_iter().any(|mark| grouped(text, decimal, mark).is_some()))
         || clock::iso(text.as_bytes()).is_some()
         || clock::time_of_day(text.as_bytes()).is_some_and(|(_, end)| end == text.len())
         || is_date(text)
@@ -164,11 +184,27 @@ fn separator(table: &[(u32, &[u8])]) -> Option<char> {
     best.map(|(separator, _)| separator)
 }
 
+/// What stands between thousands, and whether that is doubtful: of "48,520" alone one cannot tell; of "48,520.31" and "1,048,520" one can.
+fn thousands(rows: &[Vec<String>], decimal: char) -> (Option<char>, bool) {
+    let cells =
+        || rows.iter().flatten().map(|cell| cell.trim()).filter(|cell| number(cell, decimal).is_none());
+    let mark = THOUSANDS.into_iter().find(|mark| cells().any(|cell| grouped(cell, decimal, *mark).is_some()));
+    let Some(mark) = mark else { return (None, false) };
+    let mut found = cells().filter(|cell| grouped(cell, decimal, mark).is_some());
+    let certain = !matches!(mark, ',' | '.')
+        || found.any(|cell| cell.contains(decimal) || cell.matches(mark).count() > 1);
+    (Some(mark), !certain)
+}
+
 /// A comma where more numbers have one than have a point.
 fn decimal(rows: &[Vec<String>], separator: char) -> char {
     let with = |mark: char| {
         let cells = rows.iter().flatten().map(|cell| cell.trim());
-        let marked = cells.filter(|cell| cell.contains(mark) && number(cell, mark).is_some());
+        let marked = cells.filter(|cell| {
+            cell.contains(mark)
+                && (number(cell, mark).is_some()
+                    || THOUSANDS.into_iter().any(|thousands| grouped(cell, mark, thousands).is_some()))
+        });
         marked.count()
     };
     if separator != ',' && with(',') > with('.') { ',' } else { '.' }

@@ -3,13 +3,15 @@
 use serde_json::{Map, Value};
 use std::io::Cursor;
 use std::num::NonZeroUsize;
-use tables::{COLUMN_LIMIT, ColumnKind, Place, Reader};
+use tables::{COLUMN_LIMIT, ColumnKind, Content, Place, Reader};
 
 use super::notation::Notation;
 use crate::Error;
+use crate::cdf;
 use crate::clock;
 use crate::mapping::From;
-use crate::text::{Kind, Source, lines};
+use crate::number;
+use crate::text::{Source, lines};
 
 /// Rows that are looked at.
 const ROWS: usize = 400;
@@ -49,14 +51,15 @@ impl Sample {
     /// Looks at a file.
     pub fn of(source: &Source) -> Result<Self, Error> {
         match source.kind {
-            Kind::NdJson => Self::of_ndjson(source),
-            Kind::Parquet => Self::of_parquet(source),
-            Kind::Delimited | Kind::Iaga => Self::of_text(source),
+            Content::NdJson => Self::of_ndjson(source),
+            Content::Parquet => Self::of_parquet(source),
+            Content::Cdf => Self::of_cdf(source),
+            Content::Delimited | Content::Iaga | Content::Document => Self::of_text(source),
         }
     }
 
     fn new(notation: Notation, from: Vec<From>, names: Vec<String>, cells: Vec<Vec<String>>) -> Self {
-        let kinds = cells.iter().map(|column| kind(column, notation.decimal)).collect();
+        let kinds = cells.iter().map(|column| kind(column, &notation)).collect();
         let units = notation.units.clone().unwrap_or_else(|| vec![None; names.len()]);
         Sample { notation, from, names, units, cells, kinds }
     }
@@ -119,6 +122,24 @@ impl Sample {
         Ok(sample)
     }
 
+    fn of_cdf(source: &Source) -> Result<Self, Error> {
+        let table = cdf::Table::of(source)?;
+        let all = table.moments.iter().map(|(name, _)| (name, None, Cells::Moments));
+        let all =
+            all.chain(table.columns.iter().map(|column| (&column.name, column.unit.clone(), Cells::Numbers)));
+        let (mut names, mut units, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, unit, kind) in all {
+            names.push(name.clone());
+            units.push(unit);
+            kinds.push(kind);
+        }
+        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
+        let numbers = table.columns.iter().map(|column| column.values.iter().take(ROWS).map(cell).collect());
+        let cells = table.moments.iter().map(|_| Vec::new()).chain(numbers).collect();
+        let from = names.iter().cloned().map(From::Name).collect();
+        Ok(Sample { notation: Notation::usual(), from, names, units, cells, kinds })
+    }
+
     fn of_parquet(source: &Source) -> Result<Self, Error> {
         let bytes = || Cursor::new(source.bytes.clone());
         let columns = tables::parquet_columns(bytes(), &source.shown)?;
@@ -147,13 +168,12 @@ impl Sample {
 
     /// A column's numbers.
     pub fn numbers(&self, column: usize) -> Vec<f64> {
-        let decimal = self.notation.decimal;
-        self.cells[column].iter().filter_map(|cell| number(cell, decimal)).collect()
+        self.cells[column].iter().filter_map(|cell| self.notation.number(cell)).collect()
     }
 }
 
 /// A number with that decimal mark.
-pub fn number(cell: &str, decimal: char) -> Option<f64> {
+pub fn plain_number(cell: &str, decimal: char) -> Option<f64> {
     let cell = cell.trim();
     if decimal == ',' && cell.contains('.') {
         return None;
@@ -161,7 +181,15 @@ pub fn number(cell: &str, decimal: char) -> Option<f64> {
     cell.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-fn kind(cells: &[String], decimal: char) -> Cells {
+/// A number whose thousands are apart: with that decimal mark and that between thousands.
+pub fn grouped(cell: &str, decimal: char, thousands: char) -> Option<f64> {
+    let cell = cell.trim();
+    let is_grouped = cell.contains(thousands) && thousands != decimal;
+    number::grouped(cell.as_bytes(), decimal as u8, thousands as u8)
+        .filter(|value| is_grouped && value.is_finite())
+}
+
+fn kind(cells: &[String], notation: &Notation) -> Cells {
     let missing = |cell: &&String| {
         let cell = cell.trim();
         cell.is_empty()
@@ -176,7 +204,7 @@ fn kind(cells: &[String], decimal: char) -> Cells {
     // Most cells decide: the one that is not like them shall be named with its line when the file is read.
     let all = there.clone().count();
     let most = |like: &dyn Fn(&str) -> bool| 2 * there.clone().filter(|cell| like(cell.trim())).count() > all;
-    if most(&|cell| number(cell, decimal).is_some()) {
+    if most(&|cell| notation.number(cell).is_some()) {
         Cells::Numbers
     } else if most(&|cell| clock::iso(cell.as_bytes()).is_some()) {
         Cells::Iso

@@ -3,6 +3,7 @@
 use jiff::fmt::strtime::{self, BrokenDownTime};
 
 use super::Guess;
+use super::content;
 use super::sample::{Cells, Sample};
 use crate::mapping::TimeMapping;
 
@@ -36,9 +37,12 @@ const NAMES: [&str; 19] = [
     "timens",
 ];
 
+const YEAR: [&str; 2] = ["year", "yyyy"];
+const DAY_OF_YEAR: [&str; 3] = ["doy", "dayofyear", "yday"];
+
 /// Guesses the time; gives the columns that it takes.
 pub fn guess(sample: &Sample, file_name: &str, guess: &mut Guess) -> Vec<usize> {
-    let ways = [iso, moment, one_pattern, number, two_columns, of_day];
+    let ways = [iso, moment, one_pattern, since_midnight, number, two_columns, of_day, by_content];
     for way in ways {
         if let Some((columns, mut mapping)) = way(sample, file_name, guess) {
             mapping.columns = columns.iter().map(|column| sample.from[*column].clone()).collect();
@@ -93,6 +97,7 @@ fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
 }
 
 fn moment(sample: &Sample, _: &str, _: &mut Guess) -> Found {
+    // Parquet's are read as seconds; a CDF's are moments whatever is said.
     columns_of(sample, Cells::Moments).next().map(|column| (vec![column], of("unix_s")))
 }
 
@@ -127,6 +132,17 @@ fn one_pattern(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     })
 }
 
+fn within(values: &[f64], low: f64, high: f64) -> bool {
+    !values.is_empty() && values.iter().all(|value| *value >= low && *value < high)
+}
+
+/// A count since 1970 that is a moment from 1990 to 2060.
+fn since_1970(values: &[f64]) -> Option<&'static str> {
+    let units = [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)];
+    let found = units.into_iter().find(|(_, unit)| within(values, 6.3e8 * unit, 2.84e9 * unit));
+    found.map(|(format, _)| format)
+}
+
 fn number(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     let nameless = sample.names.iter().all(String::is_empty);
     let named = |column: &usize| {
@@ -135,15 +151,9 @@ fn number(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     };
     let format = |column: usize| {
         let values = sample.numbers(column);
-        let (least, most) = values.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-        let within = |low: f64, high: f64| least >= low && most < high;
-        // Since 1970: from 1990 to 2060.
-        [("unix_s", 1.0), ("unix_ms", 1e3), ("unix_us", 1e6), ("unix_ns", 1e9)]
-            .into_iter()
-            .find(|(_, unit)| within(6.3e8 * unit, 2.84e9 * unit))
-            .map(|(format, _)| format)
-            .or_else(|| within(30_000.0, 60_000.0).then_some("excel_days"))
-            .or_else(|| within(720_000.0, 750_000.0).then_some("matlab_days"))
+        since_1970(&values)
+            .or_else(|| within(&values, 30_000.0, 60_000.0).then_some("excel_days"))
+            .or_else(|| within(&values, 720_000.0, 750_000.0).then_some("matlab_days"))
     };
     let candidates: Vec<usize> = columns_of(sample, Cells::Numbers).filter(named).collect();
     let unix = candidates.iter().find_map(|column| Some((*column, format(*column)?)));
@@ -162,13 +172,74 @@ fn number(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     Some((vec![column], of(format)))
 }
 
+/// Names of columns that count from midnight.
+const SINCE_MIDNIGHT: [(&str, &str); 9] = [
+    ("sod", "seconds_of_day"),
+    ("secofday", "seconds_of_day"),
+    ("secondofday", "seconds_of_day"),
+    ("secondsofday", "seconds_of_day"),
+    ("secday", "seconds_of_day"),
+    ("secondssincemidnight", "seconds_of_day"),
+    ("msofday", "milliseconds_of_day"),
+    ("millisofday", "milliseconds_of_day"),
+    ("hourofday", "hours_of_day"),
+];
+
+/// A number since midnight, with the day in another column or in the file's name.
+fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
+    let (column, format) = columns_of(sample, Cells::Numbers).find_map(|column| {
+        let name = plain(&sample.names[column]);
+        let (_, format) = SINCE_MIDNIGHT.iter().find(|(known, _)| *known == name)?;
+        Some((column, *format))
+    })?;
+    let (columns, mapping) = match day(sample, guess) {
+        Some((mut columns, pattern)) => {
+            columns.push(column);
+            (columns, of(&if pattern == "?" { pattern } else { format!("{pattern} {format}") }))
+        }
+        None => (vec![column], TimeMapping { date_in_name: in_name(file_name, guess), ..of(format) }),
+    };
+    let mapping = without_zone(sample, column, mapping, guess);
+    Some((columns, mapping))
+}
+
+/// The columns of the date and its pattern: a date, or year and day of the year.
+fn day(sample: &Sample, guess: &mut Guess) -> Option<(Vec<usize>, String)> {
+    let named = |wanted: &[&str]| sample.names.iter().position(|name| wanted.contains(&plain(name).as_str()));
+    if let (Some(year), Some(day)) = (named(&YEAR), named(&DAY_OF_YEAR)) {
+        return Some((vec![year, day], "%Y %j".into()));
+    }
+    let patterns: Vec<String> = DATES.iter().map(|pattern| pattern.to_string()).collect();
+    let date = (0..sample.kinds.len())
+        .filter(|column| {
+            sample.kinds[*column] != Cells::Numbers || plain(&sample.names[*column]).contains("date")
+        })
+        .find(|column| !fitting(&sample.cells[*column], &patterns).is_empty())?;
+    Some((vec![date], chosen(fitting(&sample.cells[date], &patterns), &sample.names[date], guess)?))
+}
+
+/// Numbers that rise evenly, whatever their column is called.
+fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+    let column =
+        columns_of(sample, Cells::Numbers).find(|column| content::rises_evenly(&sample.numbers(*column)))?;
+    let format = since_1970(&sample.numbers(column)).unwrap_or("seconds");
+    let name = match sample.names[column].as_str() {
+        "" => format!("column {}", column + 1),
+        name => format!("{name:?}"),
+    };
+    guess
+        .doubts
+        .push(format!("whether {name}, which rises evenly, is the time ({format}), and in which unit"));
+    Some((vec![column], of(format)))
+}
+
 /// A date and a time of day in columns of their own, or year and day of the year.
 fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     let patterns = |all: &[&str]| all.iter().map(|pattern| pattern.to_string()).collect::<Vec<_>>();
     let named = |wanted: &[&str]| {
         (0..sample.names.len()).find(|column| wanted.contains(&plain(&sample.names[*column]).as_str()))
     };
-    if let (Some(year), Some(day)) = (named(&["year", "yyyy"]), named(&["doy", "dayofyear", "yday"])) {
+    if let (Some(year), Some(day)) = (named(&YEAR), named(&DAY_OF_YEAR)) {
         let decimals = there(sample, day).any(|cell| cell.contains(sample.notation.decimal));
         let time = columns_of(sample, Cells::Text)
             .find(|column| !fitting(&sample.cells[*column], &patterns(&TIMES)).is_empty());
@@ -210,7 +281,14 @@ fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
         (None, Some(hour), Some(minute)) => (vec![hour, minute], "%H %M".into()),
         _ => return None,
     };
-    let in_name = IN_NAMES.into_iter().find(|pattern| {
+    let mapping = TimeMapping { date_in_name: in_name(file_name, guess), ..of(&pattern) };
+    let mapping = without_zone(sample, columns[0], mapping, guess);
+    Some((columns, mapping))
+}
+
+/// The pattern of a date in the file's name; a doubt where there is none.
+fn in_name(file_name: &str, guess: &mut Guess) -> Option<String> {
+    let in_name: Option<&str> = IN_NAMES.into_iter().find(|pattern| {
         file_name.char_indices().any(|(start, _)| {
             let found = BrokenDownTime::parse_prefix(pattern, &file_name[start..]).ok();
             found.is_some_and(|(parts, _)| {
@@ -224,9 +302,7 @@ fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
                 .into(),
         );
     }
-    let mapping = TimeMapping { date_in_name: in_name.map(str::to_string), ..of(&pattern) };
-    let mapping = without_zone(sample, columns[0], mapping, guess);
-    Some((columns, mapping))
+    in_name.map(str::to_string)
 }
 
 /// Letters and digits in lower case.

@@ -1,10 +1,11 @@
 //! What the types of a mapping do not say: whether it can be followed.
 
 use common::Error as Fault;
+use common::number::bare;
 use std::collections::HashSet;
 
 use super::{ColumnMapping, FORMATS, From, Mapping, TimeMapping};
-use crate::clock::Zone;
+use crate::clock::{SECOND_NS, Zone};
 use crate::units::{self, Conversion};
 
 /// The largest scale or offset: no unit of a reading is so far from those of the document.
@@ -39,6 +40,13 @@ impl Mapping {
         if !matches!(self.decimal, '.' | ',') || self.decimal == self.separator {
             let found = format!("{:?} beside the separator {:?}", self.decimal, self.separator);
             return refused("decimal", found, "\".\" or \",\", and not the separator");
+        }
+        if let Some(mark) = self.thousands
+            && (!matches!(mark, ',' | '.' | '\'' | '_' | ' ') || mark == self.decimal)
+        {
+            let found = format!("{mark:?} beside the decimal mark {:?}", self.decimal);
+            let expected = "\",\", \".\", \"'\", \"_\" or \" \", and not the decimal mark";
+            return refused("thousands", found, expected);
         }
         if self.comment.as_deref() == Some("") {
             return refused("comment", "\"\"".into(), "what comments begin with, or no such key");
@@ -88,6 +96,15 @@ impl TimeMapping {
             );
             return refused("format", "\"?\", which is still open".into(), &expected);
         }
+        if let Some((before, _, of_day)) = self.of_day() {
+            let days = [!before.is_empty(), self.date_in_name.is_some(), self.start.is_some()];
+            if days.iter().filter(|said| **said).count() != 1 {
+                let expected = format!(
+                    "one thing that says the day: a pattern before it, as in \"%Y-%m-%d {of_day}\", or `date_in_name`, or `start`"
+                );
+                return refused("format", format!("{:?}", self.format), &expected);
+            }
+        }
         let known = FORMATS.contains(&self.format.as_str()) || self.format.contains('%');
         let needed = self.step_s.is_none() || !self.format.is_empty();
         if needed && !known {
@@ -109,6 +126,19 @@ impl TimeMapping {
         Ok(())
     }
 
+    /// What [`TimeMapping::format`] says of a number since midnight: the pattern of the day before it, how many ns one is, and its word.
+    pub fn of_day(&self) -> Option<(&str, i64, &'static str)> {
+        let words = [
+            ("milliseconds_of_day", SECOND_NS / 1000),
+            ("seconds_of_day", SECOND_NS),
+            ("hours_of_day", 3600 * SECOND_NS),
+        ];
+        words.into_iter().find_map(|(word, unit_ns)| {
+            let before = self.format.strip_suffix(word)?;
+            (before.is_empty() || before.ends_with(' ')).then_some((before.trim_end(), unit_ns, word))
+        })
+    }
+
     /// Whose clock it is: UTC where nothing is said.
     pub fn zone(&self) -> Zone {
         self.zone.as_deref().and_then(Zone::parse).unwrap_or(Zone::Fixed(0))
@@ -124,6 +154,13 @@ impl ColumnMapping {
         if self.to.is_empty() || !self.to.bytes().all(good) || self.to == "time_s" {
             let expected = "a name of letters, digits and _ such as sensor_x_nt; `time_s` comes from `time`";
             return refused("to", format!("{:?}", self.to), expected);
+        }
+        if let Some(bits) = self.bits.filter(|bits| !(2..=53).contains(bits)) {
+            return refused("bits", bits.to_string(), "2 to 53, which a number of double precision holds");
+        }
+        if let Some([low, high]) = self.valid.filter(|[low, high]| low >= high) {
+            let expected = "the least reading before the greatest, in the file's unit";
+            return refused("valid", format!("{} to {}", bare(low), bare(high)), expected);
         }
         for (key, number) in [("scale", self.scale), ("offset", self.offset)] {
             let Some(number) = number else { continue };

@@ -82,8 +82,12 @@ fn each_fault_has_its_message() {
         "time-missing.parquet",
         "million-columns.csv",
         "nowhere.csv",
+        "nameless.csv",
+        "thousands-doubtful.csv",
+        "day-or-month-am.csv",
+        "truncated.cdf",
     ];
-    let asked: [(&str, &[&str]); 30] = [
+    let asked: [(&str, &[&str]); 38] = [
         ("no-file", &[]),
         ("decimal-comma", &["--map", "map-semicolon.json", "decimal-comma.csv"]),
         ("word", &["--map", "map.json", "word.csv"]),
@@ -105,6 +109,14 @@ fn each_fault_has_its_message() {
         ("map-key-unknown", &["--map", "map-key-unknown.json", "word.csv"]),
         ("map-zone", &["--map", "map-zone.json", "word.csv"]),
         ("map-format", &["--map", "map-format.json", "word.csv"]),
+        ("map-thousands", &["--map", "map-thousands.json", "bits.csv"]),
+        ("map-bits", &["--map", "map-bits.json", "bits.csv"]),
+        ("map-valid", &["--map", "map-valid.json", "bits.csv"]),
+        ("map-no-day", &["--map", "map-no-day.json", "bits.csv"]),
+        ("bits", &["--map", "map-bits-16.json", "bits.csv"]),
+        ("seconds-of-day", &["--map", "map-seconds-of-day.json", "seconds-of-day.csv"]),
+        ("thousands", &["--map", "map-seconds-of-day.json", "thousands.csv"]),
+        ("cdf-variable-absent", &["--map", "map.json", "mission.cdf"]),
         ("map-newer", &["--map", "map-newer.json", "word.csv"]),
         ("map-for-iaga", &["--map", "map.json", "whole.min"]),
         ("map-is-none", &["--map", "document.json", "word.csv"]),

@@ -16,6 +16,11 @@ fn mapped() -> Options {
     Options { mapping: Some(mapping), ..Options::default() }
 }
 
+fn codes() -> Options {
+    let mapping = Mapping::parse(&testkit::read_fixture("ingest/codes-map.json")).expect("a mapping");
+    Options { mapping: Some(mapping), ..Options::default() }
+}
+
 fn outside() -> Options {
     Options { quantity: "outside".into(), id: Some("station".into()), ..Options::default() }
 }
@@ -36,6 +41,12 @@ fn golden() {
     case("counts", &["counts.txt"], mapped());
     case("ndjson", &["field.ndjson"], Options::default());
     case("parquet", &["field.parquet"], Options::default());
+    case("spreadsheet", &["spreadsheet.csv"], Options::default());
+    case("codes", &["codes.csv"], codes());
+    case("imagcdf", &["imagcdf.cdf"], Options::default());
+    case("imagcdf-hdz", &["imagcdf-hdz.cdf"], Options::default());
+    case("mission", &["mission.cdf"], Options::default());
+    case("mission-compressed", &["mission-compressed.cdf"], Options::default());
     case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
 }
 
@@ -78,6 +89,17 @@ fn the_field_comes_back() {
     assert_eq!(against(&of(&["logger.csv"], Options::default()), sensor, 30.0, 1e-10), 3 * 24);
     assert_eq!(against(&of(&["field.ndjson"], Options::default()), sensor, 0.5, 0.0), 63);
     assert_eq!(against(&of(&["field.parquet"], Options::default()), sensor, 0.5, 0.0), 63);
+    assert_eq!(against(&of(&["spreadsheet.csv"], Options::default()), sensor, 60.0, 0.0), 3 * 30);
+    // The scalar has every other second, and a component one fill value.
+    assert_eq!(against(&of(&["imagcdf.cdf"], Options::default()), sensor, 1.0, 0.0), 3 * 30 - 1 + 15);
+    assert_eq!(against(&of(&["imagcdf-hdz.cdf"], Options::default()), sensor, 1.0, 1e-9), 3 * 12 - 2);
+    // Single precision.
+    assert_eq!(against(&of(&["mission.cdf"], Options::default()), sensor, 0.25, 0.002), 3 * 40 - 1);
+    let codes = of(&["codes.csv"], codes());
+    assert_eq!(against(&codes, sensor, 1.0, 0.005_000_001), 3 * 20 - 1);
+    assert_eq!(codes.recordings[0].start.as_deref(), Some("2025-03-14T23:59:50Z"));
+    let temperature = codes.recordings[0].column("sensor_temperature_c").expect("a temperature");
+    assert!(temperature[5].is_nan() && temperature.iter().filter(|value| **value == 21.5).count() == 19);
     // Half a count of 13.5 nT; z is 20 000 nT above what was recorded.
     let counts = of(&["counts.txt"], mapped());
     assert_eq!(counts.recordings[0].column("sensor_z_nt").expect("z")[0], 3244.0 * 13.5 + 20_000.0);

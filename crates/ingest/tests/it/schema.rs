@@ -25,7 +25,8 @@ fn committed_schema_and_fixtures() {
 
     let mappings = jsonschema::validator_for(&schema).expect("a schema");
     let documents = jsonschema::validator_for(&common::schema::document()).expect("a schema");
-    let mut files: Vec<PathBuf> = vec![testkit::fixture("ingest/counts-map.json")];
+    let mut files: Vec<PathBuf> =
+        vec![testkit::fixture("ingest/counts-map.json"), testkit::fixture("ingest/codes-map.json")];
     let real = fs::read_dir(testkit::fixture("ingest/real")).expect("mappings");
     files.extend(real.map(|entry| entry.expect("an entry").path()));
     assert!(files.len() > 10);

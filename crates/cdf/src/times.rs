@@ -1,0 +1,98 @@
+//! Times of a CDF as nanoseconds since 1970-01-01T00:00:00 UTC, in which a leap second has no number of its own: 23:59:60.5 is as 00:00:00.5.
+
+/// Nanoseconds of a second.
+const SECOND: i64 = 1_000_000_000;
+/// J2000, 2000-01-01T12:00:00, as a clock would show it.
+const J2000: i64 = 946_728_000 * SECOND;
+/// TT − TAI.
+const TT_TAI: i64 = 32_184_000_000;
+/// The year 0 before 1970, s.
+const YEAR_0_S: f64 = 62_167_219_200.0;
+
+/// TAI − UTC, s, from a day on (s since 1970): Bulletin C of the IERS. 10 s from 1972-01-01.
+const LEAPS: [(i64, i64); 28] = [
+    (63_072_000, 10),
+    (78_796_800, 11),
+    (94_694_400, 12),
+    (126_230_400, 13),
+    (157_766_400, 14),
+    (189_302_400, 15),
+    (220_924_800, 16),
+    (252_460_800, 17),
+    (283_996_800, 18),
+    (315_532_800, 19),
+    (362_793_600, 20),
+    (394_329_600, 21),
+    (425_865_600, 22),
+    (489_024_000, 23),
+    (567_993_600, 24),
+    (631_152_000, 25),
+    (662_688_000, 26),
+    (709_948_800, 27),
+    (741_484_800, 28),
+    (773_020_800, 29),
+    (820_454_400, 30),
+    (867_715_200, 31),
+    (915_148_800, 32),
+    (1_136_073_600, 33),
+    (1_230_768_000, 34),
+    (1_341_100_800, 35),
+    (1_435_708_800, 36),
+    (1_483_228_800, 37),
+];
+
+/// Of TT2000; None for its fill and pad values and before 1972.
+pub fn of_tt2000(tt2000: i64) -> Option<i64> {
+    if tt2000 <= i64::MIN + 1 {
+        return None;
+    }
+    let tai = tt2000.checked_add(J2000 - TT_TAI)?;
+    // The leap second itself lies before the day from which the new difference holds, by one second of TAI.
+    let (_, ahead) = LEAPS.iter().rev().find(|(from, ahead)| tai >= (from + ahead - 1) * SECOND)?;
+    let (from, _) = LEAPS.iter().rev().find(|(_, known)| known == ahead)?;
+    let utc = tai - ahead * SECOND;
+    // Within the leap second: as the first second of the day.
+    Some(if utc < from * SECOND && *ahead > 10 { utc + SECOND } else { utc })
+}
+
+/// Of EPOCH, ms since the year 0, to the microsecond; None for fill values.
+pub fn of_epoch(epoch_ms: f64) -> Option<i64> {
+    let micros = ((epoch_ms - YEAR_0_S * 1e3) * 1e3).round();
+    (epoch_ms > 0.0 && micros.abs() < 9.2e15).then_some(micros as i64 * 1000)
+}
+
+/// Of EPOCH16, s since the year 0 and ps.
+pub fn of_epoch16(seconds: f64, picos: f64) -> Option<i64> {
+    let whole = seconds - YEAR_0_S;
+    let good = seconds > 0.0 && whole.abs() < 9.2e9 && (0.0..1e12).contains(&picos);
+    good.then(|| whole as i64 * SECOND + (picos / 1e3).round() as i64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn leap_seconds() {
+        // 2016-12-31T23:59:59, 23:59:60 and 2017-01-01T00:00:00 as cdflib.cdfepoch.compute_tt2000 gives them.
+        assert_eq!(of_tt2000(536_500_867_184_000_000), Some(1_483_228_799 * SECOND));
+        assert_eq!(of_tt2000(536_500_868_684_000_000), Some(1_483_228_800 * SECOND + SECOND / 2));
+        assert_eq!(of_tt2000(536_500_869_184_000_000), Some(1_483_228_800 * SECOND));
+        // J2000 itself: 64.184 s before noon of a clock in UTC.
+        assert_eq!(of_tt2000(0), Some(946_727_935_816_000_000));
+        assert_eq!(
+            (of_tt2000(i64::MIN), of_tt2000(i64::MIN + 1), of_tt2000(-900_000_000 * SECOND)),
+            (None, None, None)
+        );
+        assert_eq!(LEAPS[27].1 - LEAPS[0].1, 27);
+        assert!(LEAPS.windows(2).all(|pair| pair[1].1 == pair[0].1 + 1 && pair[1].0 % 86_400 == 0));
+    }
+
+    #[test]
+    fn milliseconds_since_the_year_0() {
+        assert_eq!(of_epoch(62_167_219_200_000.0), Some(0));
+        assert_eq!(of_epoch(63_897_638_400_250.0), Some(1_730_419_200_250_000_000));
+        assert_eq!((of_epoch(-1e31), of_epoch(0.0), of_epoch(f64::NAN)), (None, None, None));
+        assert_eq!(of_epoch16(62_167_219_201.0, 5e11), Some(SECOND + SECOND / 2));
+    }
+}

@@ -1,0 +1,174 @@
+//! Values as a CDF holds them.
+
+use crate::Error;
+use crate::times;
+
+/// A type of values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A whole number of so many bytes.
+    Int {
+        /// Bytes.
+        bytes: usize,
+        /// Whether it has a sign.
+        signed: bool,
+    },
+    /// Single precision.
+    Float,
+    /// Double precision.
+    Double,
+    /// Milliseconds since the year 0, UTC.
+    Epoch,
+    /// Seconds since the year 0 and picoseconds, UTC.
+    Epoch16,
+    /// Nanoseconds since J2000, terrestrial time.
+    Tt2000,
+    /// Text.
+    Char,
+}
+
+/// Values of one type.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// Numbers.
+    Numbers(Vec<f64>),
+    /// Moments, ns since 1970 in UTC; None for a fill value or before 1972.
+    Moments(Vec<Option<i64>>),
+    /// Texts.
+    Texts(Vec<String>),
+}
+
+impl Kind {
+    /// By its number in the format.
+    pub(crate) fn of(number: u32) -> Result<Self, Error> {
+        Ok(match number {
+            1 | 41 => Kind::Int { bytes: 1, signed: true },
+            2 => Kind::Int { bytes: 2, signed: true },
+            4 => Kind::Int { bytes: 4, signed: true },
+            8 => Kind::Int { bytes: 8, signed: true },
+            11 => Kind::Int { bytes: 1, signed: false },
+            12 => Kind::Int { bytes: 2, signed: false },
+            14 => Kind::Int { bytes: 4, signed: false },
+            21 | 44 => Kind::Float,
+            22 | 45 => Kind::Double,
+            31 => Kind::Epoch,
+            32 => Kind::Epoch16,
+            33 => Kind::Tt2000,
+            51 | 52 => Kind::Char,
+            other => return Err(Error(format!("a broken CDF: values of the unknown type {other}"))),
+        })
+    }
+
+    /// Bytes of one value.
+    pub(crate) fn bytes(self) -> usize {
+        match self {
+            Kind::Int { bytes, .. } => bytes,
+            Kind::Float => 4,
+            Kind::Double | Kind::Epoch | Kind::Tt2000 => 8,
+            Kind::Epoch16 => 16,
+            Kind::Char => 1,
+        }
+    }
+
+    /// Whether values are moments.
+    pub fn is_time(self) -> bool {
+        matches!(self, Kind::Epoch | Kind::Epoch16 | Kind::Tt2000)
+    }
+
+    /// Values of bytes: texts of `elements` characters each, otherwise as many as there are.
+    pub(crate) fn read(self, bytes: &[u8], elements: usize, little: bool) -> Values {
+        let each = self.bytes() * if self == Kind::Char { elements.max(1) } else { 1 };
+        let values = bytes.chunks_exact(each);
+        match self {
+            Kind::Char => Values::Texts(values.map(text).collect()),
+            Kind::Epoch => {
+                Values::Moments(values.map(|value| times::of_epoch(double(value, little))).collect())
+            }
+            Kind::Tt2000 => Values::Moments(
+                values.map(|value| times::of_tt2000(unsigned(value, little) as i64)).collect(),
+            ),
+            Kind::Epoch16 => Values::Moments(
+                values
+                    .map(|value| times::of_epoch16(double(&value[..8], little), double(&value[8..], little)))
+                    .collect(),
+            ),
+            Kind::Double => Values::Numbers(values.map(|value| double(value, little)).collect()),
+            Kind::Float => Values::Numbers(
+                values.map(|value| f64::from(f32::from_bits(unsigned(value, little) as u32))).collect(),
+            ),
+            Kind::Int { bytes, signed } => Values::Numbers(
+                values
+                    .map(|value| {
+                        let number = unsigned(value, little);
+                        let unused = 64 - 8 * bytes as u32;
+                        if signed { ((number << unused) as i64 >> unused) as f64 } else { number as f64 }
+                    })
+                    .collect(),
+            ),
+        }
+    }
+}
+
+impl Values {
+    /// How many.
+    pub fn len(&self) -> usize {
+        match self {
+            Values::Numbers(values) => values.len(),
+            Values::Moments(values) => values.len(),
+            Values::Texts(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The first one as text.
+    pub fn text(&self) -> Option<String> {
+        match self {
+            Values::Numbers(values) => values.first().map(f64::to_string),
+            Values::Moments(values) => values.first()?.map(|value| value.to_string()),
+            Values::Texts(values) => values.first().cloned(),
+        }
+    }
+
+    /// The first one as a number.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Values::Numbers(values) => values.first().copied(),
+            _ => None,
+        }
+    }
+}
+
+fn text(bytes: &[u8]) -> String {
+    let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
+    String::from_utf8_lossy(&bytes[..end]).trim_end().to_string()
+}
+
+fn unsigned(bytes: &[u8], little: bool) -> u64 {
+    let join = |sum: u64, byte: &u8| sum << 8 | u64::from(*byte);
+    if little { bytes.iter().rev().fold(0, join) } else { bytes.iter().fold(0, join) }
+}
+
+fn double(bytes: &[u8], little: bool) -> f64 {
+    f64::from_bits(unsigned(bytes, little))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_either_order() {
+        let short = Kind::Int { bytes: 2, signed: true };
+        assert_eq!(short.read(&[0xFF, 0xFE], 1, false), Values::Numbers(vec![-2.0]));
+        assert_eq!(short.read(&[0xFE, 0xFF], 1, true), Values::Numbers(vec![-2.0]));
+        let unsigned = Kind::Int { bytes: 2, signed: false };
+        assert_eq!(unsigned.read(&[0xFF, 0xFE, 0, 1], 1, false), Values::Numbers(vec![65_534.0, 1.0]));
+        assert_eq!(Kind::Double.read(&1.5_f64.to_le_bytes(), 1, true), Values::Numbers(vec![1.5]));
+        assert_eq!(Kind::Float.read(&1.5_f32.to_be_bytes(), 1, false), Values::Numbers(vec![1.5]));
+        assert_eq!(Kind::Char.read(b"nT  X   ", 4, false), Values::Texts(vec!["nT".into(), "X".into()]));
+    }
+}

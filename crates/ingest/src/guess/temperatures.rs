@@ -1,0 +1,153 @@
+//! Names that loggers give to temperatures.
+
+/// Whose temperature it is, by words in a name of letters and digits in lower case; the first that fits.
+const WHOSE: [(&str, &[&str]); 4] = [
+    (
+        "electronics",
+        &[
+            "elec",
+            "electronics",
+            "electronic",
+            "board",
+            "box",
+            "pcb",
+            "cpu",
+            "logger",
+            "console",
+            "local",
+            "adc",
+        ],
+    ),
+    ("outside", &["outside", "outdoor", "air", "ambient", "env", "environment"]),
+    ("coil", &["coil", "coils"]),
+    ("sensor", &["sensor", "sens", "sen", "head", "mag", "magnetometer", "fluxgate", "probe", "remote"]),
+];
+/// What stands for a temperature beside such a word, or alone.
+const STEMS: [&str; 12] = [
+    "temperature",
+    "temp",
+    "tmp",
+    "tmpr",
+    "thermistor",
+    "therm",
+    "ntc",
+    "rtd",
+    "pt100",
+    "pt1000",
+    "ds18b20",
+    "tmp102",
+];
+/// Names that say nothing of temperature but are one in some logger: LEMI's, Narod's and Magson's tables, MagPy's keys, HamSCI's RM3100 board.
+const SHORT: [(&str, &str); 16] = [
+    ("tf", "sensor"),
+    ("ts", "sensor"),
+    ("tsen", "sensor"),
+    ("tsens", "sensor"),
+    ("tsensor", "sensor"),
+    ("thead", "sensor"),
+    ("rt", "sensor"),
+    ("te", "electronics"),
+    ("tel", "electronics"),
+    ("telec", "electronics"),
+    ("telectronics", "electronics"),
+    ("tbox", "electronics"),
+    ("lt", "electronics"),
+    ("tair", "outside"),
+    ("tout", "outside"),
+    ("tamb", "outside"),
+];
+
+/// The document's column for a temperature of that name; `in_degrees`: its unit is one of temperature.
+pub fn column(base: &str, in_degrees: bool) -> Option<String> {
+    let words = words(base);
+    let plain: String = words.concat();
+    if let Some((_, whose)) = SHORT.iter().find(|(name, _)| *name == plain) {
+        // `ts` may be a time as well: that is for its unit to say.
+        return (in_degrees || plain != "ts").then(|| format!("{whose}_temperature_c"));
+    }
+    let word_is = |word: &str, stem: &str| {
+        word == stem || word.trim_end_matches(|letter: char| letter.is_ascii_digit()) == stem
+    };
+    // What is left of the name says whose it is: of words, the others; of one word such as `boxtemp`, the rest of it.
+    let at = words
+        .iter()
+        .position(|word| STEMS.iter().any(|stem| word_is(word, stem)) || in_degrees && word_is(word, "t"));
+    let rest = match at {
+        Some(at) => words
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| *index != at)
+            .map(|(_, word)| word.as_str())
+            .collect::<Vec<_>>()
+            .join("_"),
+        None => {
+            let rest = STEMS
+                .iter()
+                .find_map(|stem| plain.strip_suffix(stem).or_else(|| plain.strip_prefix(stem)))?;
+            WHOSE.iter().any(|(_, known)| known.contains(&rest)).then(|| rest.to_string())?
+        }
+    };
+    let named = |word: &str| WHOSE.iter().find(|(_, known)| known.contains(&word)).map(|(whose, _)| *whose);
+    let whose = match rest.as_str() {
+        "" => "sensor",
+        rest => rest.split('_').find_map(named).unwrap_or(rest),
+    };
+    Some(format!("{whose}_temperature_c"))
+}
+
+/// Words of a name in lower case: `SensorTemp` and `sensor_temp` have two.
+fn words(name: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let mut was_lower = false;
+    for letter in name.chars() {
+        if !letter.is_alphanumeric() || letter.is_uppercase() && was_lower {
+            words.push(String::new());
+        }
+        was_lower = letter.is_lowercase();
+        if let Some(word) = words.last_mut().filter(|_| letter.is_alphanumeric()) {
+            word.extend(letter.to_lowercase());
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::column;
+
+    #[test]
+    fn names_of_loggers() {
+        for (name, in_degrees, whose) in [
+            ("Temp", false, "sensor"),
+            ("temperature", false, "sensor"),
+            ("SensorTemp", false, "sensor"),
+            ("sensor_temp", false, "sensor"),
+            ("elec_temp", false, "electronics"),
+            ("ElectronicsTemperature", false, "electronics"),
+            ("bmp_temp", false, "bmp"),
+            ("boxtemp", false, "electronics"),
+            ("temp2", false, "sensor"),
+            ("board_temp", false, "electronics"),
+            ("air temperature", false, "outside"),
+            ("coil_temp", false, "coil"),
+            ("rt", false, "sensor"),
+            ("lt", false, "electronics"),
+            ("Te", true, "electronics"),
+            ("Tf", true, "sensor"),
+            ("T", true, "sensor"),
+            ("t1", true, "sensor"),
+            ("imu_T", true, "imu"),
+            ("env_T", true, "outside"),
+            ("tmp102", true, "sensor"),
+            ("ts", true, "sensor"),
+            ("DS18B20", false, "sensor"),
+        ] {
+            assert_eq!(column(name, in_degrees), Some(format!("{whose}_temperature_c")), "{name}");
+        }
+        for name in ["t", "ts", "t1", "attempt_x", "x", "tilt", "dew_point", "template_x", "contempt"] {
+            assert_eq!(column(name, false), None, "{name}");
+        }
+        assert_eq!(column("dew_point", true), None);
+    }
+}
