@@ -26,8 +26,10 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), mapping.decimal)?;
     let (names, first_line, data) = header(source, mapping)?;
     let comment = mapping.comment.as_deref().map(str::as_bytes);
-    let is_row =
-        |line: &[u8]| !line.trim_ascii().is_empty() && !comment.is_some_and(|mark| line.starts_with(mark));
+    let is_row = |line: &[u8]| {
+        let text = line.trim_ascii_start();
+        !text.is_empty() && !comment.is_some_and(|mark| text.starts_with(mark))
+    };
     let width = match &names {
         Some(names) => names.len(),
         None => {
@@ -81,7 +83,7 @@ fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error
         let (line, after) = split_line(rest);
         if Some(number) == mapping.header_line {
             let mark = mapping.comment.as_deref().unwrap_or_default();
-            let line = line.strip_prefix(mark.as_bytes()).unwrap_or(line);
+            let line = line.trim_ascii_start().strip_prefix(mark.as_bytes()).unwrap_or(line);
             let fields = fields(line, mapping.separator).into_iter();
             names = Some(fields.map(|name| decoded(name).trim().to_string()).collect());
         }

@@ -23,12 +23,14 @@ mod series;
 mod text;
 mod times;
 mod units;
+mod usgs;
 mod words;
 
 pub use error::Error;
 pub use guess::{Guess, guess};
 pub use mapping::{ColumnMapping, From, Mapping, TimeMapping};
-pub use recording::{Ingested, Table};
+pub use program::beside::{INLINE_ROWS, Table};
+pub use recording::Ingested;
 
 use common::Document;
 use std::path::PathBuf;
@@ -36,9 +38,6 @@ use std::path::PathBuf;
 use piece::Piece;
 use tables::Content;
 use text::Source;
-
-/// Rows up to which a recording keeps its readings in the document.
-pub const INLINE_ROWS: usize = 10_000;
 
 /// What was asked for.
 #[derive(Clone, Debug)]
@@ -117,11 +116,14 @@ pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<I
 
 /// What one file says.
 fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
-    if options.mapping.is_none()
-        && source.kind == Content::Cdf
-        && let Some(piece) = imagcdf::read(source, options)?
-    {
-        return Ok(piece);
+    if options.mapping.is_none() {
+        let says_itself = match source.kind {
+            Content::Cdf => imagcdf::read(source, options)?,
+            _ => usgs::read(source, options)?,
+        };
+        if let Some(piece) = says_itself {
+            return Ok(piece);
+        }
     }
     if source.kind == Content::Iaga {
         if options.mapping.is_some() {

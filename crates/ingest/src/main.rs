@@ -3,8 +3,8 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::{Document, Error as Fault, HistoryEntry};
 use ingest::{Keep, Mapping, Options, Readings};
-use program::pipe::{self, Input, Program, Sink};
-use program::{apart, manual, number};
+use program::pipe::{self, Input, Program};
+use program::{apart, beside, manual, number};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -175,21 +175,7 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
     });
     let read = args.files.iter().chain(&args.map).chain(args.add.iter().filter(|_| !args.in_place));
     apart::check(args.output.as_deref().into_iter().chain(table.as_deref()), read.map(PathBuf::as_path))?;
-    // The document is written to its end before the table gets its name, and gets its own after that.
-    let output = args.output.as_deref();
-    let mut sink = Sink::open(output)?;
-    let text = ingested.document.to_text()?;
-    if output.is_some() {
-        sink.write(&text)?;
-    }
-    if let Some(table) = &ingested.table {
-        let folder = output.and_then(Path::parent).unwrap_or(Path::new(""));
-        table.write(folder).map_err(Fault::from)?;
-    }
-    if output.is_none() {
-        sink.write(&text)?;
-    }
-    sink.finish()?;
+    beside::write(args.output.as_deref(), &ingested.document.to_text()?, ingested.table.as_slice())?;
     if !args.quiet {
         pipe::say(&ingested.words);
     }

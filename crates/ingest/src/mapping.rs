@@ -29,7 +29,7 @@ pub struct Mapping {
     /// the separator too stands in quotes. Absent: nothing does. CSV only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thousands: Option<char>,
-    /// Lines that begin so are passed over; absent: none are. CSV only.
+    /// Lines that begin so, perhaps after blanks, are passed over; absent: none are. CSV only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comment: Option<String>,
     /// The line that names the columns, counted from 1 with comments and empty lines; absent: no line does, and columns go by

@@ -1,14 +1,14 @@
 //! A series as a recording of a document, and the table beside it.
 
 use common::{Column, Columns, Document, Error as Fault, Extra, Recording};
+use program::beside::{INLINE_ROWS, Table, file_name};
 use serde_json::{Value, json};
 use std::path::Path;
-use tables::Writer;
 
 use crate::clock::{self, SECOND_NS};
 use crate::piece::{Clock, Piece};
 use crate::series::{Gaps, Series, gaps, step_s};
-use crate::{Error, INLINE_ROWS, Options, Readings, words};
+use crate::{Error, Options, Readings, words};
 
 /// What came of files.
 #[derive(Debug)]
@@ -19,31 +19,6 @@ pub struct Ingested {
     pub table: Option<Table>,
     /// Words for people.
     pub words: String,
-}
-
-/// Readings beside a document.
-#[derive(Debug)]
-pub struct Table {
-    /// Its path from the document's folder.
-    pub path: String,
-    /// Names and values.
-    pub columns: Vec<(String, Vec<f64>)>,
-}
-
-impl Table {
-    /// Writes it into the document's folder, whole or not at all; CSV or NDJSON where its name says so.
-    ///
-    /// # Errors
-    ///
-    /// A path that leaves the folder; a file that cannot be written.
-    pub fn write(&self, document_folder: &Path) -> Result<(), Error> {
-        let path = tables::beside(document_folder, &self.path)?;
-        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
-        let columns: Vec<&[f64]> = self.columns.iter().map(|(_, values)| values.as_slice()).collect();
-        let mut writer = Writer::create(&path, &names)?;
-        writer.write(&columns)?;
-        Ok(writer.finish()?)
-    }
 }
 
 /// Adds a series to a document.
@@ -76,7 +51,7 @@ pub fn add(
     let table = match &options.readings {
         Readings::Inline => None,
         Readings::ByLength if rows <= INLINE_ROWS => None,
-        Readings::ByLength | Readings::Beside(None) => Some(format!("{}.parquet", file_name(&id))),
+        Readings::ByLength | Readings::Beside(None) => Some(file_name(&id)),
         Readings::Beside(Some(path)) => Some(path.clone()),
     };
     let mut recording = Recording {
@@ -111,16 +86,6 @@ fn id(pieces: &[Piece], start: Option<&str>) -> String {
         _ => Path::new(&first.name)
             .file_stem()
             .map_or_else(|| "recording".into(), |stem| stem.to_string_lossy().into_owned()),
-    }
-}
-
-/// An id as the name of a file.
-fn file_name(id: &str) -> String {
-    let good = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
-    let name: String = id.chars().map(|letter| if good(letter) { letter } else { '-' }).collect();
-    match name.strip_prefix('.') {
-        Some(rest) => format!("-{rest}"),
-        None => name,
     }
 }
 

@@ -50,7 +50,8 @@ pub struct Gap {
     pub seconds: f64,
 }
 
-/// The usual step of rising times, s: the median; None for fewer than two rows.
+/// The usual step of rising times, s: the median, or where they were printed to the millisecond or microsecond and are even but for that,
+/// the step that they were printed of (62.5 ms, not 62 or 63); None for fewer than two rows.
 pub fn step_s(times_ns: &[i64]) -> Option<f64> {
     let first = times_ns.get(1)? - times_ns.first()?;
     if first > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == first) {
@@ -60,7 +61,25 @@ pub fn step_s(times_ns: &[i64]) -> Option<f64> {
         times_ns.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0).collect();
     let middle = steps.len().checked_sub(1)? / 2;
     let (_, step, _) = steps.select_nth_unstable(middle);
-    Some(*step as f64 / SECOND_NS as f64)
+    let step = *step;
+    Some(printed(times_ns, &steps, step).unwrap_or(step as f64) / SECOND_NS as f64)
+}
+
+/// The step, ns, of times that are even but for the last digit in which they were printed: the mean between gaps, with as few digits as say it.
+fn printed(times_ns: &[i64], steps: &[i64], usual: i64) -> Option<f64> {
+    let first = times_ns[0];
+    let unit =
+        [1_000_000, 1000].into_iter().find(|unit| times_ns.iter().all(|time| (time - first) % unit == 0))?;
+    let near = || steps.iter().filter(|step| 2 * **step < 3 * usual);
+    if 10 * unit > usual || near().any(|step| (step - usual).abs() > unit) {
+        return None;
+    }
+    let (sum, count) = near().fold((0, 0_i64), |(sum, count), step| (sum + step, count + 1));
+    let (mean, off) = (sum as f64 / count as f64, 2.0 * unit as f64 / count as f64);
+    (1..=9_i32).find_map(|digits| {
+        let power = 10_f64.powi(mean.log10().floor() as i32 + 1 - digits);
+        Some((mean / power).round() * power).filter(|rounded| (rounded - mean).abs() <= off)
+    })
 }
 
 /// Steps of more than one and a half times the usual one.
@@ -279,6 +298,18 @@ mod tests {
             header: Extra::new(),
             notes: Vec::new(),
         }
+    }
+
+    #[test]
+    fn times_that_were_printed_to_the_millisecond() {
+        let of = |rate: f64, rows: i64| {
+            let time = |row: i64| (row as f64 / rate * 1e3).round() as i64 * 1_000_000;
+            step_s(&(0..rows).filter(|row| !(40..45).contains(row)).map(time).collect::<Vec<_>>())
+        };
+        assert_eq!((of(16.0, 200), of(3.0, 4000), of(10.0, 50)), (Some(0.0625), Some(0.333_333), Some(0.1)));
+        // A clock that scatters by more than its last digit is not even.
+        let scattered: Vec<i64> = (0..50).map(|row| (row * 1000 + row * 7 % 5) * 1_000_000).collect();
+        assert_eq!(step_s(&scattered), Some(1.002));
     }
 
     #[test]

@@ -2,7 +2,80 @@
 
 use common::{Column, Document, Error, Recording};
 use std::path::Path;
-use tables::Reader;
+use tables::{Reader, Writer};
+
+use crate::pipe::Sink;
+
+/// Rows up to which a recording keeps its readings in the document.
+pub const INLINE_ROWS: usize = 10_000;
+
+/// Readings beside a document.
+#[derive(Debug)]
+pub struct Table {
+    /// Its path from the document's folder.
+    pub path: String,
+    /// Names and values.
+    pub columns: Vec<(String, Vec<f64>)>,
+}
+
+impl Table {
+    /// Takes the readings of a recording out of the document.
+    pub fn of(recording: &mut Recording, path: String) -> Self {
+        recording.table = Some(path.clone());
+        let columns = std::mem::take(&mut recording.columns).into_iter();
+        Table { path, columns: columns.map(|(name, column)| (name, column.0)).collect() }
+    }
+
+    /// Writes it into the document's folder, whole or not at all; CSV or NDJSON where its name says so.
+    ///
+    /// # Errors
+    ///
+    /// A path that leaves the folder; a file that cannot be written.
+    pub fn write(&self, document_folder: &Path) -> Result<(), tables::Error> {
+        let path = tables::beside(document_folder, &self.path)?;
+        let names: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
+        let columns: Vec<&[f64]> = self.columns.iter().map(|(_, values)| values.as_slice()).collect();
+        let mut writer = Writer::create(&path, &names)?;
+        writer.write(&columns)?;
+        writer.finish()
+    }
+}
+
+/// The name of the file with the readings of a recording: its id, and what was done to it where that is said.
+pub fn file_name(id: &str) -> String {
+    let good = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '-' | '_' | '.');
+    let name: String = id.chars().map(|letter| if good(letter) { letter } else { '-' }).collect();
+    match name.strip_prefix('.') {
+        Some(rest) => format!("-{rest}.parquet"),
+        None => format!("{name}.parquet"),
+    }
+}
+
+/// Writes a document and the tables beside it, to a file or to standard output, with tables in the present folder. The document is
+/// written to its end before a table gets its name, and gets its own after that.
+///
+/// # Errors
+///
+/// What cannot be written.
+pub fn write(output: Option<&Path>, text: &str, tables: &[Table]) -> Result<(), Error> {
+    let mut sink = Sink::open(output)?;
+    if output.is_some() {
+        sink.write(text)?;
+    }
+    let folder = output.and_then(Path::parent).unwrap_or(Path::new(""));
+    tables.iter().try_for_each(|table| table.write(folder)).map_err(refused)?;
+    if output.is_none() {
+        sink.write(text)?;
+    }
+    sink.finish()
+}
+
+fn refused(error: tables::Error) -> Error {
+    match error {
+        tables::Error::File { path, action, source } => Error::File { path, action, source },
+        error => Error::Request(error.to_string()),
+    }
+}
 
 /// Reads the tables of the recordings that follow one of these procedures into their columns. `folder` is that of the document.
 ///

@@ -57,12 +57,14 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
     let mut told = Vec::new();
     for column in (0..sample.kinds.len()).filter(|column| !time.contains(column)) {
         match sample.kinds[column] {
+            // MagPy writes the time twice, once as days.
+            Cells::Numbers if !time.is_empty() && plain(&sample.names[column]) == "timedays" => {}
             Cells::Numbers => {
                 let (base, unit) = split_unit(&sample.names[column]);
                 let unit = unit.or_else(|| sample.units.get(column).cloned().flatten());
                 told.push(Told { column, base, unit });
             }
-            Cells::Empty if sample.names[column].is_empty() => {}
+            Cells::Empty if sample.names[column].trim_matches(['-', '[', ']']).is_empty() => {}
             kind => {
                 let what = if kind == Cells::Empty { "holds nothing" } else { "holds no numbers" };
                 guess.notes.push(format!(
@@ -79,6 +81,11 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
         Some((vector, unit, why)) => (Some(vector), Some((unit, why))),
         None => (by_name, None),
     };
+    // Columns of anything may look like temperatures: where many do, none is taken for one.
+    const THERMOMETERS: usize = 2;
+    let unnamed = |index: &usize| vector.is_none_or(|vector| !vector.contains(index));
+    let like_temperature = |index: &usize| temperature_by_content(&told[*index], sample).is_some();
+    let thermal = (0..told.len()).filter(unnamed).filter(like_temperature).count() <= THERMOMETERS;
     let mut names: Vec<String> = Vec::new();
     for (index, one) in told.iter().enumerate() {
         let mut mapping =
@@ -97,7 +104,7 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
                     field(&mut mapping, axis, quantity, &all);
                 }
             }
-            _ => scalar_or_other(&mut mapping, one, sample),
+            _ => scalar_or_other(&mut mapping, one, sample, thermal),
         }
         if names.contains(&mapping.to) {
             mapping.to = numbered(&mapping.to, &names);
@@ -201,7 +208,7 @@ fn field(mapping: &mut ColumnMapping, axis: &str, quantity: &str, all: &[Vec<f64
     (mapping.unit, mapping.note) = (Some(unit), note);
 }
 
-fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample) {
+fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, thermal: bool) {
     let (name, column) = (sample.names[told.column].as_str(), told.column);
     let short = plain(&told.base);
     let ending = told.unit.as_deref().and_then(units::ending_for);
@@ -230,10 +237,7 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample) {
         }
         return;
     }
-    if told.unit.is_none()
-        && is_generic(&told.base)
-        && let Some((unit, why)) = content::temperature(&sample.numbers(column))
-    {
+    if thermal && let Some((unit, why)) = temperature_by_content(told, sample) {
         mapping.to = "sensor_temperature_c".into();
         (mapping.unit, mapping.note) = (Some(unit.into()), Some(why));
         return;
@@ -244,6 +248,12 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample) {
         None if units::of_column(&base).is_some() => format!("{base}_value"),
         None => base,
     };
+}
+
+/// A column whose name says nothing and whose values are a temperature's.
+fn temperature_by_content(told: &Told, sample: &Sample) -> Option<(&'static str, String)> {
+    let open = told.unit.is_none() && is_generic(&told.base);
+    open.then(|| content::temperature(&sample.numbers(told.column)))?
 }
 
 fn is_name(name: &str) -> bool {

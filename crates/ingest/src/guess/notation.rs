@@ -69,10 +69,11 @@ impl Notation {
             .filter(|(_, line)| !line.trim_ascii().is_empty())
             .take(HEAD + rows)
             .collect();
-        let comment = ["#", "%", "//", "!"]
-            .into_iter()
-            .find(|mark| all.first().is_some_and(|(_, line)| line.starts_with(mark.as_bytes())));
-        let is_comment = |line: &[u8]| comment.is_some_and(|mark| line.starts_with(mark.as_bytes()));
+        let comment = ["#", "%", "//", "!"].into_iter().find(|mark| {
+            all.first().is_some_and(|(_, line)| line.trim_ascii_start().starts_with(mark.as_bytes()))
+        });
+        let is_comment =
+            |line: &[u8]| comment.is_some_and(|mark| line.trim_ascii_start().starts_with(mark.as_bytes()));
         let table: Vec<(u32, &[u8])> = all.iter().copied().filter(|(_, line)| !is_comment(line)).collect();
         let Some(separator) = separator(&table) else {
             let found = if table.len() == 1 { "one line of words and no row" } else { "no row of numbers" };
@@ -121,8 +122,9 @@ impl Notation {
                 });
         } else if let Some(mark) = comment {
             let last = all.iter().take_while(|(number, _)| *number < first_line).last();
-            let names = last
-                .map(|(number, line)| (*number, of_line(line.strip_prefix(mark.as_bytes()).unwrap_or(line))));
+            let names = last.map(|(number, line)| {
+                (*number, of_line(line.trim_ascii_start().strip_prefix(mark.as_bytes()).unwrap_or(line)))
+            });
             if let Some((number, names)) = names.filter(|(_, names)| names.len() == width && !is_row(names)) {
                 notation.header_line = Some(number);
                 notation.names = Some(names);
@@ -135,8 +137,15 @@ impl Notation {
 /// Whether cells are those of a row: half of them numbers or times, and one at least.
 fn is_row(cells: &[String]) -> bool {
     let count = cells.iter().filter(|cell| is_value(cell)).count();
-    let there = cells.iter().filter(|cell| !cell.is_empty()).count();
+    let there = cells.iter().filter(|cell| !is_missing(cell)).count();
     count > 0 && 2 * count >= there
+}
+
+/// Whether a cell holds nothing, as it stands or in one of the words for that.
+pub fn is_missing(cell: &str) -> bool {
+    let text = cell.trim();
+    let words = ["nan", "null", "na", "-"];
+    text.is_empty() || words.iter().any(|word| text.eq_ignore_ascii_case(word))
 }
 
 fn is_value(cell: &str) -> bool {

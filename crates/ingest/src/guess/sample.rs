@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::num::NonZeroUsize;
 use tables::{COLUMN_LIMIT, ColumnKind, Content, Place, Reader};
 
-use super::notation::Notation;
+use super::notation::{Notation, is_missing};
 use crate::Error;
 use crate::cdf;
 use crate::clock;
@@ -190,14 +190,7 @@ pub fn grouped(cell: &str, decimal: char, thousands: char) -> Option<f64> {
 }
 
 fn kind(cells: &[String], notation: &Notation) -> Cells {
-    let missing = |cell: &&String| {
-        let cell = cell.trim();
-        cell.is_empty()
-            || cell.eq_ignore_ascii_case("nan")
-            || cell.eq_ignore_ascii_case("null")
-            || cell == "NA"
-    };
-    let there = cells.iter().filter(|cell| !missing(cell));
+    let there = cells.iter().filter(|cell| !is_missing(cell));
     if there.clone().next().is_none() {
         return Cells::Empty;
     }

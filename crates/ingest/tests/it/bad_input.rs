@@ -86,6 +86,8 @@ fn each_fault_has_its_message() {
         "thousands-doubtful.csv",
         "day-or-month-am.csv",
         "truncated.cdf",
+        "short.pcdcp",
+        "short-usgs.json",
     ];
     let asked: [(&str, &[&str]); 38] = [
         ("no-file", &[]),

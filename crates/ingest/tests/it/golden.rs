@@ -47,6 +47,10 @@ fn golden() {
     case("imagcdf-hdz", &["imagcdf-hdz.cdf"], Options::default());
     case("mission", &["mission.cdf"], Options::default());
     case("mission-compressed", &["mission-compressed.cdf"], Options::default());
+    case("pcdcp", &["bou20241101.pcdcp"], Options::default());
+    case("usgs", &["usgs.json"], Options::default());
+    case("magpy-pystr", &["magpy-pystr.txt"], Options::default());
+    case("magpy-pyascii", &["magpy-pyascii.txt"], Options::default());
     case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
 }
 
@@ -93,6 +97,8 @@ fn the_field_comes_back() {
     // The scalar has every other second, and a component one fill value.
     assert_eq!(against(&of(&["imagcdf.cdf"], Options::default()), sensor, 1.0, 0.0), 3 * 30 - 1 + 15);
     assert_eq!(against(&of(&["imagcdf-hdz.cdf"], Options::default()), sensor, 1.0, 1e-9), 3 * 12 - 2);
+    assert_eq!(against(&of(&["bou20241101.pcdcp"], Options::default()), sensor, 60.0, 0.0), 4 * 20 - 1);
+    assert_eq!(against(&of(&["usgs.json"], Options::default()), sensor, 60.0, 1e-8), 4 * 20 - 1);
     // Single precision.
     assert_eq!(against(&of(&["mission.cdf"], Options::default()), sensor, 0.25, 0.002), 3 * 40 - 1);
     let codes = of(&["codes.csv"], codes());
@@ -105,4 +111,38 @@ fn the_field_comes_back() {
     assert_eq!(counts.recordings[0].column("sensor_z_nt").expect("z")[0], 3244.0 * 13.5 + 20_000.0);
     assert_eq!(counts.recordings[0].column("sensor_x_nt").expect("x")[0], 1548.0 * 13.5);
     assert!(counts.recordings[0].column("sensor_y_nt").expect("y")[3].is_nan());
+}
+
+/// Files that MagPy wrote, as MagPy reads them (fixtures/reference/ingest/agencies.py).
+#[test]
+fn as_magpy_reads_its_own() {
+    let expected: serde_json::Value =
+        serde_json::from_str(&testkit::read_fixture("reference/ingest/magpy.json")).expect("JSON");
+    let names = [
+        ("x", "sensor_x_nt"),
+        ("y", "sensor_y_nt"),
+        ("z", "sensor_z_nt"),
+        ("f", "reference_nt"),
+        ("t1", "sensor_temperature_c"),
+    ];
+    let mut count = 0;
+    for (file, columns) in expected["files"].as_object().expect("files") {
+        let document = of(&[file], Options::default());
+        let recording = &document.recordings[0];
+        assert_eq!(recording.start.as_deref(), Some("2024-11-01T00:00:00Z"), "{file}");
+        // Keys of PYASCII are MagPy's in the order of the columns, not the names that the file states.
+        for (values, (_, name)) in columns.as_object().expect("columns").values().zip(names) {
+            let values = values.as_array().expect("values");
+            let found = recording.column(name).unwrap_or_else(|| panic!("{file}: {name}"));
+            assert_eq!(found.len(), values.len(), "{file}");
+            for (found, expected) in found.iter().zip(values) {
+                assert!(
+                    expected.as_f64().map_or(found.is_nan(), |value| *found == value),
+                    "{file}, {name}: {found} {expected}"
+                );
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, 300);
 }
