@@ -21,6 +21,7 @@ fn main() {
         let correct = |calibration: &Document| {
             let request = Request {
                 calibration,
+                readings: None,
                 recording: None,
                 frame: Frame::Sen,
                 input: Some(&readings),

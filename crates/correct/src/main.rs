@@ -1,12 +1,16 @@
 //! `correct`: raw readings, a calibration and a model: the field.
 
 use clap::{Parser, ValueEnum};
-use common::Document;
+use common::{Document, Recording};
 use correct::{Frame, Options, Request, Station};
+use ingest::{Mapping, Readings};
 use program::manual;
 use program::pipe::{self, Input, Io, Program};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use tables::Content;
 
 const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
@@ -26,12 +30,16 @@ struct Cli {
     /// The frame of the field: that of the sensor block, or north, east, down
     #[arg(long, value_enum, default_value_t = FrameName::Sen)]
     frame: FrameName,
-    /// Correct a table with this document's calibration; DOCUMENT is then a .csv, .ndjson or .parquet
+    /// Correct a table with this document's calibration; DOCUMENT is then a file of readings: .csv, .ndjson or .parquet with the document's
+    /// names of columns, IAGA-2002, CDF, or with --map whatever `ingest` reads
     #[arg(long, value_name = "DOCUMENT")]
     calibration: Option<PathBuf>,
     /// The table was recorded under the conditions of this recording of the document
     #[arg(long, value_name = "ID", requires = "calibration")]
     recording: Option<String>,
+    /// How the file of readings is read, as `ingest --map`; it is then held in memory
+    #[arg(long, value_name = "MAP", requires = "calibration", conflicts_with = "from")]
+    map: Option<PathBuf>,
     /// Format of the table, where its name does not say it
     #[arg(long, value_enum, requires = "calibration")]
     from: Option<FormatName>,
@@ -87,10 +95,11 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         Frame::Geo => vec!["--frame=geo".to_string()],
     };
     let options = Options { frame };
-    pipe::stage(
+    pipe::stage_or(
         PROGRAM,
         &cli.io,
         arguments,
+        |file| format!("correct --calibration DOCUMENT {file}"),
         |document| correct::run(document, &options),
         |document| correct::summary(document, frame),
     )?;
@@ -98,11 +107,13 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
 }
 
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
-    cli.io.apart([calibration])?;
-    let text = Input::read(Some(calibration))?;
-    let document = Document::parse(&text.text).map_err(|error| text.locate(error))?;
+    cli.io.apart([calibration].into_iter().chain(cli.map.as_deref()))?;
+    let (text, document) =
+        Input::document(Some(calibration), |file| format!("correct --calibration DOCUMENT {file}"))?;
+    let readings = readings(cli)?;
     let request = Request {
         calibration: &document,
+        readings: readings.as_ref(),
         recording: cli.recording.as_deref(),
         frame,
         input: cli.io.file.as_deref().filter(|path| *path != Path::new("-")),
@@ -116,4 +127,33 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
         pipe::say(&correct::table_summary(&tally, &document, cli.recording.as_deref(), frame));
     }
     Ok(())
+}
+
+/// Readings of a file that only `ingest` reads: with a mapping, or in a format that is no table with the document's names.
+fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
+    let file = cli.io.file.clone().unwrap_or_else(|| "-".into());
+    if cli.map.is_none() && (cli.from.is_some() || !says_itself(&file)) {
+        return Ok(None);
+    }
+    let mapping = match &cli.map {
+        Some(map) => {
+            let input = Input::read(Some(map))?;
+            Some(Mapping::parse(&input.text).map_err(|error| input.locate(error))?)
+        }
+        None => None,
+    };
+    let options = ingest::Options { mapping, readings: Readings::Inline, ..ingest::Options::default() };
+    let document = Document { fluxcal: common::FORMAT_VERSION, ..Document::default() };
+    let mut ingested = ingest::run(document, &[file], &options).map_err(common::Error::from)?;
+    if !cli.io.quiet {
+        pipe::say(&ingested.words);
+    }
+    Ok(ingested.document.recordings.pop())
+}
+
+/// Whether a file is of a format that says what its columns are.
+fn says_itself(file: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head));
+    read.is_ok() && matches!(Content::of("", &head), Ok(Content::Iaga | Content::Cdf))
 }

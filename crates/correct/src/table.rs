@@ -4,7 +4,7 @@ use common::{Axis, Column, Columns, Document, Recording, procedure, range};
 use rayon::prelude::*;
 use std::io;
 use std::path::Path;
-use tables::{Batch, Format, Reader, Writer};
+use tables::{BATCH_ROWS, Batch, Format, Reader, Writer};
 
 use crate::iaga::{IagaWriter, Station};
 use crate::noise::{self, DAY_S};
@@ -25,6 +25,8 @@ pub struct Request<'a> {
     pub recording: Option<&'a str>,
     /// The frame of the field.
     pub frame: Frame,
+    /// Readings that were read already, in place of the table. When they were taken counts before what `recording` says.
+    pub readings: Option<&'a Recording>,
     /// The table; None: standard input.
     pub input: Option<&'a Path>,
     /// Its format, where its name does not say it.
@@ -53,14 +55,13 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     crate::check(request.calibration)?;
     let corrector = Corrector::of(request.calibration, request.frame)?;
     let template = template(request)?;
-    let (reader, name, format) = open(request)?;
-    let names: Vec<String> = reader.columns().to_vec();
+    let Sheets { names, batches, name, format } = open(request)?;
     let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
     check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
     let mut output = Output { request, format, names: &names, sheet: None, tally: Tally::default() };
     let mut series = None;
     let mut whole: Option<Recording> = None;
-    for batch in reader {
+    for batch in batches {
         let batch = batch?;
         let columns = names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
         range::rows(&name, batch.first_row, columns)?;
@@ -182,9 +183,10 @@ impl Output<'_> {
 
 /// What a document says of the recording whose conditions are meant; without one, a free run.
 fn template(request: &Request<'_>) -> Result<Recording, Error> {
+    let start = request.readings.and_then(|readings| readings.start.clone());
     let Some(id) = request.recording else {
         let (id, procedure) = ("table".to_string(), procedure::FREE_RUN.to_string());
-        return Ok(Recording { id, procedure, ..Recording::default() });
+        return Ok(Recording { id, procedure, start, ..Recording::default() });
     };
     let found = request.calibration.recordings.iter().find(|recording| recording.id == id);
     let found = found.ok_or_else(|| {
@@ -194,26 +196,47 @@ fn template(request: &Request<'_>) -> Result<Recording, Error> {
             ids.join(", ")
         ))
     })?;
-    Ok(Recording { columns: Columns::new(), table: None, ..found.clone() })
+    let start = start.or(found.start.clone());
+    Ok(Recording { columns: Columns::new(), table: None, start, ..found.clone() })
 }
 
-/// The table, its name in errors, and its format.
-fn open(request: &Request<'_>) -> Result<(Reader, String, Format), Error> {
-    match (request.input, request.input_format) {
+/// A table that is read.
+struct Sheets<'a> {
+    names: Vec<String>,
+    batches: Box<dyn Iterator<Item = Result<Batch, tables::Error>> + 'a>,
+    /// As errors call it.
+    name: String,
+    format: Format,
+}
+
+fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
+    let stdin = "standard input".to_string();
+    if let Some(readings) = request.readings {
+        let name = request.input.map_or(stdin, |path| path.display().to_string());
+        let names = readings.columns.keys().cloned().collect();
+        let batch = move |first: usize| {
+            let rows = first..(first + BATCH_ROWS).min(readings.rows());
+            let columns = readings.columns.values().map(|column| column.0[rows.clone()].to_vec()).collect();
+            Ok(Batch { first_row: first as u64, columns })
+        };
+        let batches = Box::new((0..readings.rows()).step_by(BATCH_ROWS).map(batch));
+        return Ok(Sheets { names, batches, name, format: Format::Csv });
+    }
+    let (reader, name, format) = match (request.input, request.input_format) {
         (Some(path), told) => {
             let format = told.map_or_else(|| Format::of(path), Ok)?;
-            Ok((Reader::open_as(path, format, None)?, path.display().to_string(), format))
+            (Reader::open_as(path, format, None)?, path.display().to_string(), format)
         }
-        (None, Some(format)) => {
-            let name = "standard input".to_string();
-            Ok((Reader::from_read(io::stdin(), format, &name, None)?, name, format))
+        (None, Some(format)) => (Reader::from_read(io::stdin(), format, &stdin, None)?, stdin, format),
+        (None, None) => {
+            return Err(common::Error::Request(
+                "the format of standard input is not told; expected --from csv or --from ndjson, or a file"
+                    .into(),
+            )
+            .into());
         }
-        (None, None) => Err(common::Error::Request(
-            "the format of standard input is not told; expected --from csv or --from ndjson, or a file"
-                .into(),
-        )
-        .into()),
-    }
+    };
+    Ok(Sheets { names: reader.columns().to_vec(), batches: Box::new(reader), name, format })
 }
 
 fn recording_of(template: &Recording, names: &[String], batch: Batch) -> Recording {
@@ -241,7 +264,8 @@ fn check_columns(document: &Document, recording: &Recording, name: &str) -> Resu
         let sensors = Axis::ALL.map(|axis| format!("sensor_{axis}_v")).join(", ");
         let found: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
         return Err(common::Error::Request(format!(
-            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT",
+            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; of other names, a mapping \
+             says what they are: ingest guess {name} > map.json, then correct --map map.json",
             found.join(", ")
         ))
         .into());

@@ -29,7 +29,20 @@ fn each_fault_of_a_table_has_its_message() {
     write("good.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n");
     write("short.parquet", "PAR1");
     write("fill.csv", "sensor_x_v,sensor_y_v,sensor_z_v\n1,2,3\n1,-1e31,3\n");
-    let faults: [(&[&str], &str); 10] = [
+    write(
+        "map.json",
+        r#"{"fluxcal-mapping": 1, "header_line": 1, "columns": [{"from": "u", "to": "sensor_x_v", "unit": "V"}]}"#,
+    );
+    let faults: [(&[&str], &str); 13] = [
+        (
+            &["good.csv"],
+            "correct: good.csv: found lines of values (CSV); expected a fluxcal document. To read it:\n  correct --calibration DOCUMENT good.csv",
+        ),
+        (&["--calibration", "good.csv", "good.csv"], "good.csv: found lines of values (CSV)"),
+        (
+            &["--calibration", "flight.json", "--map", "map.json", "good.csv"],
+            "good.csv, line 1: found no column \"u\"",
+        ),
         (
             &["--calibration", "flight.json", "fill.csv", "-o", "out.csv"],
             "fill.csv, row 2, column sensor_y_v: found -1e31; expected a reading between −1000000 and 1000000",

@@ -37,6 +37,7 @@ fn write(path: &Path, columns: &[(&str, &[f64])]) {
 fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> Request<'a> {
     Request {
         calibration,
+        readings: None,
         recording: Some("flight"),
         frame: Frame::Geo,
         input: Some(input),
@@ -264,4 +265,45 @@ fn iaga_2002_holds_the_field() {
     assert!(error.contains("nothing says when time_s is zero"), "{error}");
     let error = correct_table(&Request { iaga: Some(Station { code: "Vienna", start: None }), ..asked });
     assert!(error.expect_err("no code").to_string().contains("is no code of a station"));
+}
+
+/// A logger's file by a mapping gives what the table with the document's names gives: the same columns, in other notation.
+#[test]
+fn a_mapping_is_read_as_ingest_reads_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let table = testkit::read_fixture("correct/flight/readings.csv");
+    let logger = testkit::read_fixture("correct/logger.csv");
+    let mapping = testkit::read_fixture("correct/logger-map.json");
+    for (name, text) in [
+        ("readings.csv", table.as_str()),
+        ("logger.txt", &logger),
+        ("map.json", &mapping),
+        ("flight.json", &testkit::read_fixture("correct/flight/input.json")),
+    ] {
+        std::fs::write(folder.path().join(name), text).expect("written");
+    }
+    let correct = |arguments: &[&str]| {
+        let all = [&["--calibration", "flight.json"], arguments].concat();
+        let run = testkit::run_in(env!("CARGO_BIN_EXE_correct"), folder.path(), &all);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        (run.stdout, run.stderr)
+    };
+    let (direct, _) = correct(&["readings.csv"]);
+    let (mapped, said) = correct(&["--map", "map.json", "logger.txt"]);
+    assert!(said.contains("from 1 file of CSV") && said.contains("correct: 23 of 24 rows"), "{said}");
+    let sorted = |text: &str| {
+        let mut lines = text.lines().map(|line| line.split(',').map(str::to_string).collect::<Vec<_>>());
+        let names = lines.next().expect("names");
+        let rows: Vec<Vec<String>> = lines.collect();
+        let mut columns: Vec<(String, Vec<Option<f64>>)> = (0..names.len())
+            .map(|column| (names[column].clone(), rows.iter().map(|row| row[column].parse().ok()).collect()))
+            .collect();
+        columns.sort_by(|a, b| a.0.cmp(&b.0));
+        columns
+    };
+    assert_eq!(sorted(&direct), sorted(&mapped));
+    // IAGA-2002 says itself what it holds; without sensitivities in V its readings in nT are what is corrected.
+    std::fs::copy(testkit::fixture("ingest/lemi.sec"), folder.path().join("lemi.sec")).expect("copied");
+    let (iaga, said) = correct(&["lemi.sec"]);
+    assert!(said.contains("IAGA-2002") && iaga.starts_with("time_s,"), "{said}");
 }
