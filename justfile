@@ -70,7 +70,7 @@ prove:
 
 # All programs with man pages and bash completions, below ~/.local or PREFIX
 install prefix="$HOME/.local":
-    for program in simulate ingest coilcal sensorcal axescal diffmag diagnose correct report; do \
+    for program in simulate ingest series coilcal sensorcal axescal diffmag diagnose correct report; do \
         cargo install --locked --profile dist --path crates/$program --root {{prefix}} --target-dir target && \
         {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
         mkdir -p {{prefix}}/share/bash-completion/completions && \

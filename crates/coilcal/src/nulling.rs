@@ -79,7 +79,8 @@ fn site(recording: &Recording, index: usize) -> Result<String, Error> {
 fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>, Error> {
     let path = format!("recordings[{index}].columns");
     let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
-        let expected = "even times that rise, all there; a spectrum needs them";
+        let expected =
+            "even times that rise, all there; a spectrum needs them, and series resample --step S makes them";
         return Err(Fault::document(format!("{path}.time_s"), "no even times", expected).into());
     };
     let mut spectra = Vec::new();

@@ -91,7 +91,8 @@ fn read<'a>(
     let (reading, unit) = output(recording, path, sensor)?;
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
     let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
-        let expected = "even times that rise, all there; a spectrum needs them";
+        let expected =
+            "even times that rise, all there; a spectrum needs them, and series resample --step S makes them";
         return Err(Fault::document(format!("{path}.columns.time_s"), "no even times", expected).into());
     };
     let Some((k, _)) = sensitivity(unit) else {

@@ -50,7 +50,9 @@ fn stands_in(shown: &str, printed: &str) -> bool {
 fn runs(page: &str) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    for other in ["simulate", "ingest", "coilcal", "sensorcal", "diffmag", "diagnose", "correct", "report"] {
+    for other in
+        ["simulate", "ingest", "series", "coilcal", "sensorcal", "diffmag", "diagnose", "correct", "report"]
+    {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -91,6 +93,7 @@ pages! {
     document: "docs/document.md",
     simulate: "docs/simulate.md",
     ingest: "docs/ingest.md",
+    series: "docs/series.md",
     coilcal: "docs/coilcal.md",
     sensorcal: "docs/sensorcal.md",
     axescal: "docs/axescal.md",

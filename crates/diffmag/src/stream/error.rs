@@ -48,7 +48,7 @@ pub enum Error {
     Step(f64),
     /// The times do not show a step.
     #[error(
-        "the first {rows} times show no even step of up to six digits (or one over such a rate); state the step"
+        "the first {rows} times show no even step of up to six digits (or one over such a rate); state the step, or make one: series resample --step S"
     )]
     NoStep {
         /// Rows looked at.
