@@ -9,6 +9,7 @@ mod error;
 mod fill;
 mod guess;
 mod iaga;
+mod jumps;
 mod mapping;
 mod ndjson;
 mod number;
