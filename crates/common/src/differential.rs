@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity};
 
+mod clock;
 mod drift;
 mod fourteen;
 mod kept_out;
@@ -12,6 +13,7 @@ mod octaves;
 mod reference_noise;
 mod stability;
 
+pub use clock::*;
 pub use drift::*;
 pub use fourteen::*;
 pub use kept_out::*;
@@ -137,23 +139,4 @@ pub struct DifferenceAxis {
     pub allan: AllanDeviation,
     /// Its drift.
     pub drift: Drift,
-}
-
-/// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-pub struct ClockDifference {
-    /// Its offset in the middle of the recording, s.
-    pub offset_s: Quantity,
-    /// How much faster it runs, ppm.
-    pub rate_ppm: Quantity,
-    /// Whether the test instrument's times were corrected for both.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub corrected: bool,
-    /// Offset left after the correction, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub left_offset_s: Option<Quantity>,
-    /// Rate left after the correction, ppm.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub left_rate_ppm: Option<Quantity>,
 }

@@ -4,6 +4,8 @@ use jiff::fmt::temporal::Pieces;
 use jiff::tz::{Offset, TimeZone};
 use jiff::{SignedDuration, Timestamp};
 
+use crate::number::{signed, significant, uncertain};
+
 /// A moment with the clock by which people there live.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Start {
@@ -42,6 +44,19 @@ impl Start {
         let zoned = timestamp.to_zoned(TimeZone::fixed(offset));
         Some(timestamp.display_with_offset(zoned.offset()).to_string())
     }
+}
+
+/// Uncertainties below this share of a step are not told.
+const LEAST: f64 = 1e-6;
+
+/// What is said of times that jump: how much later they are from a moment on, beyond whole steps.
+pub fn jumped(by_s: f64, std_s: f64, step_s: f64, at: &str) -> String {
+    let size = if std_s > LEAST * step_s { uncertain(by_s, std_s) } else { significant(by_s, 3) };
+    let share = significant(100.0 * (by_s / step_s).abs(), 2);
+    format!(
+        "the times jump by {} s at {at}, {share} % of a step; the clock was set, or the recording began anew",
+        signed(&size)
+    )
 }
 
 const DAY_S: f64 = 86_400.0;

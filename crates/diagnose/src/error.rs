@@ -8,9 +8,9 @@ pub enum Error {
     Document(#[from] common::Error),
     /// No recording can be predicted.
     #[error(
-        "no recording whose readings can be predicted; diagnose needs readings of sensors (`sensor_x_v`, `sensor_x_nt`, …), of a scalar magnetometer in a coil, or of two magnetometers side by side"
+        "no recording whose readings can be predicted: {0}; diagnose needs readings of sensors (`sensor_x_v`, `sensor_x_nt`, …), of a scalar magnetometer in a coil, or of two magnetometers side by side"
     )]
-    Nothing,
+    Nothing(String),
     /// The readings do not determine the answer.
     #[error("{0}")]
     Undetermined(String),
@@ -23,9 +23,20 @@ impl From<Error> for common::Error {
     fn from(error: Error) -> Self {
         match error {
             Error::Document(error) => error,
-            Error::Nothing => common::Error::Request(error.to_string()),
+            Error::Nothing(_) => common::Error::Request(error.to_string()),
             Error::Undetermined(message) => common::Error::Unanswerable(message),
             Error::Estimate(_) => common::Error::Unanswerable(error.to_string()),
+        }
+    }
+}
+
+impl From<joined::Error> for Error {
+    fn from(error: joined::Error) -> Self {
+        match error {
+            joined::Error::Document(error) => Self::Document(error),
+            joined::Error::Nothing => Self::Undetermined(error.to_string()),
+            joined::Error::Undetermined(message) => Self::Undetermined(message),
+            joined::Error::Estimate(error) => Self::Estimate(error),
         }
     }
 }

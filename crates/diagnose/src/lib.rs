@@ -179,7 +179,12 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         Some(simulated) => against::against(&document, simulated)?,
         None => document.clone(),
     };
-    let (model, start) = Model::of(&original, Observed::of(&original)?)?;
+    let gathered = joined::gathered(&original)?;
+    let notes = gathered.as_ref().map(|gathered| gathered.told.clone()).unwrap_or_default();
+    let original = gathered.map_or(original, |gathered| gathered.document);
+    let mut observed = Observed::of(&original)?;
+    observed.notes.splice(0..0, notes);
+    let (model, start) = Model::of(&original, observed)?;
     let before = model.residual(&start)?;
     told("fitting the calibration again");
     let (base, base_noise) = settled(&original, &model, &start)?;

@@ -1,6 +1,7 @@
 //! What was read, as channels: one sensor, the scalar magnetometer, or the length of the corrected vector, in one recording.
 
-use common::{Axis, Document, procedure};
+use common::number::counted;
+use common::{Axis, Document, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Prediction, References, Setting, Unit};
 
@@ -91,7 +92,7 @@ impl<'a> Observed<'a> {
                 observed.add(run)?;
             }
         }
-        if observed.channels.is_empty() { Err(Error::Nothing) } else { Ok(observed) }
+        if observed.channels.is_empty() { Err(Error::Nothing(why(document))) } else { Ok(observed) }
     }
 
     /// Adds the channels of a recording that can be predicted.
@@ -175,6 +176,23 @@ impl<'a> Observed<'a> {
     pub fn times(&self, channel: &Channel) -> Option<Vec<f64>> {
         self.runs[channel.run].time_s.map(|time| channel.rows.iter().map(|row| time[*row]).collect())
     }
+}
+
+/// What stands in the recordings in place of readings that can be predicted.
+fn why(document: &Document) -> String {
+    let of = |recording: &Recording| {
+        let readings =
+            |values: &[f64]| counted(values.iter().filter(|value| value.is_finite()).count(), "reading");
+        let columns: Vec<String> = recording
+            .columns
+            .iter()
+            .map(|(name, values)| format!("`{name}` ({})", readings(&values.0)))
+            .collect();
+        let columns = if columns.is_empty() { "no column".into() } else { columns.join(", ") };
+        format!("\"{}\" ({}) has {columns}", recording.id, recording.procedure)
+    };
+    let all: Vec<String> = document.recordings.iter().map(of).collect();
+    if all.is_empty() { "there is none".into() } else { all.join("; ") }
 }
 
 fn check_sensors(document: &Document, setting: &Setting<'_>, path: &str) -> Result<(), Error> {

@@ -10,6 +10,7 @@ use crate::drift::days;
 use crate::regression::rest;
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW};
+use std::ops::Range;
 
 /// Rounds of fitting the noise and the regression under it.
 const ROUNDS: usize = 2;
@@ -27,17 +28,17 @@ const LARGEST_CHANGE: f64 = 8.0;
 /// A lag must explain more than none does by this χ², and leave so much less.
 pub const GAIN: f64 = 50.0;
 
-/// How late the test instrument's times are: offset + rate × time from the middle.
+/// How late the test instrument's times are: offset + rate × time from the middle of a segment between jumps of the times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
-    /// In the middle of the recording, s.
+    /// In the middle of each segment, beside what the segment has of its own, s.
     pub offset_s: f64,
     /// s/s.
     pub rate: f64,
 }
 
 impl Shift {
-    /// At a time from the middle of the recording on the test instrument's clock, s.
+    /// At a time from the middle of a segment on the test instrument's clock, s.
     pub fn at(&self, from_middle_s: f64) -> f64 {
         self.offset_s + self.rate * from_middle_s
     }
@@ -57,22 +58,45 @@ pub enum Moved {
     Test,
 }
 
-/// The pair with both instruments at the same moments if the test instrument's times are late by `shift`.
+/// How late the test instrument's times are in a row, s.
+pub fn late_s(pair: &Pair, shift: Shift, row: usize) -> f64 {
+    pair.segment(row).late_s + shift.at(pair.since_middle_of_segment_s(row))
+}
+
+/// Whether any row is to be moved.
+pub fn moves(pair: &Pair, shift: Shift) -> bool {
+    !shift.is_none() || pair.segments.iter().any(|segment| segment.late_s != 0.0)
+}
+
+/// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and what each segment has of its own.
+///
+/// Each segment is read from its own rows alone: across a jump an instrument's rows are no even series.
 pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
     let mut pair = pair.clone();
-    if shift.is_none() {
+    if !moves(&pair, shift) {
         return pair;
     }
     let places: Vec<f64> = (0..pair.whole.len())
         .map(|row| {
-            let t = pair.since_middle_s(row);
+            let late = late_s(&pair, shift, row);
             let by = match moved {
-                Moved::Reference => -shift.at(t),
-                Moved::Test => shift.at(t + shift.at(t)),
+                Moved::Reference => -late,
+                Moved::Test => late + shift.rate * late,
             };
             row as f64 + by / pair.step_s
         })
         .collect();
+    if moved == Moved::Test {
+        for axis in 0..3 {
+            for number in 0..pair.steps[axis].len() {
+                let row = pair.steps[axis][number];
+                let late = late_s(&pair, shift, row) / pair.step_s;
+                pair.steps[axis][number] =
+                    (row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
+            }
+        }
+    }
+    let segments: Vec<Range<usize>> = pair.segments.iter().map(|segment| segment.rows.clone()).collect();
     let columns = match moved {
         Moved::Reference => &mut pair.reference,
         Moved::Test => &mut pair.test,
@@ -82,19 +106,18 @@ pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
             *value = f64::NAN;
         }
     }
-    let read = resample(&columns[..], &places, 1.0);
-    for (column, read) in columns.iter_mut().zip(read.columns) {
-        *column = read;
+    for rows in segments {
+        let own = columns.each_ref().map(|column| &column[rows.clone()]);
+        let places: Vec<f64> = places[rows.clone()].iter().map(|place| place - rows.start as f64).collect();
+        let read = resample(&own, &places, 1.0);
+        for (column, read) in columns.iter_mut().zip(read.columns) {
+            column[rows.clone()].copy_from_slice(&read);
+        }
     }
     let whole = |row: usize| columns.iter().all(|column| column[row].is_finite());
     let whole: Vec<bool> = (0..places.len()).map(|row| pair.whole[row] && whole(row)).collect();
     pair.whole = whole;
-    if moved == Moved::Test {
-        for row in pair.steps.iter_mut().flatten() {
-            let late = shift.at((*row as f64 - 0.5 * places.len() as f64) * pair.step_s) / pair.step_s;
-            *row = (*row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
-        }
-    }
+    pair.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
     pair.highest_hz = Some(PASSBAND * 0.5 / pair.step_s);
     pair.bridge();
     pair
@@ -106,9 +129,19 @@ pub struct LookAxis {
     pub eta: [f64; 3],
     /// Noise of what is left.
     pub noise: Noise,
-    /// Coefficients of [`columns`].
+    /// Coefficients of the clock's columns, of the reference, of drifts and of steps.
     coefficients: Vec<f64>,
     turned_by: [f64; 3],
+}
+
+/// What the clock shows in, and what it shows beside.
+pub struct Parts {
+    /// −dB/dt of the field along the axis; nothing in rows that are not whole.
+    pub late: Vec<f64>,
+    /// The field along the axis.
+    pub turned: Vec<f64>,
+    /// The test instrument's readings less what the reference, drifts and steps give.
+    pub left: Vec<f64>,
 }
 
 /// A fit of the three axes, and the clock that it shows.
@@ -156,7 +189,7 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
                 add(&mut information, &mut right, &fit);
             }
             noise = Noise::seen(&rest(&columns, test, &fit.weighted), pair)?;
-            coefficients = fit.weighted[..CLOCK + 3 + drifts.len()].to_vec();
+            coefficients = fit.weighted.clone();
         }
         Ok(LookAxis { eta, noise, coefficients, turned_by })
     };
@@ -190,6 +223,18 @@ impl Look {
             }
         }
         Ok(())
+    }
+
+    /// Of an axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it, drifts and steps.
+    pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
+        let of = &self.axes[axis];
+        let [late, _] = <[Vec<f64>; 2]>::try_from(seen(clock_columns(pair, &of.turned_by), &pair.whole))
+            .unwrap_or_default();
+        let turned = turned(pair, &of.turned_by);
+        let mut columns = self.others(pair);
+        columns.extend(pair.step_columns(axis));
+        let left = rest(&columns, &pair.test[axis], &of.coefficients[CLOCK..]);
+        Parts { late, turned, left }
     }
 
     /// Columns after the clock's, steps left out.
@@ -253,12 +298,19 @@ fn drifts(pair: &Pair) -> Vec<Vec<f64>> {
     std::iter::once(days(pair)).chain(shares.iter().map(exponential)).collect()
 }
 
-/// −dB/dt of the field Rη along an axis, and that times the time in 10⁶ s.
+/// The field Rη along an axis.
+fn turned(pair: &Pair, eta: &[f64; 3]) -> Vec<f64> {
+    (0..pair.whole.len()).map(|row| (0..3).map(|i| eta[i] * pair.reference[i][row]).sum()).collect()
+}
+
+/// −dB/dt of the field Rη along an axis, and that times the time from the middle of the segment in 10⁶ s.
 fn clock_columns(pair: &Pair, eta: &[f64; 3]) -> Vec<Vec<f64>> {
-    let turned: Vec<f64> =
-        (0..pair.whole.len()).map(|row| (0..3).map(|i| eta[i] * pair.reference[i][row]).sum()).collect();
-    let late: Vec<f64> = slope(&turned, pair.step_s).iter().map(|rate| -rate).collect();
-    let fast = late.iter().enumerate().map(|(row, late)| late * pair.since_middle_s(row) * 1e-6).collect();
+    let late: Vec<f64> = slope(&turned(pair, eta), pair.step_s).iter().map(|rate| -rate).collect();
+    let fast = late
+        .iter()
+        .enumerate()
+        .map(|(row, late)| late * pair.since_middle_of_segment_s(row) * 1e-6)
+        .collect();
     vec![late, fast]
 }
 

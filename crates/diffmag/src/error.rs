@@ -29,3 +29,14 @@ impl From<Error> for common::Error {
         }
     }
 }
+
+impl From<joined::Error> for Error {
+    fn from(error: joined::Error) -> Self {
+        match error {
+            joined::Error::Document(error) => Self::Document(error),
+            joined::Error::Nothing => Self::Nothing,
+            joined::Error::Undetermined(message) => Self::Undetermined(message),
+            joined::Error::Estimate(error) => Self::Estimate(error),
+        }
+    }
+}

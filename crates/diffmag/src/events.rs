@@ -6,7 +6,7 @@ use estimate::stats;
 use physics::memory::bridged;
 
 use crate::Error;
-use crate::clock::{Look, Shift};
+use crate::clock::{Look, Shift, late_s};
 use crate::difference::Noise;
 use crate::series::Pair;
 
@@ -119,7 +119,7 @@ impl Events {
         let mut pair = pair.clone();
         let rows = pair.whole.len();
         for event in &self.found {
-            let late = shift.at(pair.since_middle_s(event.from)) / pair.step_s;
+            let late = late_s(&pair, shift, event.from) / pair.step_s;
             let own = |row: f64| row.clamp(0.0, rows as f64 - 1.0) as usize;
             let (from, to) = match event.instrument {
                 EventInstrument::Reference => {

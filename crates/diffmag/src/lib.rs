@@ -9,6 +9,7 @@ mod adopt;
 mod bands;
 mod clock;
 mod constancy;
+mod delays;
 mod difference;
 mod drift;
 mod error;
@@ -19,7 +20,7 @@ mod mutual;
 mod prepare;
 mod reference_noise;
 mod regression;
-mod series;
+mod segments;
 mod stability;
 pub mod stream;
 mod three;
@@ -28,6 +29,7 @@ mod words;
 
 pub use error::Error;
 pub use files::take;
+use joined as series;
 pub use words::summary;
 
 use common::Document;
@@ -44,8 +46,13 @@ const TOLD_BELOW: f64 = 0.01;
 
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let raw = series::read(&document)?;
+    let mut raw = series::read(&document)?;
+    let segments = segments::find(&mut raw)?;
     let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
+    delays::judge(&raw, &mut prepared)?;
+    if let Some(clock) = &mut prepared.clock {
+        segments.write(clock);
+    }
     let mut fits = regression::fit(&prepared.pair)?;
     while let Some(confirmed) = prepared.confirmed(&raw, &fits)? {
         prepared = confirmed;
@@ -57,7 +64,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.stability = stability::of(&level, &fits)?;
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
-    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
+    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected && clock.segments.is_empty())
+    {
         adopt::clock(&mut document, &prepared.pair, clock);
     }
     let calibration = document.calibration.get_or_insert_default();

@@ -2,7 +2,7 @@
 
 use common::{ClockDifference, EventKind, Quantity};
 
-use crate::clock::{self, Look, Moved, Shift, aligned};
+use crate::clock::{self, Look, Moved, Shift, aligned, moves};
 use crate::difference::Noise;
 use crate::events::{self, CONFIRMED, Events, Found};
 use crate::regression::{AxisFit, p_of, step_sizes};
@@ -70,6 +70,33 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
 }
 
 impl Prepared {
+    /// Both instruments at the same moments, without events and with the most likely readings where rows are not whole, and what is seen there.
+    pub fn together(&self, raw: &Pair) -> Result<(Pair, Look), Error> {
+        let mut together = aligned(&self.events.taken_out(raw, self.shift), self.shift, Moved::Reference);
+        let look = clock::look(&together)?;
+        look.complete(&mut together)?;
+        Ok((together, look))
+    }
+
+    /// The same with the reference a little later.
+    pub fn moved(&self, raw: &Pair, by_s: f64) -> Pair {
+        let shift = Shift { offset_s: self.shift.offset_s + by_s, ..self.shift };
+        aligned(&self.events.taken_out(raw, self.shift), shift, Moved::Reference)
+    }
+
+    /// Corrects the times by the offset that the clock has now, if they are corrected at all.
+    pub fn settle(&mut self, raw: &Pair) -> Result<(), Error> {
+        let Some(clock) = self.clock.as_ref().filter(|clock| clock.corrected) else { return Ok(()) };
+        self.shift.offset_s = clock.offset_s.value();
+        *self = settled(raw, self.events.clone(), self.clock.clone(), self.shift, true)?;
+        Ok(())
+    }
+
+    /// What the readings are moved by there, s and ppm.
+    pub fn moved_by(&self) -> (f64, f64) {
+        (self.shift.offset_s, 1e6 * self.shift.rate)
+    }
+
     /// The same without the events that the fit does not confirm; None where it confirms all.
     ///
     /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at short periods, and a sudden
@@ -110,7 +137,7 @@ fn settled(
     correct_clock: bool,
 ) -> Result<Prepared, Error> {
     let mut pair = events.taken_out(raw, shift);
-    if let Some(clock) = clock.as_mut().filter(|_| correct_clock && !shift.is_none()) {
+    if let Some(clock) = clock.as_mut().filter(|_| correct_clock && moves(&pair, shift)) {
         pair = aligned(&pair, shift, Moved::Test);
         let look = clock::look(&pair)?;
         look.complete(&mut pair)?;

@@ -10,8 +10,8 @@ use common::{
 use std::fmt::Write;
 
 use crate::events::CONFIRMED;
-use crate::reference_noise;
 use crate::regression::p_of;
+use crate::{delays, reference_noise, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
@@ -64,6 +64,8 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
         if fast < told_below {
             findings.push(format!("the clocks run at different rates ({}): {mend}", p_value(fast)));
         }
+        findings.extend(segments::findings(clock));
+        findings.extend(delays::findings(clock));
         if clock.corrected {
             findings.push(moved());
         }
@@ -135,33 +137,6 @@ pub fn third() -> String {
     "the third instrument's readings are in no regression of `fit`; they take the pull of the reference's noise off `matrix`, and \
      `three_cornered` has the noise of each of the three by them"
         .into()
-}
-
-/// Times that are not quite even.
-pub fn scattered(id: &str, by_s: f64) -> String {
-    format!(
-        "\"{id}\": its times scatter by up to {} s about even ones and are taken as even",
-        significant(by_s, 2)
-    )
-}
-
-/// Times that were made even.
-pub fn uneven(id: &str, step_s: f64) -> String {
-    format!(
-        "\"{id}\": its times are uneven; its readings were interpolated to steps of {} s, which lowers their noise unevenly",
-        bare(step_s)
-    )
-}
-
-/// An instrument that was brought to another grid.
-pub fn filtered(instrument: &str, from_s: f64, to_s: f64, white: f64) -> String {
-    format!(
-        "the {instrument} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white \
-         noise pass, and the noise is told from the band below 0.9 of half the sampling rate",
-        bare(from_s),
-        bare(to_s),
-        significant(100.0 * white, 2)
-    )
 }
 
 /// Which drift the readings demand.

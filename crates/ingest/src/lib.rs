@@ -11,6 +11,7 @@ mod fill;
 mod guess;
 mod iaga;
 mod imagcdf;
+mod jumps;
 mod mapping;
 mod ndjson;
 mod number;

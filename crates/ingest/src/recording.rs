@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 use crate::clock::{self, SECOND_NS};
+use crate::jumps::{Jump, jumps};
 use crate::piece::{Clock, Piece};
 use crate::series::{Gaps, Series, gaps, step_s};
 use crate::{Error, Options, Readings, words};
@@ -39,8 +40,10 @@ pub fn add(
         let expected = "another id for the new recording; say it with --id";
         return Err(Fault::document(format!("recordings[{index}].id"), found, expected).into());
     }
-    let words = words::words(&series, &pieces, &gaps, step_s, start.as_deref(), &id);
-    let source = source(&series, &pieces, step_s, gaps.kept());
+    let jumps = jumps(&series, begin_ns);
+    let words = words::words(&series, &pieces, &gaps, &jumps, step_s, start.as_deref(), &id);
+    let jumps: Vec<Jump> = jumps.into_iter().map(|(jump, _)| jump).collect();
+    let source = source(&series, &pieces, step_s, gaps.kept(), &jumps);
     let rows = series.times_ns.len();
     let mut columns = Vec::with_capacity(1 + series.columns.len());
     if series.clock != Clock::None {
@@ -90,7 +93,7 @@ fn id(pieces: &[Piece], start: Option<&str>) -> String {
 }
 
 /// Where the readings come from, as the document keeps it.
-fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra) -> Value {
+fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra, jumps: &[Jump]) -> Value {
     let files: Vec<Value> = pieces
         .iter()
         .map(|piece| json!({"name": piece.name, "rows": piece.lines.len(), "sha256": piece.sha256}))
@@ -105,6 +108,9 @@ fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra) -
         source.insert("step_s".into(), step_s.into());
     }
     source.insert("gaps".into(), gaps.into());
+    if !jumps.is_empty() {
+        source.insert("jumps".into(), json!(jumps));
+    }
     for (key, count) in [
         ("merged_rows", series.merged),
         ("disagreeing_rows", series.disagreeing),

@@ -4,6 +4,7 @@ use common::number::{bare, counted, duration, plural, significant};
 use rayon::prelude::*;
 
 use crate::clock;
+use crate::jumps::Jump;
 use crate::piece::{Clock, Piece};
 use crate::series::{Gaps, Series};
 
@@ -15,6 +16,7 @@ pub fn words(
     series: &Series,
     pieces: &[Piece],
     gaps: &Gaps,
+    jumps: &[(Jump, String)],
     step_s: Option<f64>,
     start: Option<&str>,
     id: &str,
@@ -43,6 +45,7 @@ pub fn words(
         let (count, missing) = (counted(gaps.count, "gap"), counted(gaps.missing_rows as usize, "row"));
         lines.push(format!("  {count}, {missing} missing{}", longest.unwrap_or_default()));
     }
+    lines.extend(jumps.iter().map(|(_, words)| format!("  {words}")));
     for (count, what) in [
         (series.merged, "there more than once and alike, now once"),
         (series.disagreeing, "in which files disagree; one was kept as asked"),

@@ -7,6 +7,7 @@ mod clean;
 mod dependence;
 mod golden;
 mod help;
+mod joined;
 mod laws;
 mod moved;
 mod nasa;

@@ -19,7 +19,7 @@ fn field(row: usize) -> [f64; 3] {
 }
 
 /// A pair whose stated matrix and offsets are off, with columns that are no unit vectors; the readings of each sensor.
-fn pair() -> (Document, Vec<Vec<f64>>) {
+pub fn pair() -> (Document, Vec<Vec<f64>>) {
     let matrix = [[0.9993, 0.0134, -0.0062], [-0.0126, 1.0023, 0.0044], [0.0070, -0.0042, 0.9996]];
     let mut stream = noise::Stream::new(3, "pair");
     let readings: Vec<Vec<f64>> = (0..3)

@@ -2,6 +2,7 @@
 
 mod across;
 mod bad_input;
+mod clocks;
 mod coverage;
 mod drift;
 mod drift_reference;

@@ -20,6 +20,8 @@ pub struct Made {
     pub reference_step_s: f64,
     pub reference_phase_s: f64,
     pub white_nt: f64,
+    /// White noise of the reference over that of the test instrument.
+    pub reference_share: f64,
     pub flicker: bool,
     /// How late the test instrument's clock is in the middle, s.
     pub offset_s: f64,
@@ -37,6 +39,7 @@ impl Made {
             reference_step_s: 60.0,
             reference_phase_s: 0.0,
             white_nt: 0.05,
+            reference_share: 0.01,
             flicker: false,
             offset_s: 0.0,
             rate_ppm: 0.0,
@@ -78,7 +81,7 @@ impl Made {
         for (axis, column) in columns.iter_mut().enumerate() {
             let mut stream = Stream::new(self.seed, &format!("{name} {axis}"));
             // The reference is quiet, so that its noise does not bias η.
-            let white = if name == "reference" { 0.01 } else { 1.0 } * self.white_nt;
+            let white = if name == "reference" { self.reference_share } else { 1.0 } * self.white_nt;
             if self.flicker && name == "test" {
                 let flicker = noise::power_law(&mut stream, column.len(), step_s, 2e-4, 1.0);
                 column.iter_mut().zip(&flicker).for_each(|(value, more)| *value += more);

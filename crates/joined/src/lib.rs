@@ -1,19 +1,27 @@
-//! The instruments' readings on one even grid of times, with what is wrong told by its place.
+//! Several instruments, each in recordings of its own or all in one, on one even grid of times; what cannot be joined is told by its place.
+//!
+//! Times are never spread: a series is cut where its times jump, and where they are uneven it is read at its own times. The clocks of two
+//! instruments may differ, in each [`Segment`] by another offset; that is for those to find who hold the readings against each other.
 
 use common::number::{counted, duration};
 use common::time::Start;
 use common::{Axis, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
 
-use crate::Error;
-
 mod check;
+mod error;
+mod gather;
 mod grid;
 mod piece;
+mod segments;
+mod words;
 
 pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
+pub use error::Error;
+pub use gather::{Gathered, gathered};
 use grid::Grid;
 use piece::Piece;
+pub use segments::{Boundary, Jump, Segment};
 
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;
@@ -51,6 +59,21 @@ impl Instrument {
     fn step_s(&self) -> f64 {
         self.longest().step_s
     }
+
+    /// That it has no moment in common with another.
+    fn apart_from(&self, other: &Self) -> Error {
+        let found = format!(
+            "readings of the {} instrument from {} to {}, of the {} from {} to {}",
+            other.name,
+            duration(other.start_s()),
+            duration(other.end_s()),
+            self.name,
+            duration(self.start_s()),
+            duration(self.end_s())
+        );
+        let expected = "recordings that overlap in time; look at `start` and at the clocks";
+        Fault::document(format!("{}.columns.time_s", other.pieces[0].path), found, expected).into()
+    }
 }
 
 /// The instruments at the same moments.
@@ -76,6 +99,10 @@ pub struct Pair {
     pub highest_hz: Option<f64>,
     /// First rows after the steps that are to be fitted to each test axis.
     pub steps: [Vec<usize>; 3],
+    /// Rows between jumps of one instrument's times.
+    pub segments: Vec<Segment>,
+    /// Where times jump.
+    pub boundaries: Vec<Boundary>,
     /// What was done to bring them together, in words.
     pub told: Vec<String>,
 }
@@ -94,6 +121,42 @@ impl Pair {
     /// Time from the middle of the recording, s.
     pub fn since_middle_s(&self, row: usize) -> f64 {
         (row as f64 - 0.5 * (self.whole.len() as f64 - 1.0)) * self.step_s
+    }
+
+    /// The segment of a row.
+    pub fn segment(&self, row: usize) -> &Segment {
+        let number = self.segments.partition_point(|segment| segment.rows.end <= row);
+        &self.segments[number.min(self.segments.len() - 1)]
+    }
+
+    /// Time from the middle of the row's segment, s.
+    pub fn since_middle_of_segment_s(&self, row: usize) -> f64 {
+        let rows = &self.segment(row).rows;
+        (row as f64 - 0.5 * ((rows.start + rows.end) as f64 - 1.0)) * self.step_s
+    }
+
+    /// Some of its rows, as one segment.
+    pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
+        let cut = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| column[rows.clone()].to_vec());
+        let steps = self.steps.each_ref().map(|steps| {
+            let inside = steps.iter().filter(|step| **step > rows.start && **step < rows.end);
+            inside.map(|step| step - rows.start).collect()
+        });
+        Self {
+            recordings: self.recordings.clone(),
+            first_s: self.time_s(rows.start),
+            step_s: self.step_s,
+            reference: cut(&self.reference),
+            test: cut(&self.test),
+            third: self.third.as_ref().map(cut),
+            reference_noise: self.reference_noise.clone(),
+            whole: self.whole[rows.clone()].to_vec(),
+            highest_hz: self.highest_hz,
+            steps,
+            segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
+            boundaries: Vec::new(),
+            told: Vec::new(),
+        }
     }
 
     /// The steps of a test axis as columns: 0 before, 1 after.
@@ -148,7 +211,7 @@ pub fn read(document: &Document) -> Result<Pair, Error> {
             recording.start().zip(start).map_or(0.0, |(own, earliest)| own.unix_s - earliest.unix_s);
         let time = times(recording, &path, origin_s)?;
         for number in read_by(recording, &path)? {
-            instruments[number].pieces.push(Piece::of(recording, &path, NAMES[number], &time)?);
+            instruments[number].pieces.extend(Piece::of(recording, &path, &columns(NAMES[number]), &time)?);
         }
     }
     for instrument in &mut instruments {
@@ -166,6 +229,15 @@ pub fn read(document: &Document) -> Result<Pair, Error> {
         }
     }
     join(&found, [reference, test, third])
+}
+
+/// The columns of an instrument, and what is expected where one is missing.
+fn columns(instrument: &str) -> [(String, String); 3] {
+    Axis::ALL.map(|axis| {
+        let name = format!("{instrument}_{axis}_nt");
+        let expected = format!("`{name}`, the readings of the {instrument} instrument along {axis}");
+        (name, expected)
+    })
 }
 
 /// The earliest `start`. Recordings on a clock of the day and on the campaign's clock do not go together.
@@ -245,17 +317,7 @@ fn order(instrument: &mut Instrument) -> Result<(), Error> {
 /// The instruments on one grid.
 fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]) -> Result<Pair, Error> {
     let path = test.pieces[0].path.clone();
-    let Some(grid) = Grid::of(&reference, &test) else {
-        let found = format!(
-            "readings of the test instrument from {} to {}, of the reference from {} to {}",
-            duration(test.start_s()),
-            duration(test.end_s()),
-            duration(reference.start_s()),
-            duration(reference.end_s())
-        );
-        let expected = "recordings that overlap in time; look at `start` and at the clocks";
-        return Err(Fault::document(format!("{path}.columns.time_s"), found, expected).into());
-    };
+    let Some(grid) = Grid::of(&reference, &test) else { return Err(reference.apart_from(&test)) };
     let sparse = |together: usize| {
         let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
         let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
@@ -266,8 +328,9 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     if most.saturating_mul(WHOLE) < grid.rows {
         return Err(sparse(most).into());
     }
+    let boundaries = segments::boundaries(&grid, &reference, &test);
     let paths = [reference.pieces[0].path.clone(), path.clone()];
-    let reads = [&reference, &test].map(|instrument| grid.read(instrument));
+    let reads = [&reference, &test].map(|instrument| grid.read(instrument).three());
     let whole: Vec<bool> = (0..grid.rows)
         .map(|row| reads.iter().flat_map(|read| &read.columns).all(|column| column[row].is_finite()))
         .collect();
@@ -282,7 +345,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     }
     let [reference, test] = reads;
     check::check(&paths, &reference.columns, &test.columns)?;
-    let third = (!third.pieces.is_empty()).then(|| grid.read(&third));
+    let third = (!third.pieces.is_empty()).then(|| grid.read(&third).three());
     let mut told = reference.told;
     told.extend(test.told);
     told.extend(third.iter().flat_map(|third| third.told.clone()));
@@ -298,6 +361,8 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         test: test.columns,
         third: third.map(|third| third.columns.map(|column| bridged(&rows, column))),
         reference_noise: reference_noise(found)?,
+        segments: segments::segments(whole.len(), &boundaries),
+        boundaries,
         whole,
         steps: Default::default(),
         told,

@@ -21,13 +21,21 @@ pub struct Grid {
 }
 
 /// An instrument on a grid.
-pub struct OnGrid {
+pub struct OnGrid<C = Vec<Vec<f64>>> {
     /// Readings, NaN where missing.
-    pub columns: [Vec<f64>; 3],
+    pub columns: C,
     /// Whether a piece went through the filter.
     pub filtered: bool,
     /// What was done, in words.
     pub told: Vec<String>,
+}
+
+impl OnGrid {
+    /// That of an instrument with three axes.
+    pub fn three(self) -> OnGrid<[Vec<f64>; 3]> {
+        let columns = self.columns.try_into().unwrap_or_default();
+        OnGrid { columns, filtered: self.filtered, told: self.told }
+    }
 }
 
 impl Grid {
@@ -60,7 +68,7 @@ impl Grid {
 
     /// An instrument's readings at these times.
     pub fn read(&self, instrument: &Instrument) -> OnGrid {
-        let mut columns: [Vec<f64>; 3] = std::array::from_fn(|_| vec![f64::NAN; self.rows]);
+        let mut columns = vec![vec![f64::NAN; self.rows]; instrument.longest().columns.len()];
         let (mut told, mut filtered) = (Vec::new(), false);
         for piece in &instrument.pieces {
             told.extend(piece.told.clone());
@@ -72,15 +80,15 @@ impl Grid {
             let places: Vec<f64> = rows.iter().map(|row| place(*row as f64)).collect();
             let own = |at: f64| (at - at.round()).abs() <= EXACT;
             let read = if own(places[0]) && own(places[places.len() - 1]) && self.same_rate(piece) {
-                piece.columns.clone().map(|column| {
-                    places.iter().map(|at| column[at.round().max(0.0) as usize]).collect::<Vec<f64>>()
-                })
+                let at = |column: &Vec<f64>| {
+                    places.iter().map(|at| column[at.round().max(0.0) as usize]).collect()
+                };
+                piece.columns.iter().map(at).collect::<Vec<Vec<f64>>>()
             } else {
                 let resampled = resample(&piece.columns, &places, self.step_s / piece.step_s);
                 filtered = true;
                 told.push(words::filtered(instrument.name, piece.step_s, self.step_s, resampled.white_share));
-                let [x, y, z] = [0, 1, 2].map(|axis| resampled.columns[axis].clone());
-                [x, y, z]
+                resampled.columns
             };
             for (column, read) in columns.iter_mut().zip(read) {
                 column[*first..=*end].copy_from_slice(&read);
