@@ -5,13 +5,15 @@ use nalgebra::Matrix3;
 use physics::{Acts, Parameter, Role, Unit, frames};
 
 use crate::Outcome;
+use crate::fit::Fit;
 use crate::model::{Instrument, Model, Unknown};
+use crate::reach;
 use crate::report::effect_quantities;
 
 /// Writes effects and calibration.
 pub fn adopt(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
     effects(document, model, outcome);
-    calibration(document, model, outcome);
+    calibration(document, model, (&outcome.fit, outcome.last.rest.scale()));
 }
 
 fn effects(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
@@ -49,11 +51,15 @@ fn moved(old: Option<&Quantity>, value: f64, std: f64) -> Quantity {
         .map_or(Quantity::Bare(value), |std| Quantity::new(value, std))
 }
 
-/// Writes the calibration of the final fit.
-pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
-    let state = &outcome.fit.state;
-    let scale = outcome.last.rest.scale();
-    let std = |number: usize| (outcome.fit.covariance[(number, number)] * scale).sqrt();
+/// Writes the calibration of a fit, with how much larger than the noise its residual is.
+pub fn calibration(document: &mut Document, model: &Model<'_>, (fit, scale): (&Fit, f64)) {
+    let state = &fit.state;
+    // What the recordings do not determine keeps the uncertainty that is stated of it, or has none.
+    let held = reach::undetermined(model, fit);
+    let std = |number: usize| match held.contains(&number) {
+        true => f64::NAN,
+        false => (fit.covariance[(number, number)] * scale).sqrt(),
+    };
     let mut turned = [false; 2];
     let mut pair = false;
     let calibration = document.calibration.get_or_insert_default();
@@ -116,7 +122,7 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
             if turned {
                 // Keys that this version does not know stay.
                 let extra = place.take().unwrap_or_default().extra;
-                let found = directions(model, outcome, [before, &matrix], is_coil);
+                let found = directions(model, (fit, scale), [before, &matrix], is_coil);
                 *place = Some(AxesDirections { extra, ..found });
             }
         }
@@ -124,7 +130,7 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, outcome: &Outcome
             calibration.axes = None;
         }
     }
-    together(document, model, outcome);
+    together(document, model, (fit, scale));
     let calibration = document.calibration.get_or_insert_default();
     let differential = (0..model.observed.runs.len()).find(|run| model.observed.runs[*run].differential());
     if let Some(run) = differential.filter(|_| pair) {
@@ -160,7 +166,7 @@ fn turn_of(unknown: &Unknown, coils: bool) -> Option<(Axis, usize)> {
 /// of them was of the old ones.
 fn directions(
     model: &Model<'_>,
-    outcome: &Outcome,
+    (fit, scale): (&Fit, f64),
     [before, after]: [&Matrix3<f64>; 2],
     coils: bool,
 ) -> AxesDirections {
@@ -169,7 +175,7 @@ fn directions(
         .collect();
     let shift = |axis: Axis, which: usize| {
         let number = turns.iter().find(|(_, of, k)| (*of, *k) == (axis, which)).map(|(number, ..)| *number);
-        number.map_or(0.0, |number| outcome.fit.state.base[number])
+        number.map_or(0.0, |number| fit.state.base[number])
     };
     // How the nine cosines, column by column, move with each turn.
     let moved = turns.iter().map(|(number, axis, which)| {
@@ -180,13 +186,14 @@ fn directions(
         (*number, cosines)
     });
     let moved: Vec<(usize, [f64; 9])> = moved.collect();
-    let scale = outcome.last.rest.scale();
     let element = |i: usize, j: usize| -> f64 {
         let pairs = moved.iter().flat_map(|a| moved.iter().map(move |b| (a, b)));
-        pairs.map(|((a, da), (b, db))| da[i] * outcome.fit.covariance[(*a, *b)] * scale * db[j]).sum()
+        pairs.map(|((a, da), (b, db))| da[i] * fit.covariance[(*a, *b)] * scale * db[j]).sum()
     };
     let all: Vec<Vec<f64>> = (0..9).map(|i| (0..9).map(|j| element(i, j)).collect()).collect();
-    let known = all.iter().flatten().all(|value| value.is_finite());
+    let held = reach::undetermined(model, fit);
+    let known = all.iter().flatten().all(|value| value.is_finite())
+        && turns.iter().all(|(number, ..)| !held.contains(number));
     let widest = |axis: Axis| {
         let own = Matrix3::from_fn(|r, s| all[3 * axis.index() + r][3 * axis.index() + s]);
         own.symmetric_eigenvalues().max().max(0.0).sqrt() / frames::ARCSEC
@@ -202,7 +209,7 @@ fn directions(
 }
 
 /// The covariance of each sensor's k and O and of each coil's constant and offset, as the final fit has them.
-fn together(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
+fn together(document: &mut Document, model: &Model<'_>, (fit, scale): (&Fit, f64)) {
     let Some(calibration) = document.calibration.as_mut() else { return };
     for axis in Axis::ALL {
         if let Some(sensor) = calibration.sensors.as_mut().and_then(|sensors| sensors.entry(axis).as_mut()) {
@@ -213,12 +220,12 @@ fn together(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
             };
             let both = [Parameter::Sensitivity(axis), Parameter::SensorOffset(axis)];
             let stated = (&mut sensor.covariance, &mut sensor.covariance_order);
-            restate(model, outcome, both, keys, stated);
+            restate(model, (fit, scale), both, keys, stated);
         }
         if let Some(coil) = calibration.coils.as_mut().and_then(|coils| coils.entry(axis).as_mut()) {
             let both = [Parameter::CoilConstant(axis), Parameter::CoilOffset(axis)];
             let stated = (&mut coil.covariance, &mut coil.covariance_order);
-            restate(model, outcome, both, Some(["constant_nt_per_a", "offset_nt"]), stated);
+            restate(model, (fit, scale), both, Some(["constant_nt_per_a", "offset_nt"]), stated);
         }
     }
 }
@@ -227,7 +234,7 @@ fn together(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
 /// the fit does not have both.
 fn restate(
     model: &Model<'_>,
-    outcome: &Outcome,
+    (fit, scale): (&Fit, f64),
     both: [Parameter; 2],
     keys: Option<[&str; 2]>,
     (covariance, order): (&mut Option<Vec<Vec<f64>>>, &mut Option<Vec<String>>),
@@ -238,14 +245,17 @@ fn restate(
         )
     };
     let places = both.map(place);
-    if places.iter().flatten().all(|number| outcome.fit.state.base[*number] == 0.0) {
+    if places.iter().flatten().all(|number| fit.state.base[*number] == 0.0) {
         return;
     }
     (*covariance, *order) = (None, None);
     let ([Some(first), Some(second)], Some(keys)) = (places, keys) else { return };
     let places = [first, second];
-    let scale = outcome.last.rest.scale();
-    let fitted = places.map(|a| places.map(|b| outcome.fit.covariance[(a, b)] * scale).to_vec()).to_vec();
+    let held = reach::undetermined(model, fit);
+    if places.iter().any(|number| held.contains(number)) {
+        return;
+    }
+    let fitted = places.map(|a| places.map(|b| fit.covariance[(a, b)] * scale).to_vec()).to_vec();
     if fitted.iter().flatten().all(|value| value.is_finite()) {
         *covariance = Some(fitted);
         *order = Some(keys.map(str::to_string).to_vec());

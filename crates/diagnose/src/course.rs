@@ -82,6 +82,7 @@ pub fn search(
             fit,
             noise,
             last: look,
+            notes: Vec::new(),
         });
     }
     // With less noise where the names of a round explain some of what passed for it.
@@ -371,6 +372,7 @@ fn concluded(
             fit,
             noise,
             last,
+            notes: Vec::new(),
         });
     }
     let fitter = Fitter { model, noise: &noise };
@@ -399,5 +401,20 @@ fn concluded(
         });
     }
     let fit = Fit { covariance, ..fit };
-    Ok(Outcome { before, base, base_noise, first, found, verdict, refused, unnamed, near, fit, noise, last })
+    let notes = Vec::new();
+    Ok(Outcome {
+        before,
+        base,
+        base_noise,
+        first,
+        found,
+        verdict,
+        refused,
+        unnamed,
+        near,
+        fit,
+        noise,
+        last,
+        notes,
+    })
 }

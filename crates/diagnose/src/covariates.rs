@@ -16,7 +16,7 @@ pub fn across(other: Axis) -> String {
 }
 
 /// What is known of the Sun.
-const SUN: [&str; 6] =
+pub const SUN: [&str; 6] =
     ["sun_azimuth_rad", "sun_azimuth_deg", "sun_elevation_rad", "sun_elevation_deg", "sunlit", "eclipse"];
 
 /// What an effect's contribution follows, of what was recorded of the Sun no more than that.

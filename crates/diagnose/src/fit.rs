@@ -296,16 +296,39 @@ pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<
     }
     // Beside the scatter of a calibration that is far off, what is stated of it weighs too much, and slow noise takes what is left of it: the
     // size of white noise settles before its spectrum.
-    let (mut fit, mut noise) = (fit, first);
-    for with_spectrum in [false, true] {
-        for _ in 0..ESTIMATES {
-            let before = noise.variance();
-            let used = with_spectrum.then_some(fit.rank);
-            noise = NoiseModel::of(document, &model.observed, start, &fit.residual, used)?;
-            fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
-            if (noise.variance() / before - 1.0).abs() < ESTIMATED {
-                break;
-            }
+    let white = estimated(document, model, (fit, first), false)?;
+    let coloured = estimated(document, model, white.clone(), true)?;
+    // A spectrum by its periodogram need not be one of the residual: what turns by hand has lines.
+    let likely = |(fit, noise): &(Fit, NoiseModel)| noise.log_likelihood(fit);
+    Ok(if likely(&coloured) >= likely(&white) { coloured } else { white })
+}
+
+/// The fit by least squares: under white noise of the size that it leaves.
+pub fn settled_white(
+    document: &Document,
+    model: &Model<'_>,
+    start: &State,
+) -> Result<(Fit, NoiseModel), Error> {
+    let residual = model.residual(start)?;
+    let first = NoiseModel::estimated(document, &model.observed, &residual, None)?;
+    let fit = Fitter { model, noise: &first }.refine(start)?;
+    estimated(document, model, (fit, first), false)
+}
+
+/// A fit and its noise, estimated anew in turn until its size stays.
+fn estimated(
+    document: &Document,
+    model: &Model<'_>,
+    (mut fit, mut noise): (Fit, NoiseModel),
+    with_spectrum: bool,
+) -> Result<(Fit, NoiseModel), Error> {
+    for _ in 0..ESTIMATES {
+        let before = noise.variance();
+        let used = with_spectrum.then_some(fit.rank);
+        noise = NoiseModel::estimated(document, &model.observed, &fit.residual, used)?;
+        fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
+        if (noise.variance() / before - 1.0).abs() < ESTIMATED {
+            break;
         }
     }
     Ok((fit, noise))

@@ -39,11 +39,13 @@ mod next;
 mod observed;
 mod products;
 mod proposal;
+mod reach;
 mod report;
 mod search;
 mod sets;
 mod smooth;
 mod stacked;
+mod stands;
 mod undeclared;
 mod verdict;
 mod waves;
@@ -59,7 +61,7 @@ use common::{Diagnosis, Document, Verdict};
 use physics::{Kind, References};
 
 use crate::candidates::Pool;
-use crate::fit::{Fit, Fitter, settled};
+use crate::fit::{Fit, Fitter};
 use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
@@ -139,12 +141,21 @@ struct Outcome {
     noise: NoiseModel,
     /// The last look.
     last: Look,
+    /// What is to be said of the fits.
+    notes: Vec<String>,
 }
 
 /// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add up.
 const LARGE: f64 = 30.0;
 
 impl Outcome {
+    /// Takes back its names, for a reason.
+    fn without_names(&mut self, why: &str) {
+        self.refused.extend(self.found.drain(..).map(|found| (found.name, why.to_string())));
+        self.verdict = Verdict::Unexplained;
+        (self.fit, self.noise, self.last) = (self.base.clone(), self.base_noise.clone(), self.first.clone());
+    }
+
     /// Whether something was left out that is so large.
     fn is_large(&self) -> bool {
         let left = fit::square(&self.base.residual) / self.base.residual.len().max(1) as f64;
@@ -184,10 +195,10 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let original = gathered.map_or(original, |gathered| gathered.document);
     let mut observed = Observed::of(&original)?;
     observed.notes.splice(0..0, notes);
-    let (model, start) = Model::of(&original, observed)?;
+    let (mut model, start) = Model::of(&original, observed)?;
     let before = model.residual(&start)?;
     told("fitting the calibration again");
-    let (base, base_noise) = settled(&original, &model, &start)?;
+    let (base, base_noise) = reach::within(&original, &mut model, &start)?;
     let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
@@ -214,6 +225,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         }
     }
     told("writing the answer");
+    stands::standing(&original, &model, &start, &mut outcome)?;
     let moved = moved::moved(&original, &model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
@@ -223,8 +235,14 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
         physics::state_references(&mut document, &References::of(&original));
-    } else if options.refit && outcome.found.is_empty() {
-        adopt::calibration(&mut document, &model, &outcome);
+    } else if options.refit {
+        // Beside names that are open, without any of them.
+        let (fit, look) = if outcome.found.is_empty() {
+            (&outcome.fit, &outcome.last)
+        } else {
+            (&outcome.base, &outcome.first)
+        };
+        adopt::calibration(&mut document, &model, (fit, look.rest.scale()));
     }
     document.diagnosis = Some(vec![entry]);
     Ok(document)

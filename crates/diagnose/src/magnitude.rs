@@ -9,7 +9,7 @@
 
 use common::{Axis, procedure};
 use nalgebra::{Matrix3, Vector3};
-use physics::{Basic, Context, Prediction};
+use physics::{Basic, Context, EffectInstance, Prediction};
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
@@ -102,6 +102,19 @@ fn corrected(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<V
         prediction.field_sen[*row] + unmix * Vector3::from_fn(|i, _| basic.sensors[i].sensitivity * missed[i])
     };
     channel.rows.iter().zip(&channel.vectors).map(of).collect()
+}
+
+/// The length of the field that readings mean by a whole chain, solved for it as `correct` does, less the scalar reading; none where they do not determine it.
+pub fn solved(
+    channel: &Channel,
+    (basic, context): (&Basic, &Context<'_>),
+    effects: &[EffectInstance],
+) -> Option<Vec<f64>> {
+    let mut readings = vec![Vector3::repeat(f64::NAN); context.rows];
+    channel.rows.iter().zip(&channel.vectors).for_each(|(row, reading)| readings[*row] = *reading);
+    let field = physics::field_in_sen(basic, effects, context, &readings).ok()?;
+    let of = |(row, reference): (&usize, &f64)| field[*row].norm() - reference;
+    Some(channel.rows.iter().zip(&channel.readings).map(of).collect())
 }
 
 /// How far along readings a length along b moves, in those units that the document's sensitivities make nT: |k₀/k μᵀ b|, which is one with

@@ -1,9 +1,11 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 
 mod basic;
+mod known;
 mod step;
 
 pub use basic::{Instrument, Unknown};
+pub use known::stated_std;
 
 use common::{Axis, Document};
 use nalgebra::Vector3;
@@ -75,6 +77,8 @@ pub struct Model<'a> {
     pub unknowns: Vec<Unknown>,
     /// Their standard uncertainty, where they are known with one beforehand.
     pub priors: Vec<Option<f64>>,
+    /// Where they are known to be, as shifts from the document.
+    pub centres: Vec<f64>,
     /// The setting of the block of each run.
     settings: Vec<usize>,
 }
@@ -84,7 +88,7 @@ impl<'a> Model<'a> {
     pub fn of(document: &'a Document, observed: Observed<'a>) -> Result<(Self, State), Error> {
         let settings = settings(&observed);
         let (unknowns, priors) = possible(document, &observed, &settings).into_iter().unzip();
-        let mut model = Self { observed, unknowns, priors, settings };
+        let mut model = Self { observed, unknowns, priors, centres: Vec::new(), settings };
         let effects = physics::adopt(document).map_err(|error| Error::Document(error.at("model")))?;
         let mut state = State {
             base: vec![0.0; model.unknowns.len()],
@@ -98,12 +102,13 @@ impl<'a> Model<'a> {
         let jacobian = model.base_columns(&state)?;
         let mut felt: Vec<usize> =
             (0..model.unknowns.len()).filter(|k| jacobian[*k].iter().any(|value| *value != 0.0)).collect();
-        if model.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude) {
+        if model.only_magnitudes() {
             model.without_common_turn(&mut felt);
         }
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
+        model.centres = vec![0.0; felt.len()];
         let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
         for k in undetermined(&columns)? {
             if matches!(model.unknowns[k], Unknown::Chain(Parameter::SensorOffset(_), _)) {
@@ -158,8 +163,8 @@ impl<'a> Model<'a> {
 
     /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its standard uncertainty.
     pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
-        let base = self.priors.iter().zip(&state.base).enumerate();
-        let base = base.filter_map(|(k, (prior, value))| prior.map(|std| (k, *value, std)));
+        let base = self.priors.iter().zip(&self.centres).zip(&state.base).enumerate();
+        let base = base.filter_map(|(k, ((prior, centre), value))| prior.map(|std| (k, value - centre, std)));
         base.chain(self.known_of_effects(state)).collect()
     }
 
@@ -331,6 +336,11 @@ impl<'a> Model<'a> {
     pub fn reads(&self, axis: Axis) -> bool {
         let of = |reader: Reader| [Reader::Sensor(axis), Reader::Magnitude].contains(&reader);
         self.observed.channels.iter().any(|channel| of(channel.reader))
+    }
+
+    /// Whether nothing was read but magnitudes.
+    pub fn only_magnitudes(&self) -> bool {
+        self.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude)
     }
 
     /// Whether a coil is driven in any recording.

@@ -1,13 +1,14 @@
 //! How far the constants moved, and whether the calibration as stated still holds.
 
-use common::{Axis, BaseShift, Calibration, Document, MovedConstant, Quantity, Verdict};
+use common::{BaseShift, Document, MovedConstant, Quantity, Verdict};
 use estimate::stats::chi_squared_p;
 use nalgebra::{DMatrix, DVector};
-use physics::{Parameter, Unit, frames};
+use physics::Parameter;
 
 use crate::Outcome;
 use crate::level::at_least_one;
-use crate::model::{Instrument, Model, Unknown};
+use crate::model::{Instrument, Model, Unknown, stated_std};
+use crate::reach;
 
 /// Share of a constant's precision that keeps directions which nothing determines in their place.
 const RIDGE: f64 = 1e-12;
@@ -19,14 +20,28 @@ const AS_GOOD: f64 = 6.0;
 /// Shifts of all constants that the final fit determines.
 pub fn shifts(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
     let scale = outcome.last.rest.scale();
+    let held = reach::undetermined(model, &outcome.fit);
     let of = |(k, (unknown, shift)): (usize, (&Unknown, &f64))| {
         let variance = outcome.fit.covariance[(k, k)];
-        (*shift != 0.0 && variance.is_finite()).then(|| BaseShift {
+        (*shift != 0.0 && variance.is_finite() && !held.contains(&k)).then(|| BaseShift {
             parameter: name(model, unknown),
             shift: Quantity::new(*shift, (variance * scale).sqrt()),
         })
     };
     model.unknowns.iter().zip(&outcome.fit.state.base).enumerate().filter_map(of).collect()
+}
+
+/// The constants that recordings of magnitudes do not determine, in words.
+pub fn held(model: &Model<'_>, outcome: &Outcome) -> Option<String> {
+    let held = reach::undetermined(model, &outcome.fit);
+    let names: Vec<String> = held.iter().map(|k| name(model, &model.unknowns[*k])).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "what the field's magnitude does not determine here, held within what is known of it: {}; each has moved only with the others, \
+             by its part in what is determined",
+            names.join(", ")
+        )
+    })
 }
 
 /// The constants that moved farther than the calibration states. Nothing is said beside an answer that leaves open what the fit's
@@ -155,34 +170,6 @@ impl Held {
         let others = falls.iter().filter(|(fall, k)| *k != constant && *fall > most - AS_GOOD);
         (p < level).then(|| Moved { constant, p, alternatives: others.map(|(_, k)| *k).collect() })
     }
-}
-
-/// Standard uncertainty that a calibration states of a constant; none where it states none.
-fn stated_std(calibration: &Calibration, unknown: &Unknown) -> Option<f64> {
-    let sensor = |axis: Axis| calibration.sensor(axis);
-    let coil = |axis: Axis| calibration.coil(axis);
-    let axes = || calibration.axes.as_ref();
-    let std = match unknown {
-        Unknown::Chain(parameter, Instrument::Read(unit)) => match parameter {
-            Parameter::Sensitivity(axis) => match unit {
-                Unit::Volt => sensor(*axis)?.sensitivity_nt_per_v.as_ref()?.std(),
-                Unit::Nanotesla => sensor(*axis)?.sensitivity_nt_per_nt.as_ref()?.std(),
-            },
-            Parameter::SensorOffset(axis) => sensor(*axis)?.offset_nt.as_ref()?.std(),
-            Parameter::CoilConstant(axis) => coil(*axis)?.constant_nt_per_a.as_ref()?.std(),
-            Parameter::CoilOffset(axis) => coil(*axis)?.offset_nt.as_ref()?.std(),
-            Parameter::SensorTurn(axis, _) => {
-                axes()?.sensors.as_ref()?.std_arcsec.as_ref()?.get(*axis).map(|std| std * frames::ARCSEC)
-            }
-            Parameter::CoilTurn(axis, _) => {
-                axes()?.coils.as_ref()?.std_arcsec.as_ref()?.get(*axis).map(|std| std * frames::ARCSEC)
-            }
-            Parameter::Effect(..) => None,
-        },
-        Unknown::Field(axis) => axes()?.residual_field_nt.as_ref()?.get(*axis)?.std(),
-        Unknown::Chain(_, Instrument::Pair) | Unknown::Level(_) | Unknown::Turn { .. } => None,
-    };
-    std.filter(|std| *std > 0.0)
 }
 
 /// The name of an unknown, which ends in its unit.

@@ -1,24 +1,162 @@
-//! What to record next, in words.
+//! What to record next, in words: what can be done where the recordings were made.
 
-/// What to record where no variation of a recording that was made decides.
-pub const MORE: &str =
-    "record more of what each of the names follows, so that the two no longer run together";
+use crate::channel::Reader;
+use crate::covariates::SUN;
+use crate::observed::Observed;
 
-/// What to record where structure has no name.
-pub fn unexplained(covariate: &str) -> String {
-    match covariate {
-        "time_s" => "repeat the recording at another hour with all temperatures recorded and the drive held: what follows time alone comes \
-                     back at the same time after switching on"
-            .into(),
-        name if name.contains("temperature") => {
-            "ramp that temperature up and down at two rates with everything else held".into()
+/// Where recordings were made, by what can be done there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Site {
+    /// In coils that are driven.
+    Coils,
+    /// In orbit: the Sun is recorded.
+    Orbit,
+    /// Beside another vector magnetometer.
+    Pair,
+    /// Beside a scalar magnetometer, no coils around.
+    Scalar,
+    /// By itself in the natural field.
+    Alone,
+}
+
+impl Site {
+    /// The site of recordings; of several kinds, the one at which most can be done.
+    pub fn of(observed: &Observed<'_>) -> Self {
+        let mut runs = observed.runs.iter();
+        if runs.clone().any(|run| run.setting.context.in_coils) {
+            return Site::Coils;
         }
-        name if name.contains("across") => {
-            "drive the coil across the sensor up and down with the others at zero, in two orientations of the block".into()
+        let sun = |name: &str| runs.clone().any(|run| run.setting.context.optional(name).is_some());
+        if SUN.iter().any(|name| sun(name)) {
+            Site::Orbit
+        } else if runs.any(|run| run.differential()) {
+            Site::Pair
+        } else if observed.channels.iter().any(|channel| channel.reader == Reader::Magnitude) {
+            Site::Scalar
+        } else {
+            Site::Alone
         }
-        name if name.contains("along") => {
-            "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed".into()
+    }
+
+    /// What to record where no variation of a recording that was made decides; `local` is whether all names are of single moments.
+    pub fn ambiguous(self, local: bool) -> String {
+        match (self, local) {
+            (Site::Scalar, true) => "take an absolute measurement, or set another vector magnetometer beside it: the length of the field does not say \
+                                     which axis a step or a spike was in"
+                .into(),
+            (Site::Alone, true) => "set a second magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone \
+                                    does not tell the field's own changes from its own"
+                .into(),
+            _ => "record more of what each of the names follows, so that the two no longer run together".into(),
         }
-        name => format!("change {name} alone, with the drive held"),
+    }
+
+    /// What to record where structure that follows a covariate has no name.
+    pub fn unexplained(self, covariate: &str) -> String {
+        if covariate == "time_s" {
+            return self.of_time().into();
+        }
+        if covariate.contains("temperature") {
+            return self.of_temperature().into();
+        }
+        let across = covariate.contains("across");
+        if across || covariate.contains("along") {
+            return self.of_field(across).into();
+        }
+        match self {
+            Site::Coils => format!("change {covariate} alone, with the drive held"),
+            _ => format!("change {covariate} alone, with all else as it is"),
+        }
+    }
+
+    fn of_time(self) -> &'static str {
+        match self {
+            Site::Coils => {
+                "repeat the recording at another hour with all temperatures recorded and the drive held: what follows time alone comes \
+                 back at the same time after switching on"
+            }
+            Site::Orbit => {
+                "record another day of orbits with all temperatures and currents in the telemetry: what follows the orbit comes back with it, \
+                 and a drift does not"
+            }
+            Site::Pair => {
+                "record another day of both with a temperature log at each sensor, and take an absolute measurement at its beginning and its end: \
+                 it says which of the two drifts"
+            }
+            Site::Scalar => {
+                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: what \
+                 drifts the length of the field does not say alone"
+            }
+            Site::Alone => {
+                "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone does not \
+                 tell its drift from the field's"
+            }
+        }
+    }
+
+    fn of_temperature(self) -> &'static str {
+        match self {
+            Site::Coils => "ramp that temperature up and down at two rates with everything else held",
+            Site::Orbit => {
+                "record orbits of another season, in which shadow and load fall otherwise: that temperature then moves apart from the field"
+            }
+            Site::Pair => {
+                "warm that sensor by some kelvin and let it cool, at two rates, with the other left as it is; at night, when the field is quiet"
+            }
+            Site::Scalar => {
+                "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet"
+            }
+            Site::Alone => {
+                "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the day's course is \
+                 in the field as well"
+            }
+        }
+    }
+
+    fn of_field(self, across: bool) -> &'static str {
+        match (self, across) {
+            (Site::Coils, true) => {
+                "drive the coil across the sensor up and down with the others at zero, in two orientations of the block"
+            }
+            (Site::Coils, false) => {
+                "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed"
+            }
+            (Site::Orbit, _) => {
+                "record orbits in which the satellite is turned otherwise (a roll, a yaw), so that the field lies along each axis in turn"
+            }
+            (Site::Pair, _) => {
+                "turn the sensor under test by 90° and 180° and record some hours in each position; where it cannot be turned, record through a \
+                 disturbed day, when the field varies most"
+            }
+            (Site::Scalar, _) => {
+                "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed \
+                 day, when the field varies most"
+            }
+            (Site::Alone, _) => {
+                "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then fall out"
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_coil_is_asked_for_where_there_is_none() {
+        for covariate in
+            ["time_s", "sensor_temperature_c", "the field across it (y)", "the field along it", "load_a"]
+        {
+            let words = |site: Site| site.unexplained(covariate);
+            for site in [Site::Orbit, Site::Pair, Site::Scalar, Site::Alone] {
+                let words = words(site);
+                assert!(
+                    !["coil", "drive", "block"].iter().any(|word| words.contains(word)),
+                    "{site:?}: {words}"
+                );
+            }
+            assert!(words(Site::Coils) != words(Site::Alone));
+        }
     }
 }

@@ -15,9 +15,10 @@ use common::{Diagnosis, Document, Remaining, Share, Verdict};
 use crate::covariates;
 use crate::fit::Fitter;
 use crate::model::Model;
+use crate::next::Site;
 use crate::search::Searcher;
 use crate::what::{What, named};
-use crate::{Error, Found, Options, Outcome, experiment, moved, next};
+use crate::{Error, Found, Options, Outcome, experiment, moved};
 
 pub use effects::effect_quantities;
 
@@ -50,16 +51,18 @@ pub fn report(
         Verdict::Ambiguous => experiment::experiments(document, model, outcome)?,
         _ => Vec::new(),
     };
+    let site = Site::of(&model.observed);
     let next_experiment = match verdict {
         Verdict::Ambiguous => {
             let best = experiments.iter().filter(|experiment| experiment.plan.is_some());
             let words: Vec<String> = best.map(|experiment| experiment.what.clone()).collect();
-            Some(if words.is_empty() { next::MORE.to_string() } else { words.join("; ") })
+            let local = equal.iter().all(|found| found.local);
+            Some(if words.is_empty() { site.ambiguous(local) } else { words.join("; ") })
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
             outcome.last.structures.first().map(|s| match &s.what {
-                What::Smooth { covariate, .. } => next::unexplained(covariate),
-                What::Dependence { column, .. } => next::unexplained(column),
+                What::Smooth { covariate, .. } => site.unexplained(covariate),
+                What::Dependence { column, .. } => site.unexplained(column),
                 What::Physics(_) => String::new(),
             })
         }
@@ -101,6 +104,8 @@ pub fn report(
         }
     }
     reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
+    let notes = outcome.notes.iter().cloned().chain(moved::held(model, outcome));
+    reasons.extend(notes.map(|note| format!("left aside: {note}")));
     let guilty = guilty::guilty(model, &places);
     let fields = covariates::fields(model, &outcome.fit.state)?;
     let energy =

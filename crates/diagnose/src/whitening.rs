@@ -56,21 +56,34 @@ impl NoiseModel {
         let declared: Vec<Option<Noise>> =
             observed.channels.iter().map(|channel| declared(document, observed, state, channel)).collect();
         let known = known_freedom(&declared);
-        let estimated = known == 0.0;
-        let noises: Vec<Noise> = if estimated {
-            estimate(document, observed, residual, used)?
-        } else {
-            declared.into_iter().flatten().collect()
-        };
+        if known == 0.0 {
+            return Self::estimated(document, observed, residual, used);
+        }
+        let noises: Vec<Noise> = declared.into_iter().flatten().collect();
+        Self::with(observed, &noises, known)
+    }
+
+    /// The noise as a residual shows it, whatever is declared.
+    pub fn estimated(
+        document: &Document,
+        observed: &Observed<'_>,
+        residual: &[f64],
+        used: Option<usize>,
+    ) -> Result<Self, Error> {
+        Self::with(observed, &estimate(document, observed, residual, used)?, 0.0)
+    }
+
+    fn with(observed: &Observed<'_>, noises: &[Noise], known: f64) -> Result<Self, Error> {
+        let declared = known > 0.0;
         let whitenings: Vec<Whitening> = observed
             .channels
             .par_iter()
-            .zip(&noises)
-            .map(|(channel, noise)| whitening(observed, channel, noise, !estimated))
+            .zip(noises)
+            .map(|(channel, noise)| whitening(observed, channel, noise, declared))
             .collect::<Result<_, Error>>()?;
         let variance = |own: &Whitening| if own.is_white() { own.white_nt2() } else { own.variance_nt2() };
         let std_nt = whitenings.iter().map(|whitening| variance(whitening).sqrt()).collect();
-        Ok(Self { whitenings, std_nt, known, source: if estimated { "residuals" } else { "declared" } })
+        Ok(Self { whitenings, std_nt, known, source: if declared { "declared" } else { "residuals" } })
     }
 
     /// White noise as neighbouring readings of a residual differ, in each channel by itself: by the median of the distances.

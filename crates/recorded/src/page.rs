@@ -91,6 +91,8 @@ impl Page {
         }
         let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
         items.extend(reasons.filter(|reason| reason.starts_with("not ")).take(4).map(String::from));
+        let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
+        items.extend(reasons.filter(|reason| reason.starts_with(HELD)).map(String::from));
         if let Some(next) = entry["next_experiment"].as_str().filter(|_| verdict != "agrees") {
             items.push(format!("it asks for: {next}"));
         }
@@ -99,6 +101,9 @@ impl Page {
         }
     }
 }
+
+/// How diagnose begins to say what it could not determine.
+const HELD: &str = "left aside: what the field's magnitude";
 
 /// The verdict of diagnose with what it names, in a few words.
 pub fn verdict(document: &Value) -> String {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::{Model, Seen, State};
 use crate::Error;
+use crate::channel::Run;
 use crate::magnitude;
 use crate::observed::Observed;
 
@@ -211,8 +212,7 @@ impl<'a> Model<'a> {
     }
 
     pub(super) fn instrument(&self, run: usize) -> Instrument {
-        let run = &self.observed.runs[run];
-        if run.differential() { Instrument::Pair } else { Instrument::Read(run.setting.context.unit) }
+        instrument_of(&self.observed.runs[run])
     }
 
     /// The chain and the conditions of a run at a state.
@@ -263,6 +263,11 @@ impl<'a> Model<'a> {
         }
         (basic, context)
     }
+}
+
+/// Whose constants a run shows.
+pub(super) fn instrument_of(run: &Run<'_>) -> Instrument {
+    if run.differential() { Instrument::Pair } else { Instrument::Read(run.setting.context.unit) }
 }
 
 /// The parameters of the chain.

@@ -221,3 +221,42 @@ fn sensors_that_feel_nothing_are_no_answer() {
         assert!((offset - expected).abs() < 82.0, "{axis}: {offset} for {expected}");
     }
 }
+
+/// A station where the field points one way: its changes are 30 nT, and the sensors' own are a drift of some hundredths that noise with memory
+/// explains. The level is fitted; nothing is made of the slopes, and it is said what is not determined.
+#[test]
+fn what_one_direction_of_the_field_does_not_determine_stays_where_it_is() {
+    let rows = 600;
+    let mut stream = Stream::new(4, "station");
+    let (mut own, mut field, mut columns) = (0.0, [0.0; 3], [const { Vec::new() }; 4]);
+    for _ in 0..rows {
+        own += 0.003 * stream.normal();
+        field = field.map(|value: f64| 0.99 * value + 3.0 * stream.normal());
+        let vector = Vector3::new(20_000.0, 500.0, 43_000.0) + Vector3::from(field);
+        (0..3).for_each(|axis| columns[axis].push(vector[axis] + [4.0, 0.0, 9.0][axis]));
+        columns[3].push(vector.norm() + own + 0.01 * stream.normal());
+    }
+    let [x, y, z, scalar] = columns;
+    let document = json!({"fluxcal": 1, "recordings": [{"id": "station", "procedure": "free_run", "columns": {
+        "time_s": (0..rows).map(|row| 60.0 * f64::from(row)).collect::<Vec<f64>>(), "reference_nt": scalar,
+        "sensor_x_nt": x, "sensor_y_nt": y, "sensor_z_nt": z}}]});
+    let document = Document::parse(&document.to_string()).expect("a document");
+    let options = Options { refit: true, ..Options::default() };
+    let found = diagnose::run(document, &options).expect("diagnosed");
+    let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
+    let fit = entry.fit.as_ref().expect("a fit");
+    assert!(fit.rms_before_nt > 9.0 && fit.rms_refitted_nt < 0.1, "{fit:?}");
+    let said = entry.reasons.iter().find(|reason| reason.contains("does not determine"));
+    let said = said.unwrap_or_else(|| panic!("{:?}", entry.reasons));
+    assert!(said.contains("sensors.x.sensitivity") && said.contains("axes.sensors.z.turn"), "{said}");
+    for sensor in found.calibration.as_ref().expect("a calibration").sensors.iter().flat_map(|all| all.iter())
+    {
+        let k = sensor.1.sensitivity_nt_per_nt.as_ref();
+        assert!(k.is_none_or(|k| (k.value() - 1.0).abs() < 1e-5 && k.std().is_none()), "{k:?}");
+    }
+    let turned = entry.base_shift.iter().find(|shift| shift.parameter.contains("turn"));
+    assert!(turned.is_none(), "{turned:?}");
+    if let Some(next) = &entry.next_experiment {
+        assert!(!next.contains("coil"), "{next}");
+    }
+}

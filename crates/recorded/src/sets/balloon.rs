@@ -1,6 +1,6 @@
 //! Two magnetometers on a balloon: the colder it gets, the farther they are apart.
 
-use serde_json::json;
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
 use crate::Error;
@@ -38,6 +38,39 @@ fn columns(series: &Series, further: fn(&Series) -> Vec<Vec<f64>>) -> Vec<Vec<f6
     columns.extend(["x", "y", "z"].map(|axis| series.column(&format!("reference_{axis}_nt")).to_vec()));
     columns.extend(further(series));
     columns
+}
+
+/// What diagnose, given the way into the cold alone, leaves of the way back.
+fn chain(stages: &Stages, page: &mut Page, split: &Split) -> Result<(), Error> {
+    let recording = |series: &Series| vec![series.recording("flight", "differential")];
+    let document = match stages.stage("diagnose", &["--refit"], recording(&split.fitted), &json!({}))? {
+        Ok(document) => document,
+        Err(words) => {
+            page.refused("diagnose", &words);
+            return Ok(());
+        }
+    };
+    let written = ["calibration", "model"].into_iter().filter(|key| !document[key].is_null());
+    let known: Value = written.map(|key| (key.to_string(), document[key].clone())).collect();
+    // As it comes, the way back is what that calibration and model predict of it.
+    match stages.stage("diagnose", &[], recording(&split.left_out), &known)? {
+        Ok(back) => {
+            let rms = |axis: &str| {
+                let column = format!("test_{axis}_nt");
+                let mut channels = array(&back["diagnosis"][0]["fit"]["by_recording"]);
+                let own = channels.find(|channel| channel["column"] == column.as_str());
+                own.and_then(|channel| channel["rms_before_nt"].as_f64()).map_or("unknown".into(), three)
+            };
+            let each = ["x", "y", "z"].map(rms).join("; ");
+            page.head(format!("the chain {each};"));
+            page.say(format!(
+                "`diagnose`, given the way into the cold alone: {}; what it wrote leaves {each} nT of the way back.",
+                verdict(&document)
+            ));
+        }
+        Err(words) => page.refused("diagnose", &words),
+    }
+    Ok(())
 }
 
 /// Fits on the way into the cold, predicts the way back, by four explanations; then asks diagnose.
@@ -101,6 +134,7 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         "The temperature of the die predicts what was left out, and time does not: {slopes} nT/K in x; y; z. What is left is some counts of the AK09916 \
          (150 nT each) in the fit, and more on the way back, so a line is not all of it."
     ));
+    chain(stages, &mut page, &split)?;
     let answer =
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {

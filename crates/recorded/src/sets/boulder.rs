@@ -94,6 +94,7 @@ pub fn month(stages: &Stages) -> Result<Page, Error> {
         parts: ["1 to 20 January", "21 to 29 January"],
         offset_nt: [0.0; 3],
         by_hand: PLANE,
+        worse: "no reason is known",
         plot: Some("real-boulder-2016.svg"),
     };
     scalar::study(stages, &mut page, &scalar)?;
@@ -130,6 +131,7 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
         parts: ["1 to 4 November", "5 to 7 November"],
         offset_nt: [0.0; 3],
         by_hand: PLANE,
+        worse: "no reason is known",
         plot: Some("real-boulder-2014.svg"),
     };
     scalar::study(stages, &mut page, &scalar)?;

@@ -48,6 +48,7 @@ fn study(
         parts,
         offset_nt: centre.map(|nt| -nt),
         by_hand: ("an ellipsoid by plain least squares", ellipsoid),
+        worse: "the size of the field is not the same in both parts, and no constants of the instrument carry from one to the other, nor by hand: taking nothing for known is best",
         plot: None,
     };
     scalar::study(stages, page, &scalar)

@@ -1,5 +1,6 @@
 //! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after what diagnose found.
 
+use common::number::significant;
 use serde_json::{Value, json};
 
 use crate::Error;
@@ -22,6 +23,8 @@ pub struct Scalar<'a> {
     pub offset_nt: [f64; 3],
     /// What the same is by plain least squares, in words, and how.
     pub by_hand: (&'a str, ByHand),
+    /// Why the chain predicts what was left out worse than the best by hand, where it does.
+    pub worse: &'a str,
     /// Name of the plot; none without.
     pub plot: Option<&'a str>,
 }
@@ -29,6 +32,8 @@ pub struct Scalar<'a> {
 /// A level and slopes, for a field that points one way.
 pub const PLANE: (&str, ByHand) = ("a level and three slopes by plain least squares", plane);
 
+/// The chain predicts as well as the best by hand where its residual is larger by no more than this share.
+const AS_GOOD: f64 = 0.05;
 /// Readings that correcting moves by no more were not corrected.
 const UNMOVED_NT: f64 = 1e-6;
 
@@ -69,7 +74,7 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
     }
     let by_hand = all.get(2).map(|hand| [hand.rms(0), hand.rms(1)]);
     let recording = scalar.fitted.recording("vector-scalar", "free_run");
-    let answer = stages.stage("diagnose", &[], vec![recording], &given)?;
+    let answer = stages.stage("diagnose", &["--refit"], vec![recording], &given)?;
     if let Ok(document) = &answer {
         match corrected(stages, parts, document)? {
             Ok(nt) if moved(&nt[0], &all[0].nt[0]) => {
@@ -90,6 +95,21 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
         let word = if unseen < alone { "better than" } else { "no better than" };
         page.say(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
+        if let Some(chain) = all.get(3).map(|chain| chain.rms(1)) {
+            page.head(format!("The chain {} nT.", three(chain)));
+            let share = chain / unseen.min(alone) - 1.0;
+            let per_cent = significant(100.0 * share.abs(), 2);
+            page.say(match share {
+                share if share > AS_GOOD => format!(
+                    "The chain's prediction is {per_cent} % worse than the best by hand: {}.",
+                    scalar.worse
+                ),
+                share if share > 0.0 => {
+                    format!("The chain's prediction is within 5 % of the best by hand ({per_cent} % worse).")
+                }
+                _ => format!("The chain's prediction is {per_cent} % better than the best by hand."),
+            });
+        }
     }
     match &answer {
         Ok(document) => diagnosis(page, document, &all, by_hand.map(|hand| hand[0])),

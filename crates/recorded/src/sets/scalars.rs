@@ -38,6 +38,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         parts: ["2022-08-03", "2022-08-10"],
         offset_nt: [20_680.0, 0.0, 43_450.0],
         by_hand: PLANE,
+        worse: "no reason is known",
         plot: Some("real-conrad-scalar.svg"),
     };
     scalar::study(stages, &mut page, &scalar)?;
@@ -64,6 +65,7 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
         parts: ["0 to 16 h", "16 to 24 h"],
         offset_nt: [19_777.5, 5_570.0, -31_837.5],
         by_hand: PLANE,
+        worse: "no reason is known",
         plot: Some("real-vernadsky.svg"),
     };
     scalar::study(stages, &mut page, &scalar)?;
@@ -150,6 +152,7 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
             parts: ["9 September, storm", "10 September"],
             offset_nt: [0.0; 3],
             by_hand: PLANE,
+            worse: "no reason is known",
             plot: None,
         };
         let recording =

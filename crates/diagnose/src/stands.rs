@@ -1,0 +1,110 @@
+//! Which fit stands: the weighted one, or least squares.
+//!
+//! Weights rest on where noise is small. Where two instruments are held against each other, the noise that is estimated from what is left is small at short periods
+//! because the field is, and what weighs most there is what they do not share: filters, local noise, iron that only one feels. Least squares rest on what is strong, which
+//! is slow, and no weight makes them leave more than came. So where the noise of a pair, or of a magnitude, is not declared, the weights say what is determined and how
+//! well, and least squares say what the constants are. By how much the two are apart is part of the uncertainty.
+
+use common::Document;
+use faer::Mat;
+use physics::{EffectInstance, Role};
+
+use crate::Error;
+use crate::Outcome;
+use crate::channel::{Channel, Reader};
+use crate::fit::{Fit, Fitter, settled_white, square};
+use crate::magnitude;
+use crate::model::{Model, State};
+use crate::whitening::NoiseModel;
+
+/// A sum of squares that is larger by no more than this share is as large: the rms of weighted fits is met to half of that.
+const AS_LARGE: f64 = 1e-4;
+
+/// Gives an outcome the fits that stand; the calibration stays as it came where one fitted again would leave more.
+pub fn standing(
+    document: &Document,
+    model: &Model<'_>,
+    start: &State,
+    outcome: &mut Outcome,
+) -> Result<(), Error> {
+    let most = square(&outcome.before) * (1.0 + AS_LARGE);
+    // Where nothing was added there is one fit.
+    let same = outcome.found.is_empty() && outcome.fit.residual == outcome.base.residual;
+    let mut base = least(document, model, (&outcome.base, &outcome.base_noise))?;
+    if square(&base.residual) > most {
+        outcome.notes.push(
+            "the calibration fitted again: it would leave more than as it came, and so it stands as it came"
+                .into(),
+        );
+        base = Fitter { model, noise: &outcome.base_noise }.at(start)?;
+    }
+    outcome.fit = if same { base.clone() } else { least(document, model, (&outcome.fit, &outcome.noise))? };
+    outcome.base = base;
+    if model.only_magnitudes() && worse_corrected(model, outcome) {
+        outcome.without_names(
+            "corrected by it, the readings are farther from the scalar magnetometer than without it",
+        );
+    }
+    Ok(())
+}
+
+/// Whether the readings of vectors, corrected by the effects that were found, are farther from the scalar magnetometer than corrected
+/// without them: an effect enters the fit by its part along the field, and one that is no small part of the field need not be met where the chain is solved for the field.
+fn worse_corrected(model: &Model<'_>, outcome: &Outcome) -> bool {
+    if outcome.fit.state.effects.len() == outcome.base.state.effects.len() {
+        return false;
+    }
+    let left = |state: &State| -> Option<f64> {
+        let of = |channel: &Channel| {
+            let (basic, context) = model.setting(state, channel.run);
+            let effects = state.effects.iter().zip(&state.acts).filter(|(_, acts)| acts[channel.run]);
+            let effects: Vec<EffectInstance> = effects.map(|(effect, _)| effect.clone()).collect();
+            Some(square(&magnitude::solved(channel, (&basic, &context), &effects)?))
+        };
+        model.observed.channels.iter().map(of).sum()
+    };
+    match (left(&outcome.base.state), left(&outcome.fit.state)) {
+        (Some(without), Some(with)) => with > without,
+        (Some(_), None) => true,
+        (None, _) => false,
+    }
+}
+
+/// Whether a channel is of one instrument against another.
+fn of_two(model: &Model<'_>, channel: &Channel) -> bool {
+    channel.reader == Reader::Magnitude || model.observed.runs[channel.run].differential()
+}
+
+/// The fit by least squares where two instruments are held against each other and their noise is not declared; else the weighted one.
+fn least(
+    document: &Document,
+    model: &Model<'_>,
+    (weighted, noise): (&Fit, &NoiseModel),
+) -> Result<Fit, Error> {
+    let compared = model.observed.channels.iter().all(|channel| of_two(model, channel));
+    if noise.known > 0.0 || !compared {
+        return Ok(weighted.clone());
+    }
+    let (plain, _) = settled_white(document, model, &weighted.state)?;
+    let at = Fitter { model, noise }.at(&plain.state)?;
+    Ok(Fit { covariance: apart(model, weighted, &plain), ..at })
+}
+
+/// The covariance of a weighted fit, with by how much least squares are off it.
+fn apart(model: &Model<'_>, weighted: &Fit, plain: &Fit) -> Mat<f64> {
+    let [from, to] = [weighted, plain].map(|fit| unknowns(model, &fit.state));
+    let off: Vec<f64> = to.iter().zip(&from).map(|(to, from)| to - from).collect();
+    let covariance = &weighted.covariance;
+    Mat::from_fn(covariance.nrows(), covariance.ncols(), |i, j| covariance[(i, j)] + off[i] * off[j])
+}
+
+/// The unknowns of a state in the order of a fit's columns, shapes by their logarithm.
+fn unknowns(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let of_effects = model.free(state).into_iter().map(|(effect, parameter)| {
+        let effect = &state.effects[effect];
+        let value = effect.parameters[parameter];
+        if effect.kind.parameters()[parameter].role == Role::Shape { value.ln() } else { value }
+    });
+    let of_columns = state.columns.iter().map(|column| column.coefficient);
+    state.base.iter().copied().chain(of_effects).chain(of_columns).collect()
+}
