@@ -47,12 +47,12 @@ pub use diagnosis::{
     MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
 };
 pub use differential::{
-    Angle, BandAxis, ChiSquared, ClockDifference, DifferenceAxis, DifferentialCalibration, DifferentialFit,
-    Drift, DriftChange, DriftForm, ElementChange, EventInstrument, EventKind, FourteenParameters, Gap,
-    InSpectrum, IteratedDrift, JointDrift, KeptOut, KeptOutEvent, KnownInstrument, Magnetometer,
-    MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability, MatrixWindow, MatrixWindows,
-    OctaveAgreement, OneMatrix, OwnNoise, PhaseClock, PulledElement, QuietDisturbed, ReferenceNoise,
-    ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
+    Angle, BandAxis, ChiSquared, ClockDifference, Contribution, ContributionCause, DifferenceAxis,
+    DifferentialCalibration, DifferentialFit, Drift, DriftChange, DriftForm, ElementChange, EventInstrument,
+    EventKind, FourteenParameters, Gap, InSpectrum, IteratedDrift, JointDrift, KeptOut, KeptOutEvent,
+    KnownInstrument, Magnetometer, MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability,
+    MatrixWindow, MatrixWindows, OctaveAgreement, OneMatrix, OwnNoise, PhaseClock, PulledElement,
+    QuietDisturbed, ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
 };
 pub use document::{Document, FORMAT_VERSION, at_path, line_of, parse};
 pub use error::{Error, ExitCode};

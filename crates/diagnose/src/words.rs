@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
 use common::number::{p_value, probability, signed, significant};
-use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, Quantity};
+use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, MovedConstant, Quantity, Verdict};
 use std::fmt::Write;
 
 /// Most parameters of an effect, or parts of a list, that are said.
@@ -14,6 +14,65 @@ pub fn summary(document: &Document) -> String {
         one(&mut text, entry);
     }
     text
+}
+
+/// The answer in one sentence, with its size and what it does to the residuals.
+pub fn answer(entry: &Diagnosis) -> String {
+    let rms = |nt: f64| significant(nt, 3);
+    let Some(fit) = &entry.fit else { return String::new() };
+    if fit.is_absurd() {
+        return format!(
+            "the fit leaves more than there was, {} nT rms of {}: it is an error, and nothing that follows from it holds",
+            rms(fit.rms_refitted_nt.max(fit.rms_after_nt)),
+            rms(fit.rms_before_nt)
+        );
+    }
+    let refitted = format!(
+        "{} nT rms as it came, {} with the calibration fitted again",
+        rms(fit.rms_before_nt),
+        rms(fit.rms_refitted_nt)
+    );
+    let falls = format!("the rms falls from {} to {} nT", rms(fit.rms_refitted_nt), rms(fit.rms_after_nt));
+    let noise = format!("noise {} nT", rms(fit.noise_floor_nt));
+    let with = if entry.effects.len() > 1 { "with these" } else { "with this" };
+    match entry.verdict {
+        Verdict::Agrees => format!("the recordings are met to their noise: {refitted}, {noise}"),
+        Verdict::Explained if entry.effects.is_empty() => {
+            let moved = |one: &MovedConstant| format!("{} moved by {}", one.parameter, one.shift);
+            let moved: Vec<String> = entry.calibration_moved.iter().map(moved).collect();
+            format!("{}: {refitted}, {noise}", moved.join(", "))
+        }
+        Verdict::Explained => format!("{}; {with}, {falls} ({noise})", names(entry)),
+        Verdict::PartlyExplained => {
+            format!("{}; {with}, {falls}, and more is left than the {noise}", names(entry))
+        }
+        Verdict::Ambiguous => {
+            let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
+            format!(
+                "{}: these recordings cannot tell which; with either, {falls} ({noise})",
+                sets.join(" or ")
+            )
+        }
+        Verdict::Unexplained => {
+            let left = entry.remaining.as_ref().map_or("structure without a name", |left| &left.structure);
+            format!("{refitted}, {noise}; no effect explains what is left: {left}")
+        }
+    }
+}
+
+/// The effects with the sizes of the first, the one that does most.
+fn names(entry: &Diagnosis) -> String {
+    let [first, others @ ..] = entry.effects.as_slice() else { return "nothing with a name".into() };
+    let others: Vec<String> = others.iter().map(named).collect();
+    let others = if others.is_empty() { String::new() } else { format!(", and {}", others.join(", ")) };
+    format!("{} ({}){others}", named(first), parameters(first))
+}
+
+/// The name of an effect with what it acts on.
+fn named(effect: &ExplainedEffect) -> String {
+    let sensor = effect.sensor.map(|axis| format!(" of sensor {axis}"));
+    let target = sensor.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
+    format!("{}{target}", effect.effect)
 }
 
 /// How sure a name is and how much it explains.
@@ -40,7 +99,7 @@ fn parameters(effect: &ExplainedEffect) -> String {
 
 fn one(text: &mut String, entry: &Diagnosis) {
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "diagnose: {}", entry.verdict.word().replace('_', " "));
+    let _ = writeln!(text, "diagnose: {}: {}", entry.verdict.word().replace('_', " "), entry.answer);
     if let Some(fit) = &entry.fit {
         let _ = writeln!(
             text,
@@ -54,14 +113,18 @@ fn one(text: &mut String, entry: &Diagnosis) {
         );
     }
     for effect in &entry.effects {
-        let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
-        let target =
-            target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
         let times = match effect.list.len() {
             0 => String::new(),
             count => format!(", {count} times"),
         };
-        let _ = writeln!(text, "  {}{target}: {}{times} ({})", effect.effect, effect.title, weight(effect));
+        let gain = significant(effect.held_out_gain_nt, 3);
+        let _ = writeln!(
+            text,
+            "  {}: {}{times}; lowers the rms of readings left out by {gain} nT ({})",
+            named(effect),
+            effect.title,
+            weight(effect)
+        );
         let _ = writeln!(text, "    {}", parameters(effect));
         for rival in &effect.rivals {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);

@@ -9,6 +9,7 @@ mod adopt;
 mod bands;
 mod clock;
 mod constancy;
+mod contributions;
 mod difference;
 mod drift;
 mod error;
@@ -20,6 +21,7 @@ mod prepare;
 mod reference_noise;
 mod regression;
 mod series;
+mod shown;
 mod stability;
 pub mod stream;
 mod three;
@@ -55,6 +57,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;
+        fit.series = shown::series(&document, &raw, &prepared, &fits, fit);
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {

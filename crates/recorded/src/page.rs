@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::known::Known;
+use crate::prediction::Prediction;
 
 /// A part of the page.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +16,8 @@ pub struct Page {
     pub plots: Vec<(String, String)>,
     /// What the source says is in it, and whether it was found.
     pub known: Vec<Known>,
+    /// How well what was left out is predicted, by hand and by the programs.
+    pub predictions: Vec<Prediction>,
 }
 
 impl Page {

@@ -20,3 +20,4 @@ mod statsmodels;
 mod stream;
 mod stream_coverage;
 mod time;
+mod told;

@@ -3,10 +3,13 @@
 use serde_json::json;
 use std::collections::BTreeSet;
 
+use super::pair::Drift;
 use crate::Error;
-use crate::affine::{least_squares, rms_of_each};
+use crate::affine::{Affine, least_squares, rms_of_each, scatter_of_each};
+use crate::by_hand_pair;
 use crate::known::Known;
 use crate::page::{Page, array, three, verdict};
+use crate::prediction::Prediction;
 use crate::series::{Series, length};
 use crate::split::Split;
 use crate::stages::Stages;
@@ -101,6 +104,33 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         "The temperature of the die predicts what was left out, and time does not: {slopes} nT/K in x; y; z. What is left is some counts of the AK09916 \
          (150 nT each) in the fit, and more on the way back, so a line is not all of it."
     ));
+    let fitted = split.fitted.recording("flight", "differential");
+    let answer = stages.stage("diffmag", &[], vec![fitted], &json!({}))?;
+    let programs_nt = answer.as_ref().ok().and_then(|document| {
+        let left = Affine::found(document)?.differences(&split.left_out);
+        let drift = Drift::found(document, split.fitted.column("time_s"));
+        Some(scatter_of_each(&drift.without(&split.left_out, left)).to_vec())
+    });
+    match &answer {
+        Ok(document) => page.say(format!(
+            "`diffmag`, fitted to the same part, answers: {}.",
+            document["calibration"]["differential"]["fit"]["answer"].as_str().unwrap_or("nothing")
+        )),
+        Err(words) => page.refused("diffmag", words),
+    }
+    let by_hand = by_hand_pair::best(&|_| split.fitted.clone(), &|_| split.left_out.clone());
+    page.predictions.push(Prediction {
+        ways: by_hand
+            .words
+            .iter()
+            .zip(["x", "y", "z"])
+            .map(|(words, axis)| format!("{axis}: {words}"))
+            .collect(),
+        by_hand_nt: by_hand.scatter_nt.to_vec(),
+        programs_nt,
+        why: "WHYBALLOON",
+        ..Prediction::default()
+    });
     let answer =
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {

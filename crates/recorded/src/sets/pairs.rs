@@ -6,7 +6,7 @@ use super::pair::{self, Pair};
 use crate::Error;
 use crate::affine::Affine;
 use crate::known::Known;
-use crate::page::{Page, array, quantity, three};
+use crate::page::{Page, array, three};
 use crate::series::{Series, length};
 use crate::split::{Split, longest_part};
 use crate::stages::Stages;
@@ -62,6 +62,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         parts: ["0 to 16 h", "16 to 24 h"],
         correct_clock: false,
         plot: Some("real-conrad.svg"),
+        why: "",
     };
     let document = pair::study(stages, &mut page, &pair)?;
     if let Some(document) = &document {
@@ -101,16 +102,18 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         parts: ["1 to 8 September", "9 to 12 September"],
         correct_clock: true,
         plot: Some("real-cobenzl.svg"),
+        why: "",
     };
     let document = pair::study(stages, &mut page, &pair)?;
     if let Some(document) = &document {
-        let offset = &document["calibration"]["differential"]["fit"]["clock"]["offset_s"];
+        let clock = &document["calibration"]["differential"]["fit"]["clock"];
+        let offset = &clock["offset_s"];
         let (value, std) = (offset["value"].as_f64(), offset["std"].as_f64());
         page.known.push(Known {
             from: "notes of Cobenzl",
             what: "the LEMI stamps the minutes of 15 to 105 s, whose middle is 60 s, at 47 s: 13 s early",
             stage: "diffmag",
-            answer: format!("the test instrument's clock is {} s late", quantity(offset)),
+            answer: format!("the test instrument's timestamps are {}", pair::clock_in_words(clock)),
             found: value.zip(std).is_some_and(|(value, std)| value < 0.0 && -value > SURE * std),
         });
     }
@@ -138,6 +141,7 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         parts: ["first two thirds", "last third"],
         correct_clock: false,
         plot: None,
+        why: "",
     };
     let document = pair::study(stages, &mut page, &pair)?;
     let all = vec![
@@ -193,6 +197,7 @@ pub fn quadrotor(stages: &Stages) -> Result<Page, Error> {
         parts: ["first half", "second half"],
         correct_clock: true,
         plot: None,
+        why: "",
     };
     pair::study(stages, &mut page, &pair)?;
     page.undecided(

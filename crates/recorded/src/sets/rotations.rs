@@ -39,6 +39,7 @@ fn study(
     runs: [&Series; 2],
     parts: [&str; 2],
     size_nt: Option<f64>,
+    (of, why): (&str, &'static str),
 ) -> Result<(), Error> {
     let centre = centre(runs[0]);
     let size = size_nt.unwrap_or_else(|| mean_size(runs[0], centre));
@@ -49,6 +50,8 @@ fn study(
         offset_nt: centre.map(|nt| -nt),
         by_hand: ("an ellipsoid by plain least squares", ellipsoid),
         plot: None,
+        of,
+        why,
     };
     scalar::study(stages, page, &scalar)
 }
@@ -68,7 +71,14 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     let split = Split::share(&full, 0.6);
     page.head("*Within a run.*");
     page.say("One run, its later part left out:");
-    study(stages, &mut page, [&split.fitted, &split.left_out], ["first 60 %", "last 40 %"], None)?;
+    study(
+        stages,
+        &mut page,
+        [&split.fitted, &split.left_out],
+        ["first 60 %", "last 40 %"],
+        None,
+        ("within a run", ""),
+    )?;
     page.head("*From one run to another.*");
     page.say("One run fitted, another left out:");
     study(
@@ -77,6 +87,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
         [&full, &partial],
         ["the full sphere", "the partial sphere, another run"],
         None,
+        ("from one run to another", ""),
     )?;
     page.undecided(
         "the absolute scale; how the axes stand to the board; whether the field was of one size everywhere that the board was moved, indoors: if it was not, that is in the constants.",
@@ -95,11 +106,11 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
     page.say(
         "About six readings a second; the size of the field is set to the 52.0 µT that the authors take.",
     );
-    for (what, name, mapping, every) in [
-        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4),
-        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4),
-        ("The VN-100 by itself", "clearIMU.csv", VN100, 6),
-        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6),
+    for (what, name, mapping, every, why) in [
+        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4, ""),
+        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4, ""),
+        ("The VN-100 by itself", "clearIMU.csv", VN100, 6, ""),
+        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6, ""),
     ] {
         page.head(format!("*{what}.*"));
         page.say(format!("{what}:"));
@@ -110,6 +121,7 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
             [&split.fitted, &split.left_out],
             ["first 60 %", "last 40 %"],
             Some(52_000.0),
+            (what, why),
         )?;
     }
     page.undecided(

@@ -6,7 +6,9 @@ use crate::Error;
 use crate::by_hand::{ByHand, mismatch, plane};
 use crate::page::{self, Page, three};
 use crate::plot::{self, Line, Panel};
+use crate::prediction::Prediction;
 use crate::series::{Series, mean, rms};
+use crate::split::Split;
 use crate::stages::Stages;
 
 /// A vector (`sensor_*_nt`) and a scalar (`reference_nt`) at the same moments.
@@ -24,6 +26,10 @@ pub struct Scalar<'a> {
     pub by_hand: (&'a str, ByHand),
     /// Name of the plot; none without.
     pub plot: Option<&'a str>,
+    /// Which part of the set this is, in words; empty where the set has one.
+    pub of: &'a str,
+    /// Why `diagnose` and `correct` predict worse than least squares by hand, where they do.
+    pub why: &'static str,
 }
 
 /// A level and slopes, for a field that points one way.
@@ -69,16 +75,26 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
     }
     let by_hand = all.get(2).map(|hand| [hand.rms(0), hand.rms(1)]);
     let recording = scalar.fitted.recording("vector-scalar", "free_run");
-    let answer = stages.stage("diagnose", &[], vec![recording], &given)?;
+    let answer = stages.stage("diagnose", &["--refit"], vec![recording], &given)?;
+    let mut programs_nt = None;
     if let Ok(document) = &answer {
         match corrected(stages, parts, document)? {
             Ok(nt) if moved(&nt[0], &all[0].nt[0]) => {
+                programs_nt = Some(vec![scatter(&nt[1])]);
                 all.push(Left { what: "corrected by what diagnose wrote".into(), nt });
             }
-            Ok(_) => {}
+            Ok(nt) => programs_nt = Some(vec![scatter(&nt[1])]),
             Err(words) => page.refused("correct", &words),
         }
     }
+    let (way, by_hand_nt) = by_hand_way(scalar, &all);
+    page.predictions.push(Prediction {
+        of: scalar.of.into(),
+        ways: vec![way],
+        by_hand_nt: vec![by_hand_nt],
+        programs_nt,
+        why: scalar.why,
+    });
     let [fitted, left_out] = scalar.parts;
     let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];
     page.table(
@@ -125,6 +141,25 @@ fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
     collapsed.then_some(
         "The refit has switched the instrument off (no sensitivity, an offset as long as the field): a fault of the program and no finding.",
     )
+}
+
+/// The level alone or the constants by hand: what predicts the last third of the fitted part better from its first two thirds, and the scatter that
+/// it leaves of what was left out.
+fn by_hand_way(scalar: &Scalar<'_>, all: &[Left]) -> (String, f64) {
+    let (what, by_hand) = scalar.by_hand;
+    let Split { fitted, left_out } = Split::share(&scalar.fitted, 2.0 / 3.0);
+    let alone = scatter(&mismatch(&left_out, "sensor", scalar.offset_nt));
+    let with = by_hand(&fitted, &left_out, scalar.offset_nt).map(|left| scatter(&left));
+    match all.iter().find(|left| left.what == what) {
+        Some(found) if with.is_some_and(|with| with < alone) => (what.into(), scatter(&found.nt[1])),
+        _ => ("the level alone".into(), scatter(&all[1].nt[1])),
+    }
+}
+
+/// Standard deviation about the own mean.
+fn scatter(values: &[f64]) -> f64 {
+    let level = mean(values.iter().copied());
+    rms(values.iter().map(|value| value - level))
 }
 
 fn moved(after: &[f64], before: &[f64]) -> bool {

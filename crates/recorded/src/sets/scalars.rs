@@ -39,6 +39,8 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         offset_nt: [20_680.0, 0.0, 43_450.0],
         by_hand: PLANE,
         plot: Some("real-conrad-scalar.svg"),
+        of: "",
+        why: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(
@@ -65,6 +67,8 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
         offset_nt: [19_777.5, 5_570.0, -31_837.5],
         by_hand: PLANE,
         plot: Some("real-vernadsky.svg"),
+        of: "",
+        why: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(
@@ -151,6 +155,8 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
             offset_nt: [0.0; 3],
             by_hand: PLANE,
             plot: None,
+            of: "",
+            why: "",
         };
         let recording =
             joined(&late(fitted, days[8].0.unwrap_or(0.0))).recording("vector-scalar", "free_run");
