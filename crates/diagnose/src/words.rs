@@ -6,6 +6,8 @@ use std::fmt::Write;
 
 /// Most parameters of an effect, or parts of a list, that are said.
 const PARAMETERS: usize = 12;
+/// The same in the first line.
+const HEAD: usize = 3;
 
 /// What was found, with ± and units.
 pub fn summary(document: &Document) -> String {
@@ -60,18 +62,27 @@ pub fn answer(entry: &Diagnosis) -> String {
     }
 }
 
-/// The effects with the sizes of the first, the one that does most.
+/// The effects in the catalogue's words, with the sizes of the first, the one that does most.
 fn names(entry: &Diagnosis) -> String {
     let [first, others @ ..] = entry.effects.as_slice() else { return "nothing with a name".into() };
-    let others: Vec<String> = others.iter().map(named).collect();
+    let titled = |effect: &ExplainedEffect| match acts_on(effect) {
+        Some(target) => format!("{}: {}", target, effect.title),
+        None => effect.title.clone(),
+    };
+    let others: Vec<String> = others.iter().map(titled).collect();
     let others = if others.is_empty() { String::new() } else { format!(", and {}", others.join(", ")) };
-    format!("{} ({}){others}", named(first), parameters(first))
+    format!("{} ({}){others}", titled(first), parameters(first, HEAD))
+}
+
+/// The sensor or the coil of an effect that acts on one.
+fn acts_on(effect: &ExplainedEffect) -> Option<String> {
+    let sensor = effect.sensor.map(|axis| format!("sensor {axis}"));
+    sensor.or_else(|| effect.coil.map(|axis| format!("coil {axis}")))
 }
 
 /// The name of an effect with what it acts on.
 fn named(effect: &ExplainedEffect) -> String {
-    let sensor = effect.sensor.map(|axis| format!(" of sensor {axis}"));
-    let target = sensor.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
+    let target = acts_on(effect).map_or_else(String::new, |target| format!(" of {target}"));
     format!("{}{target}", effect.effect)
 }
 
@@ -84,7 +95,7 @@ fn weight(effect: &ExplainedEffect) -> String {
 }
 
 /// The parameters of an effect; of a list, those of each part.
-fn parameters(effect: &ExplainedEffect) -> String {
+fn parameters(effect: &ExplainedEffect, most: usize) -> String {
     let told = |(name, value): (&String, &Quantity)| format!("{name} = {value}");
     let parts: Vec<String> = if effect.list.is_empty() {
         effect.parameters.iter().map(told).collect()
@@ -92,9 +103,9 @@ fn parameters(effect: &ExplainedEffect) -> String {
         let of = |part: &ListedEffect| part.parameters.iter().map(told).collect::<Vec<_>>().join(" at ");
         effect.list.iter().map(of).collect()
     };
-    let more = parts.len().saturating_sub(PARAMETERS);
+    let more = parts.len().saturating_sub(most);
     let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
-    format!("{}{more}", parts[..parts.len().min(PARAMETERS)].join(", "))
+    format!("{}{more}", parts[..parts.len().min(most)].join(", "))
 }
 
 fn one(text: &mut String, entry: &Diagnosis) {
@@ -125,7 +136,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
             effect.title,
             weight(effect)
         );
-        let _ = writeln!(text, "    {}", parameters(effect));
+        let _ = writeln!(text, "    {}", parameters(effect, PARAMETERS));
         for rival in &effect.rivals {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }

@@ -33,12 +33,13 @@ pub struct Pair<'a> {
     pub why: &'static str,
 }
 
-/// Both at the reference's times; the test instrument's readings from where its clock says `late_s` of the time more.
+/// Both at the test instrument's own times, whose readings stay as they are; the reference's are read where it was when the test instrument's clock said
+/// `late_s` of the time more.
 fn side_by_side(reference: &Series, test: &Series, late_s: impl Fn(f64) -> f64) -> Series {
-    let times = reference.column("time_s").to_vec();
-    let stamps: Vec<f64> = times.iter().map(|t| t + late_s(*t)).collect();
-    let test = test.clone().on_clock(reference.start_s).at(&stamps).with("time_s", times);
-    reference.joined(&test).complete()
+    let test = test.clone().on_clock(reference.start_s);
+    let stamps = test.column("time_s").to_vec();
+    let moments: Vec<f64> = stamps.iter().map(|t| t - late_s(*t)).collect();
+    reference.at(&moments).with("time_s", stamps).joined(&test).complete()
 }
 
 /// Runs diffmag and shows what its matrix leaves, in the fit and out of it; the document that it wrote, where it did.
