@@ -29,7 +29,7 @@ pub fn add(raw: &Pair, prepared: &Prepared, fit: &mut DifferentialFit) -> Result
         }
     }
     let cosine = Cosine::new(raw.whole.len(), raw.step_s);
-    let whole = Design { drift: true, steps: true };
+    let whole = Design { drift: true };
     let final_rms = rms(&prepared.pair, &prepared.pair.whole, fit, whole)?;
     let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine)?.into_iter().collect();
     let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off| {
@@ -42,19 +42,20 @@ pub fn add(raw: &Pair, prepared: &Prepared, fit: &mut DifferentialFit) -> Result
             ..Contribution::default()
         }));
     };
-    let drift = Design { drift: false, ..whole };
+    let drift = Design { drift: false };
     if let Some(what) = words::drifts(fit) {
         let with = rms(&prepared.pair, &prepared.pair.whole, fit, drift)?;
         let demanded = |axis| fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
         let with = chosen(&with, &final_rms, demanded);
         beside(ContributionCause::Drift, Some(what), with, true);
     }
-    if prepared.pair.steps.iter().any(|steps| !steps.is_empty()) {
-        let with = rms(&prepared.pair, &prepared.pair.whole, fit, Design { steps: false, ..whole })?;
+    if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
+        let stepped = without(raw, prepared, |kind| kind != EventKind::Step);
+        let with = rms(&stepped, &stepped.whole, fit, whole)?;
         beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true);
     }
     if fit.kept_out.events.iter().any(|event| event.kind != EventKind::Step) {
-        let disturbed = disturbed(raw, prepared);
+        let disturbed = without(raw, prepared, |kind| kind == EventKind::Step);
         let with = rms(&disturbed, &disturbed.whole, fit, whole)?;
         beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true);
     }
@@ -96,7 +97,7 @@ fn clock(
     let count = rows.iter().filter(|row| **row).count() as f64;
     let band = PASSBAND * 0.5 / raw.step_s;
     let (mut with, mut without) = (PerAxis::default(), PerAxis::default());
-    let design = Design { drift: true, steps: true };
+    let design = Design { drift: true };
     for axis in Axis::ALL {
         let late = left(&late, axis, &rows, fit, design)?;
         let right = left(&right, axis, &rows, fit, design)?;
@@ -121,23 +122,19 @@ fn shift(clock: &ClockDifference) -> Option<Shift> {
     differs.then(|| Shift { offset_s: clock.offset_s.value(), rate: clock.rate_ppm.value() * 1e-6 })
 }
 
-/// The pair as it is fitted, spikes and disturbed intervals left in.
-fn disturbed(raw: &Pair, prepared: &Prepared) -> Pair {
+/// The pair on the clock on which it is fitted, without the events of these kinds, and with the others.
+fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -> Pair {
     let clock = prepared.clock.as_ref();
     let shift = clock.and_then(shift).unwrap_or_default();
-    let with_steps = prepared.events.steps().taken_out(raw, shift);
-    if clock.is_some_and(|clock| clock.corrected) {
-        aligned(&with_steps, shift, Moved::Test)
-    } else {
-        with_steps
-    }
+    let kept: Vec<bool> = prepared.events.found.iter().map(|event| kinds(event.kind)).collect();
+    let pair = prepared.events.confirmed(&kept).taken_out(raw, shift);
+    if clock.is_some_and(|clock| clock.corrected) { aligned(&pair, shift, Moved::Test) } else { pair }
 }
 
-/// What is fitted besides the reference's axes and a level.
+/// What is fitted besides the reference's axes, a level and the pair's steps.
 #[derive(Clone, Copy)]
 struct Design {
     drift: bool,
-    steps: bool,
 }
 
 fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design) -> Result<PerAxis<f64>, Error> {
@@ -161,7 +158,7 @@ fn left(
     let test = &pair.test[axis.index()];
     let means = pair.reference.each_ref().map(|column| mean(column));
     let level = mean(test);
-    let steps: &[usize] = if design.steps { &pair.steps[axis.index()] } else { &[] };
+    let steps = &pair.steps[axis.index()];
     let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
     let width = 4 + usize::from(design.drift) + usize::from(decay_s.is_some()) + steps.len();
     let fill = |row: usize, values: &mut Vec<f64>| {
