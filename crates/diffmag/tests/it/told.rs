@@ -63,9 +63,10 @@ fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
     let reductions: Vec<f64> = stepped.contributions.iter().map(Contribution::reduction_nt2).collect();
     assert!(reductions.is_sorted_by(|a, b| a >= b), "{reductions:?}");
     let steps = of(&stepped, ContributionCause::Steps);
-    // Half of the rows are 40 nT higher: 20 nT rms.
+    // Nearly half of the rows are 40 nT higher: 20 nT rms, of which a straight drift takes three quarters of the variance and leaves 10 nT, and the
+    // field a little more.
     let [with, without] = [&steps.rms_with_nt, &steps.rms_without_nt].map(|rms| rms.z.expect("z"));
-    assert!((15.0..21.0).contains(&with) && without < 0.1, "{with} {without}");
+    assert!((6.0..10.0).contains(&with) && without < 0.1, "{with} {without}");
 }
 
 /// Series for plots hold what the fit leaves, means of neighbours in order.
