@@ -5,12 +5,18 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
 
+/// What is left may exceed what there was by rounding, not by so much.
+pub(crate) const ABSURD: f64 = 1.01;
+
 /// One answer of diagnose: what the model left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Diagnosis {
     /// What it comes to.
     pub verdict: Verdict,
+    /// The same in one sentence, with its size and what it does to the residuals.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub answer: String,
     /// The figures that led there, in words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reasons: Vec<String>,
@@ -20,7 +26,7 @@ pub struct Diagnosis {
     /// Where it shows.
     #[serde(default, rename = "where", skip_serializing_if = "Vec::is_empty")]
     pub places: Vec<Share>,
-    /// The effects that explain it.
+    /// The effects that explain it, by how much they lower the rms of readings left out: the largest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<ExplainedEffect>,
     /// Sets of effects that do equally well; empty where there is one answer.
@@ -300,6 +306,13 @@ pub struct Residual {
     pub extra: Extra,
 }
 
+impl Residual {
+    /// Whether a fit leaves more than there was: such a fit is worse than none.
+    pub fn is_absurd(&self) -> bool {
+        self.rms_refitted_nt.max(self.rms_after_nt) > ABSURD * self.rms_before_nt
+    }
+}
+
 /// Rms of the residuals of one sensor in one recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -357,6 +370,9 @@ pub struct ResidualSeries {
     pub before_nt: Vec<f64>,
     /// With the effects, nT.
     pub after_nt: Vec<f64>,
+    /// What a fitted term makes of `x`, nT; absent where none is drawn.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub fitted_nt: Vec<f64>,
     /// Readings in each point; the last may have fewer.
     pub readings: usize,
 }

@@ -3,9 +3,11 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity};
+use crate::diagnosis::ABSURD;
+use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity, ResidualSeries};
 
 mod clock;
+mod contribution;
 mod drift;
 mod fourteen;
 mod kept_out;
@@ -14,6 +16,7 @@ mod reference_noise;
 mod stability;
 
 pub use clock::*;
+pub use contribution::*;
 pub use drift::*;
 pub use fourteen::*;
 pub use kept_out::*;
@@ -86,7 +89,18 @@ pub struct DifferentialFit {
     /// Noise of each of three instruments, where there is a third.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub three_cornered: Option<ThreeCornered>,
-    /// What looks wrong, in words.
+    /// The answer in one sentence, with its size and what it does to the difference.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub answer: String,
+    /// What adds to the difference, the largest first; absent where only statistics of the series are left.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub contributions: Vec<Contribution>,
+    /// The difference along `time_s`, the field's rate of change along the test axis (`field_rate_nt_per_s`) and each housekeeping column, for plots.
+    /// Along time `before_nt` is T − R of axes of the same name, less its mean. Along the field's rate of change it has the clock's difference in it,
+    /// along a column the drift; nothing else. `after_nt` is without.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub series: Vec<ResidualSeries>,
+    /// What looks wrong, in words: what can be taken off first, by what it does to the difference.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<String>,
     /// Keys that this version does not know.
@@ -120,6 +134,12 @@ pub struct MatrixElement {
 pub struct DifferenceAxis {
     /// Rms of d about its mean, nT.
     pub rms_nt: f64,
+    /// Rms of the axis's own readings about their mean, nT.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_of_readings_nt: Option<f64>,
+    /// Rms of the readings less those of the reference's axis of the same name, about its mean: levels alone, nT.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_of_levels_nt: Option<f64>,
     /// 95 % interval of its standard deviation by χ² with N − 4 degrees of freedom, as the source has it, nT.
     pub rms_interval_independent_nt: [f64; 2],
     /// A of its flicker noise A f^-α, nT²/Hz at 1 Hz.
@@ -139,4 +159,30 @@ pub struct DifferenceAxis {
     pub allan: AllanDeviation,
     /// Its drift.
     pub drift: Drift,
+}
+
+impl DifferenceAxis {
+    /// The rms that is known without any fit, if what is left exceeds it, nT: such a fit is worse than none.
+    pub fn exceeded_nt(&self) -> Option<f64> {
+        let own = [self.rms_of_readings_nt, self.rms_of_levels_nt].into_iter().flatten();
+        own.reduce(f64::min).filter(|own| self.rms_nt > ABSURD * own)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_is_held_against_what_there_was() {
+        let axis = |rms_nt, readings, levels| DifferenceAxis {
+            rms_nt,
+            rms_of_readings_nt: readings,
+            rms_of_levels_nt: levels,
+            ..DifferenceAxis::default()
+        };
+        assert_eq!(axis(3.0, Some(0.5), Some(2.0)).exceeded_nt(), Some(0.5));
+        assert_eq!(axis(0.5, Some(0.5), Some(2.0)).exceeded_nt(), None);
+        assert_eq!(axis(3.0, None, None).exceeded_nt(), None);
+    }
 }

@@ -232,6 +232,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     }
     let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
     let entry = Diagnosis { calibration_moved: moved, ..entry };
+    let entry = Diagnosis { answer: words::answer(&entry), ..entry };
     if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
         adopt::adopt(&mut document, &model, &outcome);
         physics::state_references(&mut document, &References::of(&original));

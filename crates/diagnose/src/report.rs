@@ -36,7 +36,8 @@ pub fn report(
     let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
     let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };
-    let effects = effects::explained(model, outcome, &fitter)?;
+    let mut effects = effects::explained(model, outcome, &fitter)?;
+    effects.sort_by(|a, b| b.held_out_gain_nt.total_cmp(&a.held_out_gain_nt));
     let structure = places::structure(outcome, options);
     let mut places: Vec<Share> =
         outcome.found.iter().enumerate().map(|(k, _)| places::share(model, outcome, k)).collect();

@@ -1,11 +1,13 @@
 //! The result in a few lines for people.
 
 use common::number::{p_value, probability, signed, significant};
-use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, Quantity};
+use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, MovedConstant, Quantity, Verdict};
 use std::fmt::Write;
 
 /// Most parameters of an effect, or parts of a list, that are said.
 const PARAMETERS: usize = 12;
+/// The same in the first line.
+const HEAD: usize = 3;
 
 /// What was found, with ± and units.
 pub fn summary(document: &Document) -> String {
@@ -14,6 +16,74 @@ pub fn summary(document: &Document) -> String {
         one(&mut text, entry);
     }
     text
+}
+
+/// The answer in one sentence, with its size and what it does to the residuals.
+pub fn answer(entry: &Diagnosis) -> String {
+    let rms = |nt: f64| significant(nt, 3);
+    let Some(fit) = &entry.fit else { return String::new() };
+    if fit.is_absurd() {
+        return format!(
+            "the fit leaves more than there was, {} nT rms of {}: it is an error, and nothing that follows from it holds",
+            rms(fit.rms_refitted_nt.max(fit.rms_after_nt)),
+            rms(fit.rms_before_nt)
+        );
+    }
+    let refitted = format!(
+        "{} nT rms as it came, {} with the calibration fitted again",
+        rms(fit.rms_before_nt),
+        rms(fit.rms_refitted_nt)
+    );
+    let falls = format!("the rms falls from {} to {} nT", rms(fit.rms_refitted_nt), rms(fit.rms_after_nt));
+    let noise = format!("noise {} nT", rms(fit.noise_floor_nt));
+    let with = if entry.effects.len() > 1 { "with these" } else { "with this" };
+    match entry.verdict {
+        Verdict::Agrees => format!("the recordings are met to their noise: {refitted}, {noise}"),
+        Verdict::Explained if entry.effects.is_empty() => {
+            let moved = |one: &MovedConstant| format!("{} moved by {}", one.parameter, one.shift);
+            let moved: Vec<String> = entry.calibration_moved.iter().map(moved).collect();
+            format!("{}: {refitted}, {noise}", moved.join(", "))
+        }
+        Verdict::Explained => format!("{}; {with}, {falls} ({noise})", names(entry)),
+        Verdict::PartlyExplained => {
+            format!("{}; {with}, {falls}, and more is left than the {noise}", names(entry))
+        }
+        Verdict::Ambiguous => {
+            let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
+            format!(
+                "{}: these recordings cannot tell which; with either, {falls} ({noise})",
+                sets.join(" or ")
+            )
+        }
+        Verdict::Unexplained => {
+            let left = entry.remaining.as_ref().map_or("structure without a name", |left| &left.structure);
+            format!("{refitted}, {noise}; no effect explains what is left: {left}")
+        }
+    }
+}
+
+/// The effects in the catalogue's words, with the sizes of the first, the one that does most.
+fn names(entry: &Diagnosis) -> String {
+    let [first, others @ ..] = entry.effects.as_slice() else { return "nothing with a name".into() };
+    let titled = |effect: &ExplainedEffect| match acts_on(effect) {
+        Some(target) => format!("{}: {}", target, effect.title),
+        None => effect.title.clone(),
+    };
+    let others: Vec<String> = others.iter().map(titled).collect();
+    let others = if others.is_empty() { String::new() } else { format!(", and {}", others.join(", ")) };
+    format!("{} ({}){others}", titled(first), parameters(first, HEAD))
+}
+
+/// The sensor or the coil of an effect that acts on one.
+fn acts_on(effect: &ExplainedEffect) -> Option<String> {
+    let sensor = effect.sensor.map(|axis| format!("sensor {axis}"));
+    sensor.or_else(|| effect.coil.map(|axis| format!("coil {axis}")))
+}
+
+/// The name of an effect with what it acts on.
+fn named(effect: &ExplainedEffect) -> String {
+    let target = acts_on(effect).map_or_else(String::new, |target| format!(" of {target}"));
+    format!("{}{target}", effect.effect)
 }
 
 /// How sure a name is and how much it explains.
@@ -25,7 +95,7 @@ fn weight(effect: &ExplainedEffect) -> String {
 }
 
 /// The parameters of an effect; of a list, those of each part.
-fn parameters(effect: &ExplainedEffect) -> String {
+fn parameters(effect: &ExplainedEffect, most: usize) -> String {
     let told = |(name, value): (&String, &Quantity)| format!("{name} = {value}");
     let parts: Vec<String> = if effect.list.is_empty() {
         effect.parameters.iter().map(told).collect()
@@ -33,14 +103,14 @@ fn parameters(effect: &ExplainedEffect) -> String {
         let of = |part: &ListedEffect| part.parameters.iter().map(told).collect::<Vec<_>>().join(" at ");
         effect.list.iter().map(of).collect()
     };
-    let more = parts.len().saturating_sub(PARAMETERS);
+    let more = parts.len().saturating_sub(most);
     let more = if more > 0 { format!(" and {more} more in the document") } else { String::new() };
-    format!("{}{more}", parts[..parts.len().min(PARAMETERS)].join(", "))
+    format!("{}{more}", parts[..parts.len().min(most)].join(", "))
 }
 
 fn one(text: &mut String, entry: &Diagnosis) {
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "diagnose: {}", entry.verdict.word().replace('_', " "));
+    let _ = writeln!(text, "diagnose: {}: {}", entry.verdict.word().replace('_', " "), entry.answer);
     if let Some(fit) = &entry.fit {
         let _ = writeln!(
             text,
@@ -54,15 +124,19 @@ fn one(text: &mut String, entry: &Diagnosis) {
         );
     }
     for effect in &entry.effects {
-        let target = effect.sensor.map(|axis| format!(" of sensor {axis}"));
-        let target =
-            target.or_else(|| effect.coil.map(|axis| format!(" of coil {axis}"))).unwrap_or_default();
         let times = match effect.list.len() {
             0 => String::new(),
             count => format!(", {count} times"),
         };
-        let _ = writeln!(text, "  {}{target}: {}{times} ({})", effect.effect, effect.title, weight(effect));
-        let _ = writeln!(text, "    {}", parameters(effect));
+        let gain = significant(effect.held_out_gain_nt, 3);
+        let _ = writeln!(
+            text,
+            "  {}: {}{times}; lowers the rms of readings left out by {gain} nT ({})",
+            named(effect),
+            effect.title,
+            weight(effect)
+        );
+        let _ = writeln!(text, "    {}", parameters(effect, PARAMETERS));
         for rival in &effect.rivals {
             let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
         }

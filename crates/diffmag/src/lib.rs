@@ -9,6 +9,7 @@ mod adopt;
 mod bands;
 mod clock;
 mod constancy;
+mod contributions;
 mod delays;
 mod difference;
 mod drift;
@@ -21,6 +22,7 @@ mod prepare;
 mod reference_noise;
 mod regression;
 mod segments;
+mod shown;
 mod stability;
 pub mod stream;
 mod three;
@@ -62,6 +64,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;
+        fit.series = shown::series(&document, &raw, &prepared, &fits, fit);
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected && clock.segments.is_empty())

@@ -26,7 +26,7 @@ pub struct Prepared {
     /// The clocks.
     pub clock: Option<ClockDifference>,
     /// What the events were found with.
-    shift: Shift,
+    pub shift: Shift,
 }
 
 /// Finds the clocks' difference and the events, each with the other taken out, until neither changes.

@@ -16,7 +16,7 @@ use crate::drift::{self, Columns};
 use crate::events::{Events, Found};
 use crate::prepare::Prepared;
 use crate::series::Pair;
-use crate::{Error, TOLD_BELOW, words};
+use crate::{Error, contributions, words};
 
 /// The reference's axes and the straight drift.
 const STRAIGHT: usize = 4;
@@ -171,7 +171,9 @@ pub fn calibrate(
     }
     fit.kept_out = kept_out(raw, prepared, fits);
     fit.clock = prepared.clock.clone();
-    fit.findings = words::findings(&fit, TOLD_BELOW, &fits.each_ref().map(|found| found.whitened.wider()));
+    contributions::add(raw, prepared, &mut fit)?;
+    fit.answer = words::answer(&fit);
+    fit.findings = words::findings(&fit, &fits.each_ref().map(|found| found.whitened.wider()));
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
     fit.findings.extend(pair.told.iter().cloned());
     fit.findings.extend(pair.third.iter().map(|_| words::third()));

@@ -4,8 +4,9 @@ use common::number::{
     as_known, bare, counted, duration, figures, p_value, plural, signed, significant, uncertain,
 };
 use common::{
-    Axis, DifferentialFit, Document, Drift, DriftForm, EventInstrument, EventKind, FourteenParameters,
-    KeptOut, Magnetometer, OneMatrix,
+    Axis, ClockDifference, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document, Drift,
+    DriftForm, EventInstrument, EventKind, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
+    OneMatrix,
 };
 use std::fmt::Write;
 
@@ -19,6 +20,8 @@ const UNLIKE_BELOW: f64 = 1e-3;
 pub const TOLD_BELOW: f64 = 0.01;
 /// The independent interval is too narrow when the honest one is wider by this.
 const NARROW: f64 = 1.5;
+/// What lowers an rms to less than this share of it is worth the first line.
+const MATTERS: f64 = 0.95;
 
 /// Which interval to quote.
 pub fn quoted() -> String {
@@ -27,9 +30,137 @@ pub fn quoted() -> String {
         .into()
 }
 
-/// What looks wrong, or is worth knowing. `wider`: of each axis, how many times as wide its intervals are by what is left itself.
-pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec<String> {
-    let mut findings = Vec::new();
+/// The answer in one sentence: the largest thing that can be mended, else what the matrix does.
+pub fn answer(fit: &DifferentialFit) -> String {
+    if let Some(words) = fit.axes.iter().find_map(|(axis, of)| exceeded(axis, of)) {
+        return words;
+    }
+    let lowers = |one: &&Contribution| one.changes().any(|(_, with, without)| without < MATTERS * with);
+    let mended = |one: &&Contribution| one.cause != ContributionCause::ShortPeriods;
+    if let Some(one) = fit.contributions.iter().filter(mended).find(lowers) {
+        return contribution(one);
+    }
+    let each = |of: fn(&DifferenceAxis) -> Option<f64>| -> Vec<String> {
+        fit.axes.iter().filter_map(|(_, axis)| of(axis)).map(|nt| significant(nt, 3)).collect()
+    };
+    format!(
+        "the matrix leaves {} nT (rms of x; y; z) of the {} nT by which the two differ with levels alone; nothing that can be \
+         taken off lowers that by 5 %",
+        each(|axis| Some(axis.rms_nt)).join("; "),
+        each(|axis| axis.rms_of_levels_nt).join("; ")
+    )
+}
+
+/// An axis of which more is left than there was.
+fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<String> {
+    let own = of.exceeded_nt()?;
+    Some(format!(
+        "test {axis}: what is left, {} nT rms, is more than the {} nT that there were before any fit; do not use this matrix",
+        significant(of.rms_nt, 3),
+        significant(own, 3)
+    ))
+}
+
+/// What a contribution is and what the difference is without it.
+fn contribution(one: &Contribution) -> String {
+    let lead = match one.cause {
+        ContributionCause::Clock => "with this corrected",
+        ContributionCause::Steps => "with the steps taken off",
+        ContributionCause::Disturbances => "with these left out",
+        ContributionCause::Drift => "with the drift taken off",
+        ContributionCause::ShortPeriods => "at longer periods alone",
+        ContributionCause::Column => "with this taken off",
+    };
+    let change = |(axis, with, without): (Axis, f64, f64)| {
+        let verb = if without < with { "falls" } else { "rises" };
+        format!("{axis} {verb} from {} to {} nT", significant(with, 3), significant(without, 3))
+    };
+    let changes: Vec<String> = one.changes().map(change).collect();
+    let changes = if changes.is_empty() { "no axis changes by 1 %".into() } else { changes.join(", ") };
+    let ask = if one.cause == ContributionCause::Clock && !one.taken_off {
+        " (ask for --correct-clock)"
+    } else {
+        ""
+    };
+    format!("{}; {lead}, {changes}{ask}", one.what)
+}
+
+/// How the clocks differ.
+pub fn clock(clock: &ClockDifference) -> String {
+    let offset = format!("the test instrument's timestamps are {}", clock.offset_in_words());
+    let rate = clock.rate_in_words();
+    match (p_of(&clock.offset_s) < TOLD_BELOW, p_of(&clock.rate_ppm) < TOLD_BELOW) {
+        (true, true) => format!("{offset} in the middle of the recording, and its clock runs {rate}"),
+        (false, true) => format!("the test instrument's clock runs {rate}"),
+        _ => offset,
+    }
+}
+
+/// The drifts that the readings demand.
+pub fn drifts(fit: &DifferentialFit) -> Option<String> {
+    let one = |(axis, of): (Axis, &DifferenceAxis)| drift(&of.drift).map(|words| format!("{axis} {words}"));
+    let all: Vec<String> = fit.axes.iter().filter_map(one).collect();
+    (!all.is_empty()).then(|| format!("the difference drifts: {}", all.join("; ")))
+}
+
+/// The steps that were fitted.
+pub fn steps(kept_out: &KeptOut) -> Option<String> {
+    let steps = kept_out.events.iter().filter(|event| event.kind == EventKind::Step);
+    let largest = largest(steps.clone())?;
+    Some(format!("{}, {largest}", counted(steps.count(), "step")))
+}
+
+/// Spikes and disturbed intervals.
+pub fn disturbances(kept_out: &KeptOut) -> Option<String> {
+    let of = |kind: EventKind| kept_out.events.iter().filter(move |event| event.kind == kind);
+    let largest = largest(kept_out.events.iter().filter(|event| event.kind != EventKind::Step))?;
+    let all =
+        [(of(EventKind::Spike).count(), "spike"), (of(EventKind::Interval).count(), "disturbed interval")];
+    let all = all.into_iter().filter(|(count, _)| *count > 0).map(|(count, of)| counted(count, of));
+    Some(format!("{}, {largest}", all.collect::<Vec<_>>().join(" and ")))
+}
+
+fn largest<'a>(events: impl Iterator<Item = &'a KeptOutEvent>) -> Option<String> {
+    let size = |event: &KeptOutEvent| event.size_nt.value().abs();
+    let event = events.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+    let instrument = match event.instrument {
+        EventInstrument::Test => "test",
+        EventInstrument::Reference => "reference",
+        EventInstrument::Either => "test or reference",
+    };
+    Some(format!(
+        "the largest {:+} nT in {instrument} {} at {} s",
+        event.size_nt,
+        event.axis,
+        bare(event.time_s)
+    ))
+}
+
+/// Periods on which the matrix does not rest.
+pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
+    let mut all: Vec<(String, Vec<&str>)> = Vec::new();
+    for (axis, of) in fit.axes.iter() {
+        let Some(period) = of.weighted_up_to_hz.map(|highest| duration(1.0 / highest)) else { continue };
+        match all.iter_mut().find(|(other, _)| *other == period) {
+            Some((_, axes)) => axes.push(axis.letter()),
+            None => all.push((period, vec![axis.letter()])),
+        }
+    }
+    let told = |(period, axes): &(String, Vec<&str>)| format!("{period} in {}", axes.join(" and "));
+    let all: Vec<String> = all.iter().map(told).collect();
+    (!all.is_empty()).then(|| {
+        format!(
+            "at periods below {} the instruments do not answer alike (filters, or noise of the reference), and the matrix rests on longer ones",
+            all.join(", ")
+        )
+    })
+}
+
+/// What looks wrong, or is worth knowing: what can be taken off first, the largest before the others. `wider`: of each axis, how many times as wide
+/// its intervals are by what is left itself.
+pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
+    let mut findings: Vec<String> = fit.axes.iter().filter_map(|(axis, of)| exceeded(axis, of)).collect();
+    findings.extend(fit.contributions.iter().map(contribution));
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
         findings.push(format!(
@@ -37,40 +168,22 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
             significant(ratio, 2)
         ));
     }
-    for (axis, of) in fit.axes.iter() {
-        if of.goodness_p < UNLIKE_BELOW {
-            findings.push(format!(
-                "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. `weighted_std` takes \
-                 that form as true; by what is left itself it would be up to {} times as wide",
-                p_value(of.goodness_p),
-                significant(wider[axis.index()], 2)
-            ));
-        }
-        if let Some(highest) = of.weighted_up_to_hz {
-            findings.push(format!(
-                "axis {axis}: the matrix rests on periods above {}; at shorter ones the instruments do not answer alike (filters, or noise of the reference)",
-                duration(1.0 / highest)
-            ));
-        }
-        findings.extend(drift(&of.drift).map(|text| format!("axis {axis}: the difference drifts {text}")));
+    for (axis, of) in fit.axes.iter().filter(|(_, of)| of.goodness_p < UNLIKE_BELOW) {
+        findings.push(format!(
+            "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. `weighted_std` takes \
+             that form as true; by what is left itself it would be up to {} times as wide",
+            p_value(of.goodness_p),
+            significant(wider[axis.index()], 2)
+        ));
     }
     if let Some(clock) = &fit.clock {
-        let (late, fast) = (p_of(&clock.offset_s), p_of(&clock.rate_ppm));
-        let mend =
-            if clock.corrected { "corrected for" } else { "the matrix suffers; ask for --correct-clock" };
-        if late < told_below {
-            findings.push(format!("the clocks differ ({}): {mend}", p_value(late)));
-        }
-        if fast < told_below {
-            findings.push(format!("the clocks run at different rates ({}): {mend}", p_value(fast)));
-        }
         findings.extend(segments::findings(clock));
         findings.extend(delays::findings(clock));
         if clock.corrected {
             findings.push(moved());
         }
     }
-    findings.extend(kept_out(&fit.kept_out));
+    findings.extend(doubtful(&fit.kept_out));
     if fit.missing > 0 {
         findings.push(format!(
             "{} without a reading or taken out; the most likely reading under the fitted noise stands in each place",
@@ -80,18 +193,8 @@ pub fn findings(fit: &DifferentialFit, told_below: f64, wider: &[f64; 3]) -> Vec
     findings
 }
 
-fn kept_out(kept_out: &KeptOut) -> Vec<String> {
-    let of = |kind: EventKind| kept_out.events.iter().filter(|event| event.kind == kind).count();
-    let (steps, spikes, intervals) = (of(EventKind::Step), of(EventKind::Spike), of(EventKind::Interval));
+fn doubtful(kept_out: &KeptOut) -> Vec<String> {
     let mut findings = Vec::new();
-    if steps + spikes + intervals > 0 {
-        findings.push(format!(
-            "kept out of the fit: {} (fitted with it), {} and {} (taken out); `kept_out` lists them",
-            counted(steps, "step"),
-            counted(spikes, "spike"),
-            counted(intervals, "disturbed interval")
-        ));
-    }
     if kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
         findings.push(
             "of some events it cannot be told in which instrument they are: the axes lie too close".into(),
@@ -173,9 +276,13 @@ pub fn summary(document: &Document) -> String {
     let found = document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref());
     let Some(fit) = found.and_then(|found| found.fit.as_ref()) else { return text };
     // Writing to a String cannot fail.
+    let lead = if fit.answer.is_empty() { "diffmag:" } else { " " };
+    if !fit.answer.is_empty() {
+        let _ = writeln!(text, "diffmag: {}", fit.answer);
+    }
     let _ = writeln!(
         text,
-        "diffmag: \"{}\", {} of {} s",
+        "{lead} \"{}\", {} of {} s",
         fit.recordings.join("\", \""),
         counted(fit.samples, "sample"),
         bare(fit.step_s)
@@ -205,13 +312,13 @@ pub fn summary(document: &Document) -> String {
         );
     }
     if let Some(clock) = &fit.clock {
-        let _ = writeln!(
-            text,
-            "  clock of the test instrument: {:+} s late, {:+} ppm",
-            clock.offset_s, clock.rate_ppm
-        );
+        let words =
+            |clock: &ClockDifference| format!("{}, {}", clock.offset_in_words(), clock.rate_in_words());
+        let _ = writeln!(text, "  clock of the test instrument: {}", words(clock));
         if let (Some(offset), Some(rate)) = (&clock.left_offset_s, &clock.left_rate_ppm) {
-            let _ = writeln!(text, "  corrected; left: {offset:+} s, {rate:+} ppm");
+            let (offset_s, rate_ppm) = (offset.clone(), rate.clone());
+            let left = ClockDifference { offset_s, rate_ppm, ..ClockDifference::default() };
+            let _ = writeln!(text, "  corrected; left: {}", words(&left));
         }
     }
     let of_reference = fit.reference_noise.as_ref();

@@ -11,6 +11,7 @@ pub mod cross_spectrum;
 pub mod events;
 pub mod exact;
 pub mod gauss_newton;
+pub mod grouped;
 pub mod haar;
 pub mod hac;
 pub mod influence;

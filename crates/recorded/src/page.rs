@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use crate::known::Known;
+use crate::prediction::Prediction;
 
 /// A part of the page.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +16,8 @@ pub struct Page {
     pub plots: Vec<(String, String)>,
     /// What the source says is in it, and whether it was found.
     pub known: Vec<Known>,
+    /// How well what was left out is predicted, by hand and by the programs.
+    pub predictions: Vec<Prediction>,
 }
 
 impl Page {
@@ -91,8 +94,6 @@ impl Page {
         }
         let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
         items.extend(reasons.filter(|reason| reason.starts_with("not ")).take(4).map(String::from));
-        let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
-        items.extend(reasons.filter(|reason| reason.starts_with(HELD)).map(String::from));
         if let Some(next) = entry["next_experiment"].as_str().filter(|_| verdict != "agrees") {
             items.push(format!("it asks for: {next}"));
         }
@@ -101,9 +102,6 @@ impl Page {
         }
     }
 }
-
-/// How diagnose begins to say what it could not determine.
-const HELD: &str = "left aside: what the field's magnitude";
 
 /// The verdict of diagnose with what it names, in a few words.
 pub fn verdict(document: &Value) -> String {

@@ -3,6 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Quantity;
+use crate::number::uncertain;
 
 /// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -151,4 +152,40 @@ pub enum DelayForm {
     LowPass,
     /// In another way.
     Other,
+}
+
+impl ClockDifference {
+    /// `1.40 ± 0.01 s late`, or `early`.
+    pub fn offset_in_words(&self) -> String {
+        in_words(&self.offset_s, "s", ["late", "early"])
+    }
+
+    /// `7.7 ± 0.3 ppm fast`, or `slow`.
+    pub fn rate_in_words(&self) -> String {
+        in_words(&self.rate_ppm, "ppm", ["fast", "slow"])
+    }
+}
+
+/// A size without its sign, and the word for it.
+fn in_words(of: &Quantity, unit: &str, [above, below]: [&str; 2]) -> String {
+    let word = if of.value() < 0.0 { below } else { above };
+    format!("{} {unit} {word}", uncertain(of.value().abs(), of.std().unwrap_or(0.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_is_late_or_early_and_never_negative() {
+        let clock = |offset, rate| ClockDifference {
+            offset_s: Quantity::new(offset, 0.011),
+            rate_ppm: Quantity::new(rate, 0.3),
+            ..ClockDifference::default()
+        };
+        assert_eq!(clock(1.4, 7.7).offset_in_words(), "1.400 ± 0.011 s late");
+        assert_eq!(clock(-18.4, 7.7).offset_in_words(), "18.400 ± 0.011 s early");
+        assert_eq!(clock(0.0, 7.7).rate_in_words(), "7.70 ± 0.30 ppm fast");
+        assert_eq!(clock(0.0, -7.7).rate_in_words(), "7.70 ± 0.30 ppm slow");
+    }
 }

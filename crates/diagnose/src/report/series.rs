@@ -1,6 +1,7 @@
 //! Residuals before and after, against time and what the difference follows.
 
 use common::ResidualSeries;
+use estimate::grouped::{Grouped, grouped};
 use nalgebra::Vector3;
 
 use super::guilty::Guilty;
@@ -61,28 +62,20 @@ pub(super) fn series(
     all
 }
 
-/// Points in rising order, neighbours together where there are many; None where all stand at one place.
-fn one(
-    recording: Option<String>,
-    column: &str,
-    along: &str,
-    mut points: Vec<Point>,
-) -> Option<ResidualSeries> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    if points.first()?.x == points.last()?.x {
-        return None;
-    }
-    let readings = points.len().div_ceil(POINTS);
-    let mean = |of: fn(&Point) -> f64| -> Vec<f64> {
-        points.chunks(readings).map(|some| some.iter().map(of).sum::<f64>() / some.len() as f64).collect()
-    };
+/// Means of neighbours along something; None where all stand at one place.
+fn one(recording: Option<String>, column: &str, along: &str, points: Vec<Point>) -> Option<ResidualSeries> {
+    let of = |value: fn(&Point) -> f64| -> Vec<f64> { points.iter().map(value).collect() };
+    let (before, after) = (of(|point| point.before), of(|point| point.after));
+    let Grouped { x, columns: [before_nt, after_nt], points } =
+        grouped(&of(|point| point.x), [&before, &after], POINTS)?;
     Some(ResidualSeries {
         recording,
         column: column.into(),
         along: along.into(),
-        x: mean(|point| point.x),
-        before_nt: mean(|point| point.before),
-        after_nt: mean(|point| point.after),
-        readings,
+        x,
+        before_nt,
+        after_nt,
+        readings: points,
+        ..ResidualSeries::default()
     })
 }

@@ -12,7 +12,7 @@ pub fn quoted(from: ReferenceNoiseSource) -> String {
     };
     format!(
         "`matrix` with `covariance`: noise of the reference pulls least squares and the weighted elements toward zero, and \
-         `matrix` is corrected for that {by}"
+         that pull, listed in `reference_noise.elements`, is taken off `matrix` {by}"
     )
 }
 

@@ -21,3 +21,4 @@ mod statsmodels;
 mod stream;
 mod stream_coverage;
 mod time;
+mod told;

@@ -1,12 +1,15 @@
 //! Two magnetometers on a balloon: the colder it gets, the farther they are apart.
 
-use serde_json::{Value, json};
+use serde_json::json;
 use std::collections::BTreeSet;
 
+use super::pair::Drift;
 use crate::Error;
-use crate::affine::{least_squares, rms_of_each};
+use crate::affine::{Affine, least_squares, rms_of_each, scatter_of_each};
+use crate::by_hand_pair;
 use crate::known::Known;
 use crate::page::{Page, array, three, verdict};
+use crate::prediction::Prediction;
 use crate::series::{Series, length};
 use crate::split::Split;
 use crate::stages::Stages;
@@ -38,39 +41,6 @@ fn columns(series: &Series, further: fn(&Series) -> Vec<Vec<f64>>) -> Vec<Vec<f6
     columns.extend(["x", "y", "z"].map(|axis| series.column(&format!("reference_{axis}_nt")).to_vec()));
     columns.extend(further(series));
     columns
-}
-
-/// What diagnose, given the way into the cold alone, leaves of the way back.
-fn chain(stages: &Stages, page: &mut Page, split: &Split) -> Result<(), Error> {
-    let recording = |series: &Series| vec![series.recording("flight", "differential")];
-    let document = match stages.stage("diagnose", &["--refit"], recording(&split.fitted), &json!({}))? {
-        Ok(document) => document,
-        Err(words) => {
-            page.refused("diagnose", &words);
-            return Ok(());
-        }
-    };
-    let written = ["calibration", "model"].into_iter().filter(|key| !document[key].is_null());
-    let known: Value = written.map(|key| (key.to_string(), document[key].clone())).collect();
-    // As it comes, the way back is what that calibration and model predict of it.
-    match stages.stage("diagnose", &[], recording(&split.left_out), &known)? {
-        Ok(back) => {
-            let rms = |axis: &str| {
-                let column = format!("test_{axis}_nt");
-                let mut channels = array(&back["diagnosis"][0]["fit"]["by_recording"]);
-                let own = channels.find(|channel| channel["column"] == column.as_str());
-                own.and_then(|channel| channel["rms_before_nt"].as_f64()).map_or("unknown".into(), three)
-            };
-            let each = ["x", "y", "z"].map(rms).join("; ");
-            page.head(format!("the chain {each};"));
-            page.say(format!(
-                "`diagnose`, given the way into the cold alone: {}; what it wrote leaves {each} nT of the way back.",
-                verdict(&document)
-            ));
-        }
-        Err(words) => page.refused("diagnose", &words),
-    }
-    Ok(())
 }
 
 /// Fits on the way into the cold, predicts the way back, by four explanations; then asks diagnose.
@@ -134,7 +104,33 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         "The temperature of the die predicts what was left out, and time does not: {slopes} nT/K in x; y; z. What is left is some counts of the AK09916 \
          (150 nT each) in the fit, and more on the way back, so a line is not all of it."
     ));
-    chain(stages, &mut page, &split)?;
+    let fitted = split.fitted.recording("flight", "differential");
+    let answer = stages.stage("diffmag", &[], vec![fitted], &json!({}))?;
+    let programs_nt = answer.as_ref().ok().and_then(|document| {
+        let left = Affine::found(document)?.differences(&split.left_out);
+        let drift = Drift::found(document, split.fitted.column("time_s"));
+        Some(scatter_of_each(&drift.without(&split.left_out, left)).to_vec())
+    });
+    match &answer {
+        Ok(document) => page.say(format!(
+            "`diffmag`, fitted to the same part, answers: {}.",
+            document["calibration"]["differential"]["fit"]["answer"].as_str().unwrap_or("nothing")
+        )),
+        Err(words) => page.refused("diffmag", words),
+    }
+    let by_hand = by_hand_pair::best(&|_| split.fitted.clone(), &|_| split.left_out.clone());
+    page.predictions.push(Prediction {
+        ways: by_hand
+            .words
+            .iter()
+            .zip(["x", "y", "z"])
+            .map(|(words, axis)| format!("{axis}: {words}"))
+            .collect(),
+        by_hand_nt: by_hand.scatter_nt.to_vec(),
+        programs_nt,
+        why: "the difference follows the temperature of the die, for which the fit of the matrix has no column",
+        ..Prediction::default()
+    });
     let answer =
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {

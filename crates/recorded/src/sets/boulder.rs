@@ -4,9 +4,11 @@ use serde_json::json;
 
 use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
-use crate::affine::{Affine, rms_of_each};
+use crate::affine::{Affine, rms_of_each, scatter_of_each};
+use crate::by_hand_pair;
 use crate::known::Known;
 use crate::page::{Page, plus_minus, three};
+use crate::prediction::Prediction;
 use crate::series::{Series, length, mean, rms};
 use crate::split::Split;
 use crate::stages::Stages;
@@ -41,6 +43,13 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
             let left =
                 |part: &Series| rms_of_each(&found.differences(part)).map(|nt| format!("{nt:.4}")).join("; ");
             let unseen = rms_of_each(&found.differences(&split.left_out));
+            let by_hand = by_hand_pair::best(&|_| split.fitted.clone(), &|_| split.left_out.clone());
+            page.predictions.push(Prediction {
+                ways: by_hand.words.to_vec(),
+                by_hand_nt: by_hand.scatter_nt.to_vec(),
+                programs_nt: Some(scatter_of_each(&found.differences(&split.left_out)).to_vec()),
+                ..Prediction::default()
+            });
             page.known.push(Known {
                 from: "the survey's notes",
                 what: "adjusted data are raw data times one matrix, rounded to 0.01 nT",
@@ -94,8 +103,9 @@ pub fn month(stages: &Stages) -> Result<Page, Error> {
         parts: ["1 to 20 January", "21 to 29 January"],
         offset_nt: [0.0; 3],
         by_hand: PLANE,
-        worse: "no reason is known",
         plot: Some("real-boulder-2016.svg"),
+        of: "",
+        why: "`diagnose` writes no calibration where the verdict is not explained",
     };
     scalar::study(stages, &mut page, &scalar)?;
     let own = |part: &Series| -> Vec<f64> {
@@ -131,8 +141,9 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
         parts: ["1 to 4 November", "5 to 7 November"],
         offset_nt: [0.0; 3],
         by_hand: PLANE,
-        worse: "no reason is known",
         plot: Some("real-boulder-2014.svg"),
+        of: "",
+        why: "`diagnose` finds several sets of names equally good and writes no calibration, so that only the level is taken off",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(UNDECIDED);

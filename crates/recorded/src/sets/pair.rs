@@ -1,11 +1,14 @@
 //! Two vector magnetometers side by side: diffmag's matrix, fitted on one part and held against another.
 
+use common::ClockDifference;
 use serde_json::{Value, json};
 
 use crate::Error;
 use crate::affine::{Affine, mean_of_each, scatter_of_each};
+use crate::by_hand_pair;
 use crate::page::{Page, array, plus_minus, quantity, three};
 use crate::plot::{self, Line, Panel};
+use crate::prediction::Prediction;
 use crate::series::Series;
 use crate::stages::Stages;
 
@@ -26,14 +29,17 @@ pub struct Pair<'a> {
     pub correct_clock: bool,
     /// Name of the plot; none without.
     pub plot: Option<&'a str>,
+    /// Why `diffmag` predicts worse than least squares by hand, where it does.
+    pub why: &'static str,
 }
 
-/// Both at the reference's times; the test instrument's readings from where its clock says `late_s` more.
-fn side_by_side(reference: &Series, test: &Series, late_s: f64) -> Series {
-    let times = reference.column("time_s").to_vec();
-    let stamps: Vec<f64> = times.iter().map(|t| t + late_s).collect();
-    let test = test.clone().on_clock(reference.start_s).at(&stamps).with("time_s", times);
-    reference.joined(&test).complete()
+/// Both at the test instrument's own times, whose readings stay as they are; the reference's are read where it was when the test instrument's clock said
+/// `late_s` of the time more.
+fn side_by_side(reference: &Series, test: &Series, late_s: impl Fn(f64) -> f64) -> Series {
+    let test = test.clone().on_clock(reference.start_s);
+    let stamps = test.column("time_s").to_vec();
+    let moments: Vec<f64> = stamps.iter().map(|t| t - late_s(*t)).collect();
+    reference.at(&moments).with("time_s", stamps).joined(&test).complete()
 }
 
 /// Runs diffmag and shows what its matrix leaves, in the fit and out of it; the document that it wrote, where it did.
@@ -53,13 +59,25 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
     };
     let Some(found) = Affine::found(&document) else { return Ok(None) };
     let clock = &document["calibration"]["differential"]["fit"]["clock"];
-    let late_s = clock["offset_s"]["value"].as_f64().filter(|_| pair.correct_clock).unwrap_or(0.0);
+    let corrected = |key: &str| clock[key]["value"].as_f64().filter(|_| pair.correct_clock).unwrap_or(0.0);
+    let (offset_s, rate) = (corrected("offset_s"), 1e-6 * corrected("rate_ppm"));
     let parts = [(&pair.reference, &pair.test), (&pair.left_out.0, &pair.left_out.1)];
-    let [fitted_raw, left_out_raw] = parts.map(|(reference, test)| side_by_side(reference, test, 0.0));
+    let aligned = |part: usize, late_s: f64| side_by_side(parts[part].0, parts[part].1, |_| late_s);
+    let [fitted_raw, left_out_raw] = [0, 1].map(|part| aligned(part, 0.0));
+    let drift = Drift::found(&document, fitted_raw.column("time_s"));
+    let late_s = |t: f64| offset_s + rate * (t - drift.middle_s);
     let [fitted, left_out] = parts.map(|(reference, test)| side_by_side(reference, test, late_s));
     let levels = Affine::level(&fitted_raw);
-    let by_parts = [(&levels, &fitted_raw), (&found, &fitted), (&levels, &left_out_raw), (&found, &left_out)];
-    let [raw, fit, unseen_raw, unseen] = by_parts.map(|(affine, series)| affine.differences(series));
+    let [raw, unseen_raw] = [&fitted_raw, &left_out_raw].map(|series| levels.differences(series));
+    let [fit, unseen] = [&fitted, &left_out].map(|series| drift.without(series, found.differences(series)));
+    let by_hand = by_hand_pair::best(&|late_s| aligned(0, late_s), &|late_s| aligned(1, late_s));
+    page.predictions.push(Prediction {
+        ways: by_hand.words.iter().zip(AXES).map(|(words, axis)| format!("{axis}: {words}")).collect(),
+        by_hand_nt: by_hand.scatter_nt.to_vec(),
+        programs_nt: Some(scatter_of_each(&unseen).to_vec()),
+        why: pair.why,
+        ..Prediction::default()
+    });
     let row = |what: &str, values: [f64; 3]| -> Vec<String> {
         std::iter::once(what.to_string()).chain(values.map(three)).collect()
     };
@@ -70,8 +88,10 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
             row(&format!("{fitted_part} (fitted): scatter, levels alone"), scatter_of_each(&raw)),
             row("… with the matrix", scatter_of_each(&fit)),
             row(&format!("{left_out_part} (left out): scatter, levels alone"), scatter_of_each(&unseen_raw)),
+            row("… by hand", by_hand.scatter_nt),
             row("… with the matrix", scatter_of_each(&unseen)),
             row("… its level, levels alone", mean_of_each(&unseen_raw)),
+            row("… its level, by hand", by_hand.level_nt),
             row("… its level, with the matrix", mean_of_each(&unseen)),
         ],
     );
@@ -125,11 +145,65 @@ fn matrix(page: &mut Page, document: &Value) {
     page.table(&["", "from reference x", "y", "z", "offset, nT"], &rows);
     let clock = &differential["fit"]["clock"];
     if clock.is_object() {
-        page.say(format!(
-            "Clock of the test instrument: {} s late, {} ppm.",
-            quantity(&clock["offset_s"]),
-            quantity(&clock["rate_ppm"])
-        ));
+        page.say(format!("Clock of the test instrument: {}.", clock_in_words(clock)));
+    }
+}
+
+/// Late or early and fast or slow, with sizes.
+pub fn clock_in_words(clock: &Value) -> String {
+    match serde_json::from_value::<ClockDifference>(clock.clone()) {
+        Ok(clock) => format!("{}, {}", clock.offset_in_words(), clock.rate_in_words()),
+        Err(_) => "unknown".into(),
+    }
+}
+
+/// The drift of each axis that diffmag found in the fitted part and that goes on.
+pub struct Drift {
+    first_s: f64,
+    middle_s: f64,
+    axes: [DriftOf; 3],
+}
+
+#[derive(Clone, Copy, Default)]
+struct DriftOf {
+    nt_per_s: f64,
+    amplitude_nt: f64,
+    time_constant_s: f64,
+}
+
+impl Drift {
+    /// Of a document that was made of readings at these times.
+    pub fn found(document: &Value, time: &[f64]) -> Self {
+        let axes = &document["calibration"]["differential"]["fit"]["axes"];
+        let number = |value: &Value| value.as_f64().or_else(|| value["value"].as_f64()).unwrap_or(0.0);
+        let of = |axis: &str| {
+            let drift = &axes[axis]["drift"];
+            let demanded = drift["demanded"].as_str().unwrap_or("none");
+            let joint = &drift["joint"];
+            let mut of = DriftOf::default();
+            if demanded != "none" {
+                of.nt_per_s = number(&drift["straight_nt_per_day"]) / 86_400.0;
+            }
+            if matches!(demanded, "exponential" | "both") {
+                of.nt_per_s = number(&joint["straight_nt_per_day"]) / 86_400.0;
+                (of.amplitude_nt, of.time_constant_s) =
+                    (number(&joint["amplitude_nt"]), number(&joint["time_constant_s"]));
+            }
+            of
+        };
+        let (first_s, last_s) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
+        Self { first_s, middle_s: (first_s + last_s) / 2.0, axes: AXES.map(of) }
+    }
+
+    /// What is left of differences without it.
+    pub fn without(&self, series: &Series, differences: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+        let at = |t: f64, of: DriftOf| {
+            let decay =
+                if of.time_constant_s > 0.0 { (-(t - self.first_s) / of.time_constant_s).exp() } else { 0.0 };
+            of.nt_per_s * (t - self.middle_s) + of.amplitude_nt * decay
+        };
+        let rows = series.column("time_s").iter().zip(differences);
+        rows.map(|(t, d)| [0, 1, 2].map(|k| d[k] - at(*t, self.axes[k]))).collect()
     }
 }
 
@@ -137,6 +211,9 @@ fn findings(page: &mut Page, document: &Value) {
     let findings: Vec<&str> = array(&document["calibration"]["differential"]["fit"]["findings"])
         .filter_map(Value::as_str)
         .collect();
+    if let Some(answer) = document["calibration"]["differential"]["fit"]["answer"].as_str() {
+        page.say(format!("`diffmag` answers: {answer}."));
+    }
     if !findings.is_empty() {
         page.say("`diffmag` says besides:");
         page.list(findings);

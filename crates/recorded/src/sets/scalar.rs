@@ -1,13 +1,14 @@
 //! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after what diagnose found.
 
-use common::number::significant;
 use serde_json::{Value, json};
 
 use crate::Error;
 use crate::by_hand::{ByHand, mismatch, plane};
 use crate::page::{self, Page, three};
 use crate::plot::{self, Line, Panel};
+use crate::prediction::Prediction;
 use crate::series::{Series, mean, rms};
+use crate::split::Split;
 use crate::stages::Stages;
 
 /// A vector (`sensor_*_nt`) and a scalar (`reference_nt`) at the same moments.
@@ -23,17 +24,17 @@ pub struct Scalar<'a> {
     pub offset_nt: [f64; 3],
     /// What the same is by plain least squares, in words, and how.
     pub by_hand: (&'a str, ByHand),
-    /// Why the chain predicts what was left out worse than the best by hand, where it does.
-    pub worse: &'a str,
     /// Name of the plot; none without.
     pub plot: Option<&'a str>,
+    /// Which part of the set this is, in words; empty where the set has one.
+    pub of: &'a str,
+    /// Why `diagnose` and `correct` predict worse than least squares by hand, where they do.
+    pub why: &'static str,
 }
 
 /// A level and slopes, for a field that points one way.
 pub const PLANE: (&str, ByHand) = ("a level and three slopes by plain least squares", plane);
 
-/// The chain predicts as well as the best by hand where its residual is larger by no more than this share.
-const AS_GOOD: f64 = 0.05;
 /// Readings that correcting moves by no more were not corrected.
 const UNMOVED_NT: f64 = 1e-6;
 
@@ -75,15 +76,25 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
     let by_hand = all.get(2).map(|hand| [hand.rms(0), hand.rms(1)]);
     let recording = scalar.fitted.recording("vector-scalar", "free_run");
     let answer = stages.stage("diagnose", &["--refit"], vec![recording], &given)?;
+    let mut programs_nt = None;
     if let Ok(document) = &answer {
         match corrected(stages, parts, document)? {
             Ok(nt) if moved(&nt[0], &all[0].nt[0]) => {
+                programs_nt = Some(vec![scatter(&nt[1])]);
                 all.push(Left { what: "corrected by what diagnose wrote".into(), nt });
             }
-            Ok(_) => {}
+            Ok(nt) => programs_nt = Some(vec![scatter(&nt[1])]),
             Err(words) => page.refused("correct", &words),
         }
     }
+    let (way, by_hand_nt) = by_hand_way(scalar, &all);
+    page.predictions.push(Prediction {
+        of: scalar.of.into(),
+        ways: vec![way],
+        by_hand_nt: vec![by_hand_nt],
+        programs_nt,
+        why: scalar.why,
+    });
     let [fitted, left_out] = scalar.parts;
     let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];
     page.table(
@@ -95,21 +106,6 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
         let word = if unseen < alone { "better than" } else { "no better than" };
         page.say(format!("By hand, what was left out is predicted {word} by the fitted part's level alone."));
-        if let Some(chain) = all.get(3).map(|chain| chain.rms(1)) {
-            page.head(format!("The chain {} nT.", three(chain)));
-            let share = chain / unseen.min(alone) - 1.0;
-            let per_cent = significant(100.0 * share.abs(), 2);
-            page.say(match share {
-                share if share > AS_GOOD => format!(
-                    "The chain's prediction is {per_cent} % worse than the best by hand: {}.",
-                    scalar.worse
-                ),
-                share if share > 0.0 => {
-                    format!("The chain's prediction is within 5 % of the best by hand ({per_cent} % worse).")
-                }
-                _ => format!("The chain's prediction is {per_cent} % better than the best by hand."),
-            });
-        }
     }
     match &answer {
         Ok(document) => diagnosis(page, document, &all, by_hand.map(|hand| hand[0])),
@@ -145,6 +141,25 @@ fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
     collapsed.then_some(
         "The refit has switched the instrument off (no sensitivity, an offset as long as the field): a fault of the program and no finding.",
     )
+}
+
+/// The level alone or the constants by hand: what predicts the last third of the fitted part better from its first two thirds, and the scatter that
+/// it leaves of what was left out.
+fn by_hand_way(scalar: &Scalar<'_>, all: &[Left]) -> (String, f64) {
+    let (what, by_hand) = scalar.by_hand;
+    let Split { fitted, left_out } = Split::share(&scalar.fitted, 2.0 / 3.0);
+    let alone = scatter(&mismatch(&left_out, "sensor", scalar.offset_nt));
+    let with = by_hand(&fitted, &left_out, scalar.offset_nt).map(|left| scatter(&left));
+    match all.iter().find(|left| left.what == what) {
+        Some(found) if with.is_some_and(|with| with < alone) => (what.into(), scatter(&found.nt[1])),
+        _ => ("the level alone".into(), scatter(&all[1].nt[1])),
+    }
+}
+
+/// Standard deviation about the own mean.
+fn scatter(values: &[f64]) -> f64 {
+    let level = mean(values.iter().copied());
+    rms(values.iter().map(|value| value - level))
 }
 
 fn moved(after: &[f64], before: &[f64]) -> bool {

@@ -1,10 +1,10 @@
 //! What the model left out: each diagnosis with its residuals before and after.
 
-use common::{Diagnosis, Document, ExplainedEffect, ResidualSeries, Verdict};
+use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Verdict};
 
-use super::clock::Clock;
-use super::words::{key, rounded, sentence, slug};
-use crate::plot::{Dimension, Mark, Plot, Series};
+use super::residuals::{Names, plots};
+use super::words::{key, rounded, sentence};
+use crate::plot::Plot;
 use crate::{Cell, Section, Table, number};
 
 /// The section; None where the document has nothing of it.
@@ -15,23 +15,40 @@ pub fn section(document: &Document) -> Option<Section> {
         if all.len() > 1 {
             section.items.push(crate::Item::Heading(format!("Diagnosis {} of {}", index + 1, all.len())));
         }
+        if !diagnosis.answer.is_empty() {
+            section.say(sentence(&diagnosis.answer));
+        }
         section.say(answer(diagnosis));
+        section.warnings.extend(diagnosis.fit.as_ref().and_then(absurd));
         // The picture first: the recording before, and with what was found.
-        let mut plots =
+        let mut series =
             diagnosis.series.iter().enumerate().map(|(number, series)| {
                 residuals(&format!("{}-{}", index + 1, number + 1), series, diagnosis)
             });
-        plots.next().into_iter().for_each(|plot| section.plot(plot));
+        series.next().into_iter().flatten().for_each(|plot| section.plot(plot));
         reasons(&mut section, diagnosis);
         for effect in &diagnosis.effects {
             effect_words(&mut section, effect);
         }
         section.table(effects(diagnosis));
         section.table(parameters(diagnosis));
-        plots.for_each(|plot| section.plot(plot));
+        series.flatten().for_each(|plot| section.plot(plot));
         tables(&mut section, diagnosis);
     }
     Some(section)
+}
+
+/// That a fit leaves more than there was.
+fn absurd(fit: &Residual) -> Option<String> {
+    fit.is_absurd().then(|| {
+        format!(
+            "The fit leaves more than there was: rms {} nT as it came, {} nT with the calibration fitted again, {} nT with what was found. Do not \
+             use it.",
+            number::significant(fit.rms_before_nt, 3),
+            number::significant(fit.rms_refitted_nt, 3),
+            number::significant(fit.rms_after_nt, 3)
+        )
+    })
 }
 
 fn answer(diagnosis: &Diagnosis) -> &'static str {
@@ -152,35 +169,23 @@ fn parameters(diagnosis: &Diagnosis) -> Table {
     table
 }
 
-fn residuals(id: &str, series: &ResidualSeries, diagnosis: &Diagnosis) -> Plot {
-    let times = series.along == "time_s";
-    let clock = Clock::of(if times { &series.x } else { &[] });
-    let (along, unit) = key(&series.along);
-    let unit = if times { clock.unit.into() } else { unit };
-    let x = if times { clock.times(&series.x) } else { series.x.clone() };
+fn residuals(id: &str, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Plot> {
     let of = series.recording.as_ref().map_or("all recordings".into(), |id| id.clone());
     let (column, _) = key(&series.column);
-    let mut plot = Plot::new(
-        format!("residual-{id}-{}", slug(&series.along)),
-        format!("Residual of {column} against {along}, {of}"),
-        Dimension::linear(along, unit),
-        Dimension::linear("residual", "nT"),
-    );
-    let mut note = match series.readings {
-        0 | 1 => "Each point is a reading.".to_string(),
-        readings => format!("Each point is the mean of {readings} readings."),
-    };
-    if let Some(fit) = &diagnosis.fit {
-        note.push_str(&format!(
-            " Noise of a reading: {} nT ({}).",
+    let noise = diagnosis.fit.as_ref().map(|fit| {
+        format!(
+            "Noise of a reading: {} nT ({}).",
             number::significant(fit.noise_floor_nt, 3),
             fit.noise_source
-        ));
-    }
-    plot = plot.note(note);
-    plot.push(Series::new("before: as it came", Mark::Points, 1, &x, &series.before_nt));
-    plot.push(Series::new("after: with what was found", Mark::Points, 0, &x, &series.after_nt));
-    plot
+        )
+    });
+    let names = Names {
+        id: format!("residual-{id}"),
+        title: format!("Residual of {column}, {of},"),
+        residual: "residual",
+        legend: ["before: as it came", "after: with what was found", "fitted"],
+    };
+    plots(&names, series, &noise.unwrap_or_default())
 }
 
 fn tables(section: &mut Section, diagnosis: &Diagnosis) {

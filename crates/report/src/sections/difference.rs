@@ -1,60 +1,78 @@
-//! The difference of two magnetometers as it was recorded.
+//! The difference of two magnetometers: what adds to it, and what it follows.
 
-use common::{Axis, DifferenceAxis, DriftForm, Matrix3x3, Recording};
+use common::{Axis, Contribution, ContributionCause, DifferentialFit, PerAxis, ResidualSeries};
 
-use super::clock::Clock;
-use crate::plot::{Dimension, Mark, Plot, Series};
+use super::residuals::{Names, plots};
+use crate::plot::Plot;
+use crate::{Cell, Section, Table};
 
-/// d less its mean as it was recorded, with the fitted drift.
-pub fn plot(
-    recording: &Recording,
-    matrix: &Matrix3x3,
-    test: Axis,
-    found: Option<&DifferenceAxis>,
-) -> Option<Plot> {
-    let time_s = recording.column("time_s")?;
-    let reading = recording.axis_column("test", test, "nt")?;
-    let mut d = reading.to_vec();
-    for reference in Axis::ALL {
-        let column = recording.axis_column("reference", reference, "nt")?;
-        d.iter_mut().zip(column).for_each(|(d, r)| *d -= r * matrix[reference.index()][test.index()]);
-    }
-    let mean = mean_of(&d);
-    d.iter_mut().for_each(|d| *d -= mean);
-    let clock = Clock::of(time_s);
-    let times = clock.times(time_s);
-    let mut plot = Plot::new(
-        format!("difference-{test}"),
-        format!("Difference along test axis {test}"),
-        Dimension::linear("time", clock.unit),
-        Dimension::linear("d less its mean", "nT"),
-    )
-    .note("d = T − R η as recorded, readings that were kept out included.");
-    plot.push(Series::new("difference", Mark::Points, test.index(), &times, &d));
-    if let Some(found) = found {
-        let first = time_s.iter().copied().find(|time| time.is_finite())?;
-        let drift: Vec<f64> = time_s.iter().map(|time| drift(found, time - first)).collect();
-        let level = mean_of(&drift);
-        let drift: Vec<f64> = drift.iter().map(|drift| drift - level).collect();
-        plot.push(Series::new("fitted drift", Mark::Dashes, 5, &times, &drift));
-    }
-    Some(plot)
-}
-
-/// The straight drift of the fit, or both parts where an exponential one is demanded.
-fn drift(found: &DifferenceAxis, time_s: f64) -> f64 {
-    let days = time_s / 86_400.0;
-    match &found.drift.joint {
-        Some(joint) if matches!(found.drift.demanded, DriftForm::Exponential | DriftForm::Both) => {
-            joint.straight_nt_per_day.value() * days
-                + joint.amplitude_nt.value() * (-time_s / joint.time_constant_s.value()).exp()
+/// Plots against time, the field's rate of change and each housekeeping column, the axes side by side.
+pub fn draw(section: &mut Section, fit: &DifferentialFit) {
+    let mut along: Vec<&str> = Vec::new();
+    for series in &fit.series {
+        if !along.contains(&series.along.as_str()) {
+            along.push(&series.along);
         }
-        _ => found.drift.straight_nt_per_day.value() * days,
+    }
+    for along in along {
+        let of = |axis: Axis| -> Vec<Plot> {
+            let column = format!("test_{axis}_nt");
+            let own = fit.series.iter().filter(|series| series.along == along && series.column == column);
+            own.flat_map(|series| one(axis, series)).collect()
+        };
+        section.plots_side_by_side(Axis::ALL.into_iter().map(of).collect());
     }
 }
 
-fn mean_of(values: &[f64]) -> f64 {
-    let finite = values.iter().filter(|value| value.is_finite());
-    let count = finite.clone().count();
-    finite.sum::<f64>() / count as f64
+fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
+    let (legend, note) = match series.along.as_str() {
+        "time_s" => (["levels alone: T − R", "left: T − R η − d", "fitted"], "Both less their means."),
+        "field_rate_nt_per_s" => (
+            ["with the clocks' difference", "without it", "the clocks' difference"],
+            "The rate of change is that of the field along the test axis; a clock that is late by δ shows as −δ times it.",
+        ),
+        _ => (
+            ["the drift left in", "left: T − R η − d", "fitted"],
+            "What follows the column is not taken off.",
+        ),
+    };
+    let title = format!("Difference along test axis {axis}");
+    plots(&Names { id: format!("difference-{axis}"), title, residual: "difference", legend }, series, note)
+}
+
+/// What adds to the difference, the largest first, with the rms with it and without.
+pub fn contributions(fit: &DifferentialFit) -> Table {
+    let mut table = Table::new(
+        "What adds to the difference: rms with it and without, all else being the same",
+        [
+            ("what", ""),
+            ("taken off", ""),
+            ("x with", "nT"),
+            ("x without", "nT"),
+            ("y with", "nT"),
+            ("y without", "nT"),
+            ("z with", "nT"),
+            ("z without", "nT"),
+        ],
+    );
+    for one in &fit.contributions {
+        let taken_off = if one.taken_off { "yes" } else { "no" };
+        let rms = |of: &PerAxis<f64>, axis| of.get(axis).map_or(Cell::Empty, |rms| Cell::Figures(*rms, 3));
+        let both = |axis| [rms(&one.rms_with_nt, axis), rms(&one.rms_without_nt, axis)];
+        let [[a, b], [c, d], [e, f]] = Axis::ALL.map(both);
+        table.row([named(one).into(), taken_off.into(), a, b, c, d, e, f]);
+    }
+    table
+}
+
+fn named(one: &Contribution) -> String {
+    let name = match one.cause {
+        ContributionCause::Clock => "difference of the clocks",
+        ContributionCause::Steps => "steps",
+        ContributionCause::Disturbances => "spikes and disturbed intervals",
+        ContributionCause::Drift => "drift",
+        ContributionCause::ShortPeriods => "periods on which the matrix does not rest",
+        ContributionCause::Column => "what follows",
+    };
+    one.column.as_ref().map_or_else(|| name.to_string(), |column| format!("{name} {column}"))
 }

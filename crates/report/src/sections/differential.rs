@@ -13,6 +13,8 @@ use crate::{Cell, Section, Table, number};
 pub fn section(document: &Document) -> Option<Section> {
     let found = document.calibration.as_ref()?.differential.as_ref()?;
     let mut section = Section::new("differential", "Two magnetometers side by side");
+    let answer = found.fit.as_ref().map(|fit| &fit.answer).filter(|answer| !answer.is_empty());
+    section.words.extend(answer.map(|answer| sentence(answer)));
     section.words.push("T = R η + d: what the test instrument reads, from what the reference reads.".into());
     section.table(matrix(found));
     if let Some(fit) = &found.fit {
@@ -25,11 +27,8 @@ pub fn section(document: &Document) -> Option<Section> {
             sentence(&fit.quoted)
         ));
         section.warnings.extend(fit.findings.iter().cloned());
-        if let (Some(matrix), [id]) = (&found.matrix, fit.recordings.as_slice()) {
-            let recording = document.recordings.iter().find(|recording| recording.id == *id);
-            let plot = |axis| difference::plot(recording?, matrix, axis, fit.axes.get(axis));
-            Axis::ALL.into_iter().filter_map(plot).for_each(|plot| section.plot(plot));
-        }
+        difference::draw(&mut section, fit);
+        section.table(difference::contributions(fit));
         axes(&mut section, found, fit);
         section.plot(allan(fit));
         if let Some(matrix) = &found.matrix {
@@ -91,7 +90,9 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
         [
             ("test axis", ""),
             ("mean d", "nT"),
-            ("rms about it", "nT"),
+            ("rms of the readings", "nT"),
+            ("rms of T − R, levels alone", "nT"),
+            ("rms of d", "nT"),
             ("white, of a reading", "nT"),
             ("√A at 1 Hz", "nT/√Hz"),
             ("α", ""),
@@ -122,10 +123,13 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
             ("longer than the recording", ""),
         ],
     );
+    let figures = |rms: Option<f64>| rms.map_or(Cell::Empty, |rms| Cell::Figures(rms, 3));
     for (axis, one) in fit.axes.iter() {
         table.row([
             axis.letter().into(),
             found.offset_nt.as_ref().and_then(|offset| offset.get(axis)).into(),
+            figures(one.rms_of_readings_nt),
+            figures(one.rms_of_levels_nt),
             Cell::Figures(one.rms_nt, 3),
             (&one.white_rms_nt).into(),
             (&one.density_at_1hz_nt_per_sqrt_hz).into(),
@@ -201,9 +205,9 @@ fn clock(section: &mut Section, fit: &DifferentialFit) {
         "Its times were left as they are."
     };
     section.say(format!(
-        "Clock of the test instrument (positive: late): {} s, rate {} ppm. {corrected}",
-        number::cell(&(&clock.offset_s).into()),
-        number::cell(&(&clock.rate_ppm).into())
+        "Clock of the test instrument: {} in the middle of the recording, {}. {corrected}",
+        clock.offset_in_words(),
+        clock.rate_in_words()
     ));
 }
 

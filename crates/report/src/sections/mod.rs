@@ -20,6 +20,7 @@ mod model;
 mod noise;
 mod nulling;
 mod recordings;
+mod residuals;
 mod sensors;
 mod stated;
 mod temperature;
@@ -74,6 +75,7 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         );
         return summary;
     }
+    summary.extend(answers(document));
     let rows: usize = document.recordings.iter().map(common::Recording::rows).sum();
     let stages: Vec<&str> = document.history.iter().map(|entry| entry.stage.as_str()).collect();
     let been =
@@ -100,6 +102,26 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
     );
     summary.extend(sha256.map(|hash| format!("SHA-256 of the document: {hash}")));
     summary
+}
+
+/// What it comes to, first of all; what cannot be right is marked.
+fn answers(document: &Document) -> Vec<String> {
+    let pair =
+        document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref()?.fit.as_ref());
+    let of_pair = pair.map(|fit| {
+        let absurd = fit.axes.iter().any(|(_, axis)| axis.exceeded_nt().is_some());
+        ("Two magnetometers", fit.answer.as_str(), absurd)
+    });
+    let of_diagnosis = document.diagnosis.iter().flatten().map(|entry| {
+        let absurd = entry.fit.as_ref().is_some_and(common::Residual::is_absurd);
+        ("Diagnosis", entry.answer.as_str(), absurd)
+    });
+    let all = of_pair.into_iter().chain(of_diagnosis).filter(|(_, answer, _)| !answer.is_empty());
+    let told = |(of, answer, absurd): (&str, &str, bool)| {
+        let mark = if absurd { "△ " } else { "" };
+        words::sentence(&format!("{mark}{of}: {answer}"))
+    };
+    all.map(told).collect()
 }
 
 /// Ids of recordings may come to the same id of a plot; the later ones are numbered.

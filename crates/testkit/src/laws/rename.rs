@@ -21,7 +21,9 @@ fn renamed(key: &str, value: &Value) -> Value {
             let each = |(name, value): (&String, &Value)| {
                 // What is listed by axis is known by the key above.
                 let inner = if axis(name).is_some() { format!("{key} of an axis") } else { name.clone() };
-                (key_of(key, name), renamed(&inner, value))
+                // Where the points of a series are is no axis.
+                let kept = key == "series" && name == "x";
+                (if kept { name.clone() } else { key_of(key, name) }, renamed(&inner, value))
             };
             object.iter().map(each).collect::<Map<_, _>>().into()
         }

@@ -1,0 +1,165 @@
+//! The difference along what it may follow, as a few points for plots.
+
+use common::{Axis, DifferenceAxis, DifferentialFit, Document, DriftForm, ResidualSeries};
+use estimate::grouped::{Grouped, grouped};
+
+use crate::prepare::Prepared;
+use crate::regression::AxisFit;
+use crate::series::Pair;
+
+/// Most points of a series.
+const POINTS: usize = 120;
+const DAY_S: f64 = 86_400.0;
+/// Beginnings of the columns that are no housekeeping: the instruments' own, and times.
+const NO_HOUSEKEEPING: [&str; 4] = ["reference_", "test_", "third_", "time_"];
+
+/// Along time, the field's rate of change, and each housekeeping column.
+pub fn series(
+    document: &Document,
+    raw: &Pair,
+    prepared: &Prepared,
+    fits: &[AxisFit; 3],
+    fit: &DifferentialFit,
+) -> Vec<ResidualSeries> {
+    let rows = raw.whole.len();
+    let time: Vec<f64> = (0..rows).map(|row| raw.time_s(row)).collect();
+    let columns = housekeeping(document, raw, &time);
+    let mut all = Vec::new();
+    for (axis, found) in Axis::ALL.into_iter().zip(fits) {
+        let (j, left) = (axis.index(), &found.difference);
+        let whole = |values: &[f64]| -> Vec<f64> {
+            let whole = raw.whole.iter().zip(&prepared.pair.whole).map(|(a, b)| *a && *b);
+            values.iter().zip(whole).map(|(value, whole)| if whole { *value } else { f64::NAN }).collect()
+        };
+        let mut add = |along: &str, x: &[f64], before: &[f64], after: &[f64], fitted: Option<&[f64]>| {
+            let found = grouped(&whole(x), [before, after, fitted.unwrap_or(after)], POINTS);
+            let Some(Grouped { x, columns: [before_nt, after_nt, fitted_nt], points }) = found else {
+                return;
+            };
+            all.push(ResidualSeries {
+                recording: None,
+                column: format!("test_{axis}_nt"),
+                along: along.into(),
+                x,
+                before_nt,
+                after_nt,
+                fitted_nt: if fitted.is_some() { fitted_nt } else { Vec::new() },
+                readings: points,
+            });
+        };
+        add("time_s", &time, &levels(raw, j), left, None);
+        if let Some(clock) = &fit.clock {
+            let rate = field_rate(raw, found);
+            let late_s =
+                |row: usize| clock.offset_s.value() + 1e-6 * clock.rate_ppm.value() * raw.since_middle_s(row);
+            let of_clock: Vec<f64> = (0..rows).map(|row| -late_s(row) * rate[row]).collect();
+            let and = |sign: f64| -> Vec<f64> {
+                left.iter().zip(&of_clock).map(|(left, clock)| left + sign * clock).collect()
+            };
+            if clock.corrected {
+                add("field_rate_nt_per_s", &rate, &and(1.0), left, Some(&of_clock));
+            } else {
+                add("field_rate_nt_per_s", &rate, left, &and(-1.0), Some(&of_clock));
+            }
+        }
+        for (name, values) in &columns {
+            let drifting = with_drift(raw, left, fit.axes.get(axis));
+            add(name, values, &drifting, left, None);
+        }
+    }
+    all
+}
+
+/// T − R of the axes of one name, less its mean.
+fn levels(raw: &Pair, axis: usize) -> Vec<f64> {
+    let d = raw.test[axis].iter().zip(&raw.reference[axis]).map(|(test, reference)| test - reference);
+    let d: Vec<f64> = d.collect();
+    let (sum, count) = d
+        .iter()
+        .zip(&raw.whole)
+        .filter(|(_, whole)| **whole)
+        .fold((0.0, 0.0), |(s, n), (d, _)| (s + d, n + 1.0));
+    d.iter().map(|d| d - sum / count).collect()
+}
+
+/// Rate of change of the field along a test axis by the reference, nT/s: central differences.
+fn field_rate(raw: &Pair, found: &AxisFit) -> Vec<f64> {
+    let field = |row: usize| -> f64 { (0..3).map(|i| found.fit.weighted[i] * raw.reference[i][row]).sum() };
+    let last = raw.whole.len() - 1;
+    let rate = |row: usize| {
+        let (from, to) = (row.saturating_sub(1), (row + 1).min(last));
+        (field(to) - field(from)) / ((to - from) as f64 * raw.step_s)
+    };
+    (0..=last).map(rate).collect()
+}
+
+/// What is left, with the drift that was taken off.
+fn with_drift(raw: &Pair, left: &[f64], found: Option<&DifferenceAxis>) -> Vec<f64> {
+    let Some(drift) = found.map(|found| &found.drift) else { return left.to_vec() };
+    let joint =
+        drift.joint.as_ref().filter(|_| matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both));
+    let at = |row: usize| {
+        let straight = drift.straight_nt_per_day.value() * raw.since_middle_s(row) / DAY_S;
+        let decay = joint.map_or(0.0, |joint| {
+            joint.amplitude_nt.value() * (-(row as f64) * raw.step_s / joint.time_constant_s.value()).exp()
+        });
+        straight + decay
+    };
+    left.iter().enumerate().map(|(row, left)| left + at(row)).collect()
+}
+
+/// The housekeeping columns of the pair's recordings at the pair's times, on lines between neighbours; missing beyond their ends.
+fn housekeeping(document: &Document, raw: &Pair, time: &[f64]) -> Vec<(String, Vec<f64>)> {
+    let recordings = || document.recordings.iter().filter(|recording| raw.recordings.contains(&recording.id));
+    let starts = || recordings().filter_map(|recording| recording.start()).map(|start| start.unix_s);
+    let earliest = starts().fold(f64::INFINITY, f64::min);
+    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
+    for recording in recordings() {
+        let origin_s = recording.start().map_or(0.0, |start| start.unix_s - earliest);
+        let Some(own) = recording.column("time_s") else { continue };
+        let is_housekeeping = |name: &&String| !NO_HOUSEKEEPING.iter().any(|other| name.starts_with(other));
+        for name in recording.columns.keys().filter(is_housekeeping) {
+            let Some(values) = recording.column(name) else { continue };
+            let known: Vec<(f64, f64)> = own
+                .iter()
+                .zip(values)
+                .filter(|(t, value)| t.is_finite() && value.is_finite())
+                .map(|(t, value)| (t + origin_s, *value))
+                .collect();
+            let at: Vec<f64> = time.iter().map(|t| between(&known, *t)).collect();
+            match all.iter_mut().find(|(other, _)| other == name) {
+                // Another piece of the same.
+                Some((_, have)) => have
+                    .iter_mut()
+                    .zip(at)
+                    .filter(|(have, _)| have.is_nan())
+                    .for_each(|(have, at)| *have = at),
+                None => all.push((name.clone(), at)),
+            }
+        }
+    }
+    all
+}
+
+/// A value between two neighbours in time; NaN beyond the ends.
+fn between(known: &[(f64, f64)], t: f64) -> f64 {
+    let after = known.partition_point(|(time, _)| *time < t);
+    let Some((to, high)) = known.get(after).copied() else { return f64::NAN };
+    if to == t {
+        return high;
+    }
+    let Some((from, low)) = after.checked_sub(1).map(|before| known[before]) else { return f64::NAN };
+    low + (high - low) * (t - from) / (to - from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_between_neighbours_and_nothing_beyond() {
+        let known = [(0.0, 1.0), (2.0, 5.0)];
+        assert_eq!([0.0, 1.0, 2.0].map(|t| between(&known, t)), [1.0, 3.0, 5.0]);
+        assert!(between(&known, -1.0).is_nan() && between(&known, 2.1).is_nan());
+    }
+}

@@ -1,0 +1,89 @@
+//! What is told first, and the figures behind it.
+
+use common::{Axis, Contribution, ContributionCause, DifferentialFit};
+
+use crate::pair_in_time::{Made, document, found};
+
+fn fit(made: &Made, correct_clock: bool) -> DifferentialFit {
+    *found(&document(vec![made.both("pair", 0..made.rows)]), correct_clock).fit.expect("a fit")
+}
+
+fn of(fit: &DifferentialFit, cause: ContributionCause) -> &Contribution {
+    fit.contributions
+        .iter()
+        .find(|one| one.cause == cause)
+        .unwrap_or_else(|| panic!("{:?}", fit.contributions))
+}
+
+/// A clock that is half a minute off is the first thing said, late or early, and its figures are those of the pair with a clock that is right.
+#[test]
+fn a_clock_is_told_with_what_it_does() {
+    let right = fit(&Made::new(5), false);
+    assert!(
+        right.contributions.iter().all(|one| one.cause != ContributionCause::Clock),
+        "{:?}",
+        right.contributions
+    );
+    for (offset_s, word) in [(30.0, "late"), (-30.0, "early")] {
+        let made = Made { offset_s, ..Made::new(5) };
+        let [left, corrected] = [false, true].map(|correct| fit(&made, correct));
+        for one in [&left, &corrected] {
+            assert!(one.answer.contains(&format!(" s {word}")), "{}", one.answer);
+            assert!(!one.answer.contains('−'), "{}", one.answer);
+            assert!(one.answer.contains("with this corrected, x falls from "), "{}", one.answer);
+            assert_eq!(one.findings[0], one.answer);
+        }
+        let [with, without] = [&left, &corrected].map(|fit| of(fit, ContributionCause::Clock));
+        assert_eq!([with.taken_off, without.taken_off], [false, true]);
+        for axis in Axis::ALL {
+            let rms = |of: &Contribution| {
+                [&of.rms_with_nt, &of.rms_without_nt].map(|rms| *rms.get(axis).expect("an axis"))
+            };
+            let ([with, without], [again, left]) = (rms(with), rms(without));
+            let noise = right.axes.get(axis).expect("an axis").rms_nt;
+            // The same pair, told before the correction and after it.
+            assert!((again / with - 1.0).abs() < 0.01 && (left / without - 1.0).abs() < 0.01, "{axis}");
+            assert!(with > 2.0 * noise, "{axis}: {with} of {noise}");
+            assert!((without / noise - 1.0).abs() < 0.05, "{axis}: {without} of {noise}");
+        }
+    }
+}
+
+/// The largest contribution comes first, and where nothing adds to the difference the matrix is the answer.
+#[test]
+fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
+    let good = fit(&Made::new(7), false);
+    assert!(good.answer.starts_with("the matrix leaves "), "{}", good.answer);
+    let made = Made { offset_s: 30.0, ..Made::new(7) };
+    let mut recording = made.both("pair", 0..made.rows);
+    recording.columns["test_z_nt"].0[2000..].iter_mut().for_each(|value| *value += 40.0);
+    let stepped = *found(&document(vec![recording]), true).fit.expect("a fit");
+    let causes: Vec<_> = stepped.contributions.iter().map(|one| one.cause).collect();
+    assert_eq!(causes[..2], [ContributionCause::Steps, ContributionCause::Clock], "{:?}", stepped.findings);
+    let reductions: Vec<f64> = stepped.contributions.iter().map(Contribution::reduction_nt2).collect();
+    assert!(reductions.is_sorted_by(|a, b| a >= b), "{reductions:?}");
+    let steps = of(&stepped, ContributionCause::Steps);
+    // Nearly half of the rows are 40 nT higher: 20 nT rms, of which a straight drift takes three quarters of the variance and leaves 10 nT, and the
+    // field a little more.
+    let [with, without] = [&steps.rms_with_nt, &steps.rms_without_nt].map(|rms| rms.z.expect("z"));
+    assert!((6.0..10.0).contains(&with) && without < 0.1, "{with} {without}");
+}
+
+/// Series for plots hold what the fit leaves, means of neighbours in order.
+#[test]
+fn series_are_means_of_what_is_left() {
+    let fit = fit(&Made { offset_s: 30.0, ..Made::new(9) }, true);
+    let along: Vec<&str> = fit.series.iter().map(|series| series.along.as_str()).collect();
+    assert_eq!(along, ["time_s", "field_rate_nt_per_s"].repeat(3));
+    for series in &fit.series {
+        assert!(series.x.len() <= 120 && series.x.is_sorted());
+        let square = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        assert!(
+            square(&series.after_nt) < 0.1 * square(&series.before_nt),
+            "{} {}",
+            series.column,
+            series.along
+        );
+        assert_eq!(series.fitted_nt.is_empty(), series.along == "time_s");
+    }
+}
