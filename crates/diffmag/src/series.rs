@@ -76,6 +76,8 @@ pub struct Pair {
     pub highest_hz: Option<f64>,
     /// First rows after the steps that are to be fitted to each test axis.
     pub steps: [Vec<usize>; 3],
+    /// Standard uncertainties of the sizes that were taken off in their places, nT.
+    pub step_stds: [Vec<f64>; 3],
     /// What was done to bring them together, in words.
     pub told: Vec<String>,
 }
@@ -300,6 +302,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         reference_noise: reference_noise(found)?,
         whole,
         steps: Default::default(),
+            step_stds: Default::default(),
         told,
     };
     pair.bridge();
