@@ -163,7 +163,6 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
         let test = &pair.test[axis];
         let mut base: Vec<Vec<f64>> = pair.reference.to_vec();
         base.extend(drifts.iter().cloned());
-        base.extend(pair.step_columns(axis));
         let plain = spectral::regress(&base, test, pair.step_s, &|_| 1.0)?;
         let mut eta = std::array::from_fn(|i| plain.least_squares[i]);
         let mut noise = Noise::seen(&rest(&base, test, &plain.least_squares), pair)?;

@@ -36,6 +36,7 @@ pub struct Prepared {
 pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
     let (mut shift, mut events) = (Shift::default(), Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
+    let mut searched = None::<Shift>;
     for _ in 0..ROUNDS {
         let mut together = aligned(&events.taken_out(raw, shift), shift, Moved::Reference);
         if let Some(look) = &last {
@@ -51,7 +52,10 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
                 continue;
             }
         }
-        let found = events::search(&aligned(raw, shift, Moved::Reference), &together, &look)?;
+        // With the clocks as they were, what was found is where the search begins.
+        let known = if searched == Some(shift) { &events } else { &Events::default() };
+        let found = events::search(&aligned(raw, shift, Moved::Reference), &together, &look, known)?;
+        searched = Some(shift);
         let same = found.same(&events);
         events = found;
         clock = look.clock.as_ref().map(|left| total(shift, left));

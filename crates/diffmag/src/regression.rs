@@ -4,7 +4,7 @@ use common::{
     Axis, DifferentialCalibration, DifferentialFit, Drift, EventInstrument, KeptOut, KeptOutEvent,
     MatrixElement, PerAxis, Quantity,
 };
-use estimate::cosine::{self, Errors};
+use estimate::cosine::{self, Errors, Projection};
 use estimate::periodogram::periodogram;
 use estimate::spectral::{self, SpectralFit};
 use estimate::{hac, stats};
@@ -82,7 +82,7 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
     let test = std::array::from_fn(|axis| {
         without(&pair.test[axis], &columns(axis), &fits[axis].fit.weighted[STRAIGHT..])
     });
-    Pair { test, steps: Default::default(), ..pair.clone() }
+    Pair { test, steps: Default::default(), step_stds: Default::default(), ..pair.clone() }
 }
 
 /// The pair less what the exponential drifts that the readings demand explain of every column: no matrix rests on them then. They were
@@ -240,18 +240,18 @@ fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
 fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     let pair = whole.pair;
     let test = &pair.test[axis];
-    let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
-    let transforms = |design: &[Vec<f64>]| -> Vec<Vec<f64>> {
-        design.iter().map(|column| whole.transform(column)).collect()
-    };
-    let mut step_transforms = transforms(&steps);
     let mut y = whole.transform(test);
-    let straight_design = [&pair.reference[..], std::slice::from_ref(&whole.days), &steps].concat();
-    let seen = lines(whole, &straight_design, test, &y)?;
-    let Plain { noise: plain_noise, kept } = plain(whole, &transforms(&straight_design), &y, &seen)?;
+    let base_design = [&pair.reference[..], std::slice::from_ref(&whole.days)].concat();
+    let seen = lines(whole, &base_design, test, &y)?;
+    let Plain { noise: plain_noise, kept } = plain(whole, &y, &seen)?;
     let columns = &whole.up_to(kept);
     y.truncate(kept);
-    step_transforms.iter_mut().for_each(|step| step.truncate(kept));
+    let all_steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
+    let fitted =
+        determined(columns, &all_steps, &pair.step_stds[axis], &plain_noise.errors(&columns.cosine)?)?;
+    let steps: Vec<Vec<f64>> = fitted.iter().map(|step| all_steps[*step].clone()).collect();
+    let step_transforms: Vec<Vec<f64>> = steps.iter().map(|step| columns.transform(step)).collect();
+    let straight_design = [&base_design[..], &steps].concat();
     let beside = drift::Beside { steps: &step_transforms, lines_hz: &seen };
     let (straight, noise) = columns.straight(&y, &beside)?;
     let joint = drift::joint(columns, &y, &noise, &beside)?;
@@ -269,9 +269,16 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
     let errors = noise.errors(&columns.cosine)?;
     let fit = cosine::regress(&all, &y, &errors)?;
+    let fit = not_worse_than_levels(fit, &design, pair, axis);
+    let fit = with_held(fit, design.len() - steps.len(), &fitted, &pair.step_stds[axis]);
     let whitened = Whitened {
         weights: std::array::from_fn(|i| regression.weights[i].clone()),
         left: errors.whiten(&regression.residual),
+    };
+    let difference = if fit.weighted[..3] == regression.coefficients[..3] {
+        difference
+    } else {
+        rest(&design, test, &fit.weighted)
     };
     let offset_nt = mean(&level) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
@@ -284,6 +291,72 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, whitened, source })
 }
 
+/// A fit that leaves no more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
+/// the form that is fitted, or the instruments share little, the matrix by them may leave more than none does. Least squares cannot.
+fn not_worse_than_levels(fit: SpectralFit, design: &[Vec<f64>], pair: &Pair, axis: usize) -> SpectralFit {
+    let test = &pair.test[axis];
+    let reference = &pair.reference[axis];
+    let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
+    let squares = |values: &[f64]| cosine::dot(values, values);
+    let levels = squares(&rest(&[], &apart, &[]));
+    if squares(&rest(design, test, &fit.weighted)) <= levels {
+        return fit;
+    }
+    SpectralFit { weighted: fit.least_squares.clone(), weighted_covariance: fit.covariance.clone(), ..fit }
+}
+
+/// The steps of which the band says more, beside the other columns and each other, than the search that found them: these are fitted, the
+/// others keep the sizes that were found. So steps that lie too close for the band are not told apart by it.
+fn determined(
+    columns: &Columns<'_>,
+    steps: &[Vec<f64>],
+    stds: &[f64],
+    errors: &Errors,
+) -> Result<Vec<usize>, Error> {
+    let transforms: Vec<Vec<f64>> = steps.iter().map(|step| columns.transform(step)).collect();
+    let mut fitted: Vec<usize> = Vec::new();
+    for (number, (transform, std)) in transforms.iter().zip(stds).enumerate() {
+        let mut beside = columns.base();
+        beside.extend(fitted.iter().map(|step| transforms[*step].as_slice()));
+        let Some(direction) = Projection::of(&beside, transform, errors)?.direction(transform, errors) else {
+            continue;
+        };
+        let information = cosine::dot(&direction, &errors.whiten(transform));
+        if information * std >= 1.0 {
+            fitted.push(number);
+        }
+    }
+    Ok(fitted)
+}
+
+/// A fit with the steps that were not fitted in their places: nothing is to be added to their sizes, with the uncertainties of these.
+fn with_held(fit: SpectralFit, before: usize, fitted: &[usize], stds: &[f64]) -> SpectralFit {
+    if fitted.len() == stds.len() {
+        return fit;
+    }
+    let place = |column: usize| match column.checked_sub(before) {
+        None => Some(column),
+        Some(step) => fitted.iter().position(|known| *known == step).map(|at| before + at),
+    };
+    let count = before + stds.len();
+    let values =
+        |own: &[f64]| -> Vec<f64> { (0..count).map(|i| place(i).map_or(0.0, |at| own[at])).collect() };
+    let matrix = |own: &Mat<f64>| {
+        Mat::from_fn(count, count, |i, j| match (place(i), place(j)) {
+            (Some(a), Some(b)) => own[(a, b)],
+            _ if i == j => stds[i - before].powi(2),
+            _ => 0.0,
+        })
+    };
+    SpectralFit {
+        least_squares: values(&fit.least_squares),
+        covariance: matrix(&fit.covariance),
+        independent: matrix(&fit.independent),
+        weighted: values(&fit.weighted),
+        weighted_covariance: matrix(&fit.weighted_covariance),
+    }
+}
+
 /// What least squares say: noise, and how much of the band agrees with them.
 struct Plain {
     noise: Noise,
@@ -294,8 +367,9 @@ struct Plain {
 /// Least squares rest on what is strong, which is slow; weights rest on where the difference is quiet. The two have one answer only
 /// where the instruments answer alike: filters, and noise of the reference where the field is weak, show at short periods. So
 /// the band is halved until the weighted η agrees with least squares.
-fn plain(columns: &Columns<'_>, design: &[Vec<f64>], y: &[f64], lines_hz: &[f64]) -> Result<Plain, Error> {
-    let up_to = |kept: usize| -> Vec<&[f64]> { design.iter().map(|column| &column[..kept]).collect() };
+fn plain(columns: &Columns<'_>, y: &[f64], lines_hz: &[f64]) -> Result<Plain, Error> {
+    let up_to =
+        |kept: usize| -> Vec<&[f64]> { columns.base().iter().map(|column| &column[..kept]).collect() };
     let independent = Errors::independent(&columns.cosine);
     let noise =
         columns.noise(&cosine::weighted(&up_to(y.len()), y, &independent)?, &independent, lines_hz)?;

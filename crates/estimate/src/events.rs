@@ -3,7 +3,7 @@
 use fourier::{Complex, Forward, Inverse, Planner};
 
 use crate::Error;
-use crate::stats::{coverage_factor, mean, median};
+use crate::stats::{coverage_factor, mean};
 
 /// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model lacks there cannot look like
 /// steps.
@@ -12,10 +12,6 @@ const MEMORY: usize = 256;
 const ENDS: usize = 2;
 /// A shape is looked for where the jump from the last sample to the first leaves so much of what is known of it.
 const LEFT: f64 = 0.1;
-/// Median of |z| for a standard normal z.
-const MEDIAN_ABSOLUTE_NORMAL: f64 = 0.674_489_75;
-/// Rounds in which the sizes are fitted together.
-const SWEEPS: usize = 8;
 /// Most rounds in which missing samples are filled.
 const FILLS: usize = 60;
 /// They are filled when what is left of the equations is less than this share.
@@ -30,21 +26,6 @@ pub enum Shape {
     Step,
     /// The row alone is higher by the size.
     Spike,
-}
-
-/// An event in a series.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Event {
-    /// Its shape.
-    pub shape: Shape,
-    /// The row of the spike, or the first row after the step.
-    pub row: usize,
-    /// Its size, in the series' unit.
-    pub size: f64,
-    /// Standard uncertainty of the size under the noise.
-    pub std: f64,
-    /// Size over uncertainty when it was found.
-    pub z: f64,
 }
 
 /// The matched filter for one series.
@@ -155,24 +136,18 @@ impl Search {
         if information > LEFT * all { information.sqrt() } else { 0.0 }
     }
 
-    fn score(&self, shape: Shape, row: usize) -> f64 {
+    /// Σ of the series with a shape at a row, whitened.
+    pub fn score(&self, shape: Shape, row: usize) -> f64 {
         match shape {
             Shape::Step => self.filtered[row],
             Shape::Spike => self.filtered[row] - self.filtered[row + 1],
         }
     }
 
-    fn ratio(&self, shape: Shape, row: usize) -> f64 {
+    /// Size over uncertainty of a shape at a row; zero where nothing is looked for.
+    pub fn ratio(&self, shape: Shape, row: usize) -> f64 {
         let root = self.roots[shape as usize][row];
         if root > 0.0 { self.score(shape, row) / root } else { 0.0 }
-    }
-
-    /// How wide the ratios of size and uncertainty of a shape are spread over all rows, against those of the noise: from their median
-    /// absolute value, at least one. It means something once the events are taken out.
-    pub fn scale(&self, shape: Shape) -> f64 {
-        let sizes: Vec<f64> =
-            (ENDS..self.rows() - ENDS).map(|row| self.ratio(shape, row).abs()).filter(|z| *z > 0.0).collect();
-        (median(&sizes) / MEDIAN_ABSOLUTE_NORMAL).max(1.0)
     }
 
     /// Size of a shape at a row and its standard uncertainty; infinite where nothing is looked for.
@@ -181,40 +156,10 @@ impl Search {
         if root > 0.0 { (self.score(shape, row) / (root * root), 1.0 / root) } else { (0.0, f64::INFINITY) }
     }
 
-    /// The event of the largest |z|.
-    pub fn largest(&self) -> Event {
-        let mut best = (Shape::Step, 0, 0.0);
-        for shape in [Shape::Step, Shape::Spike] {
-            for row in ENDS..self.rows() - ENDS {
-                let z = self.ratio(shape, row);
-                if z.abs() > f64::abs(best.2) {
-                    best = (shape, row, z);
-                }
-            }
-        }
-        let (shape, row, z) = best;
-        let (size, std) = self.size(shape, row);
-        Event { shape, row, size, std, z }
-    }
-
-    /// Takes a shape of that size from the series.
-    pub fn remove(&mut self, shape: Shape, row: usize, size: f64) {
-        self.remove_delta(row, size);
-        if shape == Shape::Spike {
-            self.remove_delta(row + 1, -size);
-        }
-    }
-
-    fn remove_delta(&mut self, row: usize, size: f64) {
-        let (kernel, n) = (&self.kernel, self.filtered.len());
-        let with_jump = size * kernel[row] / kernel[0];
-        let (head, tail) = self.filtered.split_at_mut(row);
-        for (j, g) in head.iter_mut().enumerate() {
-            *g -= size * kernel[j + n - row] - with_jump * kernel[j];
-        }
-        for (j, g) in tail.iter_mut().enumerate() {
-            *g -= size * kernel[j] - with_jump * kernel[j + row];
-        }
+    /// What the scores of steps at two rows have in common: their covariance, under the noise.
+    pub fn products(&self, row: usize, other: usize) -> f64 {
+        let k = &self.kernel;
+        k[row.abs_diff(other)] - k[row] * k[other] / k[0]
     }
 }
 
@@ -279,54 +224,4 @@ pub fn fill(
 /// The |z| that one of `trials` standard normal numbers, steps and spikes at every row, exceeds with the probability `false_alarm`.
 pub fn threshold(rows: usize, false_alarm: f64) -> f64 {
     coverage_factor(1.0 - false_alarm / (2.0 * rows as f64), f64::INFINITY)
-}
-
-/// Steps and spikes of a series, the largest first, each taken out before the next is looked for, until none exceeds the
-/// threshold or there are `most`; then their sizes are fitted together.
-///
-/// `false_alarm` is the probability that a series of that noise without events shows one, for Gaussian noise; where the ratios of what is
-/// left are spread wider than those of such noise ([`Search::scale`]), only events are kept that exceed the threshold by as much.
-///
-/// # Errors
-///
-/// As [`Search::new`].
-pub fn find(
-    series: &[f64],
-    step_s: f64,
-    density: &dyn Fn(f64) -> f64,
-    false_alarm: f64,
-    most: usize,
-) -> Result<Vec<Event>, Error> {
-    let middle = mean(series);
-    let level: Vec<f64> = series.iter().map(|value| value - middle).collect();
-    let mut search = Search::new(&level, step_s, density)?;
-    let least = threshold(search.rows(), false_alarm);
-    let mut events: Vec<Event> = Vec::new();
-    for _ in 0..most {
-        let event = search.largest();
-        if event.z.abs() < least {
-            break;
-        }
-        search.remove(event.shape, event.row, event.size);
-        match events.iter_mut().find(|known| (known.shape, known.row) == (event.shape, event.row)) {
-            Some(known) => known.size += event.size,
-            None => events.push(event),
-        }
-    }
-    let scales = [Shape::Step, Shape::Spike].map(|shape| search.scale(shape));
-    events.retain(|event| {
-        let kept = event.z.abs() >= least * scales[event.shape as usize];
-        if !kept {
-            search.remove(event.shape, event.row, -event.size);
-        }
-        kept
-    });
-    for _ in 0..SWEEPS {
-        for event in &mut events {
-            let (more, _) = search.size(event.shape, event.row);
-            search.remove(event.shape, event.row, more);
-            event.size += more;
-        }
-    }
-    Ok(events)
 }

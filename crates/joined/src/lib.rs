@@ -103,6 +103,8 @@ pub struct Pair {
     pub segments: Vec<Segment>,
     /// Where times jump.
     pub boundaries: Vec<Boundary>,
+    /// Standard uncertainties of the sizes that were taken off in their places, nT.
+    pub step_stds: [Vec<f64>; 3],
     /// What was done to bring them together, in words.
     pub told: Vec<String>,
 }
@@ -365,6 +367,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         boundaries,
         whole,
         steps: Default::default(),
+        step_stds: Default::default(),
         told,
     };
     pair.bridge();

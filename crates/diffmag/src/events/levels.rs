@@ -1,0 +1,170 @@
+//! The level after some rows against the level before, held against what the same series does elsewhere.
+
+use super::local;
+
+/// Means of so many rows are held against each other.
+const MEANS: [usize; 3] = [4, 16, 64];
+/// Rows on either side from which the noise of a difference of means is told: those near, and those of a wider neighbourhood.
+const NEAR: usize = 256;
+const WIDE: usize = 2048;
+/// Fewer differences than these tell no noise.
+const LEAST: usize = 12;
+/// Rows after which a pass is over.
+pub const PASS: usize = 128;
+/// Means of few and of many rows say the same of a step within so many uncertainties.
+const ALIKE: f64 = 5.0;
+
+/// The readings of a series that are known, without its steps.
+pub struct Levels {
+    /// Of each row, how many known ones are before it.
+    before: Vec<usize>,
+    /// Sums of the known readings up to each.
+    sums: Vec<f64>,
+}
+
+/// What is known of a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Net {
+    /// nT, of the series without steps.
+    pub size: f64,
+    /// Standard uncertainty by what the same means do elsewhere, nT.
+    pub std: f64,
+    /// How far means of fewer and more rows are from this one, in the uncertainties of both, at most.
+    pub unlike: f64,
+}
+
+impl Net {
+    /// Whether the level is another one: a step of this size and not a flank.
+    pub fn is_level(&self) -> bool {
+        self.unlike <= ALIKE
+    }
+
+    /// Whether another one, of rows farther away, says the same.
+    pub fn agrees(&self, far: Option<Net>) -> bool {
+        far.is_none_or(|far| (far.size - self.size).abs() <= ALIKE * far.std.hypot(self.std))
+    }
+}
+
+impl Levels {
+    /// Of a series without its steps; what is in rows that are out does not count.
+    pub fn of(series: &[f64], out: &[bool]) -> Self {
+        let (mut before, mut sums, mut sum) = (Vec::with_capacity(series.len() + 1), vec![0.0], 0.0);
+        for (value, out) in series.iter().zip(out) {
+            before.push(sums.len() - 1);
+            if !out {
+                sum += value;
+                sums.push(sum);
+            }
+        }
+        before.push(sums.len() - 1);
+        Self { before, sums }
+    }
+
+    /// Mean of the `count` readings from number `gap` after the first `at` on less that of the `count` before them.
+    fn difference(&self, at: usize, gap: usize, count: usize) -> f64 {
+        let sum = |from: usize| self.sums[from + count] - self.sums[from];
+        (sum(at + gap) - sum(at - count)) / count as f64
+    }
+
+    /// The same as [`Levels::net`] with so many rows left out on either side that a pass is over: what does not last there is no step.
+    pub fn lasting(&self, from: usize, after: usize, removed: f64) -> Option<Net> {
+        let known = self.before.len() - 1;
+        (from > PASS && after + PASS < known).then(|| self.net(from - PASS, after + PASS, removed)).flatten()
+    }
+
+    /// By how much the level from row `after` on is above that before row `from`, of which `removed` was taken off; None where too little is
+    /// known.
+    ///
+    /// Means of 4, 16 and 64 readings on either side are held against each other. The noise of each is told from the same differences
+    /// elsewhere: before, after and in a wider neighbourhood, the largest of these, by their median and by what a twentieth exceeds.
+    pub fn net(&self, from: usize, after: usize, removed: f64) -> Option<Net> {
+        let (last, first) = (self.before[from], self.before[after]);
+        let known = self.sums.len() - 1;
+        let gap = after - from;
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        for count in MEANS {
+            if last < count || first + count > known {
+                continue;
+            }
+            let stride = ((2 * count + gap) / 8).max(1);
+            let spread = |low: usize, high: usize| -> Option<f64> {
+                let mut sizes: Vec<f64> = (low.max(count)..high.min(known.saturating_sub(count + gap)))
+                    .step_by(stride)
+                    .filter(|at| at + gap + count <= last || *at >= first + count)
+                    .map(|at| self.difference(at, gap, count).abs())
+                    .collect();
+                (sizes.len() >= LEAST).then(|| local::spread(&mut sizes))
+            };
+            let reach = |rows: usize| rows.max(4 * (2 * count + gap));
+            let low = |rows: usize| last.saturating_sub(reach(rows) + gap);
+            let high = |rows: usize| first + reach(rows);
+            let spreads = [spread(low(NEAR), last), spread(first, high(NEAR)), spread(low(WIDE), high(WIDE))];
+            let Some(std) = spreads.into_iter().flatten().reduce(f64::max).filter(|std| *std > 0.0) else {
+                continue;
+            };
+            let before = (self.sums[last] - self.sums[last - count]) / count as f64;
+            let since = (self.sums[first + count] - self.sums[first]) / count as f64;
+            found.push((since - before + removed, std));
+        }
+        let (size, std) = found.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let unlike =
+            found.iter().map(|(other, own)| (other - size).abs() / own.hypot(std)).fold(0.0, f64::max);
+        Some(Net { size, std, unlike })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn white(seed: u64, rows: usize) -> Vec<f64> {
+        let mut stream = noise::Stream::new(seed, "levels");
+        (0..rows).map(|_| stream.normal()).collect()
+    }
+
+    #[test]
+    fn a_step_is_one_and_noise_is_none() {
+        let mut largest = 0.0_f64;
+        for seed in 0..200 {
+            let mut series = white(seed, 3000);
+            let out = vec![false; 3000];
+            let none = Levels::of(&series, &out).net(1500, 1500, 0.0).expect("enough rows");
+            largest = largest.max((none.size / none.std).abs());
+            series[1500..].iter_mut().for_each(|value| *value += 5.0);
+            let step = Levels::of(&series, &out).net(1500, 1500, 0.0).expect("enough rows");
+            assert!(
+                step.is_level() && (step.size - 5.0).abs() < 5.0 * step.std && step.size > 10.0 * step.std,
+                "{step:?}"
+            );
+        }
+        assert!(largest < 4.5, "{largest}");
+    }
+
+    #[test]
+    fn a_flank_is_no_step() {
+        let mut series = white(1, 3000);
+        (1400..1600).for_each(|row| series[row] += 0.2 * (row - 1400) as f64);
+        series[1600..].iter_mut().for_each(|value| *value += 40.0);
+        let flank = Levels::of(&series, &[false; 3000]).net(1500, 1500, 0.0).expect("enough rows");
+        assert!(!flank.is_level(), "{flank:?}");
+    }
+
+    #[test]
+    fn a_pass_does_not_last() {
+        let mut series = white(3, 3000);
+        (1500..3000).for_each(|row| series[row] += 12.0 * (-((row as f64 - 1500.0) / 40.0).powi(2)).exp());
+        let levels = Levels::of(&series, &[false; 3000]);
+        let near = levels.net(1500, 1500, 0.0).expect("enough rows");
+        assert!(!near.agrees(levels.lasting(1500, 1500, 0.0)), "{near:?}");
+    }
+
+    #[test]
+    fn the_level_across_rows_that_are_out() {
+        let mut series = white(2, 3000);
+        let mut out = vec![false; 3000];
+        (1000..1050).for_each(|row| (series[row], out[row]) = (f64::NAN, true));
+        series[1050..].iter_mut().for_each(|value| *value += 4.0);
+        let step = Levels::of(&series, &out).net(1000, 1050, 0.0).expect("enough rows");
+        assert!(step.is_level() && (step.size - 4.0).abs() < 4.0 * step.std, "{step:?}");
+    }
+}

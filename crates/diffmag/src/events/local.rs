@@ -1,0 +1,93 @@
+//! The noise around a row against the noise of the whole series.
+
+use estimate::stats::median;
+
+/// Rows on one side of a row whose noise is that of the row, and the rows from one such window to the next.
+const WINDOW: usize = 128;
+const STRIDE: usize = 16;
+/// What is farther than the first and nearer than the second tells how wide the scores of steps are spread: a step at a row is in the scores of
+/// the rows around it.
+const OWN: usize = 256;
+const FAR: usize = 1024;
+/// Fewer ratios than these tell nothing.
+const LEAST: usize = 64;
+/// The least spread: series of which nearly all differences are zero.
+const NONE: f64 = 1e-3;
+/// Median, and the size that a twentieth exceeds, of |z| for a standard normal z.
+const MEDIAN_ABSOLUTE_NORMAL: f64 = 0.674_489_75;
+const TWENTIETH_NORMAL: f64 = 1.959_964;
+
+/// The standard deviation of which absolute values speak: by their median, or by what a twentieth exceeds where that is more.
+pub fn spread(sizes: &mut [f64]) -> f64 {
+    let middle = median(sizes) / MEDIAN_ABSOLUTE_NORMAL;
+    let at = (sizes.len() * 19) / 20;
+    let (_, high, _) = sizes.select_nth_unstable_by(at, f64::total_cmp);
+    middle.max(*high / TWENTIETH_NORMAL)
+}
+
+/// How wide ratios of sizes and uncertainties are spread around each row: the larger of what the rows before and those after it say, so that noise
+/// that rises suddenly counts from its first row on. Rows that are out, and those without a ratio (0), do not count.
+pub fn near(ratios: &[f64], out: &[bool]) -> Vec<f64> {
+    let rows = ratios.len();
+    let all = known(ratios, out, 0, rows).unwrap_or(1.0).max(NONE);
+    let starts = (0..rows.div_ceil(STRIDE)).map(|at| at * STRIDE);
+    let windows: Vec<Option<f64>> =
+        starts.map(|from| known(ratios, out, from, (from + WINDOW).min(rows))).collect();
+    let around = |row: usize| {
+        let after = windows[row.div_ceil(STRIDE).min(windows.len() - 1)];
+        let before = row.checked_sub(WINDOW).and_then(|from| windows[from / STRIDE]);
+        before.into_iter().chain(after).reduce(f64::max).unwrap_or(all).max(NONE)
+    };
+    (0..rows).map(around).collect()
+}
+
+/// The same of what is a few hundred rows away on both sides.
+pub fn far(ratios: &[f64], out: &[bool]) -> Vec<f64> {
+    let rows = ratios.len();
+    let all = known(ratios, out, 0, rows).unwrap_or(1.0).max(NONE);
+    let of = |row: usize| {
+        let sides = [
+            (row.saturating_sub(FAR), row.saturating_sub(OWN)),
+            ((row + OWN).min(rows), (row + FAR).min(rows)),
+        ];
+        let sizes: Vec<f64> = sides
+            .into_iter()
+            .flat_map(|(from, to)| (from..to).step_by(2))
+            .filter(|row| !out[*row] && ratios[*row] != 0.0)
+            .map(|row| ratios[row].abs())
+            .collect();
+        if sizes.len() < LEAST { all } else { (median(&sizes) / MEDIAN_ABSOLUTE_NORMAL).max(NONE) }
+    };
+    let blocks: Vec<f64> = (0..rows.div_ceil(2 * STRIDE)).map(|at| of(2 * STRIDE * at)).collect();
+    (0..rows).map(|row| blocks[row / (2 * STRIDE)]).collect()
+}
+
+fn known(ratios: &[f64], out: &[bool], from: usize, to: usize) -> Option<f64> {
+    let mut sizes: Vec<f64> =
+        (from..to).filter(|row| !out[*row] && ratios[*row] != 0.0).map(|row| ratios[row].abs()).collect();
+    (sizes.len() >= LEAST).then(|| spread(&mut sizes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ratios() -> Vec<f64> {
+        let mut stream = noise::Stream::new(7, "ratios");
+        (0..4000).map(|row| stream.normal() * if (1000..1400).contains(&row) { 8.0 } else { 1.0 }).collect()
+    }
+
+    #[test]
+    fn noise_that_rises_counts_from_its_first_row() {
+        let near = near(&ratios(), &[false; 4000]);
+        assert!(near[1000] > 5.0 && near[1200] > 6.0 && near[1399] > 5.0, "{:?}", &near[990..1010]);
+        assert!((0.7..1.6).contains(&near[500]) && (0.7..1.6).contains(&near[3000]));
+    }
+
+    #[test]
+    fn what_is_far_does_not_know_of_the_row() {
+        let mut ratios = ratios();
+        ratios[2800..3200].iter_mut().for_each(|z| *z += 50.0);
+        assert!((0.8..1.3).contains(&far(&ratios, &[false; 4000])[3000]));
+    }
+}

@@ -1,0 +1,434 @@
+//! Steps and disturbed rows of three differences, by rounds: what is found is taken out before the next look.
+
+use common::EventKind;
+use estimate::events::{Shape, threshold};
+
+use super::attribution::{Source, sources};
+use super::levels::{Levels, Net, PASS};
+use super::view::{Peak, Place, View};
+use super::{Events, Found};
+use crate::Error;
+use crate::difference::Noise;
+use crate::series::Pair;
+
+/// Probability that a recording without events shows one.
+pub const FALSE_ALARM: f64 = 1e-3;
+/// Most events that are looked for.
+const MOST: usize = 200;
+/// Most looks, and after which of them the noise is fitted again.
+const LOOKS: usize = 40;
+const FIRST_LOOKS: usize = 3;
+/// What lies so many rows apart is one disturbance.
+const NEAR: usize = 10;
+/// In one look no two events are taken from so few rows: each shows in the scores of the other.
+const REACH: usize = 256;
+/// Steps have settled when no size changes by more than this share of its uncertainty.
+const SETTLED: f64 = 0.5;
+/// Levels on either side of disturbed rows are taken as unlike for the search above so many uncertainties, …
+const PROVISIONAL: f64 = 4.0;
+/// … and a step is one above so many, by what the same series does elsewhere.
+const SURE: f64 = 6.0;
+/// A step and the one after it are opposite within so many uncertainties of both.
+const ALIKE: f64 = 4.0;
+/// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
+const BESIDE: usize = 8;
+
+/// A step of one instrument's axis; `to` is the last of the disturbed rows across which it was found, else `row` − 1.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    row: usize,
+    after: usize,
+    source: Source,
+    z: f64,
+}
+
+/// What is known so far.
+struct Search {
+    left: [Vec<f64>; 3],
+    eta: [[f64; 3]; 3],
+    steps: Vec<Step>,
+    disturbed: Vec<Found>,
+    out: Vec<bool>,
+}
+
+/// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search begins.
+pub fn search(
+    left: [Vec<f64>; 3],
+    eta: [[f64; 3]; 3],
+    pair: &Pair,
+    mut noise: [Noise; 3],
+    known: &Events,
+) -> Result<Events, Error> {
+    let out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
+    let mut search = Search { left, eta, steps: Vec::new(), disturbed: Vec::new(), out };
+    search.begin(known);
+    let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
+    let mut more = true;
+    for look in 0..LOOKS {
+        let series = search.cleaned();
+        if (1..=FIRST_LOOKS).contains(&look) {
+            noise = [
+                Noise::seen(&series[0], pair)?,
+                Noise::seen(&series[1], pair)?,
+                Noise::seen(&series[2], pair)?,
+            ];
+        }
+        let view = View::of(&series, pair.step_s, &noise, &search.out)?;
+        if !search.refined(&view) {
+            continue;
+        }
+        let peaks = view.peaks(least);
+        let taken = search.taken(&peaks);
+        if taken.is_empty() || search.steps.len() + search.disturbed.len() > MOST {
+            more = !taken.is_empty();
+            break;
+        }
+        let before = search.key();
+        search.adopt(&taken, &view, least);
+        if search.key() == before {
+            more = false;
+            break;
+        }
+    }
+    search.returns();
+    search.confirm();
+    Ok(search.events(more))
+}
+
+impl Search {
+    /// Takes over events that are known.
+    fn begin(&mut self, known: &Events) {
+        for event in &known.found {
+            if event.kind == EventKind::Step {
+                let (_, after) = self.run(event.from);
+                let source = Source {
+                    instrument: event.instrument,
+                    axis: event.axis,
+                    size: event.size,
+                    std: event.std,
+                };
+                self.steps.push(Step { row: event.from, after: after.max(event.from), source, z: event.z });
+            } else {
+                self.out[event.from..=event.to].fill(true);
+                self.disturbed.push(event.clone());
+            }
+        }
+    }
+
+    /// Which rows are out, and where the steps are.
+    fn key(&self) -> (Vec<bool>, Vec<(usize, usize)>) {
+        let mut steps: Vec<(usize, usize)> =
+            self.steps.iter().map(|step| (step.row, step.source.axis)).collect();
+        steps.sort_unstable();
+        (self.out.clone(), steps)
+    }
+
+    /// The differences without the steps, and with the level around them where rows are out.
+    fn cleaned(&self) -> [Vec<f64>; 3] {
+        let mut series = self.left.clone();
+        for step in &self.steps {
+            let parts = step.source.parts(&self.eta);
+            for (series, part) in series.iter_mut().zip(parts).filter(|(_, part)| *part != 0.0) {
+                series[step.row..].iter_mut().for_each(|value| *value -= part * step.source.size);
+            }
+        }
+        series.map(|series| levelled(series, &self.out))
+    }
+
+    /// Gives steps between readings the sizes of all together; whether they had them.
+    fn refined(&mut self, view: &View) -> bool {
+        let (eta, out) = (self.eta, &self.out);
+        let mut steps: Vec<&mut Step> =
+            self.steps.iter_mut().filter(|step| step.after == step.row && !out[step.row]).collect();
+        if steps.is_empty() {
+            return true;
+        }
+        let places: Vec<Place> =
+            steps.iter().map(|step| Place { row: step.row, parts: step.source.parts(&eta) }).collect();
+        let Some(sizes) = view.sizes(&places) else { return true };
+        let mut settled = true;
+        for (step, (more, std)) in steps.iter_mut().zip(sizes) {
+            settled &= more.abs() <= SETTLED * std;
+            step.source.size += more;
+            step.source.std = std;
+            step.z = step.source.z();
+        }
+        settled
+    }
+
+    /// Of the peaks those that belong to what is known, and the largest of those far from each other.
+    fn taken(&self, peaks: &[Peak]) -> Vec<Peak> {
+        let mut known: Vec<(usize, usize)> =
+            self.disturbed.iter().map(|event| (event.from, event.to)).collect();
+        known.extend(self.steps.iter().map(|step| (step.row.saturating_sub(1), step.after)));
+        let near = |peak: &Peak, (from, to): (usize, usize)| peak.row + NEAR >= from && peak.row <= to + NEAR;
+        let mut taken: Vec<Peak> = Vec::new();
+        // Peaks in a chain from what is known on belong to it.
+        let mut chain = |peaks: &mut dyn Iterator<Item = &Peak>| {
+            let mut reached: Option<usize> = None;
+            for peak in peaks {
+                let follows = reached.is_some_and(|row| peak.row.abs_diff(row) <= NEAR);
+                if follows || known.iter().any(|known| near(peak, *known)) {
+                    reached = Some(peak.row);
+                    taken.push(*peak);
+                }
+            }
+        };
+        chain(&mut peaks.iter());
+        chain(&mut peaks.iter().rev());
+        let mut largest: Vec<&Peak> = peaks.iter().collect();
+        largest.sort_by(|a, b| b.z.total_cmp(&a.z).then(a.row.cmp(&b.row)));
+        let mut fresh: Vec<Peak> = Vec::new();
+        for peak in largest {
+            let far = |other: &Peak| other.row.abs_diff(peak.row) > REACH;
+            if !taken.iter().any(|other| !far(other)) && fresh.iter().all(far) {
+                fresh.push(*peak);
+            }
+        }
+        taken.extend(fresh);
+        taken.sort_by_key(|peak| peak.row);
+        taken.dedup_by_key(|peak| peak.row);
+        taken
+    }
+
+    /// Takes peaks for events: what lies close together is a disturbance of all rows between.
+    fn adopt(&mut self, peaks: &[Peak], view: &View, least: f64) {
+        // First and last row that is out (the last is before the first for a step), and the peak that stands for them.
+        let mut sites: Vec<(usize, usize, Option<Found>)> = Vec::new();
+        let mut fresh: Vec<(usize, Step)> = Vec::new();
+        for peak in peaks {
+            let found = view.sources(*peak, least, &self.eta);
+            if peak.shape == Shape::Step {
+                fresh.extend(found.iter().map(|source| {
+                    (peak.row, Step { row: peak.row, after: peak.row, source: *source, z: source.z() })
+                }));
+            }
+            let strongest = found.first().map(|source| Found {
+                kind: EventKind::Spike,
+                instrument: source.instrument,
+                axis: source.axis,
+                from: peak.row,
+                to: peak.row,
+                size: source.size,
+                std: source.std,
+                z: source.z(),
+            });
+            match peak.shape {
+                Shape::Step => sites.push((peak.row, peak.row - 1, strongest)),
+                Shape::Spike => sites.push((peak.row, peak.row, strongest)),
+            }
+        }
+        sites.extend(self.disturbed.drain(..).map(|event| (event.from, event.to, Some(event))));
+        let of_step = |step: &Step| Found {
+            kind: EventKind::Spike,
+            instrument: step.source.instrument,
+            axis: step.source.axis,
+            from: step.row,
+            to: step.row,
+            size: step.source.size,
+            std: step.source.std,
+            z: step.z,
+        };
+        sites.extend(
+            self.steps
+                .iter()
+                .filter(|step| step.after == step.row)
+                .map(|step| (step.row, step.row - 1, Some(of_step(step)))),
+        );
+        sites.sort_by_key(|(from, to, _)| (*from, *to));
+        let mut steps = std::mem::take(&mut self.steps);
+        steps.retain(|step| step.after == step.row);
+        steps.extend(fresh.into_iter().map(|(_, step)| step));
+        let mut sites = sites.into_iter().peekable();
+        while let Some((from, to, strongest)) = sites.next() {
+            let (mut last, mut alone, mut strongest) = (to, true, strongest);
+            while let Some((next, until, other)) =
+                sites.next_if(|(next, _, _)| *next <= last.max(from) + NEAR)
+            {
+                alone &= (next, until) == (from, to);
+                last = last.max(until);
+                let above =
+                    |other: &&Found| strongest.as_ref().is_none_or(|known| other.z.abs() > known.z.abs());
+                if let Some(other) = other.as_ref().filter(above) {
+                    strongest = Some(other.clone());
+                }
+            }
+            let is_step = last + 1 == from;
+            if alone && is_step {
+                // On a row that is out already, it is a step across all of these.
+                let (row, after) = self.run(from);
+                let mut own: Vec<Step> = steps.iter().filter(|step| step.row == from).copied().collect();
+                own.dedup_by_key(|step| (step.source.instrument as usize, step.source.axis));
+                if row == after {
+                    self.steps.extend(own);
+                }
+                continue;
+            }
+            let Some(strongest) = strongest else { continue };
+            let last = last.max(from);
+            let kind = if from == last { EventKind::Spike } else { EventKind::Interval };
+            self.out[from..=last].fill(true);
+            self.disturbed.push(Found { kind, from, to: last, ..strongest });
+        }
+        self.across();
+    }
+
+    /// First row of those that are out around a row, and the first after them; the row itself twice where it is not out.
+    fn run(&self, row: usize) -> (usize, usize) {
+        let touches = |row: usize| self.out.get(row).copied().unwrap_or(false);
+        if !touches(row) && !(row > 0 && touches(row - 1)) {
+            return (row, row);
+        }
+        let mut from = row;
+        while from > 0 && touches(from - 1) {
+            from -= 1;
+        }
+        let after = (row..self.out.len()).find(|row| !self.out[*row]).unwrap_or(self.out.len());
+        (from, after)
+    }
+
+    /// Steps across rows that are out: where the levels on either side are not alike.
+    fn across(&mut self) {
+        let series = self.cleaned();
+        let levels = series.each_ref().map(|series| Levels::of(series, &self.out));
+        let mut row = 0;
+        while row < self.out.len() {
+            if !self.out[row] {
+                row += 1;
+                continue;
+            }
+            let (from, after) = self.run(row);
+            row = after;
+            if from == 0 || after >= self.out.len() {
+                continue;
+            }
+            let nets = levels.each_ref().map(|levels| levels.net(from, after, 0.0));
+            let sizes = nets
+                .map(|net| net.filter(Net::is_level).map_or((0.0, f64::INFINITY), |net| (net.size, net.std)));
+            let found = sources(sizes, PROVISIONAL, &self.eta);
+            self.steps.extend(found.into_iter().map(|source| Step {
+                row: from,
+                after,
+                source,
+                z: source.z(),
+            }));
+        }
+    }
+
+    /// A step and one back within a minute's rows are a pass: the rows between are disturbed.
+    fn returns(&mut self) {
+        // In the difference that shows it most.
+        let shown = |step: &Step| {
+            let parts = step.source.parts(&self.eta);
+            let axis = largest(&parts);
+            (axis, parts[axis] * step.source.size)
+        };
+        let back = |a: &Step, b: &Step| {
+            let ((axis, up), (other, down)) = (shown(a), shown(b));
+            axis == other
+                && b.row - a.row <= PASS
+                && (up + down).abs() <= ALIKE * a.source.std.hypot(b.source.std)
+        };
+        let mut steps = std::mem::take(&mut self.steps);
+        steps.sort_by_key(|step| (shown(step).0, step.row));
+        let mut kept: Vec<Step> = Vec::new();
+        let mut passes: Vec<Found> = Vec::new();
+        for step in steps {
+            match kept.last() {
+                Some(last) if back(last, &step) => {
+                    let Source { instrument, axis, size, std } = last.source;
+                    let (from, to) = (last.row, step.after.max(step.row + 1) - 1);
+                    let kind = if from == to { EventKind::Spike } else { EventKind::Interval };
+                    passes.push(Found { kind, instrument, axis, from, to, size, std, z: last.z });
+                    kept.pop();
+                }
+                _ => kept.push(step),
+            }
+        }
+        passes.iter().for_each(|pass| self.out[pass.from..=pass.to].fill(true));
+        self.disturbed.extend(passes);
+        self.steps = kept;
+    }
+
+    /// Leaves those steps that no other part of the series would show, and that are not larger than the differences are spread.
+    fn confirm(&mut self) {
+        let series = self.cleaned();
+        let levels = series.each_ref().map(|series| Levels::of(series, &self.out));
+        let spans = self.left.each_ref().map(|left| span(left, &self.out));
+        let eta = self.eta;
+        self.steps.retain(|step| {
+            let parts = step.source.parts(&eta);
+            let axis = largest(&parts);
+            let removed = parts[axis] * step.source.size;
+            let far = levels[axis].lasting(step.row, step.after, removed);
+            let stands = |net: Net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= SURE;
+            removed.abs() <= spans[axis]
+                && levels[axis].net(step.row, step.after, removed).is_some_and(stands)
+        });
+    }
+
+    fn events(self, more: bool) -> Events {
+        let mut found = self.disturbed;
+        found.extend(self.steps.iter().map(|step| {
+            let Source { instrument, axis, size, std } = step.source;
+            Found {
+                kind: EventKind::Step,
+                instrument,
+                axis,
+                from: step.row,
+                to: step.row,
+                size,
+                std,
+                z: step.z,
+            }
+        }));
+        found.sort_by_key(|event| (event.from, event.axis, event.kind == EventKind::Step));
+        Events { found, more, ..Events::default() }
+    }
+}
+
+/// Where the largest part is.
+fn largest(parts: &[f64; 3]) -> usize {
+    (0..3).fold(0, |a, b| if parts[b].abs() > parts[a].abs() { b } else { a })
+}
+
+/// From the least to the largest of the readings that are known.
+fn span(series: &[f64], out: &[bool]) -> f64 {
+    let known = series.iter().zip(out).filter(|(_, out)| !**out).map(|(value, _)| *value);
+    let (low, high) = known
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    (high - low).max(0.0)
+}
+
+/// A series with straight lines between the levels on either side where rows are out.
+fn levelled(mut series: Vec<f64>, out: &[bool]) -> Vec<f64> {
+    let known: Vec<usize> = (0..series.len()).filter(|row| !out[*row]).collect();
+    if known.len() == series.len() || known.is_empty() {
+        return series;
+    }
+    let level =
+        |rows: &[usize], series: &[f64]| rows.iter().map(|row| series[*row]).sum::<f64>() / rows.len() as f64;
+    let own = series.clone();
+    let mut row = 0;
+    while row < series.len() {
+        if !out[row] {
+            row += 1;
+            continue;
+        }
+        let before = known.partition_point(|known| *known < row);
+        let after = known.get(before).copied().unwrap_or(series.len());
+        let left = &known[before.saturating_sub(BESIDE)..before];
+        let right = &known[before..(before + BESIDE).min(known.len())];
+        let (a, b) = match (left.is_empty(), right.is_empty()) {
+            (true, _) => (level(right, &own), level(right, &own)),
+            (_, true) => (level(left, &own), level(left, &own)),
+            _ => (level(left, &own), level(right, &own)),
+        };
+        let rows = (after - row + 1) as f64;
+        for (place, value) in series[row..after].iter_mut().enumerate() {
+            *value = a + (b - a) * (place + 1) as f64 / rows;
+        }
+        row = after;
+    }
+    series
+}

@@ -1,0 +1,106 @@
+//! The three differences through their matched filters, each row against the noise around it.
+
+use estimate::events::{Search, Shape};
+use estimate::positive::Positive;
+use faer::Mat;
+
+use super::attribution::{Source, sources};
+use super::local;
+use crate::Error;
+use crate::difference::Noise;
+
+/// Where the differences exceed a threshold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    pub shape: Shape,
+    pub row: usize,
+    /// Size over the uncertainty under the noise around it.
+    pub z: f64,
+}
+
+/// A step at a row, as it shows in the three differences.
+pub struct Place {
+    pub row: usize,
+    pub parts: [f64; 3],
+}
+
+/// The filters of the three differences.
+pub struct View {
+    searches: [Search; 3],
+    /// How wide the ratios of steps, and of spikes, are spread around each row.
+    wider: [[Vec<f64>; 2]; 3],
+}
+
+impl View {
+    /// Of differences under these noises; rows that are out say nothing of the noise around them.
+    pub fn of(series: &[Vec<f64>; 3], step_s: f64, noise: &[Noise; 3], out: &[bool]) -> Result<Self, Error> {
+        let search = |axis: usize| Search::new(&series[axis], step_s, &|f| noise[axis].density(f));
+        let (x, (y, z)) = rayon::join(|| search(0), || rayon::join(|| search(1), || search(2)));
+        let searches = [x?, y?, z?];
+        let wider = searches.each_ref().map(|search| {
+            let [steps, spikes] = [Shape::Step, Shape::Spike]
+                .map(|shape| (0..search.rows()).map(|row| search.ratio(shape, row)).collect::<Vec<f64>>());
+            let near = local::near(&spikes, out);
+            let steps = near.iter().zip(local::far(&steps, out)).map(|(near, far)| near.max(far)).collect();
+            [steps, near]
+        });
+        Ok(Self { searches, wider })
+    }
+
+    /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around it; the larger one of a row and its
+    /// axes.
+    pub fn peaks(&self, least: f64) -> Vec<Peak> {
+        let rows = self.searches[0].rows();
+        let mut peaks = Vec::new();
+        for row in 0..rows {
+            let mut peak = Peak { shape: Shape::Step, row, z: 0.0 };
+            for (search, wider) in self.searches.iter().zip(&self.wider) {
+                for shape in [Shape::Step, Shape::Spike] {
+                    let z = (search.ratio(shape, row) / wider[shape as usize][row]).abs();
+                    if z > peak.z {
+                        peak = Peak { shape, z, ..peak };
+                    }
+                }
+            }
+            if peak.z >= least {
+                peaks.push(peak);
+            }
+        }
+        peaks
+    }
+
+    /// The events at a peak.
+    pub fn sources(&self, peak: Peak, least: f64, eta: &[[f64; 3]; 3]) -> Vec<Source> {
+        let sizes = std::array::from_fn(|axis| {
+            let (size, std) = self.searches[axis].size(peak.shape, peak.row);
+            (size, std * self.wider[axis][peak.shape as usize][peak.row])
+        });
+        sources(sizes, least, eta)
+    }
+
+    /// What each of some steps is to grow by, all together, and its standard uncertainty; None where they cannot be told apart.
+    pub fn sizes(&self, steps: &[Place]) -> Option<Vec<(f64, f64)>> {
+        let count = steps.len();
+        let product = |i: usize, j: usize| -> f64 {
+            let (a, b) = (&steps[i], &steps[j]);
+            (0..3)
+                .map(|axis| a.parts[axis] * b.parts[axis] * self.searches[axis].products(a.row, b.row))
+                .sum()
+        };
+        let inverse = Positive::of(&Mat::from_fn(count, count, product)).ok()?.inverse;
+        let along: Vec<f64> = steps
+            .iter()
+            .map(|step| {
+                (0..3).map(|axis| step.parts[axis] * self.searches[axis].score(Shape::Step, step.row)).sum()
+            })
+            .collect();
+        let size = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * along[j]).sum() };
+        let wider = |step: &Place| {
+            let of = |axis: usize| {
+                if step.parts[axis] == 0.0 { 0.0 } else { self.wider[axis][Shape::Step as usize][step.row] }
+            };
+            of(0).max(of(1)).max(of(2))
+        };
+        Some((0..count).map(|i| (size(i), inverse[(i, i)].sqrt() * wider(&steps[i]))).collect())
+    }
+}
