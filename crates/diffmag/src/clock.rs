@@ -224,15 +224,13 @@ impl Look {
         Ok(())
     }
 
-    /// Of an axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it, drifts and steps.
+    /// Of an axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
     pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
         let of = &self.axes[axis];
         let [late, _] = <[Vec<f64>; 2]>::try_from(seen(clock_columns(pair, &of.turned_by), &pair.whole))
             .unwrap_or_default();
         let turned = turned(pair, &of.turned_by);
-        let mut columns = self.others(pair);
-        columns.extend(pair.step_columns(axis));
-        let left = rest(&columns, &pair.test[axis], &of.coefficients[CLOCK..]);
+        let left = rest(&self.others(pair), &pair.test[axis], &of.coefficients[CLOCK..]);
         Parts { late, turned, left }
     }
 

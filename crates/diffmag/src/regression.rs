@@ -268,17 +268,18 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     let all: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
     let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
     let errors = noise.errors(&columns.cosine)?;
-    let fit = cosine::regress(&all, &y, &errors)?;
-    let fit = not_worse_than_levels(fit, &design, pair, axis);
+    let mut fit = cosine::regress(&all, &y, &errors)?;
+    let (mut difference, mut noise) = (difference, noise);
+    if worse_than_levels(&rest(&design, test, &fit.weighted), pair, axis) {
+        difference = rest(&design, test, &fit.least_squares);
+        noise = Noise::seen(&difference, pair)?;
+        fit = cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?;
+        (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
+    }
     let fit = with_held(fit, design.len() - steps.len(), &fitted, &pair.step_stds[axis]);
     let whitened = Whitened {
         weights: std::array::from_fn(|i| regression.weights[i].clone()),
         left: errors.whiten(&regression.residual),
-    };
-    let difference = if fit.weighted[..3] == regression.coefficients[..3] {
-        difference
-    } else {
-        rest(&design, test, &fit.weighted)
     };
     let offset_nt = mean(&level) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
@@ -291,18 +292,13 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
     Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, whitened, source })
 }
 
-/// A fit that leaves no more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
+/// Whether a fit leaves more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
 /// the form that is fitted, or the instruments share little, the matrix by them may leave more than none does. Least squares cannot.
-fn not_worse_than_levels(fit: SpectralFit, design: &[Vec<f64>], pair: &Pair, axis: usize) -> SpectralFit {
-    let test = &pair.test[axis];
-    let reference = &pair.reference[axis];
+fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
+    let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    let squares = |values: &[f64]| cosine::dot(values, values);
-    let levels = squares(&rest(&[], &apart, &[]));
-    if squares(&rest(design, test, &fit.weighted)) <= levels {
-        return fit;
-    }
-    SpectralFit { weighted: fit.least_squares.clone(), weighted_covariance: fit.covariance.clone(), ..fit }
+    let levels = rest(&[], &apart, &[]);
+    cosine::dot(left, left) > cosine::dot(&levels, &levels)
 }
 
 /// The steps of which the band says more, beside the other columns and each other, than the search that found them: these are fitted, the

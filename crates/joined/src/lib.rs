@@ -144,6 +144,10 @@ impl Pair {
             let inside = steps.iter().filter(|step| **step > rows.start && **step < rows.end);
             inside.map(|step| step - rows.start).collect()
         });
+        let step_stds = std::array::from_fn(|axis| {
+            let known = self.steps[axis].iter().zip(&self.step_stds[axis]);
+            known.filter(|(step, _)| **step > rows.start && **step < rows.end).map(|(_, std)| *std).collect()
+        });
         Self {
             recordings: self.recordings.clone(),
             first_s: self.time_s(rows.start),
@@ -155,6 +159,7 @@ impl Pair {
             whole: self.whole[rows.clone()].to_vec(),
             highest_hz: self.highest_hz,
             steps,
+            step_stds,
             segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
             boundaries: Vec::new(),
             told: Vec::new(),

@@ -90,7 +90,7 @@ pub fn sources(mut sizes: [(f64, f64); 3], least: f64, eta: &[[f64; 3]; 3]) -> V
 mod tests {
     use super::*;
 
-    const ETA: [[f64; 3]; 3] = [[0.9, 0.4, 0.0], [-0.4, 0.9, 0.1], [0.0, -0.1, 1.0]];
+    const ETA: [[f64; 3]; 3] = [[0.9, 0.4, 0.0], [-0.4, 0.9, 0.4], [0.0, -0.4, 0.9]];
 
     #[test]
     fn each_instrument_is_recognised() {

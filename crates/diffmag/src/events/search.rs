@@ -30,6 +30,8 @@ const PROVISIONAL: f64 = 4.0;
 const SURE: f64 = 6.0;
 /// A step and the one after it are opposite within so many uncertainties of both.
 const ALIKE: f64 = 4.0;
+/// A spike of more than this share of a step beside it says that the step is one row off.
+const MUCH: f64 = 0.25;
 /// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
 const BESIDE: usize = 8;
 
@@ -198,6 +200,9 @@ impl Search {
         let mut fresh: Vec<(usize, Step)> = Vec::new();
         for peak in peaks {
             let found = view.sources(*peak, least, &self.eta);
+            if peak.shape == Shape::Spike && self.step_beside(peak.row, &found) {
+                continue;
+            }
             if peak.shape == Shape::Step {
                 fresh.extend(found.iter().map(|source| {
                     (peak.row, Step { row: peak.row, after: peak.row, source: *source, z: source.z() })
@@ -271,6 +276,27 @@ impl Search {
             self.disturbed.push(Found { kind, from, to: last, ..strongest });
         }
         self.across();
+    }
+
+    /// Moves a step by the row in which a spike of much of its size is left: it stood one row too early or too late.
+    fn step_beside(&mut self, row: usize, spikes: &[Source]) -> bool {
+        let much = |step: &Step, sign: f64| {
+            spikes.iter().any(|spike| {
+                (spike.instrument, spike.axis) == (step.source.instrument, step.source.axis)
+                    && sign * spike.size / step.source.size > MUCH
+            })
+        };
+        for step in self.steps.iter_mut().filter(|step| step.after == step.row) {
+            if step.row == row && much(step, -1.0) {
+                (step.row, step.after) = (row + 1, row + 1);
+                return true;
+            }
+            if step.row == row + 1 && much(step, 1.0) {
+                (step.row, step.after) = (row, row);
+                return true;
+            }
+        }
+        false
     }
 
     /// First row of those that are out around a row, and the first after them; the row itself twice where it is not out.

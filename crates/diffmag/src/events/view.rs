@@ -14,7 +14,7 @@ use crate::difference::Noise;
 pub struct Peak {
     pub shape: Shape,
     pub row: usize,
-    /// Size over the uncertainty under the noise around it.
+    /// Size over the uncertainty under the noise of the whole series: shapes and rows are compared by it.
     pub z: f64,
 }
 
@@ -56,13 +56,13 @@ impl View {
             let mut peak = Peak { shape: Shape::Step, row, z: 0.0 };
             for (search, wider) in self.searches.iter().zip(&self.wider) {
                 for shape in [Shape::Step, Shape::Spike] {
-                    let z = (search.ratio(shape, row) / wider[shape as usize][row]).abs();
-                    if z > peak.z {
+                    let z = search.ratio(shape, row).abs();
+                    if z > peak.z && z >= least * wider[shape as usize][row] {
                         peak = Peak { shape, z, ..peak };
                     }
                 }
             }
-            if peak.z >= least {
+            if peak.z > 0.0 {
                 peaks.push(peak);
             }
         }
