@@ -76,7 +76,7 @@ pub fn search(
             ];
         }
         let view = View::of(&series, pair.step_s, &noise, &search.out)?;
-        if !search.refined(&view) {
+        if !search.refined(&view) || !search.attributed(&view, least) {
             continue;
         }
         let peaks = view.peaks(least);
@@ -156,6 +156,36 @@ impl Search {
             step.z = step.source.z();
         }
         settled
+    }
+
+    /// Gives the steps between readings to their instruments, now that the others are known; whether they had them already.
+    fn attributed(&mut self, view: &View, least: f64) -> bool {
+        let mut rows: Vec<usize> =
+            self.steps.iter().filter(|step| step.after == step.row).map(|step| step.row).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        let place = |step: &Step| (step.source.instrument as usize, step.source.axis);
+        let mut same = true;
+        for row in rows {
+            let here = |step: &Step| step.row == row && step.after == row;
+            let mut sizes = view.sizes_at(Shape::Step, row);
+            for step in self.steps.iter().filter(|step| here(step)) {
+                let parts = step.source.parts(&self.eta);
+                sizes.iter_mut().zip(parts).for_each(|((size, _), part)| *size += part * step.source.size);
+            }
+            let of = |source: Source| Step { row, after: row, source, z: source.z() };
+            let again: Vec<Step> = sources(sizes, least, &self.eta).into_iter().map(of).collect();
+            let mut known: Vec<_> = self.steps.iter().filter(|step| here(step)).map(place).collect();
+            let mut found: Vec<_> = again.iter().map(place).collect();
+            known.sort_unstable();
+            found.sort_unstable();
+            if known != found {
+                self.steps.retain(|step| !here(step));
+                self.steps.extend(again);
+                same = false;
+            }
+        }
+        same
     }
 
     /// Of the peaks those that belong to what is known, and the largest of those far from each other.

@@ -69,13 +69,17 @@ impl View {
         peaks
     }
 
+    /// Sizes of a shape at a row and their uncertainties under the noise around it.
+    pub fn sizes_at(&self, shape: Shape, row: usize) -> [(f64, f64); 3] {
+        std::array::from_fn(|axis| {
+            let (size, std) = self.searches[axis].size(shape, row);
+            (size, std * self.wider[axis][shape as usize][row])
+        })
+    }
+
     /// The events at a peak.
     pub fn sources(&self, peak: Peak, least: f64, eta: &[[f64; 3]; 3]) -> Vec<Source> {
-        let sizes = std::array::from_fn(|axis| {
-            let (size, std) = self.searches[axis].size(peak.shape, peak.row);
-            (size, std * self.wider[axis][peak.shape as usize][peak.row])
-        });
-        sources(sizes, least, eta)
+        sources(self.sizes_at(peak.shape, peak.row), least, eta)
     }
 
     /// What each of some steps is to grow by, all together, and its standard uncertainty; None where they cannot be told apart.
