@@ -147,6 +147,11 @@ pub fn search(pair: &Pair, calm: &Pair, look: &Look, known: &Events) -> Result<E
     search::search(left, eta, pair, noise, known)
 }
 
+/// Whether a step that was taken off is one by the differences `left` under a matrix `eta`, as the search asks it of each.
+pub fn lasts(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], step: &Found) -> bool {
+    search::lasts(left, eta, out, step)
+}
+
 /// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties of a single reading.
 ///
 /// `left` are the differences with the readings of these rows in them; `out` are all rows that are out.

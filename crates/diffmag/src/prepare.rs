@@ -113,11 +113,19 @@ impl Prepared {
         let mut kept: Vec<bool> = self.events.found.iter().zip(sizes).map(stands).collect();
         let of_rows = |found: &&Found| found.kind != EventKind::Step;
         let disturbed: Vec<&Found> = self.events.found.iter().filter(of_rows).collect();
+        if self.events.found.is_empty() {
+            return Ok(None);
+        }
+        let pair = aligned(&self.events.steps().taken_out(raw, self.shift), self.shift, Moved::Reference);
+        let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
+        disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
+        let left: [Vec<f64>; 3] = std::array::from_fn(|axis| fits[axis].left(&pair, axis));
+        let eta = std::array::from_fn(|axis| std::array::from_fn(|i| fits[axis].fit.weighted[i]));
+        let steps = self.events.found.iter().map(|event| (event.kind == EventKind::Step).then_some(event));
+        for (kept, step) in kept.iter_mut().zip(steps) {
+            *kept &= step.is_none_or(|step| events::lasts(&left, &eta, &out, step));
+        }
         if !disturbed.is_empty() {
-            let pair = aligned(&self.events.steps().taken_out(raw, self.shift), self.shift, Moved::Reference);
-            let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
-            disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
-            let left: [Vec<f64>; 3] = std::array::from_fn(|axis| fits[axis].left(&pair, axis));
             let noise: [&Noise; 3] = std::array::from_fn(|axis| &fits[axis].noise);
             let off = events::off(&left, &out, pair.step_s, &noise, &disturbed)?;
             let of_events = kept.iter_mut().zip(&self.events.found).filter(|(_, event)| of_rows(event));

@@ -373,12 +373,7 @@ impl Search {
 
     /// A step and one back within a minute's rows are a pass: the rows between are disturbed.
     fn returns(&mut self) {
-        // In the difference that shows it most.
-        let shown = |step: &Step| {
-            let parts = step.source.parts(&self.eta);
-            let axis = largest(&parts);
-            (axis, parts[axis] * step.source.size)
-        };
+        let shown = |step: &Step| shown(&step.source, &self.eta);
         let back = |a: &Step, b: &Step| {
             let ((axis, up), (other, down)) = (shown(a), shown(b));
             axis == other
@@ -409,17 +404,11 @@ impl Search {
     /// Leaves those steps that no other part of the series would show, and that are not larger than the differences are spread.
     fn confirm(&mut self) {
         let series = self.cleaned();
-        let levels = series.each_ref().map(|series| Levels::of(series, &self.out));
         let spans = self.left.each_ref().map(|left| span(left, &self.out));
-        let eta = self.eta;
+        let (eta, out) = (self.eta, &self.out);
         self.steps.retain(|step| {
-            let parts = step.source.parts(&eta);
-            let axis = largest(&parts);
-            let removed = parts[axis] * step.source.size;
-            let far = levels[axis].lasting(step.row, step.after, removed);
-            let stands = |net: Net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= SURE;
-            removed.abs() <= spans[axis]
-                && levels[axis].net(step.row, step.after, removed).is_some_and(stands)
+            let (axis, removed) = shown(&step.source, &eta);
+            removed.abs() <= spans[axis] && stands(&series[axis], out, (step.row, step.after), removed)
         });
     }
 
@@ -441,6 +430,31 @@ impl Search {
         found.sort_by_key(|event| (event.from, event.axis, event.kind == EventKind::Step));
         Events { found, more, ..Events::default() }
     }
+}
+
+/// The difference that shows a step most, and its size there.
+fn shown(source: &Source, eta: &[[f64; 3]; 3]) -> (usize, f64) {
+    let parts = source.parts(eta);
+    let axis = largest(&parts);
+    (axis, parts[axis] * source.size)
+}
+
+/// Whether the level before some rows and the one after them are apart by a step, of which `removed` was taken off: as the same series is nowhere
+/// else, of one size by few and by many readings, and for longer than a pass.
+fn stands(series: &[f64], out: &[bool], (from, after): (usize, usize), removed: f64) -> bool {
+    let levels = Levels::of(series, out);
+    let far = levels.lasting(from, after, removed);
+    levels
+        .net(from, after, removed)
+        .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= SURE)
+}
+
+/// Whether a step that was taken off differences is one by what they leave.
+pub fn lasts(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], step: &Found) -> bool {
+    let source = Source { instrument: step.instrument, axis: step.axis, size: step.size, std: step.std };
+    let (axis, removed) = shown(&source, eta);
+    let after = (step.from..out.len()).find(|row| !out[*row]).unwrap_or(step.from);
+    after < out.len() && stands(&left[axis], out, (step.from, after), removed)
 }
 
 /// Where the largest part is.
