@@ -88,7 +88,8 @@ fn clock(
     fit: &DifferentialFit,
     cosine: &Cosine,
 ) -> Result<Option<Contribution>, Error> {
-    let Some((clock, shift)) = fit.clock.as_ref().and_then(|clock| Some((clock, shift(prepared, clock)?))) else {
+    let Some((clock, shift)) = fit.clock.as_ref().and_then(|clock| Some((clock, shift(prepared, clock)?)))
+    else {
         return Ok(None);
     };
     let late = prepared.events.taken_out(raw, shift);

@@ -99,8 +99,11 @@ fn offsets_of_parts_that_differ_are_in_the_interval() {
     let time = made(3).reference_time();
     let found = clock((&time, &made(3).read("reference")), (&time, &test), false);
     let parts = found.parts.expect("parts");
-    assert!(parts.p < 1e-6 && (parts.between_s - 3.0).abs() < 1.0, "{parts:?}");
-    for truth in [3.0, 9.0] {
-        assert!((found.offset_s.value() - truth).abs() < 2.0 * std(&found.offset_s), "{:?}", found.offset_s);
+    // A line through the step leaves half of its 3 s on either side.
+    assert!(parts.p < 1e-6 && (parts.between_s - 1.5).abs() < 0.5, "{parts:?}");
+    let quarter_s = 0.25 * (time[ROWS - 1] - time[0]);
+    for (truth, from_middle_s) in [(3.0, -quarter_s), (9.0, quarter_s)] {
+        let told = found.offset_s.value() + 1e-6 * found.rate_ppm.value() * from_middle_s;
+        assert!((told - truth).abs() < 2.0 * std(&found.offset_s), "{told}: {:?}", found.offset_s);
     }
 }
