@@ -58,7 +58,7 @@ pub fn of_tt2000(tt2000: i64) -> Option<i64> {
 /// Of EPOCH, ms since the year 0, to the microsecond; None for fill values.
 pub fn of_epoch(epoch_ms: f64) -> Option<i64> {
     let micros = ((epoch_ms - YEAR_0_S * 1e3) * 1e3).round();
-    (epoch_ms > 0.0 && micros.abs() < 9.2e15).then_some(micros as i64 * 1000)
+    (epoch_ms > 0.0 && micros.abs() < 9.2e15).then(|| micros as i64 * 1000)
 }
 
 /// Of EPOCH16, s since the year 0 and ps.
