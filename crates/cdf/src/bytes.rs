@@ -85,7 +85,9 @@ impl<'a> Record<'a> {
         let fits = count.checked_mul(bytes_each).is_some_and(|bytes| bytes <= self.left.len());
         let at = self.at;
         fits.then_some(count).ok_or_else(|| {
-            Error(format!("a broken CDF: the record at byte {at} counts {count} things and is too short"))
+            Error(format!(
+                "a broken CDF: the record at byte {at} announces {count} entries and is too short for them"
+            ))
         })
     }
 

@@ -69,21 +69,8 @@ pub fn search(
     if origin.look.clean(searcher.level) {
         let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
         let Ground { fit, noise, look, .. } = origin;
-        return Ok(Outcome {
-            before,
-            base,
-            base_noise,
-            first,
-            found: codes,
-            verdict,
-            refused: Vec::new(),
-            unnamed: Vec::new(),
-            near: fit.state.base.clone(),
-            fit,
-            noise,
-            last: look,
-            notes: Vec::new(),
-        });
+        let near = fit.state.base.clone();
+        return Ok(outcome(before, (base, base_noise, first), (verdict, codes), near, (fit, noise, look)));
     }
     // With less noise where the names of a round explain some of what passed for it.
     let mut ground = origin.clone();
@@ -355,25 +342,12 @@ fn concluded(
 ) -> Result<Outcome, Error> {
     let verdict::Answer { verdict, names, refused, unnamed, .. } = answer;
     let mut found = codes;
-    let near = fit.state.base.clone();
+    let (near, began) = (fit.state.base.clone(), (base, base_noise, first));
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
         let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
         let Ground { fit, noise, look: last, .. } = origin;
-        return Ok(Outcome {
-            before,
-            base,
-            base_noise,
-            first,
-            found,
-            verdict,
-            refused,
-            unnamed,
-            near,
-            fit,
-            noise,
-            last,
-            notes: Vec::new(),
-        });
+        let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
+        return Ok(Outcome { refused, unnamed, ..outcome });
     }
     let fitter = Fitter { model, noise: &noise };
     let mut from = origin.counts();
@@ -401,20 +375,31 @@ fn concluded(
         });
     }
     let fit = Fit { covariance, ..fit };
-    let notes = Vec::new();
-    Ok(Outcome {
+    let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
+    Ok(Outcome { refused, unnamed, ..outcome })
+}
+
+/// An outcome of which nothing else is to be said yet.
+fn outcome(
+    before: Vec<f64>,
+    (base, base_noise, first): (Fit, NoiseModel, Look),
+    (verdict, found): (Verdict, Vec<Found>),
+    near: Vec<f64>,
+    (fit, noise, last): (Fit, NoiseModel, Look),
+) -> Outcome {
+    Outcome {
         before,
         base,
         base_noise,
         first,
         found,
         verdict,
-        refused,
-        unnamed,
+        refused: Vec::new(),
+        unnamed: Vec::new(),
         near,
         fit,
         noise,
         last,
-        notes,
-    })
+        notes: Vec::new(),
+    }
 }

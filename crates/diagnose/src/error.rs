@@ -32,11 +32,6 @@ impl From<Error> for common::Error {
 
 impl From<joined::Error> for Error {
     fn from(error: joined::Error) -> Self {
-        match error {
-            joined::Error::Document(error) => Self::Document(error),
-            joined::Error::Nothing => Self::Undetermined(error.to_string()),
-            joined::Error::Undetermined(message) => Self::Undetermined(message),
-            joined::Error::Estimate(error) => Self::Estimate(error),
-        }
+        Self::Document(error.into())
     }
 }

@@ -84,8 +84,8 @@ impl Site {
                  it says which of the two drifts"
             }
             Site::Scalar => {
-                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: what \
-                 drifts the length of the field does not say alone"
+                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the \
+                 length of the field alone does not say what drifts"
             }
             Site::Alone => {
                 "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone does not \
@@ -98,7 +98,7 @@ impl Site {
         match self {
             Site::Coils => "ramp that temperature up and down at two rates with everything else held",
             Site::Orbit => {
-                "record orbits of another season, in which shadow and load fall otherwise: that temperature then moves apart from the field"
+                "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field"
             }
             Site::Pair => {
                 "warm that sensor by some kelvin and let it cool, at two rates, with the other left as it is; at night, when the field is quiet"
@@ -122,7 +122,7 @@ impl Site {
                 "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed"
             }
             (Site::Orbit, _) => {
-                "record orbits in which the satellite is turned otherwise (a roll, a yaw), so that the field lies along each axis in turn"
+                "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn"
             }
             (Site::Pair, _) => {
                 "turn the sensor under test by 90° and 180° and record some hours in each position; where it cannot be turned, record through a \
@@ -133,7 +133,7 @@ impl Site {
                  day, when the field varies most"
             }
             (Site::Alone, _) => {
-                "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then fall out"
+                "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then cancel"
             }
         }
     }

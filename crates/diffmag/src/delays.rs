@@ -339,8 +339,8 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
     let ends = [bands.bands.first(), bands.bands.last()].map(|band| {
         band.map_or_else(String::new, |band| {
             format!(
-                "{} s at periods of {} to {}",
-                uncertain(band.delay_s.value(), band.delay_s.std().unwrap_or(0.0)),
+                "{} at periods of {} to {}",
+                band.delay_in_words(),
                 duration(band.shortest_s),
                 duration(band.longest_s)
             )

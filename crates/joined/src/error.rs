@@ -15,6 +15,16 @@ pub enum Error {
     #[error("{0}")]
     Undetermined(String),
     /// The estimation failed.
-    #[error(transparent)]
+    #[error("no fit was found: {0}")]
     Estimate(#[from] estimate::Error),
+}
+
+impl From<Error> for common::Error {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Document(error) => error,
+            Error::Nothing => common::Error::Request(error.to_string()),
+            Error::Undetermined(_) | Error::Estimate(_) => common::Error::Unanswerable(error.to_string()),
+        }
+    }
 }

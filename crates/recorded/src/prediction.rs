@@ -16,7 +16,7 @@ pub struct Prediction {
     pub by_hand_nt: Vec<f64>,
     /// What the programs leave, nT; None where they refuse.
     pub programs_nt: Option<Vec<f64>>,
-    /// Why the programs leave more, in words; shown where they do.
+    /// Why the programs leave more, in words; shown where they do, empty where nobody knows.
     pub why: &'static str,
 }
 
@@ -46,7 +46,11 @@ impl Prediction {
             each(&self.by_hand_nt),
             self.programs_nt.as_deref().map_or("refused".into(), each),
             ratios.map_or(String::new(), |ratios| ratios.join("; ")),
-            if self.holds() { "yes".into() } else { format!("**no**: {}", self.why) },
+            match self.why {
+                _ if self.holds() => "yes".into(),
+                "" => "**no**, for a reason that is not known".into(),
+                why => format!("**no**: {why}"),
+            },
         ]
     }
 }

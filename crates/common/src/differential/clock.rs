@@ -154,6 +154,13 @@ pub enum DelayForm {
     Other,
 }
 
+impl DelayBand {
+    /// `1.40 ± 0.01 s late`, or `early`.
+    pub fn delay_in_words(&self) -> String {
+        in_words(&self.delay_s, "s", ["late", "early"])
+    }
+}
+
 impl ClockDifference {
     /// `1.40 ± 0.01 s late`, or `early`.
     pub fn offset_in_words(&self) -> String {

@@ -105,7 +105,6 @@ pub fn month(stages: &Stages) -> Result<Page, Error> {
         by_hand: PLANE,
         plot: Some("real-boulder-2016.svg"),
         of: "",
-        why: "`diagnose` writes no calibration where the verdict is not explained",
     };
     scalar::study(stages, &mut page, &scalar)?;
     let own = |part: &Series| -> Vec<f64> {
@@ -143,7 +142,6 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
         by_hand: PLANE,
         plot: Some("real-boulder-2014.svg"),
         of: "",
-        why: "`diagnose` finds several sets of names equally good and writes no calibration, so that only the level is taken off",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(UNDECIDED);

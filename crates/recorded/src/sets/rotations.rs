@@ -13,8 +13,6 @@ const PHONE: &str = include_str!("../../../../fixtures/ingest/real/phone.json");
 const VN100: &str = include_str!("../../../../fixtures/ingest/real/vn100.json");
 
 /// Why an ellipsoid by hand may predict better.
-const WHY: &str = "the refit holds what the directions do not determine at what was stated, or the parts do not share one field";
-
 /// The middle of the readings of each sensor, nT: where iron and offsets put the centre of the sphere, roughly.
 fn centre(series: &Series) -> [f64; 3] {
     ["x", "y", "z"].map(|axis| {
@@ -42,7 +40,7 @@ fn study(
     runs: [&Series; 2],
     parts: [&str; 2],
     size_nt: Option<f64>,
-    (of, why): (&str, &'static str),
+    of: &str,
 ) -> Result<(), Error> {
     let centre = centre(runs[0]);
     let size = size_nt.unwrap_or_else(|| mean_size(runs[0], centre));
@@ -54,7 +52,6 @@ fn study(
         by_hand: ("an ellipsoid by plain least squares", ellipsoid),
         plot: None,
         of,
-        why,
     };
     scalar::study(stages, page, &scalar)
 }
@@ -80,7 +77,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
         [&split.fitted, &split.left_out],
         ["first 60 %", "last 40 %"],
         None,
-        ("within a run", WHY),
+        "within a run",
     )?;
     page.head("*From one run to another.*");
     page.say("One run fitted, another left out:");
@@ -90,7 +87,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
         [&full, &partial],
         ["the full sphere", "the partial sphere, another run"],
         None,
-        ("from one run to another", WHY),
+        "from one run to another",
     )?;
     page.undecided(
         "the absolute scale; how the axes stand to the board; whether the field was of one size everywhere that the board was moved, indoors: if it was not, that is in the constants.",
@@ -109,11 +106,11 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
     page.say(
         "About six readings a second; the size of the field is set to the 52.0 µT that the authors take.",
     );
-    for (what, name, mapping, every, why) in [
-        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4, WHY),
-        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4, WHY),
-        ("The VN-100 by itself", "clearIMU.csv", VN100, 6, WHY),
-        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6, WHY),
+    for (what, name, mapping, every) in [
+        ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The phone, a magnet at 7 cm", "SLA7HardMagnetometerUncalibrated.csv", PHONE, 4),
+        ("The VN-100 by itself", "clearIMU.csv", VN100, 6),
+        ("The VN-100, a magnet at 7 cm", "vn7Hard.csv", VN100, 6),
     ] {
         page.head(format!("*{what}.*"));
         page.say(format!("{what}:"));
@@ -124,7 +121,7 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
             [&split.fitted, &split.left_out],
             ["first 60 %", "last 40 %"],
             Some(52_000.0),
-            (what, why),
+            what,
         )?;
     }
     page.undecided(

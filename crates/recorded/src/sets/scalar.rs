@@ -28,8 +28,6 @@ pub struct Scalar<'a> {
     pub plot: Option<&'a str>,
     /// Which part of the set this is, in words; empty where the set has one.
     pub of: &'a str,
-    /// Why `diagnose` and `correct` predict worse than least squares by hand, where they do.
-    pub why: &'static str,
 }
 
 /// A level and slopes, for a field that points one way.
@@ -93,7 +91,7 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         ways: vec![way],
         by_hand_nt: vec![by_hand_nt],
         programs_nt,
-        why: scalar.why,
+        ..Prediction::default()
     });
     let [fitted, left_out] = scalar.parts;
     let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];

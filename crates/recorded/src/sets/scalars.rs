@@ -40,7 +40,6 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         by_hand: PLANE,
         plot: Some("real-conrad-scalar.svg"),
         of: "",
-        why: "the refit of nine constants to a field that points one way",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(
@@ -68,7 +67,6 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
         by_hand: PLANE,
         plot: Some("real-vernadsky.svg"),
         of: "",
-        why: "asked to (`--refit`), `diagnose` fits nine constants to a day in which the mismatch moves by less than 0.1 nT, and they predict the evening worse than the level alone; unasked it writes none, and then the level is what there is",
     };
     scalar::study(stages, &mut page, &scalar)?;
     page.undecided(
@@ -156,7 +154,6 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
             by_hand: PLANE,
             plot: None,
             of: "",
-            why: "`diagnose` writes no calibration",
         };
         let recording =
             joined(&late(fitted, days[8].0.unwrap_or(0.0))).recording("vector-scalar", "free_run");
