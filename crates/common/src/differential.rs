@@ -9,6 +9,7 @@ use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity, ResidualSeries}
 mod clock;
 mod contribution;
 mod drift;
+mod followed;
 mod fourteen;
 mod kept_out;
 mod octaves;
@@ -18,6 +19,7 @@ mod stability;
 pub use clock::*;
 pub use contribution::*;
 pub use drift::*;
+pub use followed::*;
 pub use fourteen::*;
 pub use kept_out::*;
 pub use octaves::*;
@@ -159,6 +161,9 @@ pub struct DifferenceAxis {
     pub allan: AllanDeviation,
     /// Its drift.
     pub drift: Drift,
+    /// Housekeeping columns that it follows, in the order in which they were found; the matrix and d are without what follows them.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub follows: Vec<Followed>,
 }
 
 impl DifferenceAxis {

@@ -49,11 +49,12 @@ pub use diagnosis::{
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, ClockJump, ClockSegment, Contribution, ContributionCause,
     DelayBand, DelayBands, DelayForm, DifferenceAxis, DifferentialCalibration, DifferentialFit, Drift,
-    DriftChange, DriftForm, ElementChange, EventInstrument, EventKind, FourteenParameters, Gap, InSpectrum,
-    IteratedDrift, JointDrift, JumpVerdict, KeptOut, KeptOutEvent, KnownInstrument, Magnetometer,
-    MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability, MatrixWindow, MatrixWindows,
-    OctaveAgreement, OffsetScatter, OneMatrix, OwnNoise, PhaseClock, PulledElement, QuietDisturbed,
-    ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand, TransferBands,
+    DriftChange, DriftExplanations, DriftForm, ElementChange, EventInstrument, EventKind, Followed,
+    FourteenParameters, Gap, InSpectrum, IteratedDrift, JointDrift, JumpVerdict, KeptOut, KeptOutEvent,
+    KnownInstrument, Magnetometer, MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability,
+    MatrixWindow, MatrixWindows, OctaveAgreement, OffsetScatter, OneMatrix, OwnNoise, PhaseClock,
+    PulledElement, QuietDisturbed, ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand,
+    TransferBands, WindowMean,
 };
 pub use document::{Document, FORMAT_VERSION, at_path, line_of, parse};
 pub use error::{Error, ExitCode};

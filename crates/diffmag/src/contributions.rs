@@ -10,6 +10,7 @@ use estimate::resample::PASSBAND;
 use faer::Mat;
 
 use crate::clock::{Moved, Shift, aligned};
+use crate::followed::Follows;
 use crate::prepare::Prepared;
 use crate::regression::{mean, p_of};
 use crate::series::Pair;
@@ -20,7 +21,12 @@ const DAY_S: f64 = 86_400.0;
 const DEPENDENT: f64 = 1e-12;
 
 /// Writes the contributions, the largest first, and the rms that is known without any fit.
-pub fn add(raw: &Pair, prepared: &Prepared, fit: &mut DifferentialFit) -> Result<(), Error> {
+pub fn add(
+    raw: &Pair,
+    prepared: &Prepared,
+    followed: [&[Follows]; 3],
+    fit: &mut DifferentialFit,
+) -> Result<(), Error> {
     for (axis, test) in Axis::ALL.into_iter().zip(&raw.test) {
         let levels: Vec<f64> = test.iter().zip(&raw.reference[axis.index()]).map(|(t, r)| t - r).collect();
         if let Some(of) = fit.axes.entry(axis) {
@@ -29,35 +35,45 @@ pub fn add(raw: &Pair, prepared: &Prepared, fit: &mut DifferentialFit) -> Result
         }
     }
     let cosine = Cosine::new(raw.whole.len(), raw.step_s);
-    let whole = Design { drift: true };
+    let whole = Design { drift: true, followed };
     let final_rms = rms(&prepared.pair, &prepared.pair.whole, fit, whole)?;
-    let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine)?.into_iter().collect();
-    let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off| {
+    let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine, whole)?.into_iter().collect();
+    let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off, column: Option<String>| {
         all.extend(what.map(|what| Contribution {
             cause,
             what,
+            column,
             taken_off,
             rms_with_nt: with,
             rms_without_nt: final_rms.clone(),
             ..Contribution::default()
         }));
     };
-    let drift = Design { drift: false };
+    let drift = Design { drift: false, ..whole };
     if let Some(what) = words::drifts(fit) {
         let with = rms(&prepared.pair, &prepared.pair.whole, fit, drift)?;
         let demanded = |axis| fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
         let with = chosen(&with, &final_rms, demanded);
-        beside(ContributionCause::Drift, Some(what), with, true);
+        beside(ContributionCause::Drift, Some(what), with, true, None);
+    }
+    for (name, what) in words::followed(fit) {
+        let others: [Vec<Follows>; 3] =
+            followed.map(|all| all.iter().filter(|one| one.name != name).cloned().collect());
+        let design = Design { followed: others.each_ref().map(Vec::as_slice), ..whole };
+        let with = rms(&prepared.pair, &prepared.pair.whole, fit, design)?;
+        let follows = |axis: Axis| followed[axis.index()].iter().any(|one| one.name == name);
+        let with = chosen(&with, &final_rms, follows);
+        beside(ContributionCause::Column, Some(what), with, true, Some(name));
     }
     if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
         let stepped = without(raw, prepared, |kind| kind != EventKind::Step);
         let with = rms(&stepped, &stepped.whole, fit, whole)?;
-        beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true);
+        beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true, None);
     }
     if fit.kept_out.events.iter().any(|event| event.kind != EventKind::Step) {
         let disturbed = without(raw, prepared, |kind| kind == EventKind::Step);
         let with = rms(&disturbed, &disturbed.whole, fit, whole)?;
-        beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true);
+        beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true, None);
     }
     if let Some(what) = words::short_periods(fit) {
         let mut long = PerAxis::default();
@@ -87,6 +103,7 @@ fn clock(
     prepared: &Prepared,
     fit: &DifferentialFit,
     cosine: &Cosine,
+    design: Design<'_>,
 ) -> Result<Option<Contribution>, Error> {
     let Some((clock, shift)) = fit.clock.as_ref().and_then(|clock| Some((clock, shift(prepared, clock)?)))
     else {
@@ -98,7 +115,6 @@ fn clock(
     let count = rows.iter().filter(|row| **row).count() as f64;
     let band = PASSBAND * 0.5 / raw.step_s;
     let (mut with, mut without) = (PerAxis::default(), PerAxis::default());
-    let design = Design { drift: true };
     for axis in Axis::ALL {
         let late = left(&late, axis, &rows, fit, design)?;
         let right = left(&right, axis, &rows, fit, design)?;
@@ -133,11 +149,21 @@ fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -
 
 /// What is fitted besides the reference's axes, a level and the pair's steps.
 #[derive(Clone, Copy)]
-struct Design {
+struct Design<'a> {
     drift: bool,
+    /// The housekeeping columns that each axis follows.
+    followed: [&'a [Follows]; 3],
 }
 
-fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design) -> Result<PerAxis<f64>, Error> {
+impl Design<'_> {
+    /// Whether an axis has a straight drift: beside a column that it follows only where one is demanded.
+    fn days(&self, axis: Axis, fit: &DifferentialFit) -> bool {
+        let demanded = fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
+        self.drift && (demanded || self.followed[axis.index()].is_empty())
+    }
+}
+
+fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design<'_>) -> Result<PerAxis<f64>, Error> {
     let count = rows.iter().filter(|row| **row).count() as f64;
     let mut all = PerAxis::default();
     for axis in Axis::ALL {
@@ -153,20 +179,27 @@ fn left(
     axis: Axis,
     rows: &[bool],
     fit: &DifferentialFit,
-    design: Design,
+    design: Design<'_>,
 ) -> Result<Vec<f64>, Error> {
     let test = &pair.test[axis.index()];
     let means = pair.reference.each_ref().map(|column| mean(column));
     let level = mean(test);
     let steps = &pair.steps[axis.index()];
     let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
-    let width = 4 + usize::from(design.drift) + usize::from(decay_s.is_some()) + steps.len();
+    let followed = design.followed[axis.index()];
+    let days = design.days(axis, fit);
+    let width = 4
+        + usize::from(days)
+        + usize::from(decay_s.is_some())
+        + followed.iter().map(|follows| follows.columns.len()).sum::<usize>()
+        + steps.len();
     let fill = |row: usize, values: &mut Vec<f64>| {
         values.clear();
         values.push(1.0);
         values.extend((0..3).map(|i| pair.reference[i][row] - means[i]));
-        values.extend(design.drift.then(|| pair.since_middle_s(row) / DAY_S));
+        values.extend(days.then(|| pair.since_middle_s(row) / DAY_S));
         values.extend(decay_s.map(|decay_s| (-(row as f64) * pair.step_s / decay_s).exp()));
+        values.extend(followed.iter().flat_map(|follows| &follows.columns).map(|column| column[row]));
         values.extend(steps.iter().map(|step| if row < *step { 0.0 } else { 1.0 }));
     };
     let used = || (0..test.len()).filter(|row| rows[*row]);

@@ -1,12 +1,14 @@
 //! The drift of the difference: b t + a e^(−t/τ) beside η, under noise with memory.
 
 mod change;
+mod explanations;
 mod iteration;
 mod joint;
 
-pub use joint::{Joint, joint};
+use explanations::{Explanations, explanations};
+pub use joint::{Curve, Joint, chance, joint};
 
-use common::{Drift, DriftForm, Quantity};
+use common::{Drift, DriftForm, Quantity, WindowMean};
 use estimate::cosine::{Cosine, Errors, Regression, weighted};
 use estimate::stats;
 
@@ -19,7 +21,7 @@ pub const LEVEL: f64 = 0.01;
 /// Fewer samples than these show no exponential.
 const LEAST: usize = 64;
 /// Rounds of fitting the noise to what is left, and the columns under that noise.
-const ROUNDS: usize = 3;
+pub const ROUNDS: usize = 3;
 /// The shortest time constant: so many steps, and this share of the recording.
 const SHORTEST_STEPS: f64 = 10.0;
 const SHORTEST: f64 = 1e-3;
@@ -27,6 +29,10 @@ const SHORTEST: f64 = 1e-3;
 const LONGEST: f64 = 3.0;
 /// Step of ln τ in the search.
 const SEARCH: f64 = 0.2;
+/// Windows of which means are told, parts of each by which their uncertainty is known, and the least samples of a part.
+const WINDOWS: usize = 12;
+const PARTS: usize = 8;
+const LEAST_OF_PART: usize = 4;
 const DAY_S: f64 = 86_400.0;
 
 /// Days from the middle of the recording.
@@ -36,8 +42,8 @@ pub fn days(pair: &Pair) -> Vec<f64> {
 
 /// What one axis has besides the columns that all have.
 pub struct Beside<'a> {
-    /// Transforms of its steps; they stand last among the columns.
-    pub steps: &'a [Vec<f64>],
+    /// Transforms of the housekeeping columns that it follows and of its steps; they stand last among the columns.
+    pub own: &'a [Vec<f64>],
     /// Frequencies of spectral lines, which are not noise, Hz.
     pub lines_hz: &'a [f64],
 }
@@ -121,17 +127,22 @@ impl<'a> Columns<'a> {
         self.base.iter().map(Vec::as_slice).collect()
     }
 
-    /// These and others, the steps last.
-    fn with<'b>(&'b self, others: &[&'b [f64]], beside: &Beside<'b>) -> Vec<&'b [f64]> {
-        let steps = beside.steps.iter().map(Vec::as_slice);
-        self.base().into_iter().chain(others.iter().copied()).chain(steps).collect()
+    /// These and others, the axis's own last.
+    pub fn with<'b>(&'b self, others: &[&'b [f64]], beside: &Beside<'b>) -> Vec<&'b [f64]> {
+        let own = beside.own.iter().map(Vec::as_slice);
+        self.base().into_iter().chain(others.iter().copied()).chain(own).collect()
     }
 
     /// Noise of what a regression leaves.
     pub fn noise(&self, regression: &Regression, errors: &Errors, lines_hz: &[f64]) -> Result<Noise, Error> {
         let near = 2.0 / self.length_s();
         let line = |frequency: f64| lines_hz.iter().any(|line| (frequency - line).abs() <= near);
-        Noise::of(self.cosine.ordinates(regression, errors, line), self.pair)
+        Noise::by_octaves(self.cosine.ordinates(regression, errors, line), self.pair)
+    }
+
+    /// η and the straight drift under this noise.
+    pub fn under(&self, y: &[f64], noise: &Noise, beside: &Beside<'_>) -> Result<Regression, Error> {
+        Ok(weighted(&self.with(&[], beside), y, &noise.errors(&self.cosine)?)?)
     }
 
     /// η and the straight drift, under the noise of what they leave.
@@ -149,6 +160,37 @@ impl<'a> Columns<'a> {
         }
         Ok((regression, noise))
     }
+}
+
+/// The explanations of the slow change that a fit with a straight drift leaves or takes for one.
+pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explanations> {
+    let (days, slope) = (&columns.base[3], straight.coefficients[3]);
+    let with_drift: Vec<f64> =
+        straight.residual.iter().zip(days).map(|(left, days)| left + slope * days).collect();
+    let squares: f64 = with_drift.iter().map(|c| c * c).sum();
+    let rms = (squares / columns.days.len() as f64).sqrt();
+    explanations(&with_drift, days, (rms, columns.length_s() / DAY_S))
+}
+
+/// Means of a difference, its drift in it, over equal windows; their uncertainties are by the scatter of parts. None of short recordings.
+pub fn window_means(difference: &[f64], pair: &Pair) -> Vec<WindowMean> {
+    let part = difference.len() / (WINDOWS * PARTS);
+    if part < LEAST_OF_PART {
+        return Vec::new();
+    }
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let of = |number: usize| {
+        let from = number * PARTS * part;
+        let own = &difference[from..from + PARTS * part];
+        let parts: Vec<f64> = own.chunks(part).map(mean).collect();
+        let middle = mean(&parts);
+        let scatter = parts.iter().map(|mean| (mean - middle).powi(2)).sum::<f64>() / (PARTS - 1) as f64;
+        WindowMean {
+            time_s: 0.5 * (pair.time_s(from) + pair.time_s(from + PARTS * part - 1)),
+            mean_nt: Quantity::new(middle, (scatter / PARTS as f64).sqrt()),
+        }
+    };
+    (0..WINDOWS).map(of).collect()
 }
 
 /// What is said of the drift of one axis: `regression` and `noise` are those that the matrix is from.

@@ -6,6 +6,7 @@
 
 mod across;
 mod adopt;
+mod alike;
 mod bands;
 mod clock;
 mod constancy;
@@ -16,8 +17,11 @@ mod drift;
 mod error;
 mod events;
 mod files;
+mod followed;
 pub mod fourteen;
+mod housekeeping;
 mod mutual;
+mod octaves;
 mod prepare;
 mod reference_noise;
 mod regression;
@@ -55,16 +59,17 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if let Some(clock) = &mut prepared.clock {
         segments.write(clock);
     }
-    let mut fits = regression::fit(&prepared.pair)?;
+    let columns = housekeeping::columns(&document, &raw);
+    let mut fits = regression::fit(&prepared.pair, &columns)?;
     while let Some(confirmed) = prepared.confirmed(&raw, &fits)? {
         prepared = confirmed;
-        fits = regression::fit(&prepared.pair)?;
+        fits = regression::fit(&prepared.pair, &columns)?;
     }
     let mut found = regression::calibrate(&raw, &prepared, &fits)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;
-        fit.series = shown::series(&document, &raw, &prepared, &fits, fit);
+        fit.series = shown::series(&columns, &raw, &prepared, &fits, fit);
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected && clock.segments.is_empty())

@@ -1,12 +1,12 @@
 //! η and d, with the source's intervals and with ones that hold for errors with memory.
 
 use common::{
-    Axis, DifferentialCalibration, DifferentialFit, Drift, EventInstrument, KeptOut, KeptOutEvent,
+    Axis, DifferentialCalibration, DifferentialFit, Drift, DriftForm, EventInstrument, KeptOut, KeptOutEvent,
     MatrixElement, PerAxis, Quantity,
 };
 use estimate::cosine::{self, Errors, Projection};
 use estimate::periodogram::periodogram;
-use estimate::spectral::{self, SpectralFit};
+use estimate::spectral::SpectralFit;
 use estimate::{hac, stats};
 use faer::Mat;
 
@@ -14,23 +14,22 @@ use crate::across::{self, Whitened};
 use crate::difference::{self, Noise};
 use crate::drift::{self, Columns};
 use crate::events::{Events, Found};
+use crate::followed::{self, Candidate, Follows};
+use crate::housekeeping::Housekeeping;
 use crate::prepare::Prepared;
 use crate::series::Pair;
-use crate::{Error, contributions, words};
+use crate::{Error, alike, contributions, words};
 
-/// The reference's axes and the straight drift.
-const STRAIGHT: usize = 4;
-/// Weighted and plain η that are so far apart less often do not agree.
-const DISAGREE_BELOW: f64 = 0.01;
+/// The straight drift stands after the reference's axes, what else there is after it.
+const DAYS: usize = 3;
+const STRAIGHT: usize = DAYS + 1;
 /// A column of which the others leave less than this share says nothing of its own.
 const LEAST_OWN: f64 = 1e-6;
-/// The band is not narrowed to fewer coefficients.
-const LEAST_KEPT: usize = 256;
 
 /// The fit of one axis of the test instrument.
 pub struct AxisFit {
     /// Weighted coefficients of the reference's x, y, z (nT/nT), of the straight drift (nT/day), where an exponential drift is
-    /// demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, and of the steps (nT).
+    /// demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, of the housekeeping columns that it follows, and of the steps (nT).
     pub fit: SpectralFit,
     /// Noise of the difference.
     pub noise: Noise,
@@ -40,6 +39,8 @@ pub struct AxisFit {
     pub offset_nt: f64,
     /// Its drift, as a document has it.
     pub drift: Drift,
+    /// The housekeeping columns that it follows.
+    pub follows: Vec<Follows>,
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     drift_columns: Vec<Vec<f64>>,
     whitened: Whitened,
@@ -47,10 +48,28 @@ pub struct AxisFit {
 }
 
 impl AxisFit {
+    /// The columns between the straight drift and the steps.
+    fn further(&self) -> impl Iterator<Item = &Vec<f64>> {
+        self.drift_columns.iter().chain(self.follows.iter().flat_map(|follows| &follows.columns))
+    }
+
+    /// What it follows, with the coefficients of its columns.
+    pub fn followed(&self) -> Vec<(&Follows, Vec<Quantity>)> {
+        let mut next = STRAIGHT + self.drift_columns.len();
+        let mut of = |follows: &Follows| -> Vec<Quantity> {
+            let own = next..next + follows.columns.len();
+            next = own.end;
+            own.map(|i| Quantity::new(self.fit.weighted[i], self.fit.weighted_covariance[(i, i)].sqrt()))
+                .collect()
+        };
+        self.follows.iter().map(|follows| (follows, of(follows))).collect()
+    }
+
     /// T − R η − drift less its mean of another pair on the same grid, nT.
     pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
         let days = drift::days(pair);
-        let design = [&pair.reference[..], std::slice::from_ref(&days), &self.drift_columns].concat();
+        let further: Vec<Vec<f64>> = self.further().cloned().collect();
+        let design = [&pair.reference[..], std::slice::from_ref(&days), &further].concat();
         let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
         let sizes = &self.fit.weighted[design.len()..];
         rest(&design, &without(&pair.test[axis], &steps, sizes), &self.fit.weighted)
@@ -65,19 +84,29 @@ struct Source {
     difference: Vec<f64>,
 }
 
-/// Fits each axis of the test instrument.
-pub fn fit(pair: &Pair) -> Result<[AxisFit; 3], Error> {
+/// Fits each axis of the test instrument, beside the housekeeping columns that it follows.
+pub fn fit(pair: &Pair, housekeeping: &[Housekeeping]) -> Result<[AxisFit; 3], Error> {
     let columns = Columns::of(pair);
-    let one = |axis: Axis| one(&columns, axis.index());
-    let (x, (y, z)) = rayon::join(|| one(Axis::X), || rayon::join(|| one(Axis::Y), || one(Axis::Z)));
-    Ok([x?, y?, z?])
+    let candidates = followed::candidates(&columns, housekeeping);
+    let one = |axis: usize, established: &[String]| one(&columns, &candidates, established, axis);
+    let (x, (y, z)) = rayon::join(|| one(0, &[]), || rayon::join(|| one(1, &[]), || one(2, &[])));
+    let mut fits = [x?, y?, z?];
+    let mut established: Vec<String> =
+        fits.iter().flat_map(|fit| fit.follows.iter().map(|follows| follows.name.clone())).collect();
+    established.dedup();
+    if !established.is_empty() {
+        for (axis, fit) in fits.iter_mut().enumerate().filter(|(_, fit)| fit.follows.is_empty()) {
+            *fit = one(axis, &established)?;
+        }
+    }
+    Ok(fits)
 }
 
-/// The pair without steps and exponential drift, as they were fitted.
+/// The pair without steps, exponential drift and what follows housekeeping columns, as they were fitted.
 pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
     let columns = |axis: usize| -> Vec<Vec<f64>> {
-        let exponential = fits[axis].drift_columns.iter().cloned();
-        exponential.chain(pair.step_columns(axis)).collect()
+        let further = fits[axis].further().cloned();
+        further.chain(pair.step_columns(axis)).collect()
     };
     let test = std::array::from_fn(|axis| {
         without(&pair.test[axis], &columns(axis), &fits[axis].fit.weighted[STRAIGHT..])
@@ -143,6 +172,8 @@ pub fn calibrate(
         let source = &found.source;
         let mut described = difference::describe(&found.difference, &source.difference, &found.noise)?;
         described.drift = found.drift.clone();
+        described.follows =
+            found.followed().into_iter().map(|(follows, sizes)| follows.document(&sizes)).collect();
         described.weighted_up_to_hz = Some(found.noise.highest_hz()).filter(|highest| highest.is_finite());
         let variance = described.rms_nt.powi(2);
         for (i, reference) in Axis::ALL.into_iter().enumerate() {
@@ -171,7 +202,8 @@ pub fn calibrate(
     }
     fit.kept_out = kept_out(raw, prepared, fits);
     fit.clock = prepared.clock.clone();
-    contributions::add(raw, prepared, &mut fit)?;
+    let followed = fits.each_ref().map(|found| found.follows.as_slice());
+    contributions::add(raw, prepared, followed, &mut fit)?;
     fit.answer = words::answer(&fit);
     fit.findings = words::findings(&fit, &fits.each_ref().map(|found| found.whitened.wider()));
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
@@ -237,13 +269,19 @@ fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
 
 /// One axis: the reference's three axes, the drift that the readings demand and the steps, under the noise of what they leave, in
 /// the band in which the instruments answer alike.
-fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
+fn one(
+    whole: &Columns<'_>,
+    candidates: &[Candidate],
+    established: &[String],
+    axis: usize,
+) -> Result<AxisFit, Error> {
     let pair = whole.pair;
     let test = &pair.test[axis];
     let mut y = whole.transform(test);
     let base_design = [&pair.reference[..], std::slice::from_ref(&whole.days)].concat();
     let seen = lines(whole, &base_design, test, &y)?;
-    let Plain { noise: plain_noise, kept } = plain(whole, &y, &seen)?;
+    let plain_noise = plain_noise(whole, &y, &seen)?;
+    let kept = alike::band(whole, &y)?;
     let columns = &whole.up_to(kept);
     y.truncate(kept);
     let all_steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
@@ -251,45 +289,79 @@ fn one(whole: &Columns<'_>, axis: usize) -> Result<AxisFit, Error> {
         determined(columns, &all_steps, &pair.step_stds[axis], &plain_noise.errors(&columns.cosine)?)?;
     let steps: Vec<Vec<f64>> = fitted.iter().map(|step| all_steps[*step].clone()).collect();
     let step_transforms: Vec<Vec<f64>> = steps.iter().map(|step| columns.transform(step)).collect();
-    let straight_design = [&base_design[..], &steps].concat();
-    let beside = drift::Beside { steps: &step_transforms, lines_hz: &seen };
-    let (straight, noise) = columns.straight(&y, &beside)?;
+    let beside = drift::Beside { own: &step_transforms, lines_hz: &seen };
+    let follows = followed::follows(columns, &y, candidates, established, &beside)?;
+    let followed: Vec<Vec<f64>> = follows.iter().flat_map(|follows| follows.columns.clone()).collect();
+    let own: Vec<Vec<f64>> =
+        followed.iter().map(|column| columns.transform(column)).chain(step_transforms).collect();
+    let beside = drift::Beside { own: &own, lines_hz: &seen };
+    let (mut straight, mut noise) = columns.straight(&y, &beside)?;
+    let explanations = drift::explained(columns, &straight);
+    if let Some(found) = explanations.as_ref().filter(|found| found.is_drift()) {
+        noise = noise.with_lowest(&columns.cosine, &found.beside_drift);
+        straight = columns.under(&y, &noise, &beside)?;
+    }
     let joint = drift::joint(columns, &y, &noise, &beside)?;
     let demanded = joint.as_ref().filter(|joint| joint.p < drift::LEVEL);
     let drift_columns = demanded.map_or(Vec::new(), |joint| columns.exponential(joint.ln_tau).to_vec());
     let regression = demanded.map_or(&straight, |joint| &joint.regression);
-    let mut design = straight_design;
-    design.splice(STRAIGHT..STRAIGHT, drift_columns.iter().cloned());
-    let difference = rest(&design, test, &regression.coefficients);
-    let sizes = &regression.coefficients[design.len() - steps.len()..];
-    let level = without(test, &steps, sizes);
-    let noise = demanded.map_or(&noise, |joint| &joint.noise).clone();
-    let found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
-    let all: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
+    let mut noise = demanded.map_or(&noise, |joint| &joint.noise).clone();
+    let design = [&base_design[..], &drift_columns, &followed, &steps].concat();
+    let of_own = &regression.coefficients[design.len() - own.len()..];
+    let level = without(test, &[&followed[..], &steps].concat(), of_own);
+    let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
+    if let Some(explanations) = &explanations {
+        let (value, std) =
+            (found.straight_nt_per_day.value(), found.straight_nt_per_day.std().unwrap_or(0.0));
+        if explanations.is_drift() {
+            let marginal = explanations.straight_nt_per_day.std().unwrap_or(0.0);
+            found.straight_nt_per_day = Quantity::new(value, std.max(marginal));
+        }
+        found.explanations = Some(explanations.document());
+    }
+    let matrix = &regression.coefficients[..DAYS];
+    found.windows = drift::window_means(&rest(&pair.reference, &level, matrix), pair);
+    // What follows a column needs no drift that the readings do not demand beside it: the two are much alike.
+    let drifts = follows.is_empty() || found.demanded != DriftForm::None;
+    let fitted_columns: Vec<usize> = (0..design.len()).filter(|column| drifts || *column != DAYS).collect();
+    let all: Vec<Vec<f64>> =
+        fitted_columns.iter().map(|column| columns.transform(&design[*column])).collect();
     let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
     let errors = noise.errors(&columns.cosine)?;
-    let mut fit = cosine::regress(&all, &y, &errors)?;
-    let (mut difference, mut noise) = (difference, noise);
-    if worse_than_levels(&rest(&design, test, &fit.weighted), pair, axis) {
-        difference = rest(&design, test, &fit.least_squares);
+    let last = cosine::weighted(&all, &y, &errors)?;
+    let mut places: Vec<Place> = (0..design.len() - steps.len())
+        .map(|column| {
+            fitted_columns.iter().position(|own| *own == column).map_or(Place::Held(0.0), Place::Fitted)
+        })
+        .collect();
+    places.extend(pair.step_stds[axis].iter().enumerate().map(|(number, std)| {
+        let place = fitted.iter().position(|known| *known == number);
+        place.map_or(Place::Held(*std), |place| Place::Fitted(all.len() - steps.len() + place))
+    }));
+    let mut fit = with_held(cosine::regress(&all, &y, &errors)?, &places);
+    let every = [&base_design[..], &drift_columns, &followed, &all_steps].concat();
+    let mut difference = rest(&every, test, &fit.weighted);
+    if worse_than_levels(&difference, pair, axis) {
+        difference = rest(&every, test, &fit.least_squares);
         noise = Noise::seen(&difference, pair)?;
-        fit = cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?;
+        fit = with_held(cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?, &places);
         (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
     }
-    let fit = with_held(fit, design.len() - steps.len(), &fitted, &pair.step_stds[axis]);
     let whitened = Whitened {
-        weights: std::array::from_fn(|i| regression.weights[i].clone()),
-        left: errors.whiten(&regression.residual),
+        weights: std::array::from_fn(|i| last.weights[i].clone()),
+        left: errors.whiten(&last.residual),
     };
-    let offset_nt = mean(&level) - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
+    let offset_nt = mean(&without(test, &all_steps, &fit.weighted[every.len() - all_steps.len()..]))
+        - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
-    // Noise is told of all that is left, but weighs only in the band.
+    // Noise is told of all that is left, by its form: levels of octaves would hide what is not noise from the tests that follow. It weighs only in the
+    // band.
     let noise = if kept == whole.kept {
-        noise
+        noise.form()
     } else {
         Noise::seen(&difference, pair)?.up_to(whole.cosine.frequency(kept))
     };
-    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, drift_columns, whitened, source })
+    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, follows, drift_columns, whitened, source })
 }
 
 /// Whether a fit leaves more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
@@ -325,22 +397,26 @@ fn determined(
     Ok(fitted)
 }
 
-/// A fit with the steps that were not fitted in their places: nothing is to be added to their sizes, with the uncertainties of these.
-fn with_held(fit: SpectralFit, before: usize, fitted: &[usize], stds: &[f64]) -> SpectralFit {
-    if fitted.len() == stds.len() {
-        return fit;
-    }
-    let place = |column: usize| match column.checked_sub(before) {
-        None => Some(column),
-        Some(step) => fitted.iter().position(|known| *known == step).map(|at| before + at),
+/// Where a column stands in a fit.
+#[derive(Clone, Copy)]
+enum Place {
+    /// There.
+    Fitted(usize),
+    /// Nowhere: nothing is to be added to what was taken off, with this standard uncertainty.
+    Held(f64),
+}
+
+/// A fit with the columns that were not fitted in their places.
+fn with_held(fit: SpectralFit, places: &[Place]) -> SpectralFit {
+    let value = |own: &[f64], place: &Place| match place {
+        Place::Fitted(at) => own[*at],
+        Place::Held(_) => 0.0,
     };
-    let count = before + stds.len();
-    let values =
-        |own: &[f64]| -> Vec<f64> { (0..count).map(|i| place(i).map_or(0.0, |at| own[at])).collect() };
+    let values = |own: &[f64]| -> Vec<f64> { places.iter().map(|place| value(own, place)).collect() };
     let matrix = |own: &Mat<f64>| {
-        Mat::from_fn(count, count, |i, j| match (place(i), place(j)) {
-            (Some(a), Some(b)) => own[(a, b)],
-            _ if i == j => stds[i - before].powi(2),
+        Mat::from_fn(places.len(), places.len(), |i, j| match (places[i], places[j]) {
+            (Place::Fitted(a), Place::Fitted(b)) => own[(a, b)],
+            (Place::Held(std), Place::Held(_)) if i == j => std * std,
             _ => 0.0,
         })
     };
@@ -353,37 +429,10 @@ fn with_held(fit: SpectralFit, before: usize, fitted: &[usize], stds: &[f64]) ->
     }
 }
 
-/// What least squares say: noise, and how much of the band agrees with them.
-struct Plain {
-    noise: Noise,
-    /// Cosine coefficients, from the lowest on.
-    kept: usize,
-}
-
-/// Least squares rest on what is strong, which is slow; weights rest on where the difference is quiet. The two have one answer only
-/// where the instruments answer alike: filters, and noise of the reference where the field is weak, show at short periods. So
-/// the band is halved until the weighted η agrees with least squares.
-fn plain(columns: &Columns<'_>, y: &[f64], lines_hz: &[f64]) -> Result<Plain, Error> {
-    let up_to =
-        |kept: usize| -> Vec<&[f64]> { columns.base().iter().map(|column| &column[..kept]).collect() };
+/// Noise of what least squares leave.
+fn plain_noise(columns: &Columns<'_>, y: &[f64], lines_hz: &[f64]) -> Result<Noise, Error> {
     let independent = Errors::independent(&columns.cosine);
-    let noise =
-        columns.noise(&cosine::weighted(&up_to(y.len()), y, &independent)?, &independent, lines_hz)?;
-    let errors = noise.errors(&columns.cosine)?;
-    let fit = cosine::regress(&up_to(y.len()), y, &errors)?;
-    let mut kept = y.len();
-    while kept / 2 >= LEAST_KEPT {
-        let weighted = cosine::weighted(&up_to(kept), &y[..kept], &errors)?;
-        let p = spectral::agreement_p(
-            (&fit.least_squares[..3], &fit.covariance),
-            (&weighted.coefficients[..3], &weighted.covariance),
-        )?;
-        if p >= DISAGREE_BELOW {
-            break;
-        }
-        kept /= 2;
-    }
-    Ok(Plain { noise, kept })
+    columns.noise(&cosine::weighted(&columns.base(), y, &independent)?, &independent, lines_hz)
 }
 
 /// Least squares of the reference's axes alone, with the covariance under these errors and by Newey and West.

@@ -1,8 +1,9 @@
 //! The difference along what it may follow, as a few points for plots.
 
-use common::{Axis, DifferenceAxis, DifferentialFit, Document, DriftForm, ResidualSeries};
+use common::{Axis, DifferenceAxis, DifferentialFit, DriftForm, ResidualSeries};
 use estimate::grouped::{Grouped, grouped};
 
+use crate::housekeeping::Housekeeping;
 use crate::prepare::Prepared;
 use crate::regression::AxisFit;
 use crate::series::Pair;
@@ -10,12 +11,10 @@ use crate::series::Pair;
 /// Most points of a series.
 const POINTS: usize = 120;
 const DAY_S: f64 = 86_400.0;
-/// Beginnings of the columns that are no housekeeping: the instruments' own, and times.
-const NO_HOUSEKEEPING: [&str; 4] = ["reference_", "test_", "third_", "time_"];
 
 /// Along time, the field's rate of change, and each housekeeping column.
 pub fn series(
-    document: &Document,
+    columns: &[Housekeeping],
     raw: &Pair,
     prepared: &Prepared,
     fits: &[AxisFit; 3],
@@ -23,7 +22,6 @@ pub fn series(
 ) -> Vec<ResidualSeries> {
     let rows = raw.whole.len();
     let time: Vec<f64> = (0..rows).map(|row| raw.time_s(row)).collect();
-    let columns = housekeeping(document, raw, &time);
     let mut all = Vec::new();
     for (axis, found) in Axis::ALL.into_iter().zip(fits) {
         let (j, left) = (axis.index(), &found.difference);
@@ -62,9 +60,17 @@ pub fn series(
                 add("field_rate_nt_per_s", &rate, left, &and(-1.0), Some(&of_clock));
             }
         }
-        for (name, values) in &columns {
-            let drifting = with_drift(raw, left, fit.axes.get(axis));
-            add(name, values, &drifting, left, None);
+        for Housekeeping { name, values } in columns {
+            match found.followed().into_iter().find(|(follows, _)| follows.name == *name) {
+                Some((follows, sizes)) => {
+                    let own = &follows.columns[0];
+                    let x: Vec<f64> = own.iter().map(|value| value + follows.at).collect();
+                    let fitted: Vec<f64> = own.iter().map(|value| sizes[0].value() * value).collect();
+                    let before: Vec<f64> = left.iter().zip(&fitted).map(|(left, own)| left + own).collect();
+                    add(name, &x, &before, left, Some(&fitted));
+                }
+                None => add(name, values, &with_drift(raw, left, fit.axes.get(axis)), left, None),
+            }
         }
     }
     all
@@ -106,60 +112,4 @@ fn with_drift(raw: &Pair, left: &[f64], found: Option<&DifferenceAxis>) -> Vec<f
         straight + decay
     };
     left.iter().enumerate().map(|(row, left)| left + at(row)).collect()
-}
-
-/// The housekeeping columns of the pair's recordings at the pair's times, on lines between neighbours; missing beyond their ends.
-fn housekeeping(document: &Document, raw: &Pair, time: &[f64]) -> Vec<(String, Vec<f64>)> {
-    let recordings = || document.recordings.iter().filter(|recording| raw.recordings.contains(&recording.id));
-    let starts = || recordings().filter_map(|recording| recording.start()).map(|start| start.unix_s);
-    let earliest = starts().fold(f64::INFINITY, f64::min);
-    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
-    for recording in recordings() {
-        let origin_s = recording.start().map_or(0.0, |start| start.unix_s - earliest);
-        let Some(own) = recording.column("time_s") else { continue };
-        let is_housekeeping = |name: &&String| !NO_HOUSEKEEPING.iter().any(|other| name.starts_with(other));
-        for name in recording.columns.keys().filter(is_housekeeping) {
-            let Some(values) = recording.column(name) else { continue };
-            let known: Vec<(f64, f64)> = own
-                .iter()
-                .zip(values)
-                .filter(|(t, value)| t.is_finite() && value.is_finite())
-                .map(|(t, value)| (t + origin_s, *value))
-                .collect();
-            let at: Vec<f64> = time.iter().map(|t| between(&known, *t)).collect();
-            match all.iter_mut().find(|(other, _)| other == name) {
-                // Another piece of the same.
-                Some((_, have)) => have
-                    .iter_mut()
-                    .zip(at)
-                    .filter(|(have, _)| have.is_nan())
-                    .for_each(|(have, at)| *have = at),
-                None => all.push((name.clone(), at)),
-            }
-        }
-    }
-    all
-}
-
-/// A value between two neighbours in time; NaN beyond the ends.
-fn between(known: &[(f64, f64)], t: f64) -> f64 {
-    let after = known.partition_point(|(time, _)| *time < t);
-    let Some((to, high)) = known.get(after).copied() else { return f64::NAN };
-    if to == t {
-        return high;
-    }
-    let Some((from, low)) = after.checked_sub(1).map(|before| known[before]) else { return f64::NAN };
-    low + (high - low) * (t - from) / (to - from)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_between_neighbours_and_nothing_beyond() {
-        let known = [(0.0, 1.0), (2.0, 5.0)];
-        assert_eq!([0.0, 1.0, 2.0].map(|t| between(&known, t)), [1.0, 3.0, 5.0]);
-        assert!(between(&known, -1.0).is_nan() && between(&known, 2.1).is_nan());
-    }
 }

@@ -17,7 +17,7 @@ const WIDEST: f64 = 0.05;
 /// instrument corrects it. ζ is found in the same way with the test instrument as the third.
 pub fn split(pair: &Pair, third: &[Vec<f64>; 3], frame: &Frame) -> Result<ThreeCornered, Error> {
     let turned = Pair { test: third.clone(), third: Some(pair.test.clone()), ..pair.clone() };
-    let fits = regression::fit(&turned)?;
+    let fits = regression::fit(&turned, &[])?;
     let turned = regression::without_exponentials(&turned, &fits);
     let other = by_third(&turned, &Frame::start(&turned, &fits)?)?.frame;
     let inverses = [invert(&frame.eta)?, invert(&other.eta)?];

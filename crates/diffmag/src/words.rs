@@ -5,7 +5,7 @@ use common::number::{
 };
 use common::{
     Axis, ClockDifference, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document, Drift,
-    DriftForm, EventInstrument, EventKind, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
+    DriftForm, EventInstrument, EventKind, Followed, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
     OneMatrix,
 };
 use std::fmt::Write;
@@ -16,6 +16,8 @@ use crate::{delays, reference_noise, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
+/// A drift of more than this weight that is not demanded is told: three to one, from where on Kass and Raftery call evidence positive.
+const UNDECIDED: f64 = 0.75;
 /// Tests of whether the matrix holds still are told below this probability.
 pub const TOLD_BELOW: f64 = 0.01;
 /// The independent interval is too narrow when the honest one is wider by this.
@@ -96,11 +98,61 @@ pub fn clock(clock: &ClockDifference) -> String {
     }
 }
 
+/// Slow changes that may be a drift or noise alone.
+fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = String> {
+    fit.axes.iter().filter_map(|(axis, of)| {
+        let found = of.drift.explanations.as_ref()?;
+        let open = of.drift.demanded == DriftForm::None && found.drift > UNDECIDED;
+        open.then(|| {
+            format!(
+                "test {axis}: a drift of {:+} nT a day (weight {}), or noise that wanders as 1/f^α with α = {} and no drift ({}); \
+                 a longer recording tells which",
+                found.straight_nt_per_day,
+                significant(found.drift, 2),
+                found.exponent_alone,
+                significant(found.noise_alone, 2)
+            )
+        })
+    })
+}
+
 /// The drifts that the readings demand.
 pub fn drifts(fit: &DifferentialFit) -> Option<String> {
     let one = |(axis, of): (Axis, &DifferenceAxis)| drift(&of.drift).map(|words| format!("{axis} {words}"));
     let all: Vec<String> = fit.axes.iter().filter_map(one).collect();
     (!all.is_empty()).then(|| format!("the difference drifts: {}", all.join("; ")))
+}
+
+/// Of each housekeeping column that an axis follows its name, and by how much the axes follow it.
+pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
+    let all = || fit.axes.iter().flat_map(|(axis, of)| of.follows.iter().map(move |one| (axis, one)));
+    let mut names: Vec<&str> = Vec::new();
+    for (_, one) in all() {
+        if !names.contains(&one.column.as_str()) {
+            names.push(&one.column);
+        }
+    }
+    let of = |name: &str| {
+        let one = |(axis, one): (Axis, &Followed)| {
+            let lag = one.lag_s.as_ref().map_or(String::new(), |lag| format!(", {lag} s behind it"));
+            format!("{axis} by {:+} nT/{}{lag}", one.nt_per_unit, unit(name))
+        };
+        let axes: Vec<String> = all().filter(|(_, one)| one.column == name).map(one).collect();
+        (name.to_string(), format!("the difference follows `{name}`: {}", axes.join("; ")))
+    };
+    names.into_iter().map(of).collect()
+}
+
+/// The unit in which a housekeeping column changes, by the end of its name.
+fn unit(name: &str) -> &str {
+    match name.split(' ').next().and_then(|name| name.rsplit('_').next()) {
+        Some("c" | "degc" | "k") => "K",
+        Some("v") => "V",
+        Some("mv") => "mV",
+        Some("a") => "A",
+        Some("ma") => "mA",
+        _ => "unit",
+    }
 }
 
 /// The steps that were fitted.
@@ -170,12 +222,13 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     }
     for (axis, of) in fit.axes.iter().filter(|(_, of)| of.goodness_p < UNLIKE_BELOW) {
         findings.push(format!(
-            "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. `weighted_std` takes \
-             that form as true; by what is left itself it would be up to {} times as wide",
+            "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. The weights \
+             take each octave's own level where their band is not of that form; by what is left itself `weighted_std` would be up to {} times as wide",
             p_value(of.goodness_p),
             significant(wider[axis.index()], 2)
         ));
     }
+    findings.extend(undecided(fit));
     if let Some(clock) = &fit.clock {
         findings.extend(segments::findings(clock));
         findings.extend(delays::findings(clock));

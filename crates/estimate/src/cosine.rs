@@ -112,18 +112,17 @@ impl Cosine {
     }
 
     /// Degrees of freedom of the variance of a linear estimate whose whitened weights are `weights`: 2/u², u the relative
-    /// uncertainty of that variance from the uncertainty of the noise, taken as common to all frequencies; at least one.
-    /// Flicker noise that was not seen is taken as absent.
+    /// uncertainty of that variance from the uncertainty of the noise, `relative_std` at each frequency, taken as common to all; at least one.
     ///
     /// Source: F. E. Satterthwaite, An approximate distribution of estimates of variance components, Biometrics Bull. 2
     /// (1946) 110–114.
-    pub fn freedom(&self, noise: &WhittleFit, weights: &[f64]) -> f64 {
+    pub fn freedom(&self, relative_std: impl Fn(f64) -> f64, weights: &[f64]) -> f64 {
         let (mut sum, mut uncertain, mut from) = (0.0, 0.0, 1);
         while from <= weights.len() {
             let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(weights.len() + 1);
             let squares: f64 = weights[from - 1..to - 1].iter().map(|weight| weight * weight).sum();
             sum += squares;
-            uncertain += squares * relative_std(noise, self.step_s, self.frequency(from));
+            uncertain += squares * relative_std(self.frequency(from));
             from = to;
         }
         (2.0 * (sum / uncertain).powi(2)).max(1.0)

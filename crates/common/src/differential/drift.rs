@@ -29,6 +29,12 @@ pub struct Drift {
     /// Both parts as the source has it: matrix and drift by least squares in turn until they stand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iteration: Option<IteratedDrift>,
+    /// A straight drift against noise with memory alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub explanations: Option<DriftExplanations>,
+    /// Means of the difference, with its drift, over equal windows.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub windows: Vec<WindowMean>,
     /// Over a day after the recording. Absent where the statistics of pieces do not show it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_day: Option<DriftChange>,
@@ -113,4 +119,32 @@ pub struct DriftChange {
     pub interval_nt: [f64; 2],
     /// Whether the span is longer than the recording.
     pub extrapolated: bool,
+}
+
+/// Two explanations of a slow change, with their weights: posterior probabilities where both are as probable before.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct DriftExplanations {
+    /// Weight of a straight drift beside noise.
+    pub drift: f64,
+    /// Weight of noise with memory and no drift.
+    pub noise_alone: f64,
+    /// The drift if it is one, over all forms of the noise, nT/day.
+    pub straight_nt_per_day: Quantity,
+    /// α of the noise at long periods if there is no drift.
+    pub exponent_alone: Quantity,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// The mean of a difference over a window.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct WindowMean {
+    /// Its middle, s.
+    pub time_s: f64,
+    /// nT, about the mean of all; the uncertainty by the scatter of its parts.
+    pub mean_nt: Quantity,
 }

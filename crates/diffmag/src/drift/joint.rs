@@ -53,8 +53,8 @@ pub fn joint(
     let enough = (CONFIRMS * columns.length_s() / PI * (-found.ln_tau).exp()).ceil() as usize;
     let kept = enough.max(LEAST_CONFIRMS);
     if found.p < LEVEL && kept < y.len() {
-        let steps: Vec<Vec<f64>> = beside.steps.iter().map(|step| step[..kept].to_vec()).collect();
-        let slow = Beside { steps: &steps, lines_hz: beside.lines_hz };
+        let own: Vec<Vec<f64>> = beside.own.iter().map(|column| column[..kept].to_vec()).collect();
+        let slow = Beside { own: &own, lines_hz: beside.lines_hz };
         let errors = found.noise.errors(&columns.cosine)?;
         let confirmed = Best::of(&columns.up_to(kept), &y[..kept], &errors, &slow, ROUGH)?;
         found.p = found.p.max(chance(confirmed.score, confirmed.length, found.freedom));
@@ -103,21 +103,45 @@ impl Best {
         accuracy: f64,
     ) -> Result<Self, Error> {
         let projection = Projection::of(&columns.with(&[], beside), y, errors)?;
-        let (mut start, mut most, mut length) = (columns.search[0].0, 0.0, 0.0);
+        let Curve { place, length, .. } =
+            Curve::of(&projection, errors, columns.search.iter().map(|(_, column)| column.as_slice()));
+        let start = columns.search[place].0;
+        let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
+        Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
+    }
+}
+
+/// Where columns with one parameter explain most beside others.
+pub struct Curve {
+    /// Number of the best column.
+    pub place: usize,
+    /// Its coefficient over the standard deviation.
+    pub score: f64,
+    /// Length of the curve that the columns, less what the others explain of them and of unit length, go through.
+    pub length: f64,
+}
+
+impl Curve {
+    /// Of columns in the order of the parameter.
+    pub fn of<'b>(
+        projection: &Projection,
+        errors: &Errors,
+        columns: impl Iterator<Item = &'b [f64]>,
+    ) -> Self {
+        let mut curve = Self { place: 0, score: 0.0, length: 0.0 };
         let mut before: Option<Vec<f64>> = None;
-        for (ln_tau, column) in &columns.search {
+        for (place, column) in columns.enumerate() {
             let Some(direction) = projection.direction(column, errors) else { continue };
             let score = projection.score(&direction).abs();
-            if score > most {
-                (start, most) = (*ln_tau, score);
+            if score > curve.score {
+                (curve.place, curve.score) = (place, score);
             }
             if let Some(before) = &before {
-                length += dot(before, &direction).clamp(-1.0, 1.0).acos();
+                curve.length += dot(before, &direction).clamp(-1.0, 1.0).acos();
             }
             before = Some(direction);
         }
-        let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
-        Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
+        curve
     }
 }
 
@@ -127,7 +151,7 @@ impl Best {
 /// Sources: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the alternative, Biometrika 74
 /// (1987) 33–43; M. Knowles and D. Siegmund, On Hotelling's approach to testing for a nonlinear parameter in regression,
 /// Int. Stat. Rev. 57 (1989) 205–220.
-fn chance(score: f64, length: f64, freedom: f64) -> f64 {
+pub fn chance(score: f64, length: f64, freedom: f64) -> f64 {
     let crossings = length / PI * (-0.5 * freedom * (score * score / freedom).ln_1p()).exp();
     (stats::two_sided_p(score, freedom) + crossings).min(1.0)
 }

@@ -11,6 +11,7 @@ mod fourteen_covariance;
 mod fourteen_reference;
 mod golden;
 mod help;
+mod housekeeping;
 mod laws;
 mod pair_in_time;
 mod pairs;

@@ -57,6 +57,24 @@ impl Errors {
         Ok(Self { factor: factor.L().to_owned(), low, nominal, variance })
     }
 
+    /// The same with the variances times `factor` at each frequency (Hz), correlations as they were.
+    pub fn scaled(mut self, cosine: &Cosine, factor: impl Fn(f64) -> f64) -> Self {
+        for (row, variance) in self.variance.iter_mut().enumerate() {
+            let factor = factor(cosine.frequency(row + 1));
+            *variance *= factor;
+            if let Some(nominal) = self.nominal.get_mut(row) {
+                *nominal *= factor;
+                let root = factor.sqrt();
+                for column in 0..self.low.ncols() {
+                    self.factor[(row, column)] *= root;
+                    self.low[(row, column)] *= root;
+                    self.low[(column, row)] *= root;
+                }
+            }
+        }
+        self
+    }
+
     /// L⁻¹ x, L Lᵀ the covariance.
     pub fn whiten(&self, x: &[f64]) -> Vec<f64> {
         let exact = self.factor.nrows();

@@ -1,6 +1,6 @@
 //! Two vector magnetometers side by side: diffmag's matrix, fitted on one part and held against another.
 
-use common::ClockDifference;
+use common::{ClockDifference, Followed, Quantity};
 use serde_json::{Value, json};
 
 use crate::Error;
@@ -157,8 +157,9 @@ pub fn clock_in_words(clock: &Value) -> String {
     }
 }
 
-/// The drift of each axis that diffmag found in the fitted part and that goes on.
+/// The drift of each axis that diffmag found in the fitted part and that goes on, and the housekeeping columns that it follows.
 pub struct Drift {
+    follows: [Vec<Followed>; 3],
     first_s: f64,
     middle_s: f64,
     axes: [DriftOf; 3],
@@ -181,6 +182,13 @@ impl Drift {
             let demanded = drift["demanded"].as_str().unwrap_or("none");
             let joint = &drift["joint"];
             let mut of = DriftOf::default();
+            let explanations = &drift["explanations"];
+            // What a drift that may be one is expected to bring; beside a column that is followed none is fitted.
+            if axes[axis]["follows"].is_null() {
+                let explanations = &drift["explanations"];
+                of.nt_per_s =
+                    number(&explanations["drift"]) * number(&explanations["straight_nt_per_day"]) / 86_400.0;
+            }
             if demanded != "none" {
                 of.nt_per_s = number(&drift["straight_nt_per_day"]) / 86_400.0;
             }
@@ -192,7 +200,9 @@ impl Drift {
             of
         };
         let (first_s, last_s) = (time.first().copied().unwrap_or(0.0), time.last().copied().unwrap_or(0.0));
-        Self { first_s, middle_s: (first_s + last_s) / 2.0, axes: AXES.map(of) }
+        let follows =
+            AXES.map(|axis| serde_json::from_value(axes[axis]["follows"].clone()).unwrap_or_default());
+        Self { follows, first_s, middle_s: (first_s + last_s) / 2.0, axes: AXES.map(of) }
     }
 
     /// What is left of differences without it.
@@ -202,9 +212,29 @@ impl Drift {
                 if of.time_constant_s > 0.0 { (-(t - self.first_s) / of.time_constant_s).exp() } else { 0.0 };
             of.nt_per_s * (t - self.middle_s) + of.amplitude_nt * decay
         };
-        let rows = series.column("time_s").iter().zip(differences);
-        rows.map(|(t, d)| [0, 1, 2].map(|k| d[k] - at(*t, self.axes[k]))).collect()
+        let followed = self.follows.each_ref().map(|all| followed(series, all));
+        let rows = series.column("time_s").iter().zip(differences).enumerate();
+        rows.map(|(row, (t, d))| [0, 1, 2].map(|k| d[k] - at(*t, self.axes[k]) - followed[k][row])).collect()
     }
+}
+
+/// What follows housekeeping columns in each row, nT.
+fn followed(series: &Series, all: &[Followed]) -> Vec<f64> {
+    let mut sum = vec![0.0; series.rows()];
+    let time = series.column("time_s");
+    for one in all.iter().filter(|one| series.holds(&one.column)) {
+        let values = series.column(&one.column);
+        let Some(mut behind) = values.first().copied() else { continue };
+        for row in 0..values.len() {
+            if row > 0 {
+                let lag_s = one.lag_s.as_ref().map_or(0.0, Quantity::value);
+                let share = 1.0 - (-(time[row] - time[row - 1]) / lag_s).exp();
+                behind += share * (values[row] - behind);
+            }
+            sum[row] += one.nt_per_unit.value() * (behind - one.at);
+        }
+    }
+    sum
 }
 
 fn findings(page: &mut Page, document: &Value) {

@@ -60,7 +60,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         test: fitted.1,
         left_out,
         parts: ["0 to 16 h", "16 to 24 h"],
-        correct_clock: false,
+        correct_clock: true,
         plot: Some("real-conrad.svg"),
         why: "plain least squares, which rest on the strong slow field, predict the evening better than the matrix that is weighted by the noise's spectrum, even without a lag: its band reaches to half a minute, where the LEMI's filter and noise of the reference pull it; and the clock was not corrected (`--correct-clock` is not asked for here)",
     };

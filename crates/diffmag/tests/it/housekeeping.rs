@@ -1,0 +1,102 @@
+//! Housekeeping columns that the difference follows. FLUXCAL_CAMPAIGNS sets how many campaigns.
+
+use crate::pair_in_time;
+
+use common::{Axis, Column, ContributionCause, Document, Followed, Quantity};
+use noise::Stream;
+use pair_in_time::{Made, document, found};
+use rayon::prelude::*;
+
+/// nT/K.
+const COEFFICIENT: f64 = 0.4;
+/// s.
+const LAG_S: f64 = 7200.0;
+
+/// A wandering column: a day's course and a walk.
+fn wandering(stream: &mut Stream, made: &Made) -> Vec<f64> {
+    let (phase, mut walk) = (std::f64::consts::TAU * stream.normal(), 0.0);
+    let day = |t: f64| (std::f64::consts::TAU * t / 86_400.0 + phase).sin();
+    made.time(&(0..made.rows))
+        .iter()
+        .map(|t| {
+            walk += 0.03 * stream.normal();
+            20.0 + 1.5 * day(*t) + walk
+        })
+        .collect()
+}
+
+/// A pair whose test x follows its temperature, 2 h behind; a voltage goes its own way.
+fn campaign(seed: u64, coefficient: f64) -> Document {
+    let made = Made { flicker: true, ..Made::new(seed) };
+    let mut recording = made.both("pair", 0..made.rows);
+    let mut stream = Stream::new(seed, "housekeeping");
+    let temperature = wandering(&mut stream, &made);
+    let share = 1.0 - (-made.step_s / LAG_S).exp();
+    let mut behind = temperature[0];
+    for (value, now) in recording.columns["test_x_nt"].0.iter_mut().zip(&temperature) {
+        *value += coefficient * (behind - 20.0);
+        behind += share * (now - behind);
+    }
+    recording.columns.insert("test_temperature_c".into(), Column(temperature));
+    recording.columns.insert("battery_v".into(), Column(wandering(&mut stream, &made)));
+    document(vec![recording])
+}
+
+fn followed(document: &Document) -> Vec<(Axis, Followed)> {
+    let fit = found(document, false).fit.expect("a fit");
+    fit.axes.iter().flat_map(|(axis, of)| of.follows.iter().map(move |one| (axis, one.clone()))).collect()
+}
+
+#[test]
+fn a_temperature_is_named_with_its_coefficient_and_lag() {
+    let campaigns = testkit::campaigns(6);
+    let all: Vec<Vec<(Axis, Followed)>> =
+        (0..campaigns).into_par_iter().map(|seed| followed(&campaign(seed, COEFFICIENT))).collect();
+    let (mut inside, mut lags, mut others) = (0, 0, 0);
+    for found in &all {
+        let (_, one) = found
+            .iter()
+            .find(|(axis, one)| *axis == Axis::X && one.column == "test_temperature_c")
+            .expect("the temperature is named");
+        let within = |of: &Quantity, truth: f64| (of.value() - truth).abs() < 1.96 * of.std().expect("a std");
+        inside += usize::from(within(&one.nt_per_unit, COEFFICIENT));
+        lags += usize::from(within(one.lag_s.as_ref().expect("a lag"), LAG_S));
+        others += found.len() - 1;
+    }
+    println!(
+        "of {campaigns} coefficients {inside}, of lags {lags} within the 95 % interval; {others} others named"
+    );
+    for within in [inside, lags] {
+        assert!(testkit::agrees(within, campaigns as usize, [0.93, 0.97], 2), "{within} of {campaigns}");
+    }
+    // Three axes and two columns at one in a hundred for each axis.
+    assert!(others as f64 <= 0.03 * campaigns as f64 + 3.0 * (0.03 * campaigns as f64).sqrt(), "{others}");
+}
+
+#[test]
+fn what_does_not_follow_is_not_named() {
+    let campaigns = testkit::campaigns(6);
+    let named: usize =
+        (100..100 + campaigns).into_par_iter().map(|seed| followed(&campaign(seed, 0.0)).len()).sum();
+    println!("{named} named in {campaigns} campaigns of three axes");
+    assert!(named as f64 <= 0.03 * campaigns as f64 + 3.0 * (0.03 * campaigns as f64).sqrt(), "{named}");
+}
+
+#[test]
+fn it_is_told_with_what_it_leaves() {
+    let fit = found(&campaign(1, COEFFICIENT), false).fit.expect("a fit");
+    let one = fit.contributions.iter().find(|one| one.cause == ContributionCause::Column).expect("told");
+    assert_eq!(one.column.as_deref(), Some("test_temperature_c"));
+    assert!(
+        one.what.contains("x by +0.") && one.what.contains("nT/K") && one.what.contains("behind"),
+        "{}",
+        one.what
+    );
+    let (with, without) = (one.rms_with_nt.x.expect("x"), one.rms_without_nt.x.expect("x"));
+    assert!(with > 2.0 * without, "{with} {without}");
+    assert_eq!(one.rms_with_nt.y, one.rms_without_nt.y);
+    let plot =
+        fit.series.iter().find(|series| series.column == "test_x_nt" && series.along == "test_temperature_c");
+    let plot = plot.expect("a plot");
+    assert_eq!(plot.fitted_nt.len(), plot.x.len());
+}
