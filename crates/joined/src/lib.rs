@@ -13,6 +13,7 @@ mod error;
 mod gather;
 mod grid;
 mod piece;
+mod reading;
 mod segments;
 mod words;
 
@@ -21,6 +22,7 @@ pub use error::Error;
 pub use gather::{Gathered, gathered};
 use grid::Grid;
 use piece::Piece;
+pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
 pub use segments::{Boundary, Jump, Segment};
 
 /// Fewer samples than these say nothing.
@@ -254,14 +256,14 @@ fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
     if let (Some((with, _)), Some((without, _))) = (with, without) {
         let message = format!("no such key, where recordings[{with}] has one");
         let expected =
-            "`start` in all differential recordings or in none: else their times have no common zero";
+            "`start` in all recordings that are joined or in none: else their times have no common zero";
         return Err(Fault::document(format!("recordings[{without}].start"), message, expected).into());
     }
     let starts = found.iter().filter_map(|(_, recording)| recording.start());
     Ok(starts.min_by(|a, b| a.unix_s.total_cmp(&b.unix_s)))
 }
 
-/// The times of a recording, from the common zero.
+/// The times of a recording that is long enough for a fit, from the common zero.
 fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
     recording.at_hand(path)?;
     let rows = recording.rows();
@@ -270,6 +272,12 @@ fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, E
         let expected = "at least five: a regression has four unknowns for each axis";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
+    rising(recording, path, origin_s)
+}
+
+/// The times of a recording, from the common zero: all there, and rising.
+fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
+    recording.at_hand(path)?;
     let Some(time) = recording.column("time_s") else {
         let expected = "`time_s`: samples are put together by their times";
         return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());

@@ -1,9 +1,11 @@
 //! Readings of one instrument that are even in time: one piece of what its logger recorded, from one jump of its times to the next.
 
+use std::ops::Range;
+
 use common::number::{counted, duration};
 use common::{Error as Fault, Recording};
 use estimate::cadence::{Cadence, rounding};
-use estimate::resample::pchip;
+use estimate::resample::{Resampled, pchip, resample};
 use estimate::stats::median;
 
 use super::LEAST;
@@ -14,10 +16,22 @@ use crate::{Error, words};
 pub const EXACT: f64 = 1e-3;
 /// What the last digit rounds, in its units: a half, and what a line through rounded times is off.
 const ROUNDED: f64 = 0.75;
-/// An interval of so many usual ones is a gap.
-const GAP: f64 = 3.0;
+/// Steps that differ by less than this share are of one rate.
+pub const SAME_RATE: f64 = 1e-4;
+/// A longer interval, in usual ones, is a gap.
+pub const GAP: f64 = 3.0;
 /// An even grid of more times the recorded rows is not made.
 const SPARSE: f64 = 1000.0;
+
+/// Readings of a piece at other times.
+pub struct Read {
+    /// Which of the times lie within the piece.
+    pub rows: Range<usize>,
+    /// The columns at these; NaN where missing.
+    pub columns: Vec<Vec<f64>>,
+    /// What passed of the rms of white noise, where they went through the filter.
+    pub white_share: Option<f64>,
+}
 
 /// One instrument in one recording, its times made even.
 pub struct Piece {
@@ -41,6 +55,29 @@ impl Piece {
         self.start_s + self.step_s * (self.columns[0].len() - 1) as f64
     }
 
+    /// Its readings at rising times that are `step_s` apart: as they are where they were taken at these, else through the filter of the
+    /// slower of both rates. None where no such time lies within it.
+    pub fn read(&self, at: &[f64], step_s: f64) -> Option<Read> {
+        let place = |t: &f64| (t - self.start_s) / self.step_s;
+        let last = self.columns[0].len() as f64 - 1.0;
+        let from = at.partition_point(|t| place(t) < -EXACT);
+        let to = at.partition_point(|t| place(t) <= last + EXACT);
+        if from >= to {
+            return None;
+        }
+        let places: Vec<f64> = at[from..to].iter().map(place).collect();
+        let own = |at: &f64| (at - at.round()).abs() <= EXACT;
+        if (self.step_s / step_s - 1.0).abs() < SAME_RATE && places.iter().all(own) {
+            let read = |column: &Vec<f64>| {
+                places.iter().map(|at| column[at.round().max(0.0) as usize]).collect::<Vec<f64>>()
+            };
+            let columns = self.columns.iter().map(read).collect();
+            return Some(Read { rows: from..to, columns, white_share: None });
+        }
+        let Resampled { columns, white_share } = resample(&self.columns, &places, step_s / self.step_s);
+        Some(Read { rows: from..to, columns, white_share: Some(white_share) })
+    }
+
     /// The columns of these names (each with what is expected where it is missing) of a recording at its times, cut where these jump.
     pub fn of(
         recording: &Recording,
@@ -55,7 +92,7 @@ impl Piece {
 }
 
 /// The pieces between jumps of the times.
-fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<Piece>, Error> {
+pub fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<Piece>, Error> {
     let Some(cadence) = Cadence::of(time) else {
         return Ok(vec![place(time, columns.to_vec(), 0.0, path, id)?]);
     };
@@ -150,8 +187,8 @@ fn line(places: &[f64], time: &[f64]) -> (f64, f64) {
     (t - step * k, step)
 }
 
-/// What is known, read at other times; NaN within gaps.
-fn interpolated(time: &[f64], column: &[f64], at: &[f64], gap_s: f64) -> Vec<f64> {
+/// What is known, read at other times by cubic pieces; NaN within gaps.
+pub fn interpolated(time: &[f64], column: &[f64], at: &[f64], gap_s: f64) -> Vec<f64> {
     let known: Vec<(f64, f64)> =
         time.iter().copied().zip(column.iter().copied()).filter(|(_, value)| value.is_finite()).collect();
     let (time, values): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
