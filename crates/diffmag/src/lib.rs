@@ -18,6 +18,7 @@ mod events;
 mod files;
 pub mod fourteen;
 mod mutual;
+mod pauses;
 mod prepare;
 mod reference_noise;
 mod regression;
@@ -49,6 +50,7 @@ const TOLD_BELOW: f64 = 0.01;
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let mut raw = series::read(&document)?;
+    pauses::cut(&mut raw)?;
     let segments = segments::find(&mut raw)?;
     let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
     delays::judge(&raw, &mut prepared)?;
@@ -67,9 +69,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.series = shown::series(&document, &raw, &prepared, &fits, fit);
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
-    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected && clock.segments.is_empty())
-    {
-        adopt::clock(&mut document, &prepared.pair, clock);
+    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
+        adopt::clock(&mut document, &raw, clock);
     }
     let calibration = document.calibration.get_or_insert_default();
     let kept = calibration.differential.take().unwrap_or_default();

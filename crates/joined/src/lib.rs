@@ -105,6 +105,8 @@ pub struct Pair {
     pub segments: Vec<Segment>,
     /// Where times jump.
     pub boundaries: Vec<Boundary>,
+    /// Where the times of one instrument leave rows out, or go on in another recording: a clock may have been set there.
+    pub pauses: Vec<Boundary>,
     /// Standard uncertainties of the sizes that were taken off in their places, nT.
     pub step_stds: [Vec<f64>; 3],
     /// What was done to bring them together, in words.
@@ -139,6 +141,13 @@ impl Pair {
         (row as f64 - 0.5 * ((rows.start + rows.end) as f64 - 1.0)) * self.step_s
     }
 
+    /// Cuts the series at more places: each segment between them has a clock of its own.
+    pub fn cut(&mut self, at: Vec<Boundary>) {
+        self.boundaries.extend(at);
+        self.boundaries.sort_by_key(|boundary| boundary.row);
+        self.segments = segments::segments(self.whole.len(), &self.boundaries);
+    }
+
     /// Some of its rows, as one segment.
     pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
         let cut = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| column[rows.clone()].to_vec());
@@ -164,6 +173,7 @@ impl Pair {
             step_stds,
             segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
             boundaries: Vec::new(),
+            pauses: Vec::new(),
             told: Vec::new(),
         }
     }
@@ -344,6 +354,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         return Err(sparse(most).into());
     }
     let boundaries = segments::boundaries(&grid, &reference, &test);
+    let pauses = segments::pauses(&grid, &reference, &test);
     let paths = [reference.pieces[0].path.clone(), path.clone()];
     let reads = [&reference, &test].map(|instrument| grid.read(instrument).three());
     let whole: Vec<bool> = (0..grid.rows)
@@ -378,6 +389,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         reference_noise: reference_noise(found)?,
         segments: segments::segments(whole.len(), &boundaries),
         boundaries,
+        pauses,
         whole,
         steps: Default::default(),
         step_stds: Default::default(),

@@ -37,6 +37,8 @@ pub struct Read {
 pub struct Piece {
     /// JSON path of the recording.
     pub path: String,
+    /// Its id.
+    pub id: String,
     /// Time of the first row, s.
     pub start_s: f64,
     /// From one row to the next, s.
@@ -47,6 +49,8 @@ pub struct Piece {
     pub told: Option<String>,
     /// The jump of the times with which it begins.
     pub jump: Option<Jump>,
+    /// Where rows of its times are left out.
+    pub pauses: Vec<Jump>,
 }
 
 impl Piece {
@@ -101,6 +105,7 @@ pub fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<V
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
         let columns = columns.iter().map(|column| column[rows.clone()].to_vec()).collect();
         let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]);
+        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, path, id);
         let piece = place(&time[rows], columns, digit_s, path, id)?;
         let jump = jump.map(|jump| Jump {
             recording: id.to_owned(),
@@ -112,9 +117,25 @@ pub fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<V
             all_s: jump.interval_s - cadence.step_s,
             step_s: cadence.step_s,
         });
-        pieces.push(Piece { jump, ..piece });
+        pieces.push(Piece { jump, pauses, ..piece });
     }
     Ok(pieces)
+}
+
+/// Intervals of more than one step; `first` is the row of the recording with which these times begin.
+fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<Jump> {
+    let long = |row: &usize| ((time[*row] - time[row - 1]) / step_s).round() > 1.0;
+    let pause = |row: usize| Jump {
+        recording: id.to_owned(),
+        path: path.to_owned(),
+        row: first + row,
+        at_s: time[row],
+        by_s: 0.0,
+        std_s: 0.0,
+        all_s: time[row] - time[row - 1] - step_s,
+        step_s,
+    };
+    (1..time.len()).filter(long).map(pause).collect()
 }
 
 /// Rows at their places on an even grid; rows that were never written are missing there. `digit_s` is the unit of the last digit in which
@@ -153,7 +174,7 @@ fn place(time: &[f64], columns: Vec<Vec<f64>>, digit_s: f64, path: &str, id: &st
     let tolerance = (EXACT * fine).max(ROUNDED * digit_s).max(rounding(time));
     let (start_s, step_s) = if scatter(ends) <= EXACT * fine { ends } else { line(&places, time) };
     let scatter = scatter((start_s, step_s));
-    let path = path.to_owned();
+    let (path, own_id) = (path.to_owned(), id.to_owned());
     if scatter <= tolerance {
         let rows = places[last] as usize + 1;
         let even = |column: Vec<f64>| {
@@ -162,7 +183,16 @@ fn place(time: &[f64], columns: Vec<Vec<f64>>, digit_s: f64, path: &str, id: &st
             even
         };
         let columns = columns.into_iter().map(even).collect();
-        return Ok(Piece { path, start_s, step_s, columns, told: None, jump: None });
+        return Ok(Piece {
+            path,
+            id: own_id,
+            start_s,
+            step_s,
+            columns,
+            told: None,
+            jump: None,
+            pauses: Vec::new(),
+        });
     }
     let between: Vec<f64> = intervals.iter().copied().filter(|interval| *interval <= GAP * usual).collect();
     let step_s = between.iter().sum::<f64>() / between.len() as f64;
@@ -171,7 +201,7 @@ fn place(time: &[f64], columns: Vec<Vec<f64>>, digit_s: f64, path: &str, id: &st
     let at: Vec<f64> = (0..rows).map(|row| start_s + row as f64 * step_s).collect();
     let columns = columns.iter().map(|column| interpolated(time, column, &at, GAP * usual)).collect();
     let told = Some(words::uneven(id, scatter, step_s));
-    Ok(Piece { path, start_s, step_s, columns, told, jump: None })
+    Ok(Piece { path, id: own_id, start_s, step_s, columns, told, jump: None, pauses: Vec::new() })
 }
 
 /// The line t = a + b k of least squares.
