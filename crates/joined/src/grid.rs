@@ -1,9 +1,10 @@
 //! Pieces of several instruments on one grid of times.
 
+use estimate::even::EXACT;
 use estimate::resample::PASSBAND;
 
 use super::Instrument;
-use super::piece::{EXACT, SAME_RATE};
+use super::piece::SAME_RATE;
 use crate::words;
 
 /// Even times.

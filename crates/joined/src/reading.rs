@@ -1,9 +1,10 @@
 //! Columns read at other times.
 
 use common::{Columns, Recording};
+use estimate::even::{GAP, interpolated};
 use estimate::stats::median;
 
-use super::piece::{GAP, cut, interpolated};
+use super::piece::cut;
 use crate::{Error, earliest, rising};
 
 /// Times as near as this, s, are one.

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use estimate::even::EXACT;
+
 use super::Instrument;
 use super::grid::Grid;
-use super::piece::EXACT;
 
 /// Rows in which no instrument's times jump.
 #[derive(Clone, Debug, PartialEq)]
