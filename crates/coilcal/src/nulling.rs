@@ -5,6 +5,7 @@ use common::{
     Axis, Document, Error as Fault, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity,
     Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
 };
+use estimate::even::{Evened, evened};
 use estimate::spectrum::{Spectrum, welch};
 use estimate::stats;
 
@@ -33,6 +34,8 @@ const CORRELATED: f64 = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
 struct Series<'a> {
     recording: &'a Recording,
     rate_hz: f64,
+    /// How far its times are from even ones, where it was interpolated, s.
+    uneven_s: Option<f64>,
     spectra: Vec<(Axis, Spectrum)>,
     band_hz: [f64; 2],
 }
@@ -78,31 +81,28 @@ fn site(recording: &Recording, index: usize) -> Result<String, Error> {
 /// The spectra of a series, in nT.
 fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>, Error> {
     let path = format!("recordings[{index}].columns");
-    let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
-        let expected =
-            "even times that rise, all there; a spectrum needs them, and series resample --step S makes them";
-        return Err(Fault::document(format!("{path}.time_s"), "no even times", expected).into());
-    };
     let mut spectra = Vec::new();
+    let (mut step_s, mut uneven_s) = (f64::NAN, None);
     for axis in Axis::ALL {
         let Some(field) = field(document, recording, axis, &path)? else { continue };
-        let segment = (recording.rows() / SEGMENTS).max(8);
-        spectra.push((axis, welch(&field, step_s, segment)?));
+        let segment = (field.column.len() / SEGMENTS).max(8);
+        (step_s, uneven_s) = (field.step_s, field.uneven_s);
+        spectra.push((axis, welch(&field.column, step_s, segment)?));
     }
     if spectra.is_empty() {
         let expected = "`sensor_x_nt` or `sensor_x_v`, or those of another sensor";
         return Err(Fault::document(path, "no readings", expected).into());
     }
-    Ok(Series { recording, rate_hz: 1.0 / step_s, spectra, band_hz: [0.0, 0.0] })
+    Ok(Series { recording, rate_hz: 1.0 / step_s, uneven_s, spectra, band_hz: [0.0, 0.0] })
 }
 
-/// The readings of a sensor in nT; a missing one is the mean of its neighbours that are there.
+/// The readings of a sensor in nT at even times; a missing one is the mean of its neighbours that are there.
 fn field(
     document: &Document,
     recording: &Recording,
     axis: Axis,
     path: &str,
-) -> Result<Option<Vec<f64>>, Error> {
+) -> Result<Option<Evened>, Error> {
     let (column, scale) = match recording.axis_column("sensor", axis, "nt") {
         Some(column) => (column, 1.0),
         None => {
@@ -119,12 +119,17 @@ fn field(
             (column, scale)
         }
     };
-    let filled = series::filled(column).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(column.len(), "reading"));
-        let expected = "at most one in a hundred; a spectrum needs an even series";
+    let Some(even) = evened(recording.column("time_s").unwrap_or_default(), column) else {
+        let expected = "times that rise, all there, more than half of them an even step apart: ingest --sort puts rows into the order of time, series cut keeps a part without gaps, and \
+             series resample --step S makes even steps";
+        return Err(Fault::document(format!("{path}.time_s"), "no such times", expected).into());
+    };
+    let filled = series::filled(&even.column).map_err(|missing| {
+        let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
+        let expected = "at most one in a hundred; a spectrum needs a series without gaps: keep a part of it by series cut --from T --to T";
         Fault::document(format!("{path}.sensor_{axis}"), found, expected)
     })?;
-    Ok(Some(filled.into_iter().map(|value| value * scale).collect()))
+    Ok(Some(Evened { column: filled.into_iter().map(|value| value * scale).collect(), ..even }))
 }
 
 /// Joins the series of a condition: the slowest stands from its second frequency to a share of its Nyquist frequency, the
@@ -148,6 +153,7 @@ fn merge(mut series: Vec<Series<'_>>, nyquist_hz: f64) -> SiteSpectra {
         site.series.push(SeriesOfSpectrum {
             recording: one.recording.id.clone(),
             rate_hz: one.rate_hz,
+            uneven_s: one.uneven_s,
             window: "hann".into(),
             segment_samples: spectrum.segment_samples,
             overlap: spectrum.overlap,

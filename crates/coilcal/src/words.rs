@@ -32,6 +32,15 @@ pub fn summary(document: &Document) -> String {
         let rms: Vec<String> = longest.rms_nt.iter().map(|(axis, rms)| format!("{axis} {rms}")).collect();
         let _ =
             writeln!(text, "  nulling, {name}: rms {} nT from {}", rms.join(", "), band(&longest.band_hz));
+        for series in &site.series {
+            let Some(off_s) = series.uneven_s else { continue };
+            let _ = writeln!(
+                text,
+                "    \"{}\": its times are uneven, by up to {} s; it was interpolated, and its white noise is told too low",
+                series.recording,
+                significant(off_s, 2)
+            );
+        }
         for gap in &site.gaps_hz {
             let _ = writeln!(text, "    nothing was recorded from {}: it is not in the rms", band(gap));
         }

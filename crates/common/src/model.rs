@@ -35,6 +35,12 @@ pub struct AdoptedEffect {
     /// The recording in which it acts, by its id; absent: all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub recording: Option<String>,
+    /// From when on it acts, s on the campaign's clock; absent: from the beginning.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub from_s: Option<f64>,
+    /// Until when it acts, this moment left out, s on the campaign's clock; absent: to the end.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub to_s: Option<f64>,
     /// Its parameters; the unit stands in the key.
     #[serde(default)]
     pub parameters: IndexMap<String, Quantity>,

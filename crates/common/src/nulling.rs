@@ -47,6 +47,9 @@ pub struct SeriesOfSpectrum {
     pub recording: String,
     /// Samples per second.
     pub rate_hz: f64,
+    /// How far its times are from even ones, s, where they are not: it was interpolated, which lowers its white noise.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uneven_s: Option<f64>,
     /// `hann`.
     pub window: String,
     /// Samples of a segment.

@@ -37,6 +37,8 @@ fn effects(document: &mut Document, model: &Model<'_>, outcome: &Outcome) {
             coil: effect.axis.filter(|_| coil),
             column: effect.column.clone(),
             recording: effect.recording.clone(),
+            from_s: None,
+            to_s: None,
             parameters,
             extra: [("found_by".to_string(), "diagnose".into())].into_iter().collect(),
         });

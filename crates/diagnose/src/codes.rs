@@ -103,7 +103,14 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
 }
 
 fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {
-    EffectInstance { kind, axis: Some(axis), column: None, recording: None, parameters }
+    EffectInstance {
+        kind,
+        axis: Some(axis),
+        column: None,
+        recording: None,
+        within: Default::default(),
+        parameters,
+    }
 }
 
 fn proposal(effect: EffectInstance, p: f64, gain: f64, looks: f64) -> Proposal {

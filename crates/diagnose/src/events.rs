@@ -252,6 +252,7 @@ fn moment(
                 axis: Some(axis),
                 column: None,
                 recording: alone.then(|| run.recording.id.clone()),
+                within: Default::default(),
                 parameters: vec![0.0, time[channel.rows[best.row]] + clock_s],
             };
             let with = fitter.model.with(&fit.state, effect.clone());

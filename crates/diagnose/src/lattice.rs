@@ -69,6 +69,7 @@ fn of_sensor(
         axis: Some(axis),
         column: None,
         recording: None,
+        within: Default::default(),
         parameters: vec![width],
     };
     let (name, addition) = (named(&effect), Addition::Effect(effect));

@@ -11,6 +11,7 @@ use std::ops::Range;
 use common::number::{duration, p_value, significant, uncertain};
 use common::{ClockDifference, DelayBand, DelayBands, DelayForm, OffsetScatter, Quantity};
 use estimate::periodogram::periodogram;
+use estimate::spectrum::{Spectrum, welch};
 use estimate::{spectral, stats};
 
 use crate::clock::{Look, Parts};
@@ -18,7 +19,9 @@ use crate::difference::Noise;
 use crate::prepare::Prepared;
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW};
+use average::Band;
 
+mod average;
 mod forms;
 
 /// Rows of a part, and how many parts there are at least and at most.
@@ -66,7 +69,7 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     let three =
         Three { at: [moved(-aside_s)?, of(&together), moved(aside_s)?], aside_s, step_s: together.step_s };
     let bands = in_bands(&together, &look, &three)?;
-    let heard = Heard::of(&bands);
+    let heard = Heard::of(bands.iter().map(|band| &band.told));
     let (everywhere, follows) = three.whole(&look, &Heard::default())?;
     let (within, _) = three.whole(&look, &heard)?;
     let of_parts = in_parts(&together, &look, &three, &heard)?;
@@ -89,9 +92,8 @@ struct Heard(Option<Vec<Range<f64>>>);
 
 impl Heard {
     /// Those of half the response or more; where there is none, all.
-    fn of(bands: &[DelayBand]) -> Self {
+    fn of<'a>(bands: impl Iterator<Item = &'a DelayBand>) -> Self {
         let heard: Vec<Range<f64>> = bands
-            .iter()
             .filter(|band| band.gain.value() >= HEARD)
             .map(|band| 1.0 / band.longest_s..1.0 / band.shortest_s)
             .collect();
@@ -243,13 +245,17 @@ fn in_parts(pair: &Pair, look: &Look, three: &Three, heard: &Heard) -> Result<Ve
 }
 
 /// What is left of the offset, and the gain, in octaves of period, from short to long.
-fn in_bands(pair: &Pair, look: &Look, three: &Three) -> Result<Vec<DelayBand>, Error> {
+fn in_bands(pair: &Pair, look: &Look, three: &Three) -> Result<Vec<Band>, Error> {
     let rows = 0..pair.whole.len();
     let lowest = FREQUENCIES / (rows.len() as f64 * pair.step_s);
     let noise = look.axes.iter().map(|axis| axis.noise.highest_hz());
     let nyquist = 0.5 / pair.step_s;
     let mut highest = noise.fold(pair.highest_hz.unwrap_or(nyquist).min(nyquist), f64::min);
     let share = pair.samples() as f64 / rows.len() as f64;
+    let segment = (rows.len() / 4).max(16);
+    let field = three.at[1].each_ref().map(|parts| welch(&parts.turned, pair.step_s, segment));
+    let [x, y, z] = field;
+    let field = [x?, y?, z?];
     let mut bands = Vec::new();
     while highest / 2.0 >= lowest {
         let within = highest / 2.0..highest;
@@ -271,15 +277,33 @@ fn in_bands(pair: &Pair, look: &Look, three: &Three) -> Result<Vec<DelayBand>, E
         }
         let (Some(delay), Some(gain)) = (mean(&delays), mean(&gains)) else { continue };
         if delay.std < TELLS / within.end {
-            bands.push(DelayBand {
+            let told = DelayBand {
                 shortest_s: 1.0 / within.end,
                 longest_s: 1.0 / within.start,
                 delay_s: Quantity::new(delay.s, delay.std),
                 gain: Quantity::new(gain.s, gain.std),
-            });
+            };
+            // The variance of a gain is what is left over the field, for each of the sines and cosines of three axes.
+            let each = 3.0 * 2.0 * (within.end - within.start) * rows.len() as f64 * pair.step_s;
+            let frequency_hz = frequency(look, &field, &within);
+            bands.push(Band { told, lowered: each * gain.std.powi(2), frequency_hz });
         }
     }
     Ok(bands)
+}
+
+/// Root of the mean square of a band's frequencies, each by what the field there is over the noise.
+fn frequency(look: &Look, field: &[Spectrum; 3], within: &Range<f64>) -> f64 {
+    let (mut squares, mut weight) = (0.0, 0.0);
+    for (axis, field) in look.axes.iter().zip(field) {
+        for (f, density) in field.frequency_hz.iter().zip(&field.density).filter(|(f, _)| within.contains(f))
+        {
+            let tells = density / axis.noise.density(*f);
+            squares += tells * f * f;
+            weight += tells;
+        }
+    }
+    if weight > 0.0 { (squares / weight).sqrt() } else { (within.start * within.end).sqrt() }
 }
 
 /// By their information; None where there is none.
@@ -331,6 +355,14 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
             significant(parts.between_s, 2),
             significant(parts.birge_ratio, 2),
             p_value(parts.p)
+        ));
+    }
+    if let Some(length) = clock.bands.as_ref().and_then(|bands| bands.average_s.as_ref()) {
+        let whose = if length.value() < 0.0 { "reference" } else { "test instrument" };
+        findings.push(format!(
+            "the response by period is as if the readings of the {whose} were means over {} s where the other's are not; half of that is in the offset of the \
+             clocks where such a mean is stamped at its beginning or end",
+            uncertain(length.value().abs(), length.std().unwrap_or(0.0))
         ));
     }
     let Some(bands) = clock.bands.as_ref().filter(|bands| bands.scatter.p < TOLD_BELOW) else {

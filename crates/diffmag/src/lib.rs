@@ -22,6 +22,7 @@ pub mod fourteen;
 mod housekeeping;
 mod mutual;
 mod octaves;
+mod pauses;
 mod prepare;
 mod reference_noise;
 mod regression;
@@ -53,6 +54,7 @@ const TOLD_BELOW: f64 = 0.01;
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let mut raw = series::read(&document)?;
+    pauses::cut(&mut raw)?;
     let segments = segments::find(&mut raw)?;
     let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
     delays::judge(&raw, &mut prepared)?;
@@ -72,9 +74,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.series = shown::series(&columns, &raw, &prepared, &fits, fit);
     }
     reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
-    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected && clock.segments.is_empty())
-    {
-        adopt::clock(&mut document, &prepared.pair, clock);
+    if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
+        adopt::clock(&mut document, &raw, clock);
     }
     let calibration = document.calibration.get_or_insert_default();
     let kept = calibration.differential.take().unwrap_or_default();

@@ -1,6 +1,8 @@
 //! Recordings whose times jump: each segment between jumps has a clock of its own.
 
-use common::number::{p_value, signed, uncertain};
+use std::ops::Range;
+
+use common::number::{bare, p_value, signed, significant, uncertain};
 use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
 
 use crate::prepare::prepare;
@@ -39,6 +41,8 @@ pub fn find(raw: &mut Pair) -> Result<Segments, Error> {
     };
     let longest = (0..clocks.len()).rev().max_by_key(|number| raw.segments[*number].rows.len()).unwrap_or(0);
     let offset = |number: usize| clocks[number].as_ref().map(|clock| clock.offset_s.clone());
+    let long = (0..clocks.len()).filter(|number| raw.segments[*number].rows.len() >= LEAST_FOR_RATE);
+    let rate = common_rate(long.filter_map(|number| clocks[number].as_ref()));
     for number in 0..clocks.len() {
         let Some(change) = offset(longest).zip(offset(number)).map(|(from, to)| less(&to, &from)) else {
             continue;
@@ -49,8 +53,11 @@ pub fn find(raw: &mut Pair) -> Result<Segments, Error> {
     }
     let jumps = raw.boundaries.iter().map(|boundary| {
         let after = raw.segments.iter().position(|segment| segment.rows.start == boundary.row);
-        let sides = after.and_then(|after| offset(after.checked_sub(1)?).zip(offset(after)));
-        jump(boundary, sides.map(|(from, to)| less(&to, &from)))
+        let change = after.and_then(|after| {
+            let of = |number: usize| Some((&raw.segments[number].rows, clocks[number].as_ref()?));
+            Some(change(raw, of(after.checked_sub(1)?)?, of(after)?, rate.as_ref()))
+        });
+        jump(boundary, change)
     });
     let jumps = jumps.collect();
     let segments = raw.segments.iter().zip(&clocks).filter(|_| raw.segments.len() > 1);
@@ -66,8 +73,31 @@ pub fn find(raw: &mut Pair) -> Result<Segments, Error> {
     Ok(Segments { segments: segments.collect(), jumps })
 }
 
+/// The rate that clocks have in common, by their uncertainties; None where none has one.
+pub fn common_rate<'a>(clocks: impl Iterator<Item = &'a ClockDifference>) -> Option<Quantity> {
+    let known = clocks.filter_map(|clock| Some((clock.rate_ppm.value(), clock.rate_ppm.std()?.powi(-2))));
+    let (sum, weight) =
+        known.fold((0.0, 0.0), |(sum, all), (rate, weight)| (sum + rate * weight, all + weight));
+    (weight > 0.0 && weight.is_finite()).then(|| Quantity::new(sum / weight, weight.sqrt().recip()))
+}
+
+/// What the offset changes by from one stretch of rows to another, beside what a rate makes of the time between their middles.
+pub fn change(
+    pair: &Pair,
+    from: (&Range<usize>, &ClockDifference),
+    to: (&Range<usize>, &ClockDifference),
+    rate_ppm: Option<&Quantity>,
+) -> Quantity {
+    let middle = |rows: &Range<usize>| 0.5 * (rows.start + rows.end) as f64 * pair.step_s;
+    let apart = 1e-6 * (middle(to.0) - middle(from.0));
+    let all = less(&to.1.offset_s, &from.1.offset_s);
+    let Some(rate) = rate_ppm else { return all };
+    let std = |of: &Quantity| of.std().unwrap_or(f64::INFINITY);
+    Quantity::new(all.value() - rate.value() * apart, std(&all).hypot(std(rate) * apart))
+}
+
 /// The clock of a segment; None where it is too short, or where nothing says it.
-fn own(part: &Pair) -> Result<Option<ClockDifference>, Error> {
+pub fn own(part: &Pair) -> Result<Option<ClockDifference>, Error> {
     if part.samples() < LEAST {
         return Ok(None);
     }
@@ -136,13 +166,14 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
 fn said(jump: &ClockJump) -> String {
     let with =
         |of: &Quantity| signed(&of.std().map_or_else(|| of.to_string(), |std| uncertain(of.value(), std)));
-    let place = format!(
-        "the times of \"{}\" jump by {} s in row {} ({} s)",
-        jump.recording,
-        signed(&common::number::significant(jump.by_s.value(), 3)),
-        jump.row,
-        common::number::bare(jump.time_s)
-    );
+    let pause = jump.by_s.value() == 0.0;
+    let what = if pause {
+        "leave rows out before".to_string()
+    } else {
+        format!("jump by {} s in", signed(&significant(jump.by_s.value(), 3)))
+    };
+    let place =
+        format!("the times of \"{}\" {what} row {} ({} s)", jump.recording, jump.row, bare(jump.time_s));
     let Some(name) = &jump.instrument else {
         return format!(
             "{place}: both instruments have these times, so that the field cannot tell whether the sampling jumped with them; the series was \
@@ -155,6 +186,10 @@ fn said(jump: &ClockJump) -> String {
         |change| format!("the offset of the {name} instrument's clock changes by {} s there", with(change)),
     );
     let says = match jump.verdict {
+        JumpVerdict::Contradicted if pause => {
+            "the field contradicts the gap: the clock was set, and the sampling went on"
+        }
+        JumpVerdict::Other if pause => "the clock was set there; look at the logger",
         JumpVerdict::Confirmed => "the field confirms it: the sampling jumped with the times",
         JumpVerdict::Contradicted => {
             "the field contradicts it: only the times jumped, and the sampling went on"

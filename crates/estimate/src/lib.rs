@@ -8,6 +8,7 @@ pub mod cadence;
 pub mod correlated;
 pub mod cosine;
 pub mod cross_spectrum;
+pub mod even;
 pub mod events;
 pub mod exact;
 pub mod gauss_newton;

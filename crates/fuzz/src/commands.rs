@@ -43,7 +43,7 @@ impl Line {
 }
 
 /// How often each kind is read.
-pub const KINDS: [(usize, Kind); 10] = [
+pub const KINDS: [(usize, Kind); 11] = [
     (56, Kind::Document),
     (8, Kind::Plan),
     (6, Kind::Mapping),
@@ -54,6 +54,7 @@ pub const KINDS: [(usize, Kind); 10] = [
     (8, Kind::Csv),
     (3, Kind::Ndjson),
     (5, Kind::Parquet),
+    (5, Kind::Cdf),
 ];
 
 const fn line(kind: Kind, weight: usize, words: &'static str, writes: Writes) -> Line {
@@ -61,8 +62,8 @@ const fn line(kind: Kind, weight: usize, words: &'static str, writes: Writes) ->
 }
 
 /// All command lines.
-pub const LINES: [Line; 61] = {
-    use Kind::{Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
+pub const LINES: [Line; 71] = {
+    use Kind::{Cdf, Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
     const DOC: Kind = Kind::Document;
     const TO_DOC: Writes = Writes::Document;
@@ -109,6 +110,12 @@ pub const LINES: [Line; 61] = {
         line(DOC, 5, "simulate replay IN", TO_DOC),
         line(DOC, 3, "simulate replay --noise IN", TO_DOC),
         line(DOC, 3, "ingest --add IN fixtures/ingest/field.csv", TO_DOC),
+        line(DOC, 2, "series average --window 300 IN", TO_DOC),
+        line(DOC, 1, "series average --window 7.5 --share 0.9 IN", TO_DOC),
+        line(DOC, 2, "series resample --step 30 IN", TO_DOC),
+        line(DOC, 2, "series cut --from 10 --to 2000 IN", TO_DOC),
+        line(DOC, 1, "series rename sensor=test --document IN", TO_DOC),
+        line(DOC, 2, "series join reference test --procedure differential --document IN", TO_DOC),
         line(Plan, 6, "simulate campaign IN", TO_DOC),
         line(Plan, 2, "simulate campaign --truth OUT-truth.json IN", TO_DOC),
         line(Plan, 2, "simulate campaign --run-sheet IN", Text),
@@ -139,6 +146,10 @@ pub const LINES: [Line; 61] = {
         line(Ndjson, 2, "ingest IN", TO_DOC),
         line(Ndjson, 1, "ingest guess IN", Writes::Mapping),
         line(Ndjson, 1, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.ndjson", Text),
+        line(Cdf, 4, "ingest IN", TO_DOC),
+        line(Cdf, 1, "ingest -", TO_DOC),
+        line(Cdf, 1, "ingest --trust-rows --sort --keep first IN", TO_DOC),
+        line(Cdf, 1, "ingest guess IN", Writes::Mapping),
         line(Parquet, 3, "ingest IN", TO_DOC),
         line(Parquet, 1, "ingest guess IN", Writes::Mapping),
         line(Parquet, 1, "diffmag stream IN", TO_DOC),
@@ -147,7 +158,7 @@ pub const LINES: [Line; 61] = {
 };
 
 /// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the command line.
-pub const OPTIONS: [(&str, &[&str]); 10] = [
+pub const OPTIONS: [(&str, &[&str]); 14] = [
     ("coilcal", &["--off-centre-m #", "--nyquist-hz #"]),
     ("sensorcal", &["--turn-deg #", "--axes-std-deg #", "--budget-field-nt #", "--budget-warmer-k #"]),
     (
@@ -164,6 +175,10 @@ pub const OPTIONS: [(&str, &[&str]); 10] = [
     ("diffmag stream", &["--step-s #"]),
     ("diagnose", &["--level #", "--seed #"]),
     ("correct", &["--recording @", "--start @", "--iaga @"]),
+    ("series average", &["--window #", "--share #", "--recording @"]),
+    ("series resample", &["--step #", "--recording @"]),
+    ("series cut", &["--from #", "--to #", "--from @"]),
+    ("series join", &["--id @", "--procedure @"]),
     ("simulate campaign", &["--seed #"]),
     ("simulate replay", &["--seed #"]),
     ("simulate sweep", &["--set noise=#", "--set seed=#,#", "--set @=#", "--seeds #..#"]),
@@ -174,7 +189,10 @@ pub const OPTIONS: [(&str, &[&str]); 10] = [
 pub fn next(program: &str) -> &'static [&'static str] {
     match program {
         "simulate" => &["coilcal", "sensorcal", "axescal", "diffmag", "correct", "report --text"],
-        "ingest" => &["report --text", "diagnose", "diffmag", "correct", "sensorcal"],
+        "ingest" => {
+            &["report --text", "diagnose", "diffmag", "correct", "sensorcal", "series average --window 60"]
+        }
+        "series" => &["report --text"],
         "coilcal" => &["sensorcal", "axescal", "diagnose", "correct", "report --text", "coilcal"],
         "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
         "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],

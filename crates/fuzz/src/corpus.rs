@@ -99,6 +99,7 @@ fn near(program: &str) -> &'static [&'static str] {
         "correct" => &["correct/", "diagnose/warm", "axescal/magsat"],
         "report" => &["expected", "specs/", "bad/report/"],
         "simulate" => &["plans/", "simulate/", "diagnose/", "correct/flight", "campaign_plan"],
+        "series" => &["ingest/", "diffmag/", "made"],
         "ingest" => &["ingest/", "real/", "tables/"],
         _ => &[],
     }

@@ -25,6 +25,8 @@ pub enum Kind {
     Ndjson,
     /// Columns in binary.
     Parquet,
+    /// Records of variables in binary.
+    Cdf,
 }
 
 impl Kind {
@@ -35,6 +37,7 @@ impl Kind {
             "csv" => Some(Kind::Csv),
             "ndjson" => Some(Kind::Ndjson),
             "parquet" => Some(Kind::Parquet),
+            "cdf" => Some(Kind::Cdf),
             "txt" if name.ends_with("counts.txt") => Some(Kind::Csv),
             "json" if !name.ends_with("tolerances.json") && !name.contains("reference/") => {
                 Some(Self::of_json(name, bytes))
@@ -67,12 +70,13 @@ impl Kind {
             Kind::Csv => "in.csv",
             Kind::Ndjson => "in.ndjson",
             Kind::Parquet => "in.parquet",
+            Kind::Cdf => "in.cdf",
             _ => "in.json",
         }
     }
 
     /// Whether it is one JSON value.
     pub fn is_json(self) -> bool {
-        !matches!(self, Kind::Iaga | Kind::Csv | Kind::Ndjson | Kind::Parquet)
+        !matches!(self, Kind::Iaga | Kind::Csv | Kind::Ndjson | Kind::Parquet | Kind::Cdf)
     }
 }

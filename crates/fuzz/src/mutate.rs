@@ -28,7 +28,7 @@ pub fn changed(seed: &Seed, corpus: &Corpus, draw: &mut Draw) -> (Vec<u8>, Vec<&
     };
     for _ in 0..edits {
         done.push(match seed.kind {
-            Kind::Parquet => bytes::edit(&mut bytes, draw),
+            Kind::Parquet | Kind::Cdf => bytes::edit(&mut bytes, draw),
             _ if draw.chance(12) => bytes::edit(&mut bytes, draw),
             kind => text::edit(&mut bytes, kind, draw),
         });

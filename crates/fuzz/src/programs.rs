@@ -6,8 +6,18 @@ use std::process::Command;
 use crate::Error;
 
 /// All programs that read files.
-pub const NAMES: [&str; 9] =
-    ["simulate", "ingest", "coilcal", "sensorcal", "axescal", "diffmag", "diagnose", "correct", "report"];
+pub const NAMES: [&str; 10] = [
+    "simulate",
+    "ingest",
+    "series",
+    "coilcal",
+    "sensorcal",
+    "axescal",
+    "diffmag",
+    "diagnose",
+    "correct",
+    "report",
+];
 
 /// Where the programs are.
 #[derive(Clone, Debug)]

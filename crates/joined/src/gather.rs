@@ -2,11 +2,10 @@
 
 use common::number::counted;
 use common::{Axis, Column, Columns, Document, Error as Fault, Recording, procedure};
-use estimate::resample::pchip;
 
 use super::grid::Grid;
 use super::piece::Piece;
-use super::{Error, Instrument, LEAST, NAMES, earliest, order, read, times};
+use super::{Error, Instrument, LEAST, NAMES, earliest, onto, order, read, times};
 
 /// The column of a scalar magnetometer.
 const SCALAR: &str = "reference_nt";
@@ -160,22 +159,14 @@ fn put(
     mut told: Vec<String>,
 ) -> Result<Gathered, Error> {
     let start = earliest(found)?;
-    for (index, recording) in found {
-        let path = format!("recordings[{index}]");
-        let origin_s = recording.start().zip(start).map_or(0.0, |(own, all)| own.unix_s - all.unix_s);
-        let time = times(recording, &path, origin_s)?;
-        for (name, column) in &recording.columns {
-            let known: Vec<(f64, f64)> = time
-                .iter()
-                .copied()
-                .zip(column.0.iter().copied())
-                .filter(|(_, value)| value.is_finite())
-                .collect();
-            if columns.contains_key(name) || known.len() < 2 || instrument(name) {
-                continue;
-            }
-            let (time, values): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
-            columns.insert(name.clone(), Column(pchip(&time, &values, at)));
+    let first = found.iter().find(|(_, of)| of.start().map(|own| own.unix_s) == start.map(|all| all.unix_s));
+    let base = *first.unwrap_or(&found[0]);
+    for other in found {
+        let wanted = |name: &str| !instrument(name);
+        for (name, read) in onto(base, *other, at, wanted)?.columns {
+            let column = columns.entry(name).or_insert_with(|| Column(vec![f64::NAN; at.len()]));
+            let missing = column.0.iter_mut().zip(read.0).filter(|(value, _)| !value.is_finite());
+            missing.for_each(|(value, read)| *value = read);
         }
     }
     let ids: Vec<&str> = found.iter().map(|(_, recording)| recording.id.as_str()).collect();

@@ -1,13 +1,11 @@
 //! Pieces of several instruments on one grid of times.
 
-use estimate::resample::{PASSBAND, resample};
+use estimate::even::EXACT;
+use estimate::resample::PASSBAND;
 
 use super::Instrument;
-use super::piece::{EXACT, Piece};
+use super::piece::SAME_RATE;
 use crate::words;
-
-/// Steps that differ by less than this share are of one rate.
-const SAME_RATE: f64 = 1e-4;
 
 /// Even times.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,37 +66,21 @@ impl Grid {
 
     /// An instrument's readings at these times.
     pub fn read(&self, instrument: &Instrument) -> OnGrid {
+        let at: Vec<f64> = (0..self.rows).map(|row| self.time_s(row)).collect();
         let mut columns = vec![vec![f64::NAN; self.rows]; instrument.longest().columns.len()];
         let (mut told, mut filtered) = (Vec::new(), false);
         for piece in &instrument.pieces {
             told.extend(piece.told.clone());
-            let place = |row: f64| (self.start_s + row * self.step_s - piece.start_s) / piece.step_s;
-            let last = piece.columns[0].len() as f64 - 1.0;
-            let inside = |row: &usize| (-EXACT..=last + EXACT).contains(&place(*row as f64));
-            let rows: Vec<usize> = (0..self.rows).filter(inside).collect();
-            let (Some(first), Some(end)) = (rows.first(), rows.last()) else { continue };
-            let places: Vec<f64> = rows.iter().map(|row| place(*row as f64)).collect();
-            let own = |at: f64| (at - at.round()).abs() <= EXACT;
-            let read = if own(places[0]) && own(places[places.len() - 1]) && self.same_rate(piece) {
-                let at = |column: &Vec<f64>| {
-                    places.iter().map(|at| column[at.round().max(0.0) as usize]).collect()
-                };
-                piece.columns.iter().map(at).collect::<Vec<Vec<f64>>>()
-            } else {
-                let resampled = resample(&piece.columns, &places, self.step_s / piece.step_s);
+            let Some(read) = piece.read(&at, self.step_s) else { continue };
+            if let Some(white) = read.white_share {
                 filtered = true;
-                told.push(words::filtered(instrument.name, piece.step_s, self.step_s, resampled.white_share));
-                resampled.columns
-            };
-            for (column, read) in columns.iter_mut().zip(read) {
-                column[*first..=*end].copy_from_slice(&read);
+                told.push(words::filtered(instrument.name, piece.step_s, self.step_s, white));
+            }
+            for (column, values) in columns.iter_mut().zip(read.columns) {
+                column[read.rows.clone()].copy_from_slice(&values);
             }
         }
         told.dedup();
         OnGrid { columns, filtered, told }
-    }
-
-    fn same_rate(&self, piece: &Piece) -> bool {
-        (piece.step_s / self.step_s - 1.0).abs() < SAME_RATE
     }
 }

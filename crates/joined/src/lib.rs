@@ -13,6 +13,7 @@ mod error;
 mod gather;
 mod grid;
 mod piece;
+mod reading;
 mod segments;
 mod words;
 
@@ -21,6 +22,7 @@ pub use error::Error;
 pub use gather::{Gathered, gathered};
 use grid::Grid;
 use piece::Piece;
+pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
 pub use segments::{Boundary, Jump, Segment};
 
 /// Fewer samples than these say nothing.
@@ -103,6 +105,8 @@ pub struct Pair {
     pub segments: Vec<Segment>,
     /// Where times jump.
     pub boundaries: Vec<Boundary>,
+    /// Where the times of one instrument leave rows out, or go on in another recording: a clock may have been set there.
+    pub pauses: Vec<Boundary>,
     /// Standard uncertainties of the sizes that were taken off in their places, nT.
     pub step_stds: [Vec<f64>; 3],
     /// What was done to bring them together, in words.
@@ -137,6 +141,13 @@ impl Pair {
         (row as f64 - 0.5 * ((rows.start + rows.end) as f64 - 1.0)) * self.step_s
     }
 
+    /// Cuts the series at more places: each segment between them has a clock of its own.
+    pub fn cut(&mut self, at: Vec<Boundary>) {
+        self.boundaries.extend(at);
+        self.boundaries.sort_by_key(|boundary| boundary.row);
+        self.segments = segments::segments(self.whole.len(), &self.boundaries);
+    }
+
     /// Some of its rows, as one segment.
     pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
         let cut = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| column[rows.clone()].to_vec());
@@ -162,6 +173,7 @@ impl Pair {
             step_stds,
             segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
             boundaries: Vec::new(),
+            pauses: Vec::new(),
             told: Vec::new(),
         }
     }
@@ -254,14 +266,14 @@ fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
     if let (Some((with, _)), Some((without, _))) = (with, without) {
         let message = format!("no such key, where recordings[{with}] has one");
         let expected =
-            "`start` in all differential recordings or in none: else their times have no common zero";
+            "`start` in all recordings that are joined or in none: else their times have no common zero";
         return Err(Fault::document(format!("recordings[{without}].start"), message, expected).into());
     }
     let starts = found.iter().filter_map(|(_, recording)| recording.start());
     Ok(starts.min_by(|a, b| a.unix_s.total_cmp(&b.unix_s)))
 }
 
-/// The times of a recording, from the common zero.
+/// The times of a recording that is long enough for a fit, from the common zero.
 fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
     recording.at_hand(path)?;
     let rows = recording.rows();
@@ -270,6 +282,12 @@ fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, E
         let expected = "at least five: a regression has four unknowns for each axis";
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
+    rising(recording, path, origin_s)
+}
+
+/// The times of a recording, from the common zero: all there, and rising.
+fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
+    recording.at_hand(path)?;
     let Some(time) = recording.column("time_s") else {
         let expected = "`time_s`: samples are put together by their times";
         return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
@@ -336,6 +354,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         return Err(sparse(most).into());
     }
     let boundaries = segments::boundaries(&grid, &reference, &test);
+    let pauses = segments::pauses(&grid, &reference, &test);
     let paths = [reference.pieces[0].path.clone(), path.clone()];
     let reads = [&reference, &test].map(|instrument| grid.read(instrument).three());
     let whole: Vec<bool> = (0..grid.rows)
@@ -370,6 +389,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         reference_noise: reference_noise(found)?,
         segments: segments::segments(whole.len(), &boundaries),
         boundaries,
+        pauses,
         whole,
         steps: Default::default(),
         step_stds: Default::default(),

@@ -1,28 +1,38 @@
 //! Readings of one instrument that are even in time: one piece of what its logger recorded, from one jump of its times to the next.
 
+use std::ops::Range;
+
 use common::number::{counted, duration};
 use common::{Error as Fault, Recording};
-use estimate::cadence::{Cadence, rounding};
-use estimate::resample::pchip;
-use estimate::stats::median;
+use estimate::cadence::Cadence;
+use estimate::even::{EXACT, Places};
+use estimate::resample::{Resampled, resample};
 
 use super::LEAST;
 use super::segments::Jump;
 use crate::{Error, words};
 
-/// Times count as even when each lies within this share of a step of its place, or within what the last digit rounds.
-pub const EXACT: f64 = 1e-3;
-/// What the last digit rounds, in its units: a half, and what a line through rounded times is off.
-const ROUNDED: f64 = 0.75;
-/// An interval of so many usual ones is a gap.
-const GAP: f64 = 3.0;
+/// Steps that differ by less than this share are of one rate.
+pub const SAME_RATE: f64 = 1e-4;
 /// An even grid of more times the recorded rows is not made.
 const SPARSE: f64 = 1000.0;
+
+/// Readings of a piece at other times.
+pub struct Read {
+    /// Which of the times lie within the piece.
+    pub rows: Range<usize>,
+    /// The columns at these; NaN where missing.
+    pub columns: Vec<Vec<f64>>,
+    /// What passed of the rms of white noise, where they went through the filter.
+    pub white_share: Option<f64>,
+}
 
 /// One instrument in one recording, its times made even.
 pub struct Piece {
     /// JSON path of the recording.
     pub path: String,
+    /// Its id.
+    pub id: String,
     /// Time of the first row, s.
     pub start_s: f64,
     /// From one row to the next, s.
@@ -33,12 +43,37 @@ pub struct Piece {
     pub told: Option<String>,
     /// The jump of the times with which it begins.
     pub jump: Option<Jump>,
+    /// Where rows of its times are left out.
+    pub pauses: Vec<Jump>,
 }
 
 impl Piece {
     /// Time of the last row, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.step_s * (self.columns[0].len() - 1) as f64
+    }
+
+    /// Its readings at rising times that are `step_s` apart: as they are where they were taken at these, else through the filter of the
+    /// slower of both rates. None where no such time lies within it.
+    pub fn read(&self, at: &[f64], step_s: f64) -> Option<Read> {
+        let place = |t: &f64| (t - self.start_s) / self.step_s;
+        let last = self.columns[0].len() as f64 - 1.0;
+        let from = at.partition_point(|t| place(t) < -EXACT);
+        let to = at.partition_point(|t| place(t) <= last + EXACT);
+        if from >= to {
+            return None;
+        }
+        let places: Vec<f64> = at[from..to].iter().map(place).collect();
+        let own = |at: &f64| (at - at.round()).abs() <= EXACT;
+        if (self.step_s / step_s - 1.0).abs() < SAME_RATE && places.iter().all(own) {
+            let read = |column: &Vec<f64>| {
+                places.iter().map(|at| column[at.round().max(0.0) as usize]).collect::<Vec<f64>>()
+            };
+            let columns = self.columns.iter().map(read).collect();
+            return Some(Read { rows: from..to, columns, white_share: None });
+        }
+        let Resampled { columns, white_share } = resample(&self.columns, &places, step_s / self.step_s);
+        Some(Read { rows: from..to, columns, white_share: Some(white_share) })
     }
 
     /// The columns of these names (each with what is expected where it is missing) of a recording at its times, cut where these jump.
@@ -55,16 +90,16 @@ impl Piece {
 }
 
 /// The pieces between jumps of the times.
-fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<Piece>, Error> {
+pub fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<Piece>, Error> {
     let Some(cadence) = Cadence::of(time) else {
-        return Ok(vec![place(time, columns.to_vec(), 0.0, path, id)?]);
+        return Ok(vec![place(time, columns.to_vec(), path, id)?]);
     };
-    let digit_s = cadence.digit_s.unwrap_or(0.0);
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
         let columns = columns.iter().map(|column| column[rows.clone()].to_vec()).collect();
         let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]);
-        let piece = place(&time[rows], columns, digit_s, path, id)?;
+        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, path, id);
+        let piece = place(&time[rows], columns, path, id)?;
         let jump = jump.map(|jump| Jump {
             recording: id.to_owned(),
             path: path.to_owned(),
@@ -75,94 +110,70 @@ fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<P
             all_s: jump.interval_s - cadence.step_s,
             step_s: cadence.step_s,
         });
-        pieces.push(Piece { jump, ..piece });
+        pieces.push(Piece { jump, pauses, ..piece });
     }
     Ok(pieces)
 }
 
-/// Rows at their places on an even grid; rows that were never written are missing there. `digit_s` is the unit of the last digit in which
-/// times are written.
+/// Intervals of more than one step; `first` is the row of the recording with which these times begin.
+fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<Jump> {
+    let long = |row: &usize| ((time[*row] - time[row - 1]) / step_s).round() > 1.0;
+    let pause = |row: usize| Jump {
+        recording: id.to_owned(),
+        path: path.to_owned(),
+        row: first + row,
+        at_s: time[row],
+        by_s: 0.0,
+        std_s: 0.0,
+        all_s: time[row] - time[row - 1] - step_s,
+        step_s,
+    };
+    (1..time.len()).filter(long).map(pause).collect()
+}
+
+/// Rows at their places on an even grid; rows that were never written are missing there.
 ///
 /// # Errors
 ///
 /// Times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
-fn place(time: &[f64], columns: Vec<Vec<f64>>, digit_s: f64, path: &str, id: &str) -> Result<Piece, Error> {
-    let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let usual = median(&intervals);
-    let fine = Cadence::of(time).map_or(usual, |cadence| cadence.step_s);
-    let mut places = vec![0.0];
-    for interval in &intervals {
-        places.push(places[places.len() - 1] + (interval / fine).round().max(1.0));
-    }
-    let last = time.len() - 1;
-    if places[last] > SPARSE * time.len() as f64 {
-        let longest = (0..last).max_by(|a, b| intervals[*a].total_cmp(&intervals[*b])).unwrap_or(0);
+fn place(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result<Piece, Error> {
+    let Some(places) = Places::of(time) else {
+        let expected = "at least two times that rise";
+        return Err(
+            Fault::document(format!("{path}.columns.time_s"), counted(time.len(), "row"), expected).into()
+        );
+    };
+    if places.count() as f64 > SPARSE * time.len() as f64 {
+        let interval = |row: usize| time[row + 1] - time[row];
+        let longest = (0..time.len() - 1).max_by(|a, b| interval(*a).total_cmp(&interval(*b))).unwrap_or(0);
         let found = format!(
             "{} from row {longest} to row {} where rows are {} apart",
-            duration(intervals[longest]),
+            duration(interval(longest)),
             longest + 1,
-            duration(usual)
+            duration(places.usual_s)
         );
         let expected = "times of one clock; was it set there? Put the rows before and after into recordings of their own";
         return Err(
             Fault::document(format!("{path}.columns.time_s[{}]", longest + 1), found, expected).into()
         );
     }
-    let ends = (time[0], (time[last] - time[0]) / places[last]);
-    let scatter = |(start_s, step_s): (f64, f64)| {
-        let off = places.iter().zip(time).map(|(place, t)| (t - start_s - place * step_s).abs());
-        off.fold(0.0, f64::max)
+    let piece = Piece {
+        path: path.to_owned(),
+        id: id.to_owned(),
+        start_s: places.start_s,
+        step_s: places.step_s,
+        columns: Vec::new(),
+        told: None,
+        jump: None,
+        pauses: Vec::new(),
     };
-    let tolerance = (EXACT * fine).max(ROUNDED * digit_s).max(rounding(time));
-    let (start_s, step_s) = if scatter(ends) <= EXACT * fine { ends } else { line(&places, time) };
-    let scatter = scatter((start_s, step_s));
-    let path = path.to_owned();
-    if scatter <= tolerance {
-        let rows = places[last] as usize + 1;
-        let even = |column: Vec<f64>| {
-            let mut even = vec![f64::NAN; rows];
-            places.iter().zip(column).for_each(|(place, value)| even[*place as usize] = value);
-            even
-        };
-        let columns = columns.into_iter().map(even).collect();
-        return Ok(Piece { path, start_s, step_s, columns, told: None, jump: None });
+    if places.even(EXACT) {
+        return Ok(Piece { columns: columns.iter().map(|column| places.put(column)).collect(), ..piece });
     }
-    let between: Vec<f64> = intervals.iter().copied().filter(|interval| *interval <= GAP * usual).collect();
-    let step_s = between.iter().sum::<f64>() / between.len() as f64;
-    let start_s = time[0];
-    let rows = ((time[last] - start_s) / step_s + 1e-6).floor() as usize + 1;
-    let at: Vec<f64> = (0..rows).map(|row| start_s + row as f64 * step_s).collect();
-    let columns = columns.iter().map(|column| interpolated(time, column, &at, GAP * usual)).collect();
-    let told = Some(words::uneven(id, scatter, step_s));
-    Ok(Piece { path, start_s, step_s, columns, told, jump: None })
-}
-
-/// The line t = a + b k of least squares.
-fn line(places: &[f64], time: &[f64]) -> (f64, f64) {
-    let count = places.len() as f64;
-    let (k, t) = (places.iter().sum::<f64>() / count, time.iter().sum::<f64>() / count);
-    let (mut above, mut below) = (0.0, 0.0);
-    for (place, time) in places.iter().zip(time) {
-        above += (place - k) * (time - t);
-        below += (place - k).powi(2);
-    }
-    let step = above / below;
-    (t - step * k, step)
-}
-
-/// What is known, read at other times; NaN within gaps.
-fn interpolated(time: &[f64], column: &[f64], at: &[f64], gap_s: f64) -> Vec<f64> {
-    let known: Vec<(f64, f64)> =
-        time.iter().copied().zip(column.iter().copied()).filter(|(_, value)| value.is_finite()).collect();
-    let (time, values): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
-    let mut read = pchip(&time, &values, at);
-    for (value, t) in read.iter_mut().zip(at) {
-        let after = time.partition_point(|known| known < t);
-        if after > 0 && after < time.len() && time[after] - time[after - 1] > gap_s {
-            *value = f64::NAN;
-        }
-    }
-    read
+    let step_s = places.mean_step_s(time);
+    let columns = columns.iter().map(|column| places.interpolated(time, column, step_s)).collect();
+    let told = Some(words::uneven(id, places.scatter_s, step_s));
+    Ok(Piece { start_s: time[0], step_s, columns, told, ..piece })
 }
 
 fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Vec<f64>, Error> {
@@ -188,14 +199,14 @@ mod tests {
 
     fn placed(time: &[f64]) -> Piece {
         let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
-        place(time, vec![column.clone(), column.clone(), column], 0.0, "recordings[0]", "it").expect("placed")
+        place(time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("placed")
     }
 
     #[test]
     fn a_clock_that_was_set_is_told_by_its_row() {
         let time: Vec<f64> = (0..40).map(|row| f64::from(row) + if row < 20 { 0.0 } else { 1.7e9 }).collect();
         let column = vec![1.0; 40];
-        let refused = place(&time, vec![column.clone(), column.clone(), column], 0.0, "recordings[0]", "it");
+        let refused = place(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it");
         let said = refused.err().expect("refused").to_string();
         assert!(
             said.starts_with("recordings[0].columns.time_s[20]: found 19680 days from row 19 to row 20"),

@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
+use estimate::even::EXACT;
+
 use super::Instrument;
 use super::grid::Grid;
-use super::piece::EXACT;
 
 /// Rows in which no instrument's times jump.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +53,34 @@ pub fn boundaries(grid: &Grid, reference: &Instrument, test: &Instrument) -> Vec
     let jumps = |instrument: &Instrument| -> Vec<Jump> {
         instrument.pieces.iter().filter_map(|piece| piece.jump.clone()).collect()
     };
-    let (of_reference, of_test) = (jumps(reference), jumps(test));
+    on_grid(grid, [reference, test], [jumps(reference), jumps(test)])
+}
+
+/// Where the times of reference or test instrument leave rows out, or go on in another recording: whether rows are missing or a clock was set the times
+/// do not say.
+pub fn pauses(grid: &Grid, reference: &Instrument, test: &Instrument) -> Vec<Boundary> {
+    let pauses = |instrument: &Instrument| -> Vec<Jump> {
+        let next = instrument.pieces.windows(2).filter(|pair| pair[1].jump.is_none());
+        let between = next.map(|pair| Jump {
+            recording: pair[1].id.clone(),
+            path: pair[1].path.clone(),
+            row: 0,
+            at_s: pair[1].start_s,
+            by_s: 0.0,
+            std_s: 0.0,
+            all_s: pair[1].start_s - pair[0].end_s() - pair[1].step_s,
+            step_s: pair[1].step_s,
+        });
+        instrument.pieces.iter().flat_map(|piece| piece.pauses.clone()).chain(between).collect()
+    };
+    on_grid(grid, [reference, test], [pauses(reference), pauses(test)])
+}
+
+fn on_grid(
+    grid: &Grid,
+    [reference, test]: [&Instrument; 2],
+    [of_reference, of_test]: [Vec<Jump>; 2],
+) -> Vec<Boundary> {
     let mut found: Vec<Boundary> = Vec::new();
     for (instrument, jumps, others) in
         [(reference.name, &of_reference, &of_test), (test.name, &of_test, &of_reference)]

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use crate::effects::*;
 use crate::{
     About, Acts, Effect, EffectInstance, Error, ParameterInfo, Place, Real, References, Role, Surroundings,
-    Thermometer,
+    Thermometer, Within,
 };
 
 macro_rules! catalogue {
@@ -252,5 +252,12 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
             Ok(value)
         })
         .collect::<Result<_, _>>()?;
-    Ok(EffectInstance { kind, axis, column, recording: adopted.recording.clone(), parameters })
+    if let (Some(from), Some(to)) = (adopted.from_s, adopted.to_s)
+        && from >= to
+    {
+        let found = format!("{} from {from} s to {to} s", kind.name());
+        return Err(refuse(found, "\"from_s\" before \"to_s\"".into()));
+    }
+    let within = Within { from_s: adopted.from_s, to_s: adopted.to_s };
+    Ok(EffectInstance { kind, axis, column, recording: adopted.recording.clone(), within, parameters })
 }

@@ -8,7 +8,9 @@ use std::borrow::Cow;
 
 use crate::effects::add_known_gradient;
 use crate::model::column;
-use crate::{Basic, Context, EffectInstance, Error, Real, Stage, Surroundings, field_geo, frames, parallel};
+use crate::{
+    Basic, Context, EffectInstance, Error, Kind, Real, Stage, Surroundings, field_geo, frames, parallel,
+};
 
 /// What the chain predicts for a recording.
 #[derive(Clone, Debug)]
@@ -220,6 +222,8 @@ impl<T: Real> Chain<'_, T> {
         coil_nt: &[Vector3<T>],
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
+        // What the effects of one kind that act at times of their own begin with: none of them reads what another made beside its times.
+        let mut limited: Option<(Kind, Vec<Vector3<T>>)> = None;
         for (effect, values) in self.effects.iter().zip(self.values) {
             if effect.kind.about().stage != stage || !effect.acts(self.context.recording) {
                 continue;
@@ -232,7 +236,23 @@ impl<T: Real> Chain<'_, T> {
                 coil_nt,
                 field_sen,
             };
-            effect.kind.apply(values, signal, &around)?;
+            if effect.within.is_always() {
+                effect.kind.apply(values, signal, &around)?;
+                continue;
+            }
+            let clock = self.context.clock(effect.kind.name())?;
+            let before = match limited.take() {
+                Some((kind, before)) if kind == effect.kind => before,
+                _ => signal.to_vec(),
+            };
+            let mut made = before.clone();
+            effect.kind.apply(values, &mut made, &around)?;
+            for (row, value) in
+                made.into_iter().enumerate().filter(|(row, _)| effect.within.holds(clock[*row]))
+            {
+                signal[row] = value;
+            }
+            limited = Some((effect.kind, before));
         }
         Ok(())
     }

@@ -219,6 +219,27 @@ pub trait Effect {
     ) -> Result<(), Error>;
 }
 
+/// When an effect acts, on the campaign's clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Within {
+    /// From then on, s; absent: from the beginning.
+    pub from_s: Option<f64>,
+    /// Until then, this moment left out, s; absent: to the end.
+    pub to_s: Option<f64>,
+}
+
+impl Within {
+    /// Whether it acts at all times.
+    pub fn is_always(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether it acts at a time.
+    pub fn holds(&self, time_s: f64) -> bool {
+        self.from_s.is_none_or(|from| time_s >= from) && self.to_s.is_none_or(|to| time_s < to)
+    }
+}
+
 /// An effect with the values of its parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EffectInstance {
@@ -230,6 +251,8 @@ pub struct EffectInstance {
     pub column: Option<String>,
     /// The recording in which it acts; absent: all.
     pub recording: Option<String>,
+    /// When it acts there.
+    pub within: Within,
     /// Values, in the order of the effect's parameters.
     pub parameters: Vec<f64>,
 }

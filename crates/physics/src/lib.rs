@@ -28,7 +28,7 @@ pub use catalogue::{Kind, adopt, state_references};
 pub use chain::{LeftOut, Parameter, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use effect::{
-    About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings,
+    About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings, Within,
 };
 pub use error::Error;
 pub use inverse::{Inverter, Row, Solved, field_in_sen};

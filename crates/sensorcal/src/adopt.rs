@@ -59,6 +59,8 @@ fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> Adop
         coil: None,
         column: None,
         recording: None,
+        from_s: None,
+        to_s: None,
         parameters,
         extra,
     }

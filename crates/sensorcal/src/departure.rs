@@ -43,6 +43,7 @@ impl Candidate {
                 axis: Some(run.sensor),
                 column: None,
                 recording: None,
+                within: Default::default(),
                 parameters: vec![0.0; kind.parameters().len()],
             };
             let asked = [Parameter::Effect(0, parameter)];

@@ -132,6 +132,7 @@ fn with_lag<'p, 'b>(
         axis: Some(sensor),
         column: None,
         recording: None,
+        within: Default::default(),
         parameters: vec![0.0, lag_s],
     });
     with.unknowns[at] = Unknown::Chain(Parameter::Effect(number, 0), runs.clone());

@@ -1,10 +1,11 @@
 //! Noise of a sensor in a shield ("Measurement of Sensor Noise in Low Field").
 
-use common::number::{counted, p_value, significant};
+use common::number::{bare, counted, p_value, significant};
 use common::{
     AllanDeviation, Axis, BandRms, Document, Error as Fault, MergedSpectrum, Noise, NoiseSeriesResult,
     Quantity, Recording, SensorNoise, SpectralLine, procedure, series,
 };
+use estimate::even::evened;
 use estimate::periodogram::{Periodogram, periodogram};
 use estimate::whittle::{self, Estimate, White, WhittleFit};
 use estimate::{allan, stats};
@@ -35,6 +36,8 @@ struct Series<'a> {
     periodogram: Periodogram,
     allan: Vec<allan::AllanPoint>,
     field_nt: Vec<f64>,
+    /// How far its times are from even ones, where it was interpolated, s.
+    uneven_s: Option<f64>,
 }
 
 /// The noise that was measured, in the form in which instruments declare theirs, no steeper than a covariance is made for.
@@ -90,10 +93,10 @@ fn read<'a>(
 ) -> Result<Series<'a>, Error> {
     let (reading, unit) = output(recording, path, sensor)?;
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
-    let Some(step_s) = series::even_step_s(recording.column("time_s").unwrap_or_default()) else {
-        let expected =
-            "even times that rise, all there; a spectrum needs them, and series resample --step S makes them";
-        return Err(Fault::document(format!("{path}.columns.time_s"), "no even times", expected).into());
+    let Some(even) = evened(recording.column("time_s").unwrap_or_default(), reading) else {
+        let expected = "times that rise, all there, more than half of them an even step apart: ingest --sort puts rows into the order of time, series cut keeps a part without gaps, and \
+             series resample --step S makes even steps";
+        return Err(Fault::document(format!("{path}.columns.time_s"), "no such times", expected).into());
     };
     let Some((k, _)) = sensitivity(unit) else {
         let expected = format!(
@@ -101,10 +104,12 @@ fn read<'a>(
         );
         return Err(Fault::document(column, "readings in V without a sensitivity", expected).into());
     };
-    let filled = series::filled(reading).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(reading.len(), "reading"));
-        Fault::document(&column, found, "at most one in a hundred; a spectrum needs an even series")
+    let filled = series::filled(&even.column).map_err(|missing| {
+        let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
+        let expected = "at most one in a hundred; a spectrum needs a series without gaps: keep a part of it by series cut --from T --to T";
+        Fault::document(&column, found, expected)
     })?;
+    let step_s = even.step_s;
     let field_nt: Vec<f64> = filled.iter().map(|value| k * value).collect();
     let count = field_nt.len() as f64;
     let mean_nt = field_nt.iter().sum::<f64>() / count;
@@ -116,7 +121,17 @@ fn read<'a>(
     }
     let periodogram = periodogram(&field_nt, step_s)?;
     let code_nt = code(reading).map(|code| code * k);
-    Ok(Series { recording, step_s, mean_nt, rms_nt, code_nt, periodogram, allan: Vec::new(), field_nt })
+    Ok(Series {
+        recording,
+        step_s,
+        mean_nt,
+        rms_nt,
+        code_nt,
+        periodogram,
+        allan: Vec::new(),
+        field_nt,
+        uneven_s: even.uneven_s,
+    })
 }
 
 fn quantity(estimate: Estimate) -> Quantity {
@@ -170,6 +185,14 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
         }
     }
     found.findings = findings(&found, fit);
+    let uneven = all.iter().filter_map(|one| Some((&one.recording.id, one.step_s, one.uneven_s?)));
+    found.findings.extend(uneven.map(|(id, step_s, off_s)| {
+        format!(
+            "recording \"{id}\": its times are uneven, by up to {} s; it was interpolated to steps of {} s, and its white noise is told too low",
+            significant(off_s, 2),
+            bare(step_s)
+        )
+    }));
     found
 }
 

@@ -209,6 +209,7 @@ fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Param
                 axis: Some(sensor),
                 column: None,
                 recording: None,
+                within: Default::default(),
                 parameters: vec![0.0; 2],
             });
             asked.push(Parameter::Effect(at, 0));

@@ -3,8 +3,8 @@
 use common::number::{bare, counted};
 use common::{Column, Columns, Error, Recording};
 
-use crate::reading::usual_step_s;
 use crate::{phase_s, times};
+use joined::usual_step_s;
 
 /// What a time may be off by its last digit, s: a row that is due at a boundary belongs to the window that begins there.
 const ROUNDING_S: f64 = 5e-7;

@@ -1,9 +1,10 @@
 //! Recordings with times of their own made one with common times.
 
 use common::number::{bare, counted};
-use common::{Column, Document, Error};
+use common::{Document, Error};
 
-use crate::reading::{read_at, usual_step_s};
+use joined::onto;
+
 use crate::resample::said;
 use crate::{Outcome, index_of, times};
 
@@ -30,33 +31,17 @@ impl Join {
             document.recordings[place].at_hand(&format!("recordings[{place}]"))?;
             places.push(place);
         }
-        let [onto, others @ ..] = places.as_slice() else { return Err(too_few()) };
+        let [first, others @ ..] = places.as_slice() else { return Err(too_few()) };
         if others.is_empty() {
             return Err(too_few());
         }
-        let base = &document.recordings[*onto];
-        let at = times(base, &format!("recordings[{onto}]"))?.to_vec();
-        let step_s = usual_step_s(&at).unwrap_or(1.0);
+        let base = &document.recordings[*first];
+        let at = times(base, &format!("recordings[{first}]"))?.to_vec();
         let mut joined = base.clone();
         let mut words = Vec::new();
         for place in others {
             let (path, other) = (format!("recordings[{place}]"), &document.recordings[*place]);
-            let ahead = match (base.start(), other.start()) {
-                (Some(base), Some(other)) => other.unix_s - base.unix_s,
-                (None, None) => 0.0,
-                (one, _) => {
-                    let without = if one.is_some() { other } else { base };
-                    let found = format!("none in \"{}\"", without.id);
-                    return Err(Error::document(
-                        format!("{path}.start"),
-                        found,
-                        "when each began, or neither",
-                    ));
-                }
-            };
-            let time: Vec<f64> = times(other, &path)?.iter().map(|t| t + ahead).collect();
-            let mut ways = Vec::new();
-            for (name, values) in other.columns.iter().filter(|(name, _)| *name != "time_s") {
+            for name in other.columns.keys().filter(|name| *name != "time_s") {
                 if joined.columns.contains_key(name) {
                     let found = format!("{name}, which \"{}\" has too", base.id);
                     let expected = format!(
@@ -66,35 +51,33 @@ impl Join {
                     );
                     return Err(Error::document(format!("{path}.columns"), found, expected));
                 }
-                let (read, way) = read_at(&time, &values.0, &at, step_s);
-                ways.push((name.clone(), way));
-                joined.columns.insert(name.clone(), Column(read));
             }
-            let there = at.iter().filter(|t| time.first() <= Some(t) && time.last() >= Some(t)).count();
-            if there == 0 {
+            let read = onto((*first, base), (*place, other), &at, |_| true)?;
+            if read.there == 0 {
                 let message = format!(
                     "\"{}\" and \"{}\" have no time in common; expected recordings that overlap. Are both clocks in UTC?",
                     base.id, other.id
                 );
                 return Err(Error::Request(message));
             }
-            let rate = usual_step_s(&time).map_or(String::new(), |own_s| format!(" of {} s", bare(own_s)));
+            let rate = read.own_step_s.map_or(String::new(), |own_s| format!(" of {} s", bare(own_s)));
             words.push(format!(
                 "\"{}\"{rate} read at {} of the {} of \"{}\"{}; its clock is taken as it is",
                 other.id,
-                there,
+                read.there,
                 counted(at.len(), "time"),
                 base.id,
-                said(&ways)
+                said(&read.ways)
             ));
+            joined.columns.extend(read.columns);
         }
         joined.id = self.id.clone().unwrap_or(joined.id);
         joined.procedure = self.procedure.clone().unwrap_or(joined.procedure);
-        document.recordings[*onto] = joined;
+        document.recordings[*first] = joined;
         let mut gone = others.to_vec();
         gone.sort_unstable();
         gone.iter().rev().for_each(|place| drop(document.recordings.remove(*place)));
-        let place = onto - gone.iter().filter(|place| *place < onto).count();
+        let place = first - gone.iter().filter(|place| place < &first).count();
         document.check()?;
         Ok(Outcome { document, changed: vec![place], words })
     }

@@ -4,7 +4,6 @@
 mod average;
 mod cut;
 mod join;
-mod reading;
 mod rename;
 mod resample;
 

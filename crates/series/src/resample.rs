@@ -3,7 +3,8 @@
 use common::number::{bare, counted};
 use common::{Column, Columns, Error, Recording};
 
-use crate::reading::{Way, read_at, usual_step_s};
+use joined::{Way, read_at, usual_step_s};
+
 use crate::{phase_s, times};
 
 /// Rows of a resampled recording at most.
@@ -49,9 +50,9 @@ impl Resample {
             if name == "time_s" || name == "samples" || name.ends_with("_samples") {
                 continue;
             }
-            let (read, way) = read_at(time, &values.0, &at, self.step_s);
-            ways.push((name.clone(), way));
-            columns.insert(name.clone(), Column(read));
+            let read = read_at((path, &recording.id), time, &values.0, &at, self.step_s)?;
+            ways.push((name.clone(), read.way));
+            columns.insert(name.clone(), Column(read.values));
         }
         let was = usual_step_s(time).unwrap_or(f64::NAN);
         let rows = time.len();

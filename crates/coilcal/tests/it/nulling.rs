@@ -108,3 +108,22 @@ fn mains_is_found_at_its_frequency_and_at_its_alias_and_nowhere_else() {
     println!("lines claimed in 120 clean spectra: {claimed}");
     assert!(claimed <= 2, "{claimed}");
 }
+
+#[test]
+fn a_series_at_uneven_times_is_read_and_that_is_said() {
+    let mut plan = plan(3, 0.0);
+    plan["procedures"][0]["sites"] = json!(["weekday-day"]);
+    plan["procedures"][0]["series"] = json!([{"length_s": 60, "rate_hz": 100}]);
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    let mut document: Document = simulate::campaign(&plan).expect("simulated").document;
+    let uneven_s = |document: &Document| {
+        let found = coilcal::run(document.clone(), &coilcal::Options::default()).expect("analysed");
+        let nulling = found.calibration.expect("a calibration").nulling.expect("spectra");
+        nulling.sites["weekday-day"].series[0].uneven_s
+    };
+    assert_eq!(uneven_s(&document), None);
+    let time = document.recordings[0].columns.get_mut("time_s").expect("times");
+    time.0.iter_mut().enumerate().for_each(|(row, t)| *t += 0.009 * f64::from((row as u32 * 7) % 5) / 4.0);
+    let told = uneven_s(&document).expect("uneven");
+    assert!((0.0025..0.009).contains(&told), "{told}");
+}

@@ -121,6 +121,10 @@ pub struct DelayBands {
     /// negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_constant_s: Option<Quantity>,
+    /// Length of the running mean that the readings of one instrument are, s: of the test instrument where it is positive, of the reference where it is
+    /// negative.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub average_s: Option<Quantity>,
     /// The delay at long periods less that of the filter, s: what is left for the clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beside_filter_s: Option<Quantity>,
@@ -150,6 +154,8 @@ pub enum DelayForm {
     Constant,
     /// atan(2πfτ)/(2πf), as of a low-pass filter of first order.
     LowPass,
+    /// Not at all, with a response of sin(πfT)/(πfT), as of a running mean over T.
+    Average,
     /// In another way.
     Other,
 }

@@ -49,6 +49,8 @@ fn adopted(kind: Kind) -> AdoptedEffect {
         coil: (acts == Acts::OneCoil).then_some(Axis::X),
         column: (acts == Acts::WithColumn).then(|| "panel_current_a".into()),
         recording: None,
+        from_s: None,
+        to_s: None,
         parameters: kind.parameters().iter().map(|info| (info.name.into(), value(info))).collect(),
         extra: Default::default(),
     }

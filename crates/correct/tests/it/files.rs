@@ -133,6 +133,8 @@ fn a_matrix_gives_what_the_passes_give() {
             coil: None,
             column: None,
             recording: None,
+            from_s: None,
+            to_s: None,
             parameters: [("departure_nt".to_string(), Quantity::Bare(0.0))].into_iter().collect(),
             extra: Default::default(),
         };

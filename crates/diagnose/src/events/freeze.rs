@@ -92,6 +92,7 @@ fn dropout(axis: Axis, recording: &str, time_s: f64, duration_s: f64) -> EffectI
         axis: Some(axis),
         column: None,
         recording: Some(recording.into()),
+        within: Default::default(),
         parameters: vec![time_s, duration_s],
     }
 }

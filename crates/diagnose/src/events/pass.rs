@@ -122,6 +122,7 @@ fn still(recording: Option<String>, time_s: f64, duration_s: f64) -> EffectInsta
         axis: None,
         column: None,
         recording,
+        within: Default::default(),
         parameters: [vec![0.0; 9], vec![time_s, duration_s]].concat(),
     }
 }

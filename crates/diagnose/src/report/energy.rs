@@ -1,6 +1,7 @@
 //! In which parts of the readings the difference lies.
 
-use common::{EnergyShare, series::even_step_s};
+use common::EnergyShare;
+use estimate::even::{NEAR, Places};
 use nalgebra::Vector3;
 
 use super::guilty::Guilty;
@@ -121,7 +122,8 @@ fn bands<'c>(
     let mut spectrum: Vec<(f64, f64)> = Vec::new();
     for channel in channels.filter(|channel| channel.rows.len() >= SPECTRUM) {
         let Some(time) = model.observed.times(channel) else { continue };
-        let Some(step) = even_step_s(&time) else { continue };
+        let even = Places::of(&time).filter(|places| places.even(NEAR) && places.count() == time.len());
+        let Some(Places { step_s: step, .. }) = even else { continue };
         let points = channel.rows.len();
         let power = power_along(&time, &white[channel.range()], step, points);
         let grid = 1.0 / (points as f64 * step);

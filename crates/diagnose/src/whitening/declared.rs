@@ -1,6 +1,7 @@
 //! The noise of each channel: as the document declares it, or as a residual shows it.
 
-use common::{Axis, Document, Noise, series::even_places};
+use common::{Axis, Document, Noise};
+use estimate::even::{NEAR, Places};
 use estimate::periodogram::periodogram;
 use estimate::whittle::{self, White};
 use nalgebra::Vector3;
@@ -163,8 +164,11 @@ pub(super) fn estimate(
             let variance = (sum / (count as f64 * share)).max(least);
             let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
             let time = observed.times(channel).filter(|_| used.is_some());
-            let even = time.and_then(|time| even_places(&time));
-            let Some((step_s, places)) = even.filter(|_| channel.rows.len() >= SPECTRUM_FROM) else {
+            let even = time.and_then(|time| {
+                Places::of(&time).filter(|even| even.even(NEAR) && even.count() < 2 * time.len())
+            });
+            let Some(Places { step_s, places, .. }) = even.filter(|_| channel.rows.len() >= SPECTRUM_FROM)
+            else {
                 return Ok(white);
             };
             let spectrum = periodogram(&with_zeros(&residual[channel.range()], &places), step_s);

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use common::{DelayBand, DelayBands, DelayForm, Quantity};
 use estimate::stats::chi_squared_p;
 
+use super::average::{self, Band};
 use super::{Offset, mean, scatter};
 use crate::TOLD_BELOW;
 
@@ -15,7 +16,9 @@ const LONGEST: f64 = 0.5;
 const RATIO: f64 = 1.01;
 
 /// Bands with what their delays say; `shift_s` is what the readings were moved by before.
-pub fn told(mut bands: Vec<DelayBand>, shift_s: f64, step_s: f64) -> DelayBands {
+pub fn told(bands: Vec<Band>, shift_s: f64, step_s: f64) -> DelayBands {
+    let average_s = average::length(&bands);
+    let mut bands: Vec<DelayBand> = bands.into_iter().map(|band| band.told).collect();
     let frequencies: Vec<f64> =
         bands.iter().map(|band| (band.shortest_s * band.longest_s).sqrt().recip()).collect();
     for band in &mut bands {
@@ -27,7 +30,11 @@ pub fn told(mut bands: Vec<DelayBand>, shift_s: f64, step_s: f64) -> DelayBands 
         .map(|band| Offset { s: band.delay_s.value(), std: band.delay_s.std().unwrap_or(f64::INFINITY) })
         .collect();
     let scatter = scatter(&delays).unwrap_or_default();
-    let mut told = DelayBands { bands, scatter, ..DelayBands::default() };
+    let mut told = DelayBands { bands, scatter, average_s, ..DelayBands::default() };
+    if told.average_s.is_some() {
+        told.form = DelayForm::Average;
+        return told;
+    }
     if told.scatter.p >= TOLD_BELOW {
         return told;
     }
@@ -81,17 +88,18 @@ fn low_pass(delays: &[Offset], frequencies: &[f64], [from, to]: [f64; 2]) -> Opt
 mod tests {
     use super::*;
 
-    fn bands(delay: impl Fn(f64) -> f64, std: f64) -> Vec<DelayBand> {
+    fn bands(delay: impl Fn(f64) -> f64, std: f64) -> Vec<Band> {
         (0..8)
             .map(|k| {
                 let shortest_s = 2.0 * f64::from(1 << k);
                 let f = (2.0_f64.sqrt() * shortest_s).recip();
-                DelayBand {
+                let told = DelayBand {
                     shortest_s,
                     longest_s: 2.0 * shortest_s,
                     delay_s: Quantity::new(delay(f), std),
                     gain: Quantity::new(1.0, 0.1),
-                }
+                };
+                Band { told, lowered: 0.0, frequency_hz: f }
             })
             .collect()
     }

@@ -1,11 +1,10 @@
+use estimate::even::{NEAR, Places};
 use serde::{Deserialize, Serialize};
 
 use super::Error;
 
 /// A time may be so far from its place, in steps.
 const OFF: f64 = 0.4;
-/// The times from which a grid is found stand nearer, in steps: any times stand within half a step of any grid.
-const NEAR: f64 = 0.25;
 /// Digits of a step, or of a rate, that is found rather than stated.
 const DIGITS: i32 = 6;
 
@@ -37,20 +36,15 @@ impl Grid {
     }
 
     /// The grid of times, of which some may be missing: the step of fewest digits (as a step or as a rate, up to six) on which
-    /// all stand. The step is the least distance that half of the neighbours keep.
+    /// all stand.
     ///
     /// # Errors
     ///
     /// [`Error::NoStep`].
     pub fn found(times: &[f64]) -> Result<Self, Error> {
         let none = Error::NoStep { rows: times.len() };
-        let mut steps: Vec<f64> =
-            times.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0.0).collect();
-        steps.sort_by(f64::total_cmp);
-        let Some(&median) = steps.get(steps.len() / 2) else { return Err(none) };
-        // The median jitters; over all rows the step is sharper.
-        let places: f64 = times.windows(2).map(|pair| ((pair[1] - pair[0]) / median).round()).sum();
-        let mean = (times[times.len() - 1] - times[0]) / places;
+        let Some(even) = Places::of(times).filter(|places| places.even(NEAR)) else { return Err(none) };
+        let (places, mean) = ((even.count() - 1) as f64, even.step_s);
         let digits = |value: f64, digits: i32| {
             let unit = 10_f64.powi(value.abs().log10().floor() as i32 + 1 - digits);
             if unit >= 1.0 {

@@ -6,6 +6,7 @@ mod clocks;
 mod coverage;
 mod drift;
 mod drift_reference;
+mod filters;
 mod fourteen;
 mod fourteen_covariance;
 mod fourteen_reference;

@@ -475,3 +475,29 @@ fn short_recordings_are_no_trouble() {
         }
     }
 }
+
+/// Each of two clocks reads the field as it was before either: at 20 s the field of 19.5 s, at 30 s that of 26 s.
+#[test]
+fn effects_that_act_at_times_of_their_own() {
+    let ramp = || bench(json!({"time_s": [0, 10, 20, 30, 40], "coil_x_a": [0, 1, 2, 3, 4]}), json!({}));
+    let until = json!({"effect": "clock_offset", "to_s": 30.0, "parameters": {"offset_s": 0.5}});
+    assert_adds(
+        ramp(),
+        until,
+        &[[-50.0, 0.0, 0.0], [-50.0, 0.0, 0.0], [-50.0, 0.0, 0.0], [0.0; 3], [0.0; 3]],
+    );
+    let mut document = ramp();
+    let model = json!({"effects": [
+        {"effect": "clock_offset", "to_s": 30.0, "parameters": {"offset_s": 0.5}},
+        {"effect": "clock_offset", "from_s": 30.0, "parameters": {"offset_s": 12.0}}]});
+    document.model = Some(serde_json::from_value(model).expect("a model"));
+    let effects = physics::adopt(&document).expect("known");
+    let references = References::of(&document);
+    let context = Context::new(&document, &document.recordings[0], references).expect("a context");
+    let found = physics::predict(&Basic::of(&document, Unit::Nanotesla), &effects, &context)
+        .expect("predicted")
+        .readings;
+    for (row, known) in [-50.0, 950.0, 1950.0, 1800.0, 2800.0].into_iter().enumerate() {
+        assert!((found[row].x - known).abs() < 1e-9, "{row}: {}", found[row].x);
+    }
+}

@@ -84,6 +84,7 @@ fn typical(kind: Kind) -> EffectInstance {
         axis: matches!(acts, Acts::OneSensor | Acts::OneCoil).then_some(Axis::X),
         column: (acts == Acts::WithColumn).then(|| "panel_current_a".into()),
         recording: None,
+        within: Default::default(),
         parameters,
     }
 }

@@ -22,7 +22,14 @@ fn document(rows: usize) -> Document {
 }
 
 fn effect(kind: Kind, axis: Option<Axis>, parameters: &[f64]) -> EffectInstance {
-    EffectInstance { kind, axis, column: None, recording: None, parameters: parameters.to_vec() }
+    EffectInstance {
+        kind,
+        axis,
+        column: None,
+        recording: None,
+        within: Default::default(),
+        parameters: parameters.to_vec(),
+    }
 }
 
 /// The rows that are found, and by how much the worst of them misses the true field, nT.

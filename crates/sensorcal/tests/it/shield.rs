@@ -180,3 +180,26 @@ fn few_pairs_of_unknown_noise_cover() {
         assert!((273..=300).contains(&covered), "{pairs} pairs: {covered} of 300");
     }
 }
+
+/// A recording of noise with other times.
+fn at(mut recording: Value, time: impl Fn(usize) -> f64) -> Value {
+    let rows = recording["columns"]["time_s"].as_array().expect("times").len();
+    recording["columns"]["time_s"] = json!((0..rows).map(time).collect::<Vec<f64>>());
+    recording
+}
+
+#[test]
+fn noise_at_uneven_times_is_read_and_that_is_said() {
+    let made = |seed: u64| noise(seed, 5000, 0.01, 0.1, 0.0);
+    let off = |row: usize| 0.9 * f64::from((row as u32 * 7) % 5) / 4.0;
+    let uneven = sensor(&with(vec![at(made(8), |row| 0.01 * (row as f64 + off(row)))])).noise.expect("noise");
+    assert!(uneven.findings.iter().any(|finding| finding.contains("uneven")), "{:?}", uneven.findings);
+    // A cubic between two readings has less than their noise, least of all at short periods.
+    assert!(uneven.white_rms_nt.value() < 0.1, "{:?}", uneven.white_rms_nt);
+    // Printed to the millisecond, at three readings in ten milliseconds.
+    let printed = |row: usize| (row as f64 / 0.3).round() * 1e-3;
+    let even = sensor(&with(vec![at(made(9), printed)])).noise.expect("noise");
+    assert!(!even.findings.iter().any(|finding| finding.contains("uneven")), "{:?}", even.findings);
+    let own = &even.white_rms_nt;
+    assert!((own.value() - 0.1).abs() < 4.0 * own.std().expect("a std"), "{own:?}");
+}

@@ -1,0 +1,49 @@
+//! Filters of one instrument: each is told by its form, and none where there is none.
+
+use common::{DelayBands, DelayForm};
+
+use crate::pair_in_time::{Made, columns, document, found, recording};
+
+/// Parts into which a filter's memory is divided.
+const PARTS: usize = 24;
+
+/// The bands of a pair whose test instrument reads the mean of the field at these ages, s.
+fn bands(seed: u64, ages_s: &[f64]) -> DelayBands {
+    let made = |offset_s: f64| Made { rows: 2400, offset_s, ..Made::new(seed) };
+    let mut test: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; 2400]);
+    for age in ages_s {
+        // The noise is the same in each, and so in their mean.
+        for (sum, part) in test.iter_mut().zip(made(*age).read("test")) {
+            sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part / ages_s.len() as f64);
+        }
+    }
+    let (time, rows) = (made(0.0).reference_time(), 0..2400);
+    let of = |name: &str, read: &[Vec<f64>; 3]| recording(name, &time, columns(name, read, &rows));
+    let both = document(vec![of("reference", &made(0.0).read("reference")), of("test", &test)]);
+    let clock = found(&both, false).fit.expect("a fit").clock.expect("a clock");
+    clock.bands.expect("bands")
+}
+
+#[test]
+fn a_running_mean_is_told_with_its_length() {
+    for (seed, length_s) in [(51, 120.0), (52, 150.0)] {
+        let age = |part: usize| length_s * (part as f64 + 0.5) / PARTS as f64;
+        let found = bands(seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
+        assert_eq!(found.form, DelayForm::Average, "{found:?}");
+        let told = found.average_s.expect("a length");
+        println!("{told:?} for {length_s} s");
+        // Three uncertainties, and what one frequency for an octave leaves out.
+        assert!((told.value() / length_s - 1.0).abs() < 0.05, "{told:?} for {length_s} s");
+    }
+}
+
+#[test]
+fn a_low_pass_filter_and_none_are_no_running_means() {
+    for seed in [53, 54] {
+        let age = |part: usize| -60.0 * (1.0 - (part as f64 + 0.5) / PARTS as f64).ln();
+        let found = bands(seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
+        assert!(found.average_s.is_none() && found.form == DelayForm::LowPass, "{found:?}");
+        let found = bands(seed, &[0.0]);
+        assert!(found.average_s.is_none() && found.form == DelayForm::Constant, "{found:?}");
+    }
+}

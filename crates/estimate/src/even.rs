@@ -1,0 +1,182 @@
+//! Whether times are even but for rows that were never written, and a series made even where they are not.
+
+use crate::cadence::{Cadence, rounding};
+use crate::resample::pchip;
+use crate::stats::median;
+
+/// What the last digit rounds, in its units: a half, and what a line through rounded times is off.
+const ROUNDED: f64 = 0.75;
+/// A share of a step within which a time is at its place wherever its moment matters.
+pub const EXACT: f64 = 1e-3;
+/// The same where it does not, as for the spectrum of noise, which interpolation would lower.
+pub const NEAR: f64 = 0.25;
+/// A longer interval, in usual ones, is a gap.
+pub const GAP: f64 = 3.0;
+
+/// Rising times on even places, of which some may be left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Places {
+    /// The place of each row, counted from the first.
+    pub places: Vec<usize>,
+    /// Time of the first place, s.
+    pub start_s: f64,
+    /// From one place to the next, s.
+    pub step_s: f64,
+    /// How far a time is from its place at most, s.
+    pub scatter_s: f64,
+    /// What the times' last digit and double precision round, s.
+    pub rounded_s: f64,
+    /// The usual interval, s.
+    pub usual_s: f64,
+}
+
+impl Places {
+    /// Of times that rise, all there; None for others, and for fewer than two.
+    pub fn of(time: &[f64]) -> Option<Self> {
+        let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        if intervals.is_empty() || !intervals.iter().all(|interval| *interval > 0.0 && interval.is_finite()) {
+            return None;
+        }
+        let usual_s = median(&intervals);
+        let cadence = Cadence::of(time);
+        let fine_s = cadence.as_ref().map_or(usual_s, |cadence| cadence.step_s);
+        let digit_s = cadence.and_then(|cadence| cadence.digit_s).unwrap_or(0.0);
+        let mut places = vec![0];
+        for interval in &intervals {
+            places.push(places[places.len() - 1] + (interval / fine_s).round().max(1.0) as usize);
+        }
+        let last = time.len() - 1;
+        let scatter = |start_s: f64, step_s: f64| {
+            let off = places.iter().zip(time).map(|(place, t)| (t - start_s - *place as f64 * step_s).abs());
+            off.fold(0.0, f64::max)
+        };
+        let (mut start_s, mut step_s) = (time[0], (time[last] - time[0]) / places[last] as f64);
+        if scatter(start_s, step_s) > EXACT * fine_s {
+            (start_s, step_s) = line(&places, time);
+        }
+        let scatter_s = scatter(start_s, step_s);
+        let rounded_s = (ROUNDED * digit_s).max(rounding(time));
+        Some(Self { places, start_s, step_s, scatter_s, rounded_s, usual_s })
+    }
+
+    /// Whether each time lies within this share of a step of its place, or within what is rounded.
+    pub fn even(&self, share: f64) -> bool {
+        self.scatter_s <= (share * self.step_s).max(self.rounded_s)
+    }
+
+    /// How many places there are from the first time to the last.
+    pub fn count(&self) -> usize {
+        self.places.last().map_or(0, |last| last + 1)
+    }
+
+    /// A column at its places; NaN where no row is.
+    pub fn put(&self, column: &[f64]) -> Vec<f64> {
+        let mut even = vec![f64::NAN; self.count()];
+        self.places.iter().zip(column).for_each(|(place, value)| even[*place] = *value);
+        even
+    }
+
+    /// An even step for times that are not: the mean interval between gaps.
+    pub fn mean_step_s(&self, time: &[f64]) -> f64 {
+        let intervals = time.windows(2).map(|pair| pair[1] - pair[0]);
+        let (sum, count) = intervals
+            .filter(|interval| *interval <= GAP * self.usual_s)
+            .fold((0.0, 0.0), |(sum, count), interval| (sum + interval, count + 1.0));
+        sum / count
+    }
+
+    /// A column of uneven times at even ones from the first on, `step_s` apart, by cubic pieces; NaN within gaps.
+    pub fn interpolated(&self, time: &[f64], column: &[f64], step_s: f64) -> Vec<f64> {
+        let rows = ((time[time.len() - 1] - time[0]) / step_s + 1e-6).floor() as usize + 1;
+        let at: Vec<f64> = (0..rows).map(|row| time[0] + row as f64 * step_s).collect();
+        interpolated(time, column, &at, GAP * self.usual_s)
+    }
+}
+
+/// A column at even times.
+#[derive(Clone, Debug)]
+pub struct Evened {
+    /// From one to the next, s.
+    pub step_s: f64,
+    /// NaN where a reading is missing.
+    pub column: Vec<f64>,
+    /// How far the times are from even ones, s; None where they are even and nothing was interpolated.
+    pub uneven_s: Option<f64>,
+}
+
+/// A column as a spectrum needs it: at its places where times are near them, else interpolated. None for times that do not rise, or with so many gaps that
+/// fewer than half of the places are rows.
+pub fn evened(time: &[f64], column: &[f64]) -> Option<Evened> {
+    let places = Places::of(time).filter(|places| places.count() < 2 * time.len())?;
+    if places.even(NEAR) {
+        return Some(Evened { step_s: places.step_s, column: places.put(column), uneven_s: None });
+    }
+    let step_s = places.mean_step_s(time);
+    let column = places.interpolated(time, column, step_s);
+    Some(Evened { step_s, column, uneven_s: Some(places.scatter_s) })
+}
+
+/// What is known, read at other times by cubic pieces; NaN within longer intervals than `gap_s`.
+pub fn interpolated(time: &[f64], column: &[f64], at: &[f64], gap_s: f64) -> Vec<f64> {
+    let known: Vec<(f64, f64)> =
+        time.iter().copied().zip(column.iter().copied()).filter(|(_, value)| value.is_finite()).collect();
+    let (time, values): (Vec<f64>, Vec<f64>) = known.into_iter().unzip();
+    if time.is_empty() {
+        return vec![f64::NAN; at.len()];
+    }
+    let mut read = pchip(&time, &values, at);
+    for (value, t) in read.iter_mut().zip(at) {
+        let after = time.partition_point(|known| known < t);
+        if after > 0 && after < time.len() && time[after] - time[after - 1] > gap_s {
+            *value = f64::NAN;
+        }
+    }
+    read
+}
+
+/// The line t = a + b k of least squares.
+fn line(places: &[usize], time: &[f64]) -> (f64, f64) {
+    let count = places.len() as f64;
+    let (k, t) = (places.iter().sum::<usize>() as f64 / count, time.iter().sum::<f64>() / count);
+    let (mut above, mut below) = (0.0, 0.0);
+    for (place, time) in places.iter().zip(time) {
+        let from_middle = *place as f64 - k;
+        above += from_middle * (time - t);
+        below += from_middle.powi(2);
+    }
+    let step = above / below;
+    (t - step * k, step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_of_times_with_gaps() {
+        let of = |time: &[f64]| Places::of(time).expect("times");
+        let found = of(&[0.0, 1.001, 2.0, 5.0, 6.0, 6.999, 8.0]);
+        assert_eq!(found.places, [0, 1, 2, 5, 6, 7, 8]);
+        assert!((found.step_s - 1.0).abs() < 1e-3 && found.even(NEAR));
+        for none in [&[0.0, 1.0, 1.0][..], &[0.0, f64::NAN, 2.0], &[1.0]] {
+            assert_eq!(Places::of(none), None);
+        }
+        // Three a second, printed to the millisecond, with a gap.
+        let rows: Vec<usize> = (0..30_000).filter(|row| !(700..900).contains(row)).collect();
+        let printed: Vec<f64> = rows.iter().map(|row| (*row as f64 / 3.0 * 1e3).round() / 1e3).collect();
+        let found = of(&printed);
+        assert!((found.step_s - 1.0 / 3.0).abs() < 1e-7 && found.even(EXACT) && found.places == rows);
+    }
+
+    #[test]
+    fn a_straight_line_at_uneven_times_stays_one() {
+        let time: Vec<f64> = (0..60).map(|k| f64::from(k) + 0.45 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
+        let places = Places::of(&time).expect("times");
+        assert!(!places.even(NEAR));
+        let step_s = places.mean_step_s(&time);
+        let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
+        for (row, value) in places.interpolated(&time, &column, step_s).iter().enumerate() {
+            assert!((value - 5.0 - 0.5 * (time[0] + row as f64 * step_s)).abs() < 1e-9);
+        }
+    }
+}
