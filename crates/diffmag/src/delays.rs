@@ -57,14 +57,16 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     }
     let (together, look) = prepared.together(raw)?;
     let aside_s = ASIDE * together.step_s;
-    let of = |pair: &Pair| -> [Parts; 3] { std::array::from_fn(|axis| look.parts(pair, axis)) };
     let moved = |by_s: f64| -> Result<[Parts; 3], Error> {
         let mut pair = prepared.moved(raw, by_s);
         look.complete(&mut pair)?;
-        Ok(of(&pair))
+        Ok(look.parts(&pair))
     };
-    let three =
-        Three { at: [moved(-aside_s)?, of(&together), moved(aside_s)?], aside_s, step_s: together.step_s };
+    let three = Three {
+        at: [moved(-aside_s)?, look.parts(&together), moved(aside_s)?],
+        aside_s,
+        step_s: together.step_s,
+    };
     let bands = in_bands(&together, &look, &three)?;
     let heard = Heard::of(&bands);
     let (everywhere, follows) = three.whole(&look, &Heard::default())?;

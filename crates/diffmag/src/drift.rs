@@ -3,6 +3,7 @@
 mod change;
 mod iteration;
 mod joint;
+mod moments;
 
 pub use joint::{Joint, joint};
 

@@ -6,6 +6,7 @@
 
 mod across;
 mod adopt;
+mod axes;
 mod bands;
 mod clock;
 mod constancy;

@@ -1,5 +1,7 @@
 //! Steps and spikes in a long even series whose noise has a known spectrum.
 
+use std::sync::Arc;
+
 use fourier::{Complex, Forward, Inverse, Planner};
 
 use crate::Error;
@@ -39,9 +41,9 @@ pub enum Shape {
 /// Source: L. A. Wainstein and V. D. Zubakov, Extraction of Signals from Noise, Prentice-Hall 1962, chapter 3.
 pub struct Search {
     filtered: Vec<f64>,
-    kernel: Vec<f64>,
+    filter: Arc<Filter>,
     /// Roots of the information of a step and of a spike at each row; zero where nothing is looked for.
-    roots: [Vec<f64>; 2],
+    roots: Arc<[Vec<f64>; 2]>,
 }
 
 /// The whitening of a series' differences.
@@ -95,6 +97,21 @@ impl Filter {
         filtered.iter_mut().zip(&self.kernel).for_each(|(g, k)| *g -= wrap * k);
         filtered
     }
+
+    /// Root of the information of a shape at a row; zero where nothing is looked for.
+    fn information_root(&self, shape: Shape, row: usize) -> f64 {
+        let n = self.kernel.len();
+        if row < ENDS || row + ENDS >= n {
+            return 0.0;
+        }
+        let k = &self.kernel;
+        let (all, with_jump) = match shape {
+            Shape::Step => (k[0], k[row]),
+            Shape::Spike => (2.0 * (k[0] - k[1]), k[row] - k[row + 1]),
+        };
+        let information = all - with_jump * with_jump / k[0];
+        if information > LEFT * all { information.sqrt() } else { 0.0 }
+    }
 }
 
 impl Search {
@@ -106,34 +123,31 @@ impl Search {
     pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
         let n = series.len();
         let filter = Filter::new(n, step_s, density)?;
+        let roots = [Shape::Step, Shape::Spike]
+            .map(|shape| (0..n).map(|row| filter.information_root(shape, row)).collect::<Vec<f64>>());
+        Self::with(Arc::new(filter), Arc::new(roots), series)
+    }
+
+    /// The same filter for another series.
+    ///
+    /// # Errors
+    ///
+    /// As [`Search::new`].
+    pub fn again(&self, series: &[f64]) -> Result<Self, Error> {
+        Self::with(self.filter.clone(), self.roots.clone(), series)
+    }
+
+    fn with(filter: Arc<Filter>, roots: Arc<[Vec<f64>; 2]>, series: &[f64]) -> Result<Self, Error> {
         let filtered = filter.apply(series);
-        if !filtered[n - 1].is_finite() {
+        if !filtered[series.len() - 1].is_finite() {
             return Err(Error::Series("with samples that are not finite"));
         }
-        let mut search = Self { filtered, kernel: filter.kernel, roots: Default::default() };
-        for shape in [Shape::Step, Shape::Spike] {
-            search.roots[shape as usize] = (0..n).map(|row| search.root(shape, row)).collect();
-        }
-        Ok(search)
+        Ok(Self { filtered, filter, roots })
     }
 
     /// How many samples.
     pub fn rows(&self) -> usize {
         self.filtered.len()
-    }
-
-    fn root(&self, shape: Shape, row: usize) -> f64 {
-        let n = self.rows();
-        if row < ENDS || row + ENDS >= n {
-            return 0.0;
-        }
-        let k = &self.kernel;
-        let (all, with_jump) = match shape {
-            Shape::Step => (k[0], k[row]),
-            Shape::Spike => (2.0 * (k[0] - k[1]), k[row] - k[row + 1]),
-        };
-        let information = all - with_jump * with_jump / k[0];
-        if information > LEFT * all { information.sqrt() } else { 0.0 }
     }
 
     /// Σ of the series with a shape at a row, whitened.
@@ -158,7 +172,7 @@ impl Search {
 
     /// What the scores of steps at two rows have in common: their covariance, under the noise.
     pub fn products(&self, row: usize, other: usize) -> f64 {
-        let k = &self.kernel;
+        let k = &self.filter.kernel;
         k[row.abs_diff(other)] - k[row] * k[other] / k[0]
     }
 }

@@ -6,8 +6,8 @@ use faer::Mat;
 
 use super::attribution::{Source, sources};
 use super::local;
-use crate::Error;
 use crate::difference::Noise;
+use crate::{Error, axes};
 
 /// Where the differences exceed a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,17 +34,27 @@ pub struct View {
 impl View {
     /// Of differences under these noises; rows that are out say nothing of the noise around them.
     pub fn of(series: &[Vec<f64>; 3], step_s: f64, noise: &[Noise; 3], out: &[bool]) -> Result<Self, Error> {
-        let search = |axis: usize| Search::new(&series[axis], step_s, &|f| noise[axis].density(f));
-        let (x, (y, z)) = rayon::join(|| search(0), || rayon::join(|| search(1), || search(2)));
-        let searches = [x?, y?, z?];
-        let wider = searches.each_ref().map(|search| {
+        Self::with(out, |axis| Search::new(&series[axis], step_s, &|f| noise[axis].density(f)))
+    }
+
+    /// Of other differences under the same noises.
+    pub fn again(&self, series: &[Vec<f64>; 3], out: &[bool]) -> Result<Self, Error> {
+        Self::with(out, |axis| self.searches[axis].again(&series[axis]))
+    }
+
+    fn with(
+        out: &[bool],
+        search: impl Fn(usize) -> Result<Search, estimate::Error> + Sync,
+    ) -> Result<Self, Error> {
+        let [x, y, z] = axes::try_each(|axis| {
+            let search = search(axis)?;
             let [steps, spikes] = [Shape::Step, Shape::Spike]
                 .map(|shape| (0..search.rows()).map(|row| search.ratio(shape, row)).collect::<Vec<f64>>());
             let near = local::near(&spikes, out);
             let steps = near.iter().zip(local::far(&steps, out)).map(|(near, far)| near.max(far)).collect();
-            [steps, near]
-        });
-        Ok(Self { searches, wider })
+            Ok::<_, estimate::Error>((search, [steps, near]))
+        })?;
+        Ok(Self { searches: [x.0, y.0, z.0], wider: [x.1, y.1, z.1] })
     }
 
     /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around it; the larger one of a row and its
