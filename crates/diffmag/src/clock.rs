@@ -69,8 +69,7 @@ pub fn moves(pair: &Pair, shift: Shift) -> bool {
 /// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and what each segment has of its own.
 ///
 /// Each segment is read from its own rows alone: across a jump an instrument's rows are no even series.
-pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
-    let mut pair = pair.clone();
+pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
     if !moves(&pair, shift) {
         return pair;
     }

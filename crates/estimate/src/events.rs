@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fourier::{Complex, Forward, Inverse, Planner};
+use fourier::{Complex, Forward, Inverse};
 
 use crate::Error;
 use crate::stats::{coverage_factor, mean};
@@ -42,8 +42,6 @@ pub enum Shape {
 pub struct Search {
     filtered: Vec<f64>,
     filter: Arc<Filter>,
-    /// Roots of the information of a step and of a spike at each row; zero where nothing is looked for.
-    roots: Arc<[Vec<f64>; 2]>,
 }
 
 /// The whitening of a series' differences.
@@ -61,8 +59,7 @@ impl Filter {
         if n < LEAST {
             return Err(Error::TooFew { found: n, unknowns: LEAST });
         }
-        let mut planner = Planner::new();
-        let (forward, back) = (planner.forward(n), planner.inverse(n));
+        let (forward, back) = (fourier::forward(n), fourier::inverse(n));
         let from = (n / MEMORY).max(1);
         let mut weights = vec![0.0; n / 2 + 1];
         for (k, weight) in weights.iter_mut().enumerate().skip(from) {
@@ -121,11 +118,7 @@ impl Search {
     ///
     /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a density that is not above zero.
     pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
-        let n = series.len();
-        let filter = Filter::new(n, step_s, density)?;
-        let roots = [Shape::Step, Shape::Spike]
-            .map(|shape| (0..n).map(|row| filter.information_root(shape, row)).collect::<Vec<f64>>());
-        Self::with(Arc::new(filter), Arc::new(roots), series)
+        Self::with(Arc::new(Filter::new(series.len(), step_s, density)?), series)
     }
 
     /// The same filter for another series.
@@ -134,15 +127,15 @@ impl Search {
     ///
     /// As [`Search::new`].
     pub fn again(&self, series: &[f64]) -> Result<Self, Error> {
-        Self::with(self.filter.clone(), self.roots.clone(), series)
+        Self::with(self.filter.clone(), series)
     }
 
-    fn with(filter: Arc<Filter>, roots: Arc<[Vec<f64>; 2]>, series: &[f64]) -> Result<Self, Error> {
+    fn with(filter: Arc<Filter>, series: &[f64]) -> Result<Self, Error> {
         let filtered = filter.apply(series);
         if !filtered[series.len() - 1].is_finite() {
             return Err(Error::Series("with samples that are not finite"));
         }
-        Ok(Self { filtered, filter, roots })
+        Ok(Self { filtered, filter })
     }
 
     /// How many samples.
@@ -160,13 +153,13 @@ impl Search {
 
     /// Size over uncertainty of a shape at a row; zero where nothing is looked for.
     pub fn ratio(&self, shape: Shape, row: usize) -> f64 {
-        let root = self.roots[shape as usize][row];
+        let root = self.filter.information_root(shape, row);
         if root > 0.0 { self.score(shape, row) / root } else { 0.0 }
     }
 
     /// Size of a shape at a row and its standard uncertainty; infinite where nothing is looked for.
     pub fn size(&self, shape: Shape, row: usize) -> (f64, f64) {
-        let root = self.roots[shape as usize][row];
+        let root = self.filter.information_root(shape, row);
         if root > 0.0 { (self.score(shape, row) / (root * root), 1.0 / root) } else { (0.0, f64::INFINITY) }
     }
 

@@ -29,41 +29,58 @@ pub fn spread(sizes: &mut [f64]) -> f64 {
 
 /// How wide ratios of sizes and uncertainties are spread around each row: the larger of what the rows before and those after it say, so that noise
 /// that rises suddenly counts from its first row on. Rows that are out, and those without a ratio (0), do not count.
-pub fn near(ratios: &[f64], out: &[bool]) -> Vec<f64> {
-    let rows = ratios.len();
-    let known = Known::of(ratios, out, 1);
-    let mut sizes = Vec::with_capacity(rows);
-    let mut of = |from: usize, to: usize| {
-        sizes.clear();
-        sizes.extend_from_slice(known.between(from, to));
-        (sizes.len() >= LEAST).then(|| spread(&mut sizes))
-    };
-    let all = of(0, rows).unwrap_or(1.0).max(NONE);
-    let starts = (0..rows.div_ceil(STRIDE)).map(|at| at * STRIDE);
-    let windows: Vec<Option<f64>> = starts.map(|from| of(from, (from + WINDOW).min(rows))).collect();
-    let around = |row: usize| {
-        let after = windows[row.div_ceil(STRIDE).min(windows.len() - 1)];
-        let before = row.checked_sub(WINDOW).and_then(|from| windows[from / STRIDE]);
-        before.into_iter().chain(after).reduce(f64::max).unwrap_or(all).max(NONE)
-    };
-    (0..rows).map(around).collect()
+pub struct Near {
+    all: f64,
+    /// Of the windows that begin at every so many rows.
+    windows: Vec<Option<f64>>,
+}
+
+impl Near {
+    pub fn of(ratios: &[f64], out: &[bool]) -> Self {
+        let rows = ratios.len();
+        let known = Known::of(ratios, out, 1);
+        let mut sizes = Vec::new();
+        let mut of = |from: usize, to: usize| {
+            sizes.clear();
+            sizes.extend_from_slice(known.between(from, to));
+            (sizes.len() >= LEAST).then(|| spread(&mut sizes))
+        };
+        let starts = (0..rows.div_ceil(STRIDE)).map(|at| at * STRIDE);
+        let windows = starts.map(|from| of(from, (from + WINDOW).min(rows))).collect();
+        Self { windows, all: of(0, rows).unwrap_or(1.0).max(NONE) }
+    }
+
+    pub fn at(&self, row: usize) -> f64 {
+        let after = self.windows[row.div_ceil(STRIDE).min(self.windows.len() - 1)];
+        let before = row.checked_sub(WINDOW).and_then(|from| self.windows[from / STRIDE]);
+        before.into_iter().chain(after).reduce(f64::max).unwrap_or(self.all).max(NONE)
+    }
 }
 
 /// The same of what is a few hundred rows away on both sides.
-pub fn far(ratios: &[f64], out: &[bool]) -> Vec<f64> {
-    let rows = ratios.len();
-    let mut all = Known::of(ratios, out, 1).sizes;
-    let all = if all.len() >= LEAST { spread(&mut all).max(NONE) } else { 1.0 };
-    let known = Known::of(ratios, out, 2);
-    let mut sizes = Vec::with_capacity(2 * FAR);
-    let mut of = |row: usize| {
-        sizes.clear();
-        sizes.extend_from_slice(known.between(row.saturating_sub(FAR), row.saturating_sub(OWN)));
-        sizes.extend_from_slice(known.between((row + OWN).min(rows), (row + FAR).min(rows)));
-        if sizes.len() < LEAST { all } else { (median_of(&mut sizes) / MEDIAN_ABSOLUTE_NORMAL).max(NONE) }
-    };
-    let blocks: Vec<f64> = (0..rows.div_ceil(2 * STRIDE)).map(|at| of(2 * STRIDE * at)).collect();
-    (0..rows).map(|row| blocks[row / (2 * STRIDE)]).collect()
+pub struct Far {
+    blocks: Vec<f64>,
+}
+
+impl Far {
+    pub fn of(ratios: &[f64], out: &[bool]) -> Self {
+        let rows = ratios.len();
+        let mut all = Known::of(ratios, out, 1).sizes;
+        let all = if all.len() >= LEAST { spread(&mut all).max(NONE) } else { 1.0 };
+        let known = Known::of(ratios, out, 2);
+        let mut sizes = Vec::new();
+        let mut of = |row: usize| {
+            sizes.clear();
+            sizes.extend_from_slice(known.between(row.saturating_sub(FAR), row.saturating_sub(OWN)));
+            sizes.extend_from_slice(known.between((row + OWN).min(rows), (row + FAR).min(rows)));
+            if sizes.len() < LEAST { all } else { (median_of(&mut sizes) / MEDIAN_ABSOLUTE_NORMAL).max(NONE) }
+        };
+        Self { blocks: (0..rows.div_ceil(2 * STRIDE)).map(|at| of(2 * STRIDE * at)).collect() }
+    }
+
+    pub fn at(&self, row: usize) -> f64 {
+        self.blocks[row / (2 * STRIDE)]
+    }
 }
 
 /// The sizes of ratios in every `stride`th row that is not out and has one.
@@ -103,15 +120,15 @@ mod tests {
 
     #[test]
     fn noise_that_rises_counts_from_its_first_row() {
-        let near = near(&ratios(), &[false; 4000]);
-        assert!(near[1000] > 5.0 && near[1200] > 6.0 && near[1399] > 5.0, "{:?}", &near[990..1010]);
-        assert!((0.7..1.6).contains(&near[500]) && (0.7..1.6).contains(&near[3000]));
+        let near = Near::of(&ratios(), &[false; 4000]);
+        assert!(near.at(1000) > 5.0 && near.at(1200) > 6.0 && near.at(1399) > 5.0);
+        assert!((0.7..1.6).contains(&near.at(500)) && (0.7..1.6).contains(&near.at(3000)));
     }
 
     #[test]
     fn what_is_far_does_not_know_of_the_row() {
         let mut ratios = ratios();
         ratios[2800..3200].iter_mut().for_each(|z| *z += 50.0);
-        assert!((0.8..1.3).contains(&far(&ratios, &[false; 4000])[3000]));
+        assert!((0.8..1.3).contains(&Far::of(&ratios, &[false; 4000]).at(3000)));
     }
 }
