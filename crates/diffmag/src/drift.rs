@@ -28,6 +28,8 @@ const SHORTEST: f64 = 1e-3;
 const LONGEST: f64 = 3.0;
 /// Step of ln τ in the search.
 const SEARCH: f64 = 0.2;
+/// So many coefficients of an exponential are searched: even of the shortest they hold all but 1e-7 of what white noise lets be known of it.
+const SEARCHED: usize = 1 << 17;
 const DAY_S: f64 = 86_400.0;
 
 /// Days from the middle of the recording.
@@ -53,7 +55,7 @@ pub struct Columns<'a> {
     pub kept: usize,
     /// Transforms of the reference's x, y, z and of the days.
     base: Vec<Vec<f64>>,
-    /// ln τ and the transform of its exponential.
+    /// ln τ and the lowest coefficients of the transform of its exponential.
     search: Vec<(f64, Vec<f64>)>,
 }
 
@@ -68,9 +70,13 @@ impl<'a> Columns<'a> {
             let (low, high) = columns.limits();
             let steps = ((high - low) / SEARCH).ceil() as usize;
             let at = |i: usize| low + (high - low) * i as f64 / steps as f64;
-            columns.search = (0..=steps)
-                .map(|i| (at(i), columns.cosine.transform(&columns.exponential(at(i))[0])))
-                .collect();
+            let lowest = |ln_tau: f64| {
+                let mut all = columns.cosine.transform(&columns.exponential(ln_tau)[0]);
+                all.truncate(SEARCHED);
+                all.shrink_to_fit();
+                all
+            };
+            columns.search = (0..=steps).map(|i| (at(i), lowest(at(i)))).collect();
         }
         columns
     }

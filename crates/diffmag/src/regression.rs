@@ -413,9 +413,7 @@ fn without(test: &[f64], steps: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
 
 /// Frequencies (Hz) at which what least squares leave has spectral lines: they are not noise.
 fn lines(columns: &Columns<'_>, design: &[Vec<f64>], test: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
-    let transforms: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
-    let transforms: Vec<&[f64]> = transforms.iter().map(Vec::as_slice).collect();
-    let plain = cosine::weighted(&transforms, y, &Errors::independent(&columns.cosine))?;
+    let plain = cosine::weighted(&columns.base(), y, &Errors::independent(&columns.cosine))?;
     let left = rest(design, test, &plain.coefficients);
     Ok(periodogram(&left, columns.pair.step_s)?.lines.iter().map(|line| line.frequency_hz).collect())
 }

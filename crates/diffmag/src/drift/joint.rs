@@ -102,7 +102,10 @@ impl Best {
         beside: &Beside<'_>,
         accuracy: f64,
     ) -> Result<Self, Error> {
-        let projection = Projection::of(&columns.with(&[], beside), y, errors)?;
+        let all = columns.with(&[], beside);
+        let lowest = columns.search[0].1.len();
+        let cut: Vec<&[f64]> = all.iter().map(|column| &column[..lowest]).collect();
+        let projection = Projection::of(&cut, &y[..lowest], errors)?;
         let (mut start, mut most, mut length) = (columns.search[0].0, 0.0, 0.0);
         let mut before: Option<Vec<f64>> = None;
         for (ln_tau, column) in &columns.search {
@@ -116,6 +119,7 @@ impl Best {
             }
             before = Some(direction);
         }
+        let projection = Projection::of(&all, y, errors)?;
         let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
         Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
     }
