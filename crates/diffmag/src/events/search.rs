@@ -333,7 +333,7 @@ impl Search {
     /// First row of those that are out around a row, and the first after them; the row itself twice where it is not out.
     fn run(&self, row: usize) -> (usize, usize) {
         let touches = |row: usize| self.out.get(row).copied().unwrap_or(false);
-        if !touches(row) && !(row > 0 && touches(row - 1)) {
+        if !(touches(row) || row > 0 && touches(row - 1)) {
             return (row, row);
         }
         let mut from = row;
