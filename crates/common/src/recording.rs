@@ -250,7 +250,9 @@ impl Serialize for Column {
 impl<'de> Deserialize<'de> for Column {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let readings = Vec::<Reading>::deserialize(deserializer)?;
-        Ok(Column(readings.into_iter().map(|reading| reading.0).collect()))
+        let mut readings: Vec<f64> = readings.into_iter().map(|reading| reading.0).collect();
+        readings.shrink_to_fit();
+        Ok(Column(readings))
     }
 }
 

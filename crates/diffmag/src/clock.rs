@@ -1,26 +1,24 @@
 //! The clock of the test instrument against the reference's.
 
+mod columns;
+
 use common::{ClockDifference, Quantity};
 use estimate::resample::{PASSBAND, resample};
-use estimate::{events, lag, spectral, stats};
+use estimate::spectral::{self, SpectralFit, Transform, Transformer};
+use estimate::{events, lag, stats};
 use faer::Mat;
 
 use crate::difference::Noise;
-use crate::drift::days;
 use crate::regression::rest;
 use crate::series::Pair;
-use crate::{Error, TOLD_BELOW};
+use crate::{Error, TOLD_BELOW, axes};
+use columns::{clock_columns, drifts, seen_slopes, slopes, turned};
 use std::ops::Range;
 
 /// Rounds of fitting the noise and the regression under it.
 const ROUNDS: usize = 2;
-/// Time constants of the drifts that a look takes off, as shares of the length; fewer rows than these have none.
-const DRIFTS: [f64; 4] = [0.5, 0.15, 0.045, 0.0135];
-const LEAST_FOR_DRIFTS: usize = 512;
 /// Columns of a look before the reference's: offset and rate.
 const CLOCK: usize = 2;
-/// Samples between a row and the places whose difference gives the slope.
-const BESIDE: f64 = 0.1;
 /// Largest offset that is searched, as a share of the recording's length.
 const REACH: f64 = 0.1;
 /// Changes from row to row that are so many times their median count as much: a spike of one instrument has no lag.
@@ -71,8 +69,7 @@ pub fn moves(pair: &Pair, shift: Shift) -> bool {
 /// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and what each segment has of its own.
 ///
 /// Each segment is read from its own rows alone: across a jump an instrument's rows are no even series.
-pub fn aligned(pair: &Pair, shift: Shift, moved: Moved) -> Pair {
-    let mut pair = pair.clone();
+pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
     if !moves(&pair, shift) {
         return pair;
     }
@@ -157,16 +154,40 @@ pub struct Look {
 /// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a rate it grows in time. So
 /// the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the axes' answers are put together by their information.
 pub fn look(pair: &Pair) -> Result<Look, Error> {
-    let drifts = drifts(pair);
+    let columns = Columns::of(pair);
+    let found = axes::try_each(|axis| columns.one(&pair.test[axis]))?;
     let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
-    let mut one = |axis: usize| -> Result<LookAxis, Error> {
-        let test = &pair.test[axis];
-        let mut base: Vec<Vec<f64>> = pair.reference.to_vec();
-        base.extend(drifts.iter().cloned());
-        let plain = spectral::regress(&base, test, pair.step_s, &|_| 1.0)?;
+    found.iter().for_each(|(_, fit)| add(&mut information, &mut right, fit));
+    Ok(Look { axes: found.map(|(axis, _)| axis), clock: solved(information, right) })
+}
+
+/// What is fitted to all axes: the reference and drifts with their transforms, and the slopes of the reference.
+struct Columns<'a> {
+    pair: &'a Pair,
+    drifts: Vec<Vec<f64>>,
+    slopes: [Vec<f64>; 3],
+    transformer: Transformer,
+    transforms: Vec<Transform>,
+}
+
+impl<'a> Columns<'a> {
+    fn of(pair: &'a Pair) -> Self {
+        let drifts = drifts(pair);
+        let transformer = Transformer::new(pair.whole.len());
+        let transforms = pair.reference.iter().chain(&drifts).map(|column| transformer.transform(column));
+        Self { transforms: transforms.collect(), slopes: seen_slopes(pair), pair, drifts, transformer }
+    }
+
+    /// The fit of one axis, and what it says of the clock.
+    fn one(&self, test: &[f64]) -> Result<(LookAxis, SpectralFit), Error> {
+        let pair = self.pair;
+        let others: Vec<&[f64]> = pair.reference.iter().chain(&self.drifts).map(Vec::as_slice).collect();
+        let base: Vec<&Transform> = self.transforms.iter().collect();
+        let y = self.transformer.transform(test);
+        let plain = self.transformer.regress(&base, &y, pair.step_s, &|_| 1.0)?;
         let mut eta = std::array::from_fn(|i| plain.least_squares[i]);
-        let mut noise = Noise::seen(&rest(&base, test, &plain.least_squares), pair)?;
-        let under = spectral::regress(&base, test, pair.step_s, &|f| noise.density(f))?;
+        let mut noise = Noise::seen(&rest(&others, test, &plain.least_squares), pair)?;
+        let under = self.transformer.regress(&base, &y, pair.step_s, &|f| noise.density(f))?;
         // Where the instruments do not answer alike at all frequencies, what is strong decides.
         let agree = spectral::agreement_p(
             (&under.least_squares[..3], &under.covariance),
@@ -174,35 +195,42 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
         )?;
         let plain_only = agree < TOLD_BELOW;
         let mut turned_by = eta;
-        let mut coefficients = Vec::new();
-        for round in 0..ROUNDS {
+        let mut fit = under;
+        for _ in 0..ROUNDS {
             turned_by = eta;
-            let mut columns = seen(clock_columns(pair, &turned_by), &pair.whole);
-            columns.extend(base.iter().cloned());
-            let mut fit = spectral::regress(&columns, test, pair.step_s, &|f| noise.density(f))?;
+            let clock = clock_columns(pair, &self.slopes, &turned_by);
+            let transforms = clock.each_ref().map(|column| self.transformer.transform(column));
+            let all: Vec<&Transform> = transforms.iter().chain(base.iter().copied()).collect();
+            fit = self.transformer.regress(&all, &y, pair.step_s, &|f| noise.density(f))?;
             if plain_only {
                 (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
             }
             eta = std::array::from_fn(|i| fit.weighted[CLOCK + i]);
-            if round + 1 == ROUNDS {
-                add(&mut information, &mut right, &fit);
-            }
+            let columns: Vec<&[f64]> =
+                clock.iter().map(Vec::as_slice).chain(others.iter().copied()).collect();
             noise = Noise::seen(&rest(&columns, test, &fit.weighted), pair)?;
-            coefficients = fit.weighted.clone();
         }
-        Ok(LookAxis { eta, noise, coefficients, turned_by })
-    };
-    let axes = [one(0)?, one(1)?, one(2)?];
-    Ok(Look { axes, clock: solved(information, right) })
+        Ok((LookAxis { eta, noise, coefficients: fit.weighted.clone(), turned_by }, fit))
+    }
 }
 
 impl Look {
-    /// What is left of an axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
+    /// What is left of each axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
     /// in the slope of the field, that of `calm`: what only the reference read is no field.
-    pub fn left(&self, pair: &Pair, calm: &Pair, axis: usize) -> Vec<f64> {
-        let mut columns = clock_columns(calm, &self.axes[axis].turned_by);
-        columns.extend(self.others(pair));
-        rest(&columns, &pair.test[axis], &self.axes[axis].coefficients)
+    pub fn left(&self, pair: &Pair, calm: &Pair) -> [Vec<f64>; 3] {
+        self.rests(pair, &slopes(calm))
+    }
+
+    /// What is left of each axis where the field changes by these slopes of the reference.
+    fn rests(&self, pair: &Pair, slopes: &[Vec<f64>; 3]) -> [Vec<f64>; 3] {
+        let drifts = drifts(pair);
+        axes::each(|axis| {
+            let of = &self.axes[axis];
+            let clock = clock_columns(pair, slopes, &of.turned_by);
+            let columns: Vec<&[f64]> =
+                clock.iter().chain(&pair.reference).chain(&drifts).map(Vec::as_slice).collect();
+            rest(&columns, &pair.test[axis], &of.coefficients)
+        })
     }
 
     /// Gives the test instrument its most likely readings where rows are not whole: what the reference says, and what is left before
@@ -212,37 +240,32 @@ impl Look {
         if !missing.contains(&true) {
             return Ok(());
         }
-        for (axis, of) in self.axes.iter().enumerate() {
-            let mut columns = seen(clock_columns(pair, &of.turned_by), &pair.whole);
-            columns.extend(self.others(pair));
-            let left = rest(&columns, &pair.test[axis], &of.coefficients);
+        let left = self.rests(pair, &seen_slopes(pair));
+        for ((of, left), test) in self.axes.iter().zip(left).zip(&mut pair.test) {
             let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
-            for (row, value) in pair.test[axis].iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
+            for (row, value) in test.iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
                 *value += filled[row] - left[row];
             }
         }
         Ok(())
     }
 
-    /// Of an axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
-    pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
-        let of = &self.axes[axis];
-        let [late, _] = <[Vec<f64>; 2]>::try_from(seen(clock_columns(pair, &of.turned_by), &pair.whole))
-            .unwrap_or_default();
-        let turned = turned(pair, &of.turned_by);
-        let left = rest(&self.others(pair), &pair.test[axis], &of.coefficients[CLOCK..]);
-        Parts { late, turned, left }
+    /// Of each axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
+    pub fn parts(&self, pair: &Pair) -> [Parts; 3] {
+        let (slopes, drifts) = (seen_slopes(pair), drifts(pair));
+        let others: Vec<&[f64]> = pair.reference.iter().chain(&drifts).map(Vec::as_slice).collect();
+        axes::each(|axis| {
+            let of = &self.axes[axis];
+            let [late, _] = clock_columns(pair, &slopes, &of.turned_by);
+            let turned = turned(&pair.reference, &of.turned_by);
+            let left = rest(&others, &pair.test[axis], &of.coefficients[CLOCK..]);
+            Parts { late, turned, left }
+        })
     }
 
-    /// Columns after the clock's, steps left out.
-    fn others(&self, pair: &Pair) -> Vec<Vec<f64>> {
-        pair.reference.iter().cloned().chain(drifts(pair)).collect()
-    }
-
-    /// What is left of an axis, limited.
-    fn limited_left(&self, pair: &Pair, axis: usize, whole: &[bool]) -> Vec<f64> {
-        let left = self.left(pair, pair, axis);
-        limited(&left, whole, usual(&left, whole))
+    /// What is left of each axis, limited.
+    fn limited_left(&self, pair: &Pair, whole: &[bool]) -> [Vec<f64>; 3] {
+        self.left(pair, pair).map(|left| limited(&left, whole, usual(&left, whole)))
     }
 
     /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here only what is left is limited: a
@@ -250,10 +273,10 @@ impl Look {
     pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
         let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
         let mut gain = 0.0;
-        for axis in 0..self.axes.len() {
-            let left = [self.limited_left(pair, axis, &whole), moved.limited_left(moved_pair, axis, &whole)];
-            let noise = Noise::seen(&left[0], pair)?;
-            let [here, there] = left.map(|left| {
+        let here = self.limited_left(pair, &whole);
+        for (here, there) in here.into_iter().zip(moved.limited_left(moved_pair, &whole)) {
+            let noise = Noise::seen(&here, pair)?;
+            let [here, there] = [here, there].map(|left| {
                 // It explains all of itself.
                 lag::explained(std::slice::from_ref(&left), &left, pair.step_s, &|f| noise.density(f), 0)
             });
@@ -270,9 +293,9 @@ impl Look {
         let columns = pair.reference.iter().chain(&pair.test);
         let most = columns.map(|column| usual(column, &pair.whole)).fold(0.0, f64::max);
         let reference = pair.reference.each_ref().map(|column| limited(column, &pair.whole, most));
-        for (axis, test) in pair.test.iter().enumerate() {
+        for (test, left) in pair.test.iter().zip(self.limited_left(pair, &pair.whole)) {
             // A sudden change at the wrong time would be most of the noise.
-            let noise = Noise::seen(&self.limited_left(pair, axis, &pair.whole), pair)?;
+            let noise = Noise::seen(&left, pair)?;
             let density = |f: f64| noise.density(f);
             let of_axis =
                 lag::explained(&reference, &limited(test, &pair.whole, most), pair.step_s, &density, reach)?;
@@ -283,41 +306,6 @@ impl Look {
         let found = gains[best] - gains[reach] > GAIN;
         Ok(found.then_some((best as f64 - reach as f64) * pair.step_s))
     }
-}
-
-/// A straight drift, and exponential ones enough to take off any that comes to rest: else its beginning would be taken for steps.
-fn drifts(pair: &Pair) -> Vec<Vec<f64>> {
-    let rows = pair.whole.len();
-    let exponential = |share: &f64| -> Vec<f64> {
-        (0..rows).map(|row| (-(row as f64) / (share * rows as f64)).exp()).collect()
-    };
-    let shares: &[f64] = if rows < LEAST_FOR_DRIFTS { &[] } else { &DRIFTS };
-    std::iter::once(days(pair)).chain(shares.iter().map(exponential)).collect()
-}
-
-/// The field Rη along an axis.
-fn turned(pair: &Pair, eta: &[f64; 3]) -> Vec<f64> {
-    (0..pair.whole.len()).map(|row| (0..3).map(|i| eta[i] * pair.reference[i][row]).sum()).collect()
-}
-
-/// −dB/dt of the field Rη along an axis, and that times the time from the middle of the segment in 10⁶ s.
-fn clock_columns(pair: &Pair, eta: &[f64; 3]) -> Vec<Vec<f64>> {
-    let late: Vec<f64> = slope(&turned(pair, eta), pair.step_s).iter().map(|rate| -rate).collect();
-    let fast = late
-        .iter()
-        .enumerate()
-        .map(|(row, late)| late * pair.since_middle_of_segment_s(row) * 1e-6)
-        .collect();
-    vec![late, fast]
-}
-
-/// Columns of the clock with nothing in rows that are not whole: readings that were filled in say nothing of it, and a reading filled in with a
-/// wrong clock would confirm that one.
-fn seen(mut columns: Vec<Vec<f64>>, whole: &[bool]) -> Vec<Vec<f64>> {
-    for column in &mut columns {
-        column.iter_mut().zip(whole).filter(|(_, whole)| !**whole).for_each(|(value, _)| *value = 0.0);
-    }
-    columns
 }
 
 /// How much a series may change from row to row and be taken as it is.
@@ -344,7 +332,7 @@ fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
 }
 
 /// Adds one axis' knowledge of offset and rate, all its other unknowns free.
-fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &spectral::SpectralFit) {
+fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &SpectralFit) {
     let block = Mat::from_fn(2, 2, |i, j| fit.weighted_covariance[(i, j)]);
     let determinant = block[(0, 0)] * block[(1, 1)] - block[(0, 1)] * block[(1, 0)];
     let inverse = [
@@ -371,17 +359,4 @@ fn solved([[a, b], [c, d]]: [[f64; 2]; 2], right: [f64; 2]) -> Option<ClockDiffe
         rate_ppm: Quantity::new(rate, (a / determinant).sqrt()),
         ..ClockDifference::default()
     })
-}
-
-/// dB/dt by the difference over a fifth of a step of the band-limited interpolation, nT/s: within 2 % up to half the sampling rate.
-/// Differences of whole steps would fall short by more than half where the field says most about the clock.
-fn slope(values: &[f64], step_s: f64) -> Vec<f64> {
-    let beside = |by: f64| {
-        let places: Vec<f64> = (0..values.len()).map(|row| row as f64 + by).collect();
-        resample(&[values], &places, 1.0).columns.swap_remove(0)
-    };
-    let rate =
-        beside(BESIDE).into_iter().zip(beside(-BESIDE)).map(|(b, a)| (b - a) / (2.0 * BESIDE * step_s));
-    // Beyond the ends nothing is known.
-    rate.map(|rate| if rate.is_finite() { rate } else { 0.0 }).collect()
 }

@@ -110,7 +110,7 @@ fn clock(
         return Ok(None);
     };
     let late = prepared.events.taken_out(raw, shift);
-    let right = aligned(&late, shift, Moved::Test);
+    let right = aligned(late.clone(), shift, Moved::Test);
     let rows: Vec<bool> = late.whole.iter().zip(&right.whole).map(|(a, b)| *a && *b).collect();
     let count = rows.iter().filter(|row| **row).count() as f64;
     let band = PASSBAND * 0.5 / raw.step_s;
@@ -144,7 +144,7 @@ fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -
     let (clock, shift) = (prepared.clock.as_ref(), prepared.shift);
     let kept: Vec<bool> = prepared.events.found.iter().map(|event| kinds(event.kind)).collect();
     let pair = prepared.events.confirmed(&kept).taken_out(raw, shift);
-    if clock.is_some_and(|clock| clock.corrected) { aligned(&pair, shift, Moved::Test) } else { pair }
+    if clock.is_some_and(|clock| clock.corrected) { aligned(pair, shift, Moved::Test) } else { pair }
 }
 
 /// What is fitted besides the reference's axes, a level and the pair's steps.

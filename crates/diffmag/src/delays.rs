@@ -11,14 +11,16 @@ use std::ops::Range;
 use common::number::{duration, p_value, significant, uncertain};
 use common::{ClockDifference, DelayBand, DelayBands, DelayForm, OffsetScatter, Quantity};
 use estimate::periodogram::periodogram;
+use estimate::spectral::{Transform, Transformer};
 use estimate::spectrum::{Spectrum, welch};
-use estimate::{spectral, stats};
+use estimate::stats;
+use rayon::prelude::*;
 
 use crate::clock::{Look, Parts};
 use crate::difference::Noise;
 use crate::prepare::Prepared;
 use crate::series::Pair;
-use crate::{Error, TOLD_BELOW};
+use crate::{Error, TOLD_BELOW, axes};
 use average::Band;
 
 mod average;
@@ -60,14 +62,16 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     }
     let (together, look) = prepared.together(raw)?;
     let aside_s = ASIDE * together.step_s;
-    let of = |pair: &Pair| -> [Parts; 3] { std::array::from_fn(|axis| look.parts(pair, axis)) };
     let moved = |by_s: f64| -> Result<[Parts; 3], Error> {
         let mut pair = prepared.moved(raw, by_s);
         look.complete(&mut pair)?;
-        Ok(of(&pair))
+        Ok(look.parts(&pair))
     };
-    let three =
-        Three { at: [moved(-aside_s)?, of(&together), moved(aside_s)?], aside_s, step_s: together.step_s };
+    let three = Three {
+        at: [moved(-aside_s)?, look.parts(&together), moved(aside_s)?],
+        aside_s,
+        step_s: together.step_s,
+    };
     let bands = in_bands(&together, &look, &three)?;
     let heard = Heard::of(bands.iter().map(|band| &band.told));
     let (everywhere, follows) = three.whole(&look, &Heard::default())?;
@@ -129,30 +133,61 @@ struct Seen {
     left: Vec<f64>,
 }
 
-impl Three {
-    /// The fit of an axis over some rows.
-    fn seen(&self, axis: usize, rows: &Range<usize>, density: &dyn Fn(f64) -> f64) -> Result<Seen, Error> {
-        let (taper, wider) = taper(rows.len());
-        let fit = |of: &Parts| {
-            let cut = |values: &[f64]| -> Vec<f64> {
-                let middle = crate::regression::mean(&values[rows.clone()]);
-                values[rows.clone()].iter().zip(&taper).map(|(value, w)| w * (value - middle)).collect()
-            };
-            let columns = vec![cut(&of.late), cut(&of.turned)];
-            let left = cut(&of.left);
-            let fit = spectral::regress(&columns, &left, self.step_s, density)?;
-            Ok::<_, Error>((crate::regression::rest(&columns, &left, &fit.weighted), fit))
-        };
-        let [before, here, after] = [0, 1, 2].map(|at| fit(&self.at[at][axis]));
-        let (left, here) = here?;
-        let follows = (before?.1.weighted[0] - after?.1.weighted[0]) / (2.0 * self.aside_s);
-        let of = |i: usize| wider * here.weighted_covariance[(i, i)].sqrt();
+/// One axis over some rows, its ends tapered; the reference before, where it is, and after.
+struct Tapered {
+    transformer: Transformer,
+    /// Of −dB/dt, the field and what the test instrument reads beside it.
+    transforms: [[Transform; 3]; 3],
+    /// −dB/dt and the field where the reference is, and what the test instrument reads beside it.
+    columns: [Vec<f64>; 2],
+    left: Vec<f64>,
+    /// How many times as wide as without a taper uncertainties are.
+    wider: f64,
+    aside_s: f64,
+    step_s: f64,
+}
+
+impl Tapered {
+    /// The fit under noise of this density.
+    fn seen(&self, density: &(dyn Fn(f64) -> f64 + Sync)) -> Result<Seen, Error> {
+        let [before, here, after] = axes::try_each(|at| {
+            let [late, turned, left] = &self.transforms[at];
+            self.transformer.regress(&[late, turned], left, self.step_s, density)
+        })?;
+        let follows = (before.weighted[0] - after.weighted[0]) / (2.0 * self.aside_s);
+        let of = |i: usize| self.wider * here.weighted_covariance[(i, i)].sqrt();
         Ok(Seen {
             late: Offset { s: here.weighted[0], std: of(0) },
             follows,
             gain: Offset { s: 1.0 + here.weighted[1], std: of(1) },
-            left,
+            left: crate::regression::rest(&self.columns, &self.left, &here.weighted),
         })
+    }
+}
+
+impl Three {
+    /// An axis over some rows.
+    fn tapered(&self, axis: usize, rows: &Range<usize>) -> Tapered {
+        let (taper, wider) = taper(rows.len());
+        let cut = |values: &[f64]| -> Vec<f64> {
+            let middle = crate::regression::mean(&values[rows.clone()]);
+            values[rows.clone()].iter().zip(&taper).map(|(value, w)| w * (value - middle)).collect()
+        };
+        let transformer = Transformer::new(rows.len());
+        let transforms = axes::each(|at| {
+            let of = &self.at[at][axis];
+            [&of.late, &of.turned, &of.left].map(|values| transformer.transform(&cut(values)))
+        });
+        let here = &self.at[1][axis];
+        Tapered {
+            transformer,
+            transforms,
+            columns: [cut(&here.late), cut(&here.turned)],
+            left: cut(&here.left),
+            wider,
+            aside_s: self.aside_s,
+            step_s: self.step_s,
+        }
     }
 
     /// What is left of the offset over all rows, and by how much the coefficient follows, the axes by their information; 1 where nothing
@@ -162,7 +197,7 @@ impl Three {
         let (mut delays, mut sum, mut weight) = (Vec::new(), 0.0, 0.0);
         for axis in 0..3 {
             let noise = &look.axes[axis].noise;
-            let seen = self.seen(axis, &rows, &|f| heard.density(noise, f))?;
+            let seen = self.tapered(axis, &rows).seen(&|f| heard.density(noise, f))?;
             sum += seen.follows * seen.late.std.powi(-2);
             weight += seen.late.std.powi(-2);
             delays.extend(seen.delay(1.0));
@@ -234,10 +269,11 @@ fn in_parts(pair: &Pair, look: &Look, three: &Three, heard: &Heard) -> Result<Ve
         let part = pair.part(rows.clone());
         let mut known = Vec::new();
         for axis in 0..3 {
-            let first = three.seen(axis, &rows, &|f| heard.density(&look.axes[axis].noise, f))?;
+            let tapered = three.tapered(axis, &rows);
+            let first = tapered.seen(&|f| heard.density(&look.axes[axis].noise, f))?;
             // Its own noise: a disturbed part knows less.
             let noise = Noise::seen(&first.left, &part)?;
-            known.extend(three.seen(axis, &rows, &|f| heard.density(&noise, f))?.delay(1.0));
+            known.extend(tapered.seen(&|f| heard.density(&noise, f))?.delay(1.0));
         }
         offsets.extend(mean(&known));
     }
@@ -256,15 +292,17 @@ fn in_bands(pair: &Pair, look: &Look, three: &Three) -> Result<Vec<Band>, Error>
     let field = three.at[1].each_ref().map(|parts| welch(&parts.turned, pair.step_s, segment));
     let [x, y, z] = field;
     let field = [x?, y?, z?];
-    let mut bands = Vec::new();
+    let mut octaves = Vec::new();
     while highest / 2.0 >= lowest {
-        let within = highest / 2.0..highest;
+        octaves.push(highest / 2.0..highest);
         highest /= 2.0;
-        let (mut delays, mut gains) = (Vec::new(), Vec::new());
-        for axis in 0..3 {
-            let noise = &look.axes[axis].noise;
+    }
+    let mut of_axes = Vec::new();
+    for axis in 0..3 {
+        let (noise, tapered) = (&look.axes[axis].noise, three.tapered(axis, &rows));
+        let of_band = |within: &Range<f64>| {
             let density = |f: f64| if within.contains(&f) { noise.density(f) } else { f64::INFINITY };
-            let seen = three.seen(axis, &rows, &density)?;
+            let seen = tapered.seen(&density)?;
             let ratios: Vec<f64> = periodogram(&seen.left, pair.step_s)?
                 .bins
                 .iter()
@@ -272,9 +310,15 @@ fn in_bands(pair: &Pair, look: &Look, three: &Three) -> Result<Vec<Band>, Error>
                 .map(|bin| bin.density / (share * noise.density(bin.frequency_hz)))
                 .collect();
             let wider = (ratios.iter().sum::<f64>() / ratios.len().max(1) as f64).max(1.0).sqrt();
-            delays.extend(seen.delay(wider));
-            gains.push(Offset { s: seen.gain.s, std: wider * seen.gain.std });
-        }
+            let gain = Offset { s: seen.gain.s, std: wider * seen.gain.std };
+            Ok((seen.delay(wider), gain))
+        };
+        of_axes.push(octaves.par_iter().map(of_band).collect::<Result<Vec<_>, Error>>()?);
+    }
+    let mut bands = Vec::new();
+    for (number, within) in octaves.into_iter().enumerate() {
+        let delays: Vec<Offset> = of_axes.iter().filter_map(|of| of[number].0).collect();
+        let gains: Vec<Offset> = of_axes.iter().map(|of| of[number].1).collect();
         let (Some(delay), Some(gain)) = (mean(&delays), mean(&gains)) else { continue };
         if delay.std < TELLS / within.end {
             let told = DelayBand {

@@ -81,7 +81,7 @@ impl Noise {
 
     /// Its one-sided density, nT²/Hz.
     pub fn level(&self, frequency_hz: f64) -> f64 {
-        self.fit.density(0, self.step_s, frequency_hz).value * self.octaves.ratio(frequency_hz)
+        self.fit.level(0, self.step_s, frequency_hz) * self.octaves.ratio(frequency_hz)
     }
 
     /// The same for weights: infinite where nothing is to be weighed.

@@ -138,10 +138,9 @@ impl Events {
     }
 }
 
-/// The events of a pair whose instruments are at the same moments, given a fit of it without those that are known, `calm`.
+/// The events of what a look leaves of a pair whose instruments are at the same moments; of that pair no readings are needed any more.
 /// The search begins with those that are `known`.
-pub fn search(pair: &Pair, calm: &Pair, look: &Look, known: &Events) -> Result<Events, Error> {
-    let left = std::array::from_fn(|axis| look.left(pair, calm, axis));
+pub fn search(left: [Vec<f64>; 3], pair: &Pair, look: &Look, known: &Events) -> Result<Events, Error> {
     let eta = std::array::from_fn(|axis| look.axes[axis].eta);
     let noise = std::array::from_fn(|axis| look.axes[axis].noise.clone());
     search::search(left, eta, pair, noise, known)

@@ -7,6 +7,7 @@
 mod across;
 mod adopt;
 mod alike;
+mod axes;
 mod bands;
 mod clock;
 mod constancy;

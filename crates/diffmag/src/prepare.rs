@@ -38,14 +38,14 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
     let (mut clock, mut last) = (None, None::<Look>);
     let mut searched = None::<Shift>;
     for _ in 0..ROUNDS {
-        let mut together = aligned(&events.taken_out(raw, shift), shift, Moved::Reference);
+        let mut together = aligned(events.taken_out(raw, shift), shift, Moved::Reference);
         if let Some(look) = &last {
             look.complete(&mut together)?;
         }
         let look = clock::look(&together)?;
         if let Some(offset_s) = look.coarse_offset_s(&together)? {
             let moved = Shift { offset_s: shift.offset_s + offset_s, ..shift };
-            let there = aligned(&events.taken_out(raw, moved), moved, Moved::Reference);
+            let there = aligned(events.taken_out(raw, moved), moved, Moved::Reference);
             if look.gain(&together, &clock::look(&there)?, &there)? > clock::GAIN {
                 shift = moved;
                 last = None;
@@ -54,7 +54,12 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
         }
         // With the clocks as they were, what was found is where the search begins.
         let known = if searched == Some(shift) { &events } else { &Events::default() };
-        let found = events::search(&aligned(raw, shift, Moved::Reference), &together, &look, known)?;
+        let (left, frame) = {
+            let raw = aligned(raw.clone(), shift, Moved::Reference);
+            (look.left(&raw, &together), raw.frame())
+        };
+        drop(together);
+        let found = events::search(left, &frame, &look, known)?;
         searched = Some(shift);
         let same = found.same(&events);
         events = found;
@@ -76,7 +81,7 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
 impl Prepared {
     /// Both instruments at the same moments, without events and with the most likely readings where rows are not whole, and what is seen there.
     pub fn together(&self, raw: &Pair) -> Result<(Pair, Look), Error> {
-        let mut together = aligned(&self.events.taken_out(raw, self.shift), self.shift, Moved::Reference);
+        let mut together = aligned(self.events.taken_out(raw, self.shift), self.shift, Moved::Reference);
         let look = clock::look(&together)?;
         look.complete(&mut together)?;
         Ok((together, look))
@@ -85,7 +90,7 @@ impl Prepared {
     /// The same with the reference a little later.
     pub fn moved(&self, raw: &Pair, by_s: f64) -> Pair {
         let shift = Shift { offset_s: self.shift.offset_s + by_s, ..self.shift };
-        aligned(&self.events.taken_out(raw, self.shift), shift, Moved::Reference)
+        aligned(self.events.taken_out(raw, self.shift), shift, Moved::Reference)
     }
 
     /// Corrects the times by the offset that the clock has now, if they are corrected at all.
@@ -116,7 +121,7 @@ impl Prepared {
         if self.events.found.is_empty() {
             return Ok(None);
         }
-        let pair = aligned(&self.events.steps().taken_out(raw, self.shift), self.shift, Moved::Reference);
+        let pair = aligned(self.events.steps().taken_out(raw, self.shift), self.shift, Moved::Reference);
         let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
         disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
         let left: [Vec<f64>; 3] = std::array::from_fn(|axis| fits[axis].left(&pair, axis));
@@ -150,7 +155,7 @@ fn settled(
 ) -> Result<Prepared, Error> {
     let mut pair = events.taken_out(raw, shift);
     if let Some(clock) = clock.as_mut().filter(|_| correct_clock && moves(&pair, shift)) {
-        pair = aligned(&pair, shift, Moved::Test);
+        pair = aligned(pair, shift, Moved::Test);
         let look = clock::look(&pair)?;
         look.complete(&mut pair)?;
         clock.corrected = true;

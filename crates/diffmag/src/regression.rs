@@ -369,7 +369,7 @@ fn one(
 fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    let levels = rest(&[], &apart, &[]);
+    let levels = rest::<Vec<f64>>(&[], &apart, &[]);
     cosine::dot(left, left) > cosine::dot(&levels, &levels)
 }
 
@@ -462,9 +462,7 @@ fn without(test: &[f64], steps: &[Vec<f64>], sizes: &[f64]) -> Vec<f64> {
 
 /// Frequencies (Hz) at which what least squares leave has spectral lines: they are not noise.
 fn lines(columns: &Columns<'_>, design: &[Vec<f64>], test: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
-    let transforms: Vec<Vec<f64>> = design.iter().map(|column| columns.transform(column)).collect();
-    let transforms: Vec<&[f64]> = transforms.iter().map(Vec::as_slice).collect();
-    let plain = cosine::weighted(&transforms, y, &Errors::independent(&columns.cosine))?;
+    let plain = cosine::weighted(&columns.base(), y, &Errors::independent(&columns.cosine))?;
     let left = rest(design, test, &plain.coefficients);
     Ok(periodogram(&left, columns.pair.step_s)?.lines.iter().map(|line| line.frequency_hz).collect())
 }
@@ -477,14 +475,14 @@ pub fn mean(values: &[f64]) -> f64 {
 }
 
 /// What the columns leave, less its mean.
-pub fn rest(columns: &[Vec<f64>], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
-    let means: Vec<f64> = columns.iter().map(|column| mean(column)).collect();
+pub fn rest<C: AsRef<[f64]>>(columns: &[C], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
     let middle = mean(y);
-    let row = |row: usize| {
-        let explained: f64 = (0..columns.len()).map(|j| coefficients[j] * (columns[j][row] - means[j])).sum();
-        y[row] - middle - explained
-    };
-    (0..y.len()).map(row).collect()
+    let mut left: Vec<f64> = y.iter().map(|value| value - middle).collect();
+    for (column, coefficient) in columns.iter().map(AsRef::as_ref).zip(coefficients) {
+        let middle = mean(column);
+        left.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * (value - middle));
+    }
+    left
 }
 
 /// Probability of a quantity so far from zero by chance.

@@ -1,6 +1,8 @@
 //! Steps and spikes in a long even series whose noise has a known spectrum.
 
-use fourier::{Complex, Forward, Inverse, Planner};
+use std::sync::Arc;
+
+use fourier::{Complex, Forward, Inverse};
 
 use crate::Error;
 use crate::stats::{coverage_factor, mean};
@@ -39,9 +41,7 @@ pub enum Shape {
 /// Source: L. A. Wainstein and V. D. Zubakov, Extraction of Signals from Noise, Prentice-Hall 1962, chapter 3.
 pub struct Search {
     filtered: Vec<f64>,
-    kernel: Vec<f64>,
-    /// Roots of the information of a step and of a spike at each row; zero where nothing is looked for.
-    roots: [Vec<f64>; 2],
+    filter: Arc<Filter>,
 }
 
 /// The whitening of a series' differences.
@@ -59,8 +59,7 @@ impl Filter {
         if n < LEAST {
             return Err(Error::TooFew { found: n, unknowns: LEAST });
         }
-        let mut planner = Planner::new();
-        let (forward, back) = (planner.forward(n), planner.inverse(n));
+        let (forward, back) = (fourier::forward(n), fourier::inverse(n));
         let from = (n / MEMORY).max(1);
         let mut weights = vec![0.0; n / 2 + 1];
         for (k, weight) in weights.iter_mut().enumerate().skip(from) {
@@ -95,35 +94,10 @@ impl Filter {
         filtered.iter_mut().zip(&self.kernel).for_each(|(g, k)| *g -= wrap * k);
         filtered
     }
-}
 
-impl Search {
-    /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per Hz).
-    ///
-    /// # Errors
-    ///
-    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a density that is not above zero.
-    pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
-        let n = series.len();
-        let filter = Filter::new(n, step_s, density)?;
-        let filtered = filter.apply(series);
-        if !filtered[n - 1].is_finite() {
-            return Err(Error::Series("with samples that are not finite"));
-        }
-        let mut search = Self { filtered, kernel: filter.kernel, roots: Default::default() };
-        for shape in [Shape::Step, Shape::Spike] {
-            search.roots[shape as usize] = (0..n).map(|row| search.root(shape, row)).collect();
-        }
-        Ok(search)
-    }
-
-    /// How many samples.
-    pub fn rows(&self) -> usize {
-        self.filtered.len()
-    }
-
-    fn root(&self, shape: Shape, row: usize) -> f64 {
-        let n = self.rows();
+    /// Root of the information of a shape at a row; zero where nothing is looked for.
+    fn information_root(&self, shape: Shape, row: usize) -> f64 {
+        let n = self.kernel.len();
         if row < ENDS || row + ENDS >= n {
             return 0.0;
         }
@@ -134,6 +108,39 @@ impl Search {
         };
         let information = all - with_jump * with_jump / k[0];
         if information > LEFT * all { information.sqrt() } else { 0.0 }
+    }
+}
+
+impl Search {
+    /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per Hz).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a density that is not above zero.
+    pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
+        Self::with(Arc::new(Filter::new(series.len(), step_s, density)?), series)
+    }
+
+    /// The same filter for another series.
+    ///
+    /// # Errors
+    ///
+    /// As [`Search::new`].
+    pub fn again(&self, series: &[f64]) -> Result<Self, Error> {
+        Self::with(self.filter.clone(), series)
+    }
+
+    fn with(filter: Arc<Filter>, series: &[f64]) -> Result<Self, Error> {
+        let filtered = filter.apply(series);
+        if !filtered[series.len() - 1].is_finite() {
+            return Err(Error::Series("with samples that are not finite"));
+        }
+        Ok(Self { filtered, filter })
+    }
+
+    /// How many samples.
+    pub fn rows(&self) -> usize {
+        self.filtered.len()
     }
 
     /// Σ of the series with a shape at a row, whitened.
@@ -146,19 +153,19 @@ impl Search {
 
     /// Size over uncertainty of a shape at a row; zero where nothing is looked for.
     pub fn ratio(&self, shape: Shape, row: usize) -> f64 {
-        let root = self.roots[shape as usize][row];
+        let root = self.filter.information_root(shape, row);
         if root > 0.0 { self.score(shape, row) / root } else { 0.0 }
     }
 
     /// Size of a shape at a row and its standard uncertainty; infinite where nothing is looked for.
     pub fn size(&self, shape: Shape, row: usize) -> (f64, f64) {
-        let root = self.roots[shape as usize][row];
+        let root = self.filter.information_root(shape, row);
         if root > 0.0 { (self.score(shape, row) / (root * root), 1.0 / root) } else { (0.0, f64::INFINITY) }
     }
 
     /// What the scores of steps at two rows have in common: their covariance, under the noise.
     pub fn products(&self, row: usize, other: usize) -> f64 {
-        let k = &self.kernel;
+        let k = &self.filter.kernel;
         k[row.abs_diff(other)] - k[row] * k[other] / k[0]
     }
 }

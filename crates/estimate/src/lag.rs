@@ -1,7 +1,7 @@
 //! The lag at which one series follows several others.
 
 use faer::{Mat, Side};
-use fourier::{Complex, Planner};
+use fourier::Complex;
 
 use crate::Error;
 
@@ -37,8 +37,7 @@ pub fn explained(
     if n < 2 * reach + 2 {
         return Err(Error::TooFew { found: n, unknowns: 2 * reach + 2 });
     }
-    let mut planner = Planner::new();
-    let (forward, back) = (planner.forward(n), planner.inverse(n));
+    let (forward, back) = (fourier::forward(n), fourier::inverse(n));
     let transform = |values: &[f64]| -> Vec<Complex<f64>> {
         let mut differences: Vec<f64> =
             (0..n).map(|m| if m == 0 { 0.0 } else { values[m] - values[m - 1] }).collect();

@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
+use crate::cosine::dot;
+
 mod pchip;
 
 pub use pchip::pchip;
@@ -18,7 +20,7 @@ const TABLE: usize = 2048;
 /// An output is missing when missing inputs have more than this share of the sum of the weights' sizes.
 const MISSING: f64 = 0.1;
 /// Two places with the same fraction of a row have the same weights.
-const SAME_PHASE: f64 = 1e-10;
+const SAME_PHASE: f64 = 1e-8;
 
 /// A series at its new times.
 #[derive(Clone, Debug)]
@@ -85,7 +87,7 @@ pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) ->
                 lost = (from..to).zip(&weights).filter(|(k, _)| missing[*k]).map(|(_, w)| w.abs()).sum();
             }
             for (output, column) in outputs.iter_mut().zip(&bridged) {
-                let sum: f64 = column[from..to].iter().zip(&weights).map(|(x, w)| x * w).sum();
+                let sum = dot(&column[from..to], &weights);
                 output.push(if lost > MISSING * size { f64::NAN } else { sum });
             }
         } else {

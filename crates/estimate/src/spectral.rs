@@ -1,11 +1,15 @@
 //! Linear regression of long even series whose errors have a known spectrum.
 
 use faer::Mat;
-use fourier::{Complex, Planner};
+use fourier::{Complex, Forward};
 
 use crate::Error;
+use crate::cosine::dot;
 use crate::positive::Positive;
 use crate::stats::{chi_squared_p, mean};
+
+/// Frequencies whose products are summed at once: the numbers of all columns there stay near the processor.
+const BLOCK: usize = 256;
 
 /// A regression y ≈ c + X β of n samples Δt apart; the constant is taken off as the mean.
 #[derive(Clone, Debug)]
@@ -45,55 +49,116 @@ pub fn regress(
     step_s: f64,
     density: &dyn Fn(f64) -> f64,
 ) -> Result<SpectralFit, Error> {
-    let (rows, unknowns) = (y.len(), columns.len());
-    if rows < 2 * unknowns + 2 {
-        return Err(Error::TooFew { found: rows, unknowns });
+    let transformer = Transformer::new(y.len());
+    let x: Vec<Transform> = columns.iter().map(|column| transformer.transform(column)).collect();
+    transformer.regress(&x.iter().collect::<Vec<_>>(), &transformer.transform(y), step_s, density)
+}
+
+/// The transform of a series less its mean.
+pub struct Transform(Vec<Complex<f64>>);
+
+/// Makes the transforms of series of one length, which may be used in many regressions.
+pub struct Transformer {
+    rows: usize,
+    plan: Forward,
+}
+
+impl Transformer {
+    /// For series of `rows` samples.
+    pub fn new(rows: usize) -> Self {
+        Self { rows, plan: fourier::forward(rows) }
     }
-    let mut planner = Planner::new();
-    let plan = planner.forward(rows);
-    let transform = |values: &[f64]| -> Vec<Complex<f64>> {
+
+    /// The transform of a series less its mean.
+    pub fn transform(&self, values: &[f64]) -> Transform {
         let middle = mean(values);
         let mut input: Vec<f64> = values.iter().map(|value| value - middle).collect();
-        let mut output = plan.make_output_vec();
-        plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
-        output
-    };
-    let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
-    let y = transform(y);
-    let count = rows as f64;
-    let (mut plain, mut noisy, mut weighted) =
-        (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
-    let (mut plain_y, mut weighted_y) = (vec![0.0; unknowns], vec![0.0; unknowns]);
-    for k in 1..y.len() {
-        let frequency = k as f64 / (count * step_s);
-        // The Nyquist frequency stands once in the transform, the others twice.
-        let twice = if 2 * k == rows { 1.0 } else { 2.0 };
-        let variance = density(frequency) / (2.0 * step_s);
-        for i in 0..unknowns {
-            for j in 0..=i {
-                let product = twice * (x[i][k].conj() * x[j][k]).re / count;
-                plain[(i, j)] += product;
-                noisy[(i, j)] += product * variance;
-                weighted[(i, j)] += product / variance;
-            }
-            let product = twice * (x[i][k].conj() * y[k]).re / count;
-            plain_y[i] += product;
-            weighted_y[i] += product / variance;
-        }
+        let mut output = self.plan.make_output_vec();
+        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
+        Transform(output)
     }
-    let whole = |half: Mat<f64>| Mat::from_fn(unknowns, unknowns, |i, j| half[(i.max(j), i.min(j))]);
-    let (plain, noisy, weighted) =
-        (Positive::of(&whole(plain))?.inverse, whole(noisy), Positive::of(&whole(weighted))?.inverse);
-    let times = |matrix: &Mat<f64>, vector: &[f64]| -> Vec<f64> {
-        (0..unknowns).map(|i| (0..unknowns).map(|j| matrix[(i, j)] * vector[j]).sum()).collect()
-    };
-    Ok(SpectralFit {
-        least_squares: times(&plain, &plain_y),
-        covariance: &plain * &noisy * &plain,
-        weighted: times(&weighted, &weighted_y),
-        weighted_covariance: weighted,
-        independent: plain,
-    })
+
+    /// The same as [`regress`] of columns and y that are transforms.
+    ///
+    /// # Errors
+    ///
+    /// As [`regress`].
+    pub fn regress(
+        &self,
+        columns: &[&Transform],
+        y: &Transform,
+        step_s: f64,
+        density: &dyn Fn(f64) -> f64,
+    ) -> Result<SpectralFit, Error> {
+        let unknowns = columns.len();
+        if self.rows < 2 * unknowns + 2 {
+            return Err(Error::TooFew { found: self.rows, unknowns });
+        }
+        let products = self.products(columns, y, step_s, density);
+        let matrix = |of: &Mat<f64>| Mat::from_fn(unknowns, unknowns, |i, j| of[(i.max(j), i.min(j))]);
+        let [plain, noisy, weighted] = &products;
+        let (independent, noisy, weighted_covariance) =
+            (Positive::of(&matrix(plain))?.inverse, matrix(noisy), Positive::of(&matrix(weighted))?.inverse);
+        let solved = |inverse: &Mat<f64>, products: &Mat<f64>| -> Vec<f64> {
+            (0..unknowns)
+                .map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum())
+                .collect()
+        };
+        Ok(SpectralFit {
+            least_squares: solved(&independent, plain),
+            covariance: &independent * &noisy * &independent,
+            weighted: solved(&weighted_covariance, weighted),
+            weighted_covariance,
+            independent,
+        })
+    }
+
+    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero: plain, times the errors' variance, and over it.
+    /// Below the diagonal alone.
+    fn products(
+        &self,
+        columns: &[&Transform],
+        y: &Transform,
+        step_s: f64,
+        density: &dyn Fn(f64) -> f64,
+    ) -> [Mat<f64>; 3] {
+        let count = self.rows as f64;
+        let all: Vec<&[Complex<f64>]> =
+            columns.iter().copied().chain([y]).map(|of| of.0.as_slice()).collect();
+        let frequencies = all[0].len();
+        let mut sums: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(all.len(), all.len()));
+        let mut scaled = vec![Vec::with_capacity(2 * BLOCK); all.len()];
+        for from in (1..frequencies).step_by(BLOCK) {
+            let block = from..(from + BLOCK).min(frequencies);
+            let variances: Vec<f64> =
+                block.clone().map(|k| density(k as f64 / (count * step_s)) / (2.0 * step_s)).collect();
+            // The Nyquist frequency stands once in the transform, the others twice.
+            let shares = block.clone().map(|k| if 2 * k == self.rows { 1.0 } else { 2.0 } / count);
+            let shares: Vec<f64> = shares.collect();
+            for (number, sums) in sums.iter_mut().enumerate() {
+                let roots: Vec<f64> = shares
+                    .iter()
+                    .zip(&variances)
+                    .map(|(share, variance)| match number {
+                        0 => share.sqrt(),
+                        1 => (share * variance).sqrt(),
+                        _ => (share / variance).sqrt(),
+                    })
+                    .collect();
+                for (scaled, column) in scaled.iter_mut().zip(&all) {
+                    scaled.clear();
+                    let values = column[block.clone()].iter().zip(&roots);
+                    scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
+                }
+                for i in 0..all.len() {
+                    for j in 0..=i {
+                        sums[(i, j)] += dot(&scaled[i], &scaled[j]);
+                    }
+                }
+            }
+        }
+        sums
+    }
 }
 
 /// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less to be true:

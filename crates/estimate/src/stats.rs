@@ -60,13 +60,19 @@ pub(crate) fn mean(values: &[f64]) -> f64 {
 
 /// Median of finite numbers; 0 of none.
 pub fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let n = sorted.len();
-    match n {
-        0 => 0.0,
-        _ if n % 2 == 1 => sorted[n / 2],
-        _ => 0.5 * (sorted[n / 2 - 1] + sorted[n / 2]),
+    median_of(&mut values.to_vec())
+}
+
+/// The same of numbers whose order does not matter any more.
+pub fn median_of(values: &mut [f64]) -> f64 {
+    let n = values.len();
+    if n == 0 {
+        return 0.0;
+    }
+    let (below, middle, _) = values.select_nth_unstable_by(n / 2, f64::total_cmp);
+    match below.iter().copied().max_by(f64::total_cmp) {
+        Some(before) if n.is_multiple_of(2) => 0.5 * (before + *middle),
+        _ => *middle,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in each crate that
 //! uses it. Neither direction is scaled: x → X → x gives N x.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 pub use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
@@ -33,12 +33,30 @@ impl Planner {
     }
 }
 
+/// Transforms of a length are asked for again and again, and making one takes as long as using it: so many of those used last are kept.
+const KEPT: usize = 4;
+
+static FORWARD: Mutex<Vec<Forward>> = Mutex::new(Vec::new());
+static INVERSE: Mutex<Vec<Inverse>> = Mutex::new(Vec::new());
+
 /// The forward transform of `points` real numbers.
 pub fn forward(points: usize) -> Forward {
-    Planner::new().forward(points)
+    kept(&FORWARD, |plan| plan.len() == points, || Planner::new().forward(points))
 }
 
 /// The inverse transform to `points` real numbers.
 pub fn inverse(points: usize) -> Inverse {
-    Planner::new().inverse(points)
+    kept(&INVERSE, |plan| plan.len() == points, || Planner::new().inverse(points))
+}
+
+/// One of those that are kept, or a new one in place of that which was not used for longest.
+fn kept<T: Clone>(plans: &Mutex<Vec<T>>, right: impl Fn(&T) -> bool, make: impl Fn() -> T) -> T {
+    let mut plans = plans.lock().unwrap_or_else(PoisonError::into_inner);
+    let plan = match plans.iter().position(right) {
+        Some(place) => plans.remove(place),
+        None => make(),
+    };
+    plans.truncate(KEPT - 1);
+    plans.insert(0, plan.clone());
+    plan
 }

@@ -178,6 +178,11 @@ impl Pair {
         }
     }
 
+    /// The same without readings: which rows are whole, and when.
+    pub fn frame(self) -> Self {
+        Self { reference: Default::default(), test: Default::default(), third: None, ..self }
+    }
+
     /// The steps of a test axis as columns: 0 before, 1 after.
     pub fn step_columns(&self, axis: usize) -> impl Iterator<Item = Vec<f64>> {
         let rows = self.whole.len();

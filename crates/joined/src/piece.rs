@@ -85,15 +85,18 @@ impl Piece {
     ) -> Result<Vec<Self>, Error> {
         let columns: Vec<Vec<f64>> =
             names.iter().map(|name| column(recording, path, name)).collect::<Result<_, _>>()?;
-        cut(time, &columns, path, &recording.id)
+        cut(time, columns, path, &recording.id)
     }
 }
 
 /// The pieces between jumps of the times.
-pub fn cut(time: &[f64], columns: &[Vec<f64>], path: &str, id: &str) -> Result<Vec<Piece>, Error> {
+pub fn cut(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result<Vec<Piece>, Error> {
     let Some(cadence) = Cadence::of(time) else {
-        return Ok(vec![place(time, columns.to_vec(), path, id)?]);
+        return Ok(vec![place(time, columns, path, id)?]);
     };
+    if cadence.jumps.is_empty() {
+        return Ok(vec![place(time, columns, path, id)?]);
+    }
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
         let columns = columns.iter().map(|column| column[rows.clone()].to_vec()).collect();
@@ -243,7 +246,7 @@ mod tests {
         let time: Vec<f64> = (0..400).map(|k| f64::from(k) + if k < 150 { 0.0 } else { 0.4 }).collect();
         let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
         let pieces =
-            cut(&time, &[column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
+            cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
         assert_eq!(pieces.len(), 2);
         assert!(pieces.iter().all(|piece| piece.told.is_none() && (piece.step_s - 1.0).abs() < 1e-9));
         assert!((pieces[1].start_s - 150.4).abs() < 1e-9 && pieces[0].columns[0].len() == 150);
@@ -257,7 +260,7 @@ mod tests {
             let time: Vec<f64> = (0..3000).map(|k| (f64::from(k) * step / digit).round() * digit).collect();
             let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
             let pieces =
-                cut(&time, &[column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
+                cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
             assert!(pieces.len() == 1 && pieces[0].told.is_none(), "{step} {digit}");
             assert!((pieces[0].step_s / step - 1.0).abs() < 1e-4);
         }

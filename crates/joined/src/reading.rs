@@ -68,7 +68,7 @@ pub fn read_at(
     }
     let (path, id) = recording;
     let mut read = Reading { values: vec![f64::NAN; at.len()], way: Way::BandLimited };
-    for piece in cut(&time, &[values], path, id)? {
+    for piece in cut(&time, vec![values], path, id)? {
         if piece.told.is_some() {
             read.way = Way::Pieces;
         }

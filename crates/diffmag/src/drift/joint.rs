@@ -102,10 +102,14 @@ impl Best {
         beside: &Beside<'_>,
         accuracy: f64,
     ) -> Result<Self, Error> {
-        let projection = Projection::of(&columns.with(&[], beside), y, errors)?;
+        let all = columns.with(&[], beside);
+        let lowest = columns.search[0].1.len();
+        let cut: Vec<&[f64]> = all.iter().map(|column| &column[..lowest]).collect();
+        let projection = Projection::of(&cut, &y[..lowest], errors)?;
         let Curve { place, length, .. } =
             Curve::of(&projection, errors, columns.search.iter().map(|(_, column)| column.as_slice()));
         let start = columns.search[place].0;
+        let projection = Projection::of(&all, y, errors)?;
         let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
         Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
     }

@@ -7,9 +7,9 @@ use super::attribution::{Source, sources};
 use super::levels::{Levels, Net, PASS};
 use super::view::{Peak, Place, View};
 use super::{Events, Found};
-use crate::Error;
 use crate::difference::Noise;
 use crate::series::Pair;
+use crate::{Error, axes};
 
 /// Probability that a recording without events shows one.
 pub const FALSE_ALARM: f64 = 1e-3;
@@ -65,18 +65,19 @@ pub fn search(
     let mut search = Search { left, eta, steps: Vec::new(), disturbed: Vec::new(), out };
     search.begin(known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
-    let mut more = true;
+    let (mut more, mut last) = (true, None::<View>);
     for look in 0..LOOKS {
         let series = search.cleaned();
         if (1..=FIRST_LOOKS).contains(&look) {
-            noise = [
-                Noise::seen(&series[0], pair)?,
-                Noise::seen(&series[1], pair)?,
-                Noise::seen(&series[2], pair)?,
-            ];
+            noise = axes::try_each(|axis| Noise::seen(&series[axis], pair))?;
+            last = None;
         }
-        let view = View::of(&series, pair.step_s, &noise, &search.out)?;
-        if !search.refined(&view) || !search.attributed(&view, least) {
+        let view = match &last {
+            Some(last) => last.again(&series, &search.out)?,
+            None => View::of(&series, pair.step_s, &noise, &search.out)?,
+        };
+        let view = last.insert(view);
+        if !search.refined(view) || !search.attributed(view, least) {
             continue;
         }
         let peaks = view.peaks(least);
@@ -86,7 +87,7 @@ pub fn search(
             break;
         }
         let before = search.key();
-        search.adopt(&taken, &view, least);
+        search.adopt(&taken, view, least);
         if search.key() == before {
             more = false;
             break;
@@ -332,7 +333,7 @@ impl Search {
     /// First row of those that are out around a row, and the first after them; the row itself twice where it is not out.
     fn run(&self, row: usize) -> (usize, usize) {
         let touches = |row: usize| self.out.get(row).copied().unwrap_or(false);
-        if !touches(row) && !(row > 0 && touches(row - 1)) {
+        if !(touches(row) || row > 0 && touches(row - 1)) {
             return (row, row);
         }
         let mut from = row;

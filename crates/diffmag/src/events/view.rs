@@ -5,9 +5,9 @@ use estimate::positive::Positive;
 use faer::Mat;
 
 use super::attribution::{Source, sources};
-use super::local;
-use crate::Error;
+use super::local::{Far, Near};
 use crate::difference::Noise;
+use crate::{Error, axes};
 
 /// Where the differences exceed a threshold.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,24 +27,48 @@ pub struct Place {
 /// The filters of the three differences.
 pub struct View {
     searches: [Search; 3],
-    /// How wide the ratios of steps, and of spikes, are spread around each row.
-    wider: [[Vec<f64>; 2]; 3],
+    wider: [Wider; 3],
+}
+
+/// How wide the ratios of a difference are spread around each row.
+struct Wider {
+    near: Near,
+    far: Far,
+}
+
+impl Wider {
+    fn of(search: &Search, out: &[bool]) -> Self {
+        let ratios = |shape| -> Vec<f64> { (0..search.rows()).map(|row| search.ratio(shape, row)).collect() };
+        Self { near: Near::of(&ratios(Shape::Spike), out), far: Far::of(&ratios(Shape::Step), out) }
+    }
+
+    fn at(&self, shape: Shape, row: usize) -> f64 {
+        let near = self.near.at(row);
+        if shape == Shape::Step { near.max(self.far.at(row)) } else { near }
+    }
 }
 
 impl View {
     /// Of differences under these noises; rows that are out say nothing of the noise around them.
     pub fn of(series: &[Vec<f64>; 3], step_s: f64, noise: &[Noise; 3], out: &[bool]) -> Result<Self, Error> {
-        let search = |axis: usize| Search::new(&series[axis], step_s, &|f| noise[axis].density(f));
-        let (x, (y, z)) = rayon::join(|| search(0), || rayon::join(|| search(1), || search(2)));
-        let searches = [x?, y?, z?];
-        let wider = searches.each_ref().map(|search| {
-            let [steps, spikes] = [Shape::Step, Shape::Spike]
-                .map(|shape| (0..search.rows()).map(|row| search.ratio(shape, row)).collect::<Vec<f64>>());
-            let near = local::near(&spikes, out);
-            let steps = near.iter().zip(local::far(&steps, out)).map(|(near, far)| near.max(far)).collect();
-            [steps, near]
-        });
-        Ok(Self { searches, wider })
+        Self::with(out, |axis| Search::new(&series[axis], step_s, &|f| noise[axis].density(f)))
+    }
+
+    /// Of other differences under the same noises.
+    pub fn again(&self, series: &[Vec<f64>; 3], out: &[bool]) -> Result<Self, Error> {
+        Self::with(out, |axis| self.searches[axis].again(&series[axis]))
+    }
+
+    fn with(
+        out: &[bool],
+        search: impl Fn(usize) -> Result<Search, estimate::Error> + Sync,
+    ) -> Result<Self, Error> {
+        let [x, y, z] = axes::try_each(|axis| {
+            let search = search(axis)?;
+            let wider = Wider::of(&search, out);
+            Ok::<_, estimate::Error>((search, wider))
+        })?;
+        Ok(Self { searches: [x.0, y.0, z.0], wider: [x.1, y.1, z.1] })
     }
 
     /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around it; the larger one of a row and its
@@ -57,7 +81,7 @@ impl View {
             for (search, wider) in self.searches.iter().zip(&self.wider) {
                 for shape in [Shape::Step, Shape::Spike] {
                     let z = search.ratio(shape, row).abs();
-                    if z > peak.z && z >= least * wider[shape as usize][row] {
+                    if z > peak.z && z >= least * wider.at(shape, row) {
                         peak = Peak { shape, z, ..peak };
                     }
                 }
@@ -73,7 +97,7 @@ impl View {
     pub fn sizes_at(&self, shape: Shape, row: usize) -> [(f64, f64); 3] {
         std::array::from_fn(|axis| {
             let (size, std) = self.searches[axis].size(shape, row);
-            (size, std * self.wider[axis][shape as usize][row])
+            (size, std * self.wider[axis].at(shape, row))
         })
     }
 
@@ -101,7 +125,7 @@ impl View {
         let size = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * along[j]).sum() };
         let wider = |step: &Place| {
             let of = |axis: usize| {
-                if step.parts[axis] == 0.0 { 0.0 } else { self.wider[axis][Shape::Step as usize][step.row] }
+                if step.parts[axis] == 0.0 { 0.0 } else { self.wider[axis].at(Shape::Step, step.row) }
             };
             of(0).max(of(1)).max(of(2))
         };

@@ -61,7 +61,7 @@ impl<'a> Noise<'a> {
     /// One-sided density of an axis's difference, nT²/Hz.
     pub fn density(&self, axis: usize, frequency_hz: f64) -> f64 {
         match &self.stretches[axis] {
-            Some(fit) => fit.density(0, self.step_s, frequency_hz).value,
+            Some(fit) => fit.level(0, self.step_s, frequency_hz),
             None => self.whole[axis].noise.level(frequency_hz),
         }
     }

@@ -23,6 +23,13 @@ impl WhittleFit {
         self.sum([shape, -x * shape], Some((series, self.white.density(step_s))))
     }
 
+    /// The value of [`WhittleFit::density`] alone.
+    pub fn level(&self, series: usize, step_s: f64, frequency_hz: f64) -> f64 {
+        let own = if self.white == White::Each { series } else { 0 };
+        let flicker = self.amplitude.value * (-self.exponent.value * frequency_hz.ln()).exp();
+        flicker + self.white_variances[own] * self.white.density(step_s)
+    }
+
     /// Variance ∫ A f^-α df of the flicker noise in a band (unit²). NaN unless 0 < low ≤ high.
     pub fn flicker_variance(&self, low_hz: f64, high_hz: f64) -> Estimate {
         self.sum(power_law(self.exponent.value, low_hz, high_hz), None)

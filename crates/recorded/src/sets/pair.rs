@@ -182,7 +182,6 @@ impl Drift {
             let demanded = drift["demanded"].as_str().unwrap_or("none");
             let joint = &drift["joint"];
             let mut of = DriftOf::default();
-            let explanations = &drift["explanations"];
             // What a drift that may be one is expected to bring; beside a column that is followed none is fitted.
             if axes[axis]["follows"].is_null() {
                 let explanations = &drift["explanations"];
