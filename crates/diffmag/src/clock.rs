@@ -9,7 +9,7 @@ use estimate::{events, lag, stats};
 use faer::Mat;
 
 use crate::difference::Noise;
-use crate::regression::rest;
+use crate::residual::rest;
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW, axes};
 use columns::{clock_columns, drifts, seen_slopes, slopes, turned};

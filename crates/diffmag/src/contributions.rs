@@ -12,8 +12,9 @@ use faer::Mat;
 use crate::clock::{Moved, Shift, aligned};
 use crate::followed::Follows;
 use crate::prepare::Prepared;
-use crate::regression::{mean, p_of};
+use crate::residual::mean;
 use crate::series::Pair;
+use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW, words};
 
 const DAY_S: f64 = 86_400.0;

@@ -160,7 +160,7 @@ impl Tapered {
             late: Offset { s: here.weighted[0], std: of(0) },
             follows,
             gain: Offset { s: 1.0 + here.weighted[1], std: of(1) },
-            left: crate::regression::rest(&self.columns, &self.left, &here.weighted),
+            left: crate::residual::rest(&self.columns, &self.left, &here.weighted),
         })
     }
 }
@@ -170,7 +170,7 @@ impl Three {
     fn tapered(&self, axis: usize, rows: &Range<usize>) -> Tapered {
         let (taper, wider) = taper(rows.len());
         let cut = |values: &[f64]| -> Vec<f64> {
-            let middle = crate::regression::mean(&values[rows.clone()]);
+            let middle = crate::residual::mean(&values[rows.clone()]);
             values[rows.clone()].iter().zip(&taper).map(|(value, w)| w * (value - middle)).collect()
         };
         let transformer = Transformer::new(rows.len());

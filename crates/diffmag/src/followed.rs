@@ -9,7 +9,7 @@ use crate::Error;
 use crate::difference::Noise;
 use crate::drift::{self, Beside, Columns, Curve};
 use crate::housekeeping::Housekeeping;
-use crate::regression::mean;
+use crate::residual::mean;
 
 /// Most columns that one axis follows.
 const MOST: usize = 3;

@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use common::ClockDifference;
 
-use crate::regression::p_of;
 use crate::segments::{change, common_rate, own};
 use crate::series::{Boundary, Pair};
+use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW};
 
 /// Rows on either side, at least, up to the next pause or jump that is looked at.

@@ -5,8 +5,9 @@ use common::{ClockDifference, EventKind, Quantity};
 use crate::clock::{self, Look, Moved, Shift, aligned, moves};
 use crate::difference::Noise;
 use crate::events::{self, CONFIRMED, Events, Found};
-use crate::regression::{AxisFit, p_of, step_sizes};
+use crate::regression::{AxisFit, step_sizes};
 use crate::series::Pair;
+use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW};
 
 /// Rounds of aligning the clocks and finding events.

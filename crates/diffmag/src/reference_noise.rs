@@ -22,7 +22,8 @@ use common::{
 use physics::frames;
 
 use crate::difference::{self, Noise};
-use crate::regression::{self, AxisFit, mean};
+use crate::regression::{self, AxisFit};
+use crate::residual::mean;
 use crate::series::Pair;
 use crate::{Error, three};
 

@@ -6,8 +6,8 @@ use common::number::{bare, p_value, signed, significant, uncertain};
 use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
 
 use crate::prepare::prepare;
-use crate::regression::p_of;
 use crate::series::{Boundary, Pair};
+use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW, delays};
 
 /// Fewer rows than these have no clock of their own.

@@ -11,7 +11,7 @@ use common::{
 use std::fmt::Write;
 
 use crate::events::CONFIRMED;
-use crate::regression::p_of;
+use crate::significance::p_of;
 use crate::{delays, reference_noise, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.

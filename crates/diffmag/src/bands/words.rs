@@ -4,7 +4,7 @@ use common::number::{duration, p_value, signed, significant, uncertain};
 use common::{Axis, TransferBand, TransferBands};
 
 use super::LONG_S;
-use crate::regression::p_of;
+use crate::significance::p_of;
 use crate::words::{TOLD_BELOW, p_of_one};
 
 /// One element in one band.

@@ -90,7 +90,7 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
 }
 
 fn centred(values: &[f64]) -> Vec<f64> {
-    let middle = crate::regression::mean(values);
+    let middle = crate::residual::mean(values);
     values.iter().map(|value| value - middle).collect()
 }
 

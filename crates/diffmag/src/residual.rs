@@ -1,0 +1,28 @@
+//! What columns leave of readings.
+
+/// The readings less steps of these sizes.
+pub fn without<C: AsRef<[f64]>>(test: &[f64], steps: &[C], sizes: &[f64]) -> Vec<f64> {
+    let mut left = test.to_vec();
+    for (step, size) in steps.iter().map(AsRef::as_ref).zip(sizes).filter(|(_, size)| **size != 0.0) {
+        left.iter_mut().zip(step).for_each(|(left, value)| *left -= size * value);
+    }
+    left
+}
+
+/// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
+pub fn mean(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let first = values.iter().sum::<f64>() / count;
+    first + values.iter().map(|value| value - first).sum::<f64>() / count
+}
+
+/// What the columns leave, less its mean.
+pub fn rest<C: AsRef<[f64]>>(columns: &[C], y: &[f64], coefficients: &[f64]) -> Vec<f64> {
+    let middle = mean(y);
+    let mut left: Vec<f64> = y.iter().map(|value| value - middle).collect();
+    for (column, coefficient) in columns.iter().map(AsRef::as_ref).zip(coefficients) {
+        let middle = mean(column);
+        left.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * (value - middle));
+    }
+    left
+}
