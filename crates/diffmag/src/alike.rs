@@ -1,4 +1,4 @@
-//! The band in which two instruments answer alike: up to where the matrix of an octave is that of the next longer periods.
+//! The band in which two instruments answer alike: up to where the matrix of an octave is that of longer periods.
 
 use estimate::positive::Positive;
 use estimate::stats;
@@ -11,9 +11,7 @@ use crate::drift::Columns;
 const DISAGREE_BELOW: f64 = 0.01;
 /// The band is not narrowed to fewer coefficients.
 const LEAST_KEPT: usize = 256;
-/// An octave is held against so many that follow it: the longest periods have drifts, tilts and temperatures.
-const LONGER: usize = 4;
-/// Below so many octaves in succession that agree with these nothing is left out.
+/// Below so many octaves in succession that agree with longer periods nothing is left out: the longest have drifts, tilts and temperatures.
 const AGREED: usize = 2;
 /// The lowest octave has so many at least.
 const LOWEST: usize = 8;
@@ -25,7 +23,7 @@ const WIDTH: usize = AXES + 1;
 
 /// How many of the lowest cosine coefficients of a test axis, `y`, belong to periods at which the instruments answer alike.
 ///
-/// The matrix of each octave, by least squares in it, is held against that of the next longer periods, weighted by a noise level of each octave:
+/// The matrix of each octave, by least squares in it, is held against that of all longer periods, weighted by a noise level of each octave:
 /// filters, and noise of the reference where the field is weak, pull the matrix of short periods. No form of the noise is assumed, and nothing is
 /// said of octaves in which the field is not seen.
 pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
@@ -34,8 +32,7 @@ pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
     let (mut kept, mut agreed) = (y.len(), 0);
     for (number, octave) in octaves.iter().enumerate().rev().take(tested) {
         let Some(own) = octave.alone() else { continue };
-        let longer = weighted(&octaves[number.saturating_sub(LONGER)..number])?;
-        if disagreement_p(&own, &longer)? < DISAGREE_BELOW / tested as f64 {
+        if disagreement_p(&own, &weighted(&octaves[..number])?)? < DISAGREE_BELOW / tested as f64 {
             (kept, agreed) = (octave.from, 0);
         } else {
             agreed += 1;

@@ -128,7 +128,6 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
             .collect(),
         by_hand_nt: by_hand.scatter_nt.to_vec(),
         programs_nt,
-        why: "the difference follows the temperature of the die, for which the fit of the matrix has no column",
         ..Prediction::default()
     });
     let answer =
