@@ -123,9 +123,14 @@ pub fn drifts(fit: &DifferentialFit) -> Option<String> {
     (!all.is_empty()).then(|| format!("the difference drifts: {}", all.join("; ")))
 }
 
-/// Of each housekeeping column that an axis follows its name, and by how much the axes follow it.
+/// Of each housekeeping column that an axis follows its name, and by how much the axes follow it: those of which two standard uncertainties know it.
 pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
-    let all = || fit.axes.iter().flat_map(|(axis, of)| of.follows.iter().map(move |one| (axis, one)));
+    let known = |one: &&Followed| one.nt_per_unit.value().abs() > 2.0 * one.nt_per_unit.std().unwrap_or(0.0);
+    let all = || {
+        fit.axes
+            .iter()
+            .flat_map(move |(axis, of)| of.follows.iter().filter(known).map(move |one| (axis, one)))
+    };
     let mut names: Vec<&str> = Vec::new();
     for (_, one) in all() {
         if !names.contains(&one.column.as_str()) {

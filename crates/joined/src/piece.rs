@@ -95,7 +95,8 @@ pub fn cut(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result
         return Ok(vec![place(time, columns, path, id)?]);
     };
     if cadence.jumps.is_empty() {
-        return Ok(vec![place(time, columns, path, id)?]);
+        let pauses = pauses(time, 0, cadence.step_s, path, id);
+        return Ok(vec![Piece { pauses, ..place(time, columns, path, id)? }]);
     }
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {

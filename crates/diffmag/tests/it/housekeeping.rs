@@ -61,7 +61,9 @@ fn a_temperature_is_named_with_its_coefficient_and_lag() {
         let within = |of: &Quantity, truth: f64| (of.value() - truth).abs() < 1.96 * of.std().expect("a std");
         inside += usize::from(within(&one.nt_per_unit, COEFFICIENT));
         lags += usize::from(within(one.lag_s.as_ref().expect("a lag"), LAG_S));
-        others += found.len() - 1;
+        // Other axes take the temperature too where it does better than a drift: with a coefficient of zero.
+        let far = |of: &Quantity| of.value().abs() > 2.58 * of.std().expect("a std");
+        others += found.iter().filter(|(_, one)| far(&one.nt_per_unit)).count() - 1;
     }
     println!(
         "of {campaigns} coefficients {inside}, of lags {lags} within the 95 % interval; {others} others named"
@@ -69,7 +71,7 @@ fn a_temperature_is_named_with_its_coefficient_and_lag() {
     for within in [inside, lags] {
         assert!(testkit::agrees(within, campaigns as usize, [0.93, 0.97], 2), "{within} of {campaigns}");
     }
-    // Three axes and two columns at one in a hundred for each axis.
+    // Three axes at one in a hundred.
     assert!(others as f64 <= 0.03 * campaigns as f64 + 3.0 * (0.03 * campaigns as f64).sqrt(), "{others}");
 }
 
@@ -94,7 +96,8 @@ fn it_is_told_with_what_it_leaves() {
     );
     let (with, without) = (one.rms_with_nt.x.expect("x"), one.rms_without_nt.x.expect("x"));
     assert!(with > 2.0 * without, "{with} {without}");
-    assert_eq!(one.rms_with_nt.y, one.rms_without_nt.y);
+    let (with, without) = (one.rms_with_nt.y.expect("y"), one.rms_without_nt.y.expect("y"));
+    assert!((with - without).abs() < 0.02 * without, "{with} {without}");
     let plot =
         fit.series.iter().find(|series| series.column == "test_x_nt" && series.along == "test_temperature_c");
     let plot = plot.expect("a plot");
