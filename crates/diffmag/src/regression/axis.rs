@@ -2,9 +2,9 @@
 
 use common::{Drift, DriftForm, Quantity};
 use estimate::cosine::{self, Errors};
-use estimate::hac;
 use estimate::periodogram::periodogram;
 use estimate::spectral::SpectralFit;
+use estimate::{hac, stats};
 use faer::Mat;
 
 use super::held::{Place, determined, with_held};
@@ -137,11 +137,17 @@ pub(super) fn one(
     let level = without(test, &every[before_own..], &sizes);
     let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
     if let Some(explanations) = &explanations {
-        let (value, std) =
-            (found.straight_nt_per_day.value(), found.straight_nt_per_day.std().unwrap_or(0.0));
         if explanations.is_drift() {
-            let marginal = explanations.straight_nt_per_day.std().unwrap_or(0.0);
-            found.straight_nt_per_day = Quantity::new(value, std.max(marginal));
+            // Over all forms of noise: no degrees of freedom of the noise are left to count.
+            let (value, std) =
+                (found.straight_nt_per_day.value(), explanations.straight_nt_per_day.std().unwrap_or(0.0));
+            found.straight_nt_per_day = Quantity::new(value, std);
+            found.straight_p = stats::two_sided_p(value / std, f64::INFINITY);
+            found.demanded = match found.demanded {
+                DriftForm::None => DriftForm::Straight,
+                DriftForm::Exponential => DriftForm::Both,
+                other => other,
+            };
         }
         found.explanations = Some(explanations.document());
     }
