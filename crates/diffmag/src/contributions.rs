@@ -7,12 +7,12 @@ use common::{
 use estimate::Svd;
 use estimate::cosine::Cosine;
 use estimate::resample::PASSBAND;
+use estimate::stats::mean;
 use faer::Mat;
 
 use crate::clock::{Moved, Shift, aligned};
 use crate::followed::Follows;
 use crate::prepare::Prepared;
-use crate::residual::mean;
 use crate::series::Pair;
 use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW, words};

@@ -170,7 +170,7 @@ impl Three {
     fn tapered(&self, axis: usize, rows: &Range<usize>) -> Tapered {
         let (taper, wider) = taper(rows.len());
         let cut = |values: &[f64]| -> Vec<f64> {
-            let middle = crate::residual::mean(&values[rows.clone()]);
+            let middle = stats::mean(&values[rows.clone()]);
             values[rows.clone()].iter().zip(&taper).map(|(value, w)| w * (value - middle)).collect()
         };
         let transformer = Transformer::new(rows.len());

@@ -185,12 +185,11 @@ pub fn window_means(difference: &[f64], pair: &Pair) -> Vec<WindowMean> {
     if part < LEAST_OF_PART {
         return Vec::new();
     }
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let of = |number: usize| {
         let from = number * PARTS * part;
         let own = &difference[from..from + PARTS * part];
-        let parts: Vec<f64> = own.chunks(part).map(mean).collect();
-        let middle = mean(&parts);
+        let parts: Vec<f64> = own.chunks(part).map(stats::mean).collect();
+        let middle = stats::mean(&parts);
         let scatter = parts.iter().map(|mean| (mean - middle).powi(2)).sum::<f64>() / (PARTS - 1) as f64;
         WindowMean {
             time_s: 0.5 * (pair.time_s(from) + pair.time_s(from + PARTS * part - 1)),

@@ -2,6 +2,7 @@
 
 use common::{Followed, Quantity};
 use estimate::cosine::{Errors, Projection, weighted};
+use estimate::stats::mean;
 use physics::memory::{Before, Signal};
 use std::f64::consts::PI;
 
@@ -9,7 +10,6 @@ use crate::Error;
 use crate::difference::Noise;
 use crate::drift::{self, Beside, Columns, Curve};
 use crate::housekeeping::Housekeeping;
-use crate::residual::mean;
 
 /// Most columns that one axis follows.
 const MOST: usize = 3;
@@ -23,7 +23,7 @@ const SHORTEST_STEPS: f64 = 3.0;
 const LONGEST: f64 = 0.25;
 const FACTOR: f64 = 1.6;
 
-/// A housekeeping column behind itself by one of the lags.
+/// A housekeeping column through a lag of first order.
 struct Lagged {
     lag_s: f64,
     transform: Vec<f64>,
@@ -45,9 +45,9 @@ pub struct Follows {
     lag_s: f64,
     /// Probability by chance.
     p: f64,
-    /// The column behind itself by the lag, less its mean; where there is a lag, its derivative with respect to ln τ, less its own.
+    /// The lagged column less its mean; where there is a lag, its derivative with respect to ln τ, less its own.
     pub columns: Vec<Vec<f64>>,
-    /// The mean of the column behind itself.
+    /// The mean of the lagged column.
     pub at: f64,
 }
 
@@ -84,7 +84,7 @@ impl Follows {
     }
 }
 
-/// A column behind itself by a lag of first order: τ dx/dt = column − x, in equilibrium at the first row.
+/// A column through a lag of first order: τ dx/dt = column − x, in equilibrium at the first row.
 pub fn lagged(values: &[f64], step_s: f64, lag_s: f64) -> Vec<f64> {
     if lag_s == 0.0 {
         return values.to_vec();

@@ -19,11 +19,11 @@ use common::{
     Axis, DifferenceAxis, DifferentialCalibration, InSpectrum, PerAxis, PulledElement, Quantity,
     ReferenceNoise, ReferenceNoiseSource, ThreeCornered,
 };
+use estimate::stats::mean;
 use physics::frames;
 
 use crate::difference::{self, Noise};
 use crate::regression::{self, AxisFit};
-use crate::residual::mean;
 use crate::series::Pair;
 use crate::{Error, three};
 

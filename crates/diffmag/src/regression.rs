@@ -11,6 +11,7 @@ use common::{
     PerAxis, Quantity,
 };
 use estimate::cosine;
+use estimate::stats::mean;
 
 use crate::across;
 use crate::difference;
@@ -19,7 +20,7 @@ use crate::events::{Events, Found};
 use crate::followed;
 use crate::housekeeping::Housekeeping;
 use crate::prepare::Prepared;
-use crate::residual::{mean, without};
+use crate::residual::without;
 use crate::series::Pair;
 use crate::{Error, contributions, words};
 

@@ -1,5 +1,7 @@
 //! What columns leave of readings.
 
+use estimate::stats::mean;
+
 /// The readings less steps of these sizes.
 pub fn without<C: AsRef<[f64]>>(test: &[f64], steps: &[C], sizes: &[f64]) -> Vec<f64> {
     let mut left = test.to_vec();
@@ -7,13 +9,6 @@ pub fn without<C: AsRef<[f64]>>(test: &[f64], steps: &[C], sizes: &[f64]) -> Vec
         left.iter_mut().zip(step).for_each(|(left, value)| *left -= size * value);
     }
     left
-}
-
-/// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
-pub fn mean(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let first = values.iter().sum::<f64>() / count;
-    first + values.iter().map(|value| value - first).sum::<f64>() / count
 }
 
 /// What the columns leave, less its mean.

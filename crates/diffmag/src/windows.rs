@@ -11,7 +11,7 @@ pub use words::{findings, quiet_findings};
 use std::ops::Range;
 
 use common::{Axis, ElementChange, MatrixWindow, MatrixWindows, Quantity};
-use estimate::stats;
+use estimate::stats::{self, mean};
 use faer::Mat;
 
 use crate::Error;
@@ -148,10 +148,6 @@ fn largest_change(axis: Axis, estimates: &[Estimate], one: &Fitted) -> Option<Ch
         }
     });
     changes.max_by(|a, b| a.significance.total_cmp(&b.significance))
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 fn rms_about_mean(values: &[f64]) -> f64 {

@@ -106,7 +106,7 @@ fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = String> {
         open.then(|| {
             format!(
                 "test {axis}: a drift of {:+} nT a day (weight {}), or noise that wanders as 1/f^α with α = {} and no drift ({}); \
-                 a longer recording tells which",
+                 a longer recording would tell which",
                 found.straight_nt_per_day,
                 significant(found.drift, 2),
                 found.exponent_alone,

@@ -52,7 +52,7 @@ pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
 }
 
 /// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
-pub(crate) fn mean(values: &[f64]) -> f64 {
+pub fn mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;
     let first = values.iter().sum::<f64>() / n;
     first + values.iter().map(|x| x - first).sum::<f64>() / n

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
 
-/// A housekeeping column that the difference of two magnetometers follows along one axis: d has c (x − x₀), x the column behind itself by a lag
-/// of first order, τ dx/dt = column − x.
+/// A housekeeping column that the difference of two magnetometers follows along one axis: d has c (x − x₀), x the column through a lag of first
+/// order, τ dx/dt = column − x.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]

@@ -5,6 +5,7 @@ use super::moments::Moments;
 use super::{Columns, Joint};
 use crate::Error;
 use estimate::cosine::dot;
+use estimate::stats::mean;
 
 /// Most rounds.
 const MOST_ROUNDS: usize = 500;
@@ -90,7 +91,7 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
 }
 
 fn centred(values: &[f64]) -> Vec<f64> {
-    let middle = crate::residual::mean(values);
+    let middle = mean(values);
     values.iter().map(|value| value - middle).collect()
 }
 

@@ -3,13 +3,14 @@
 use std::ops::Range;
 
 use estimate::cross_spectrum::CrossSpectra;
+use estimate::stats;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
+use crate::Error;
 use crate::difference::Noise;
 use crate::drift::days;
 use crate::regression::AxisFit;
 use crate::series::Pair;
-use crate::{Error, residual};
 
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.02;
@@ -49,7 +50,7 @@ impl Frame {
         let drift = invert(&eta)?.transpose() * drift;
         let mut frame = Self::of(pair, eta, drift, Some(Default::default()))?;
         for (density, rest) in frame.density.iter_mut().zip(&frame.rest) {
-            let middle = residual::mean(rest);
+            let middle = stats::mean(rest);
             let square = rest.iter().map(|v| (v - middle).powi(2)).sum::<f64>() / rest.len() as f64;
             *density = vec![2.0 * square * pair.step_s; frame.spectra.frequency_hz.len()];
         }
@@ -78,7 +79,7 @@ impl Frame {
         channels.extend(pair.third.iter().flatten().map(Vec::as_slice));
         let spectra = CrossSpectra::of_whole(&channels, pair.step_s, WIDEST)?;
         let centred = |series: &Vec<f64>| {
-            let middle = residual::mean(series);
+            let middle = stats::mean(series);
             Noise::seen(&series.iter().map(|value| value - middle).collect::<Vec<_>>(), pair)
         };
         let fitted = |rest: &Vec<f64>| -> Result<Vec<f64>, Error> {
@@ -97,7 +98,7 @@ impl Frame {
         let all: Vec<f64> = (0..self.rest[0].len())
             .map(|row| (0..3).map(|i| self.rest[i][row] * self.eta[(i, test)]).sum())
             .collect();
-        let middle = residual::mean(&all);
+        let middle = stats::mean(&all);
         all.into_iter().map(|d| d - middle).collect()
     }
 

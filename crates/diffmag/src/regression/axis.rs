@@ -2,9 +2,10 @@
 
 use common::{Drift, DriftForm, Quantity};
 use estimate::cosine::{self, Errors};
+use estimate::hac;
 use estimate::periodogram::periodogram;
 use estimate::spectral::SpectralFit;
-use estimate::{hac, stats};
+use estimate::stats::{self, mean};
 use faer::Mat;
 
 use super::held::{Place, determined, with_held};
@@ -12,7 +13,7 @@ use crate::across::Whitened;
 use crate::difference::Noise;
 use crate::drift::{self, Columns};
 use crate::followed::{self, Candidate, Follows};
-use crate::residual::{mean, rest, without};
+use crate::residual::{rest, without};
 use crate::series::Pair;
 use crate::{Error, alike};
 
@@ -90,8 +91,7 @@ pub(super) fn one(
     let test = &pair.test[axis];
     let mut y = whole.transform(test);
     let base: Vec<&[f64]> = pair.reference.iter().chain([&whole.days]).map(Vec::as_slice).collect();
-    let seen = lines(whole, &base, test, &y)?;
-    let plain_noise = plain_noise(whole, &y, &seen)?;
+    let (seen, plain_noise) = plain(whole, &base, test, &y)?;
     let kept = alike::band(whole, &y)?;
     let columns = &whole.up_to(kept);
     y.truncate(kept);
@@ -198,12 +198,6 @@ fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     cosine::dot(left, left) > cosine::dot(&levels, &levels)
 }
 
-/// Noise of what least squares leave.
-fn plain_noise(columns: &Columns<'_>, y: &[f64], lines_hz: &[f64]) -> Result<Noise, Error> {
-    let independent = Errors::independent(&columns.cosine);
-    columns.noise(&cosine::weighted(&columns.base(), y, &independent)?, &independent, lines_hz)
-}
-
 /// Least squares of the reference's axes alone, with the covariance under these errors and by Newey and West.
 fn source(columns: &Columns<'_>, test: &[f64], errors: &Errors) -> Result<Source, Error> {
     let reference = &columns.pair.reference;
@@ -222,9 +216,18 @@ fn source(columns: &Columns<'_>, test: &[f64], errors: &Errors) -> Result<Source
     Ok(Source { newey_west: (0..3).map(|i| robust[(i, i)].sqrt()).collect(), fit, difference })
 }
 
-/// Frequencies (Hz) at which what least squares leave has spectral lines: they are not noise.
-fn lines(columns: &Columns<'_>, design: &[&[f64]], test: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
-    let plain = cosine::weighted(&columns.base(), y, &Errors::independent(&columns.cosine))?;
-    let left = rest(design, test, &plain.coefficients);
-    Ok(periodogram(&left, columns.pair.step_s)?.lines.iter().map(|line| line.frequency_hz).collect())
+/// Of what least squares leave the frequencies of its spectral lines (Hz), which are not noise, and its noise.
+fn plain(
+    columns: &Columns<'_>,
+    design: &[&[f64]],
+    test: &[f64],
+    y: &[f64],
+) -> Result<(Vec<f64>, Noise), Error> {
+    let independent = Errors::independent(&columns.cosine);
+    let regression = cosine::weighted(&columns.base(), y, &independent)?;
+    let left = rest(design, test, &regression.coefficients);
+    let lines = periodogram(&left, columns.pair.step_s)?.lines;
+    let lines_hz: Vec<f64> = lines.iter().map(|line| line.frequency_hz).collect();
+    let noise = columns.noise(&regression, &independent, &lines_hz)?;
+    Ok((lines_hz, noise))
 }
