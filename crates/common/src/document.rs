@@ -111,10 +111,10 @@ impl Document {
             recording.in_range(&path)?;
             let rows = recording.rows();
             for (name, column) in &recording.columns {
-                if column.0.len() != rows {
+                if column.len() != rows {
                     return Err(Error::document(
                         format!("{path}.columns.{name}"),
-                        format!("{} where another column has {rows}", counted(column.0.len(), "row")),
+                        format!("{} where another column has {rows}", counted(column.len(), "row")),
                         "columns of one length; write null for a missing reading",
                     ));
                 }

@@ -28,11 +28,11 @@ pub fn all_finite(name: &str, result: &dyn Debug) -> Result<(), Error> {
 pub(crate) fn readings(recordings: &[Recording]) -> Result<(), Error> {
     for (index, recording) in recordings.iter().enumerate() {
         for (name, column) in &recording.columns {
-            if let Some(row) = range::first_beyond(name, &column.0) {
+            if let Some(row) = range::first_beyond(name, column) {
                 return Err(Error::Unanswerable(format!(
                     "recordings[{index}].columns.{name}[{row}] came out as {:e} in recording \"{}\", which no instrument reads: a \
                      number that it follows from is far from what it stands for. Nothing was written",
-                    column.0[row], recording.id
+                    column[row], recording.id
                 )));
             }
         }
@@ -110,7 +110,7 @@ mod tests {
     #[test]
     fn readings_are_such_as_are_read_again() {
         let written = |name: &str, value: f64| {
-            let columns = [(name.to_string(), Column(vec![f64::NAN, value]))].into_iter().collect();
+            let columns = [(name.to_string(), Column::from(vec![f64::NAN, value]))].into_iter().collect();
             let recording = Recording { id: "sweep".into(), columns, ..Recording::default() };
             Document { fluxcal: 1, recordings: vec![recording], ..Document::default() }.to_text()
         };

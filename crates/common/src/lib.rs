@@ -9,6 +9,7 @@ mod axis;
 mod calibration;
 mod check;
 mod coil;
+mod column;
 mod diagnosis;
 mod differential;
 mod document;
@@ -42,6 +43,7 @@ pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibra
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };
+pub use column::Column;
 pub use diagnosis::{
     BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect, ListedEffect,
     MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
@@ -68,7 +70,7 @@ pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
 };
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
-pub use recording::{Column, Columns, Conditions, Recording, Theodolite, procedure};
+pub use recording::{Columns, Conditions, Recording, Theodolite, procedure};
 pub use sensor::{
     FieldErrors, FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals,
     SensorCalibration, TestResult,

@@ -1,12 +1,12 @@
 use indexmap::IndexMap;
 #[cfg(feature = "schema")]
-use schemars::{JsonSchema, json_schema};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, de};
 use std::fmt;
 
 use crate::number::{bare, quoted};
 use crate::time::Start;
-use crate::{Axis, Error, Extra, Matrix3x3, NoiseOfSensors, range};
+use crate::{Axis, Column, Error, Extra, Matrix3x3, NoiseOfSensors, range};
 
 /// Names of the procedures that recordings follow.
 pub mod procedure {
@@ -107,11 +107,11 @@ impl Recording {
     /// The column and the row of one that none can.
     pub fn in_range(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
-            if let Some(row) = range::first_beyond(name, &column.0) {
+            if let Some(row) = range::first_beyond(name, column) {
                 let [low, high] = range::bounds(name);
                 return Err(Error::document(
                     format!("{path}.columns.{name}[{row}]"),
-                    format!("{} in recording \"{}\"", quoted(column.0[row]), self.id),
+                    format!("{} in recording \"{}\"", quoted(column[row]), self.id),
                     format!(
                         "a reading between {} and {}; write null for a missing reading",
                         bare(low),
@@ -125,12 +125,12 @@ impl Recording {
 
     /// Number of rows.
     pub fn rows(&self) -> usize {
-        self.columns.values().map(|column| column.0.len()).max().unwrap_or(0)
+        self.columns.values().map(|column| column.len()).max().unwrap_or(0)
     }
 
     /// The column of that name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
-        self.columns.get(name).map(|column| column.0.as_slice())
+        self.columns.get(name).map(|column| column.as_slice())
     }
 
     /// The column `{quantity}_{axis}_{unit}`.
@@ -218,82 +218,4 @@ pub struct Theodolite {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
-}
-
-/// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is.
-#[derive(Clone, Debug, Default)]
-pub struct Column(pub Vec<f64>);
-
-impl PartialEq for Column {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.len() == other.0.len()
-            && self.0.iter().zip(&other.0).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
-    }
-}
-
-impl From<Vec<f64>> for Column {
-    fn from(values: Vec<f64>) -> Self {
-        Column(values)
-    }
-}
-
-impl Serialize for Column {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut list = serializer.serialize_seq(Some(self.0.len()))?;
-        for value in &self.0 {
-            list.serialize_element(&value.is_finite().then_some(*value))?;
-        }
-        list.end()
-    }
-}
-
-impl<'de> Deserialize<'de> for Column {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let readings = Vec::<Reading>::deserialize(deserializer)?;
-        let mut readings: Vec<f64> = readings.into_iter().map(|reading| reading.0).collect();
-        readings.shrink_to_fit();
-        Ok(Column(readings))
-    }
-}
-
-/// One number or null, with an error that says so.
-struct Reading(f64);
-
-impl<'de> Deserialize<'de> for Reading {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl de::Visitor<'_> for Visitor {
-            type Value = Reading;
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or null where the reading is missing")
-            }
-            fn visit_f64<E>(self, value: f64) -> Result<Reading, E> {
-                Ok(Reading(value))
-            }
-            fn visit_i64<E>(self, value: i64) -> Result<Reading, E> {
-                Ok(Reading(value as f64))
-            }
-            fn visit_u64<E>(self, value: u64) -> Result<Reading, E> {
-                Ok(Reading(value as f64))
-            }
-            fn visit_unit<E>(self) -> Result<Reading, E> {
-                Ok(Reading(f64::NAN))
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
-}
-
-#[cfg(feature = "schema")]
-impl JsonSchema for Column {
-    fn schema_name() -> std::borrow::Cow<'static, str> {
-        "Column".into()
-    }
-    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-        json_schema!({
-            "description": "A column of readings; null = missing reading.",
-            "type": "array",
-            "items": { "type": ["number", "null"] }
-        })
-    }
 }

@@ -93,7 +93,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     for (index, corrected) in done {
         let columns = &mut document.recordings[index].columns;
         for (name, values) in options.frame.columns().into_iter().zip(corrected.into_columns()) {
-            columns.insert(name, Column(values));
+            columns.insert(name, Column::from(values));
         }
     }
     Ok(document)

@@ -216,7 +216,7 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
         let names = readings.columns.keys().cloned().collect();
         let batch = move |first: usize| {
             let rows = first..(first + BATCH_ROWS).min(readings.rows());
-            let columns = readings.columns.values().map(|column| column.0[rows.clone()].to_vec()).collect();
+            let columns = readings.columns.values().map(|column| column[rows.clone()].to_vec()).collect();
             Ok(Batch { first_row: first as u64, columns })
         };
         let batches = Box::new((0..readings.rows()).step_by(BATCH_ROWS).map(batch));
@@ -247,14 +247,15 @@ fn recording_of(template: &Recording, names: &[String], batch: Batch) -> Recordi
 /// The rows of a recording that are corrected at once, by number.
 fn piece(template: &Recording, recording: &Recording, number: usize) -> Recording {
     let rows = number * ROWS_AT_ONCE..((number + 1) * ROWS_AT_ONCE).min(recording.rows());
-    let cut = |(name, column): (&String, &Column)| (name.clone(), Column(column.0[rows.clone()].to_vec()));
+    let cut =
+        |(name, column): (&String, &Column)| (name.clone(), Column::from(column[rows.clone()].to_vec()));
     let columns = recording.columns.iter().map(cut).collect();
     Recording { columns, ..template.clone() }
 }
 
 fn join(whole: &mut Recording, piece: Recording) {
     for (column, more) in whole.columns.values_mut().zip(piece.columns.into_values()) {
-        column.0.extend(more.0);
+        column.extend(&more);
     }
 }
 

@@ -56,7 +56,7 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
             continue;
         };
         for (row, predicted) in channel.rows.iter().zip(&predicted[channel.range()]) {
-            column.0[*row] += predicted / channel.to_nt - values[*row];
+            column[*row] += predicted / channel.to_nt - values[*row];
         }
     }
     Ok(changed)

@@ -79,7 +79,7 @@ fn thinned(recording: &Recording) -> Recording {
     let step = recording.rows().div_ceil(ROWS).max(1);
     let mut thinned = recording.clone();
     for column in thinned.columns.values_mut() {
-        column.0 = column.0.iter().copied().step_by(step).collect();
+        *column = column.iter().copied().step_by(step).collect();
     }
     thinned
 }

@@ -186,7 +186,7 @@ fn why(document: &Document) -> String {
         let columns: Vec<String> = recording
             .columns
             .iter()
-            .map(|(name, values)| format!("`{name}` ({})", readings(&values.0)))
+            .map(|(name, values)| format!("`{name}` ({})", readings(values)))
             .collect();
         let columns = if columns.is_empty() { "no column".into() } else { columns.join(", ") };
         format!("\"{}\" ({}) has {columns}", recording.id, recording.procedure)

@@ -45,8 +45,12 @@ struct Band {
 
 /// Z in bands of half a decade from the longest periods to the Nyquist frequency, and whether it is one real matrix.
 pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<TransferBands, Error> {
-    let channels: Vec<&[f64]> =
-        pair.reference.iter().chain(fits.iter().map(|fit| &fit.difference)).map(Vec::as_slice).collect();
+    let channels: Vec<&[f64]> = pair
+        .reference
+        .iter()
+        .map(AsRef::as_ref)
+        .chain(fits.iter().map(|fit| fit.difference.as_slice()))
+        .collect();
     let spectra = spectra(&channels, pair.step_s)?;
     let mut bands = divide(&spectra);
     let (mut columns, mut tests) = ([const { Vec::new() }; 3], Vec::new());

@@ -4,7 +4,7 @@ mod columns;
 
 use common::{ClockDifference, Quantity};
 use estimate::resample::{PASSBAND, resample};
-use estimate::spectral::{self, SpectralFit, Transform, Transformer};
+use estimate::spectral::{self, Transform, Transformer, WeightedFit};
 use estimate::{events, lag, stats};
 use faer::Mat;
 
@@ -12,7 +12,8 @@ use crate::difference::Noise;
 use crate::residual::rest;
 use crate::series::Pair;
 use crate::{Error, TOLD_BELOW, axes};
-use columns::{clock_columns, drifts, seen_slopes, slopes, turned};
+use columns::{beside, clock_columns, rate, seen_rate, turned};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Rounds of fitting the noise and the regression under it.
@@ -161,32 +162,31 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
     Ok(Look { axes: found.map(|(axis, _)| axis), clock: solved(information, right) })
 }
 
-/// What is fitted to all axes: the reference and drifts with their transforms, and the slopes of the reference.
+/// What is fitted to all axes: transforms of the reference and of drifts, and how fast the reference changes.
 struct Columns<'a> {
     pair: &'a Pair,
-    drifts: Vec<Vec<f64>>,
-    slopes: [Vec<f64>; 3],
+    rates: [Vec<f64>; 3],
     transformer: Transformer,
     transforms: Vec<Transform>,
 }
 
 impl<'a> Columns<'a> {
     fn of(pair: &'a Pair) -> Self {
-        let drifts = drifts(pair);
         let transformer = Transformer::new(pair.whole.len());
-        let transforms = pair.reference.iter().chain(&drifts).map(|column| transformer.transform(column));
-        Self { transforms: transforms.collect(), slopes: seen_slopes(pair), pair, drifts, transformer }
+        let transforms = beside(pair).map(|column| transformer.transform(&column)).collect();
+        let rates = pair.reference.each_ref().map(|column| seen_rate(pair, column));
+        Self { transforms, rates, pair, transformer }
     }
 
     /// The fit of one axis, and what it says of the clock.
-    fn one(&self, test: &[f64]) -> Result<(LookAxis, SpectralFit), Error> {
+    fn one(&self, test: &[f64]) -> Result<(LookAxis, WeightedFit), Error> {
         let pair = self.pair;
-        let others: Vec<&[f64]> = pair.reference.iter().chain(&self.drifts).map(Vec::as_slice).collect();
         let base: Vec<&Transform> = self.transforms.iter().collect();
         let y = self.transformer.transform(test);
-        let plain = self.transformer.regress(&base, &y, pair.step_s, &|_| 1.0)?;
-        let mut eta = std::array::from_fn(|i| plain.least_squares[i]);
-        let mut noise = Noise::seen(&rest(&others, test, &plain.least_squares), pair)?;
+        let alike = self.transformer.weights(pair.step_s, &|_| 1.0);
+        let plain = self.transformer.weighted(&base, &y, &alike)?.coefficients;
+        let mut eta = std::array::from_fn(|i| plain[i]);
+        let mut noise = Noise::seen(&rest(beside(pair), test, &plain), pair)?;
         let under = self.transformer.regress(&base, &y, pair.step_s, &|f| noise.density(f))?;
         // Where the instruments do not answer alike at all frequencies, what is strong decides.
         let agree = spectral::agreement_p(
@@ -195,22 +195,26 @@ impl<'a> Columns<'a> {
         )?;
         let plain_only = agree < TOLD_BELOW;
         let mut turned_by = eta;
-        let mut fit = under;
+        let mut fit = WeightedFit { coefficients: under.weighted, covariance: under.weighted_covariance };
         for _ in 0..ROUNDS {
             turned_by = eta;
-            let clock = clock_columns(pair, &self.slopes, &turned_by);
+            let clock = clock_columns(pair, &turned(&self.rates, &turned_by));
             let transforms = clock.each_ref().map(|column| self.transformer.transform(column));
             let all: Vec<&Transform> = transforms.iter().chain(base.iter().copied()).collect();
-            fit = self.transformer.regress(&all, &y, pair.step_s, &|f| noise.density(f))?;
-            if plain_only {
-                (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
-            }
-            eta = std::array::from_fn(|i| fit.weighted[CLOCK + i]);
-            let columns: Vec<&[f64]> =
-                clock.iter().map(Vec::as_slice).chain(others.iter().copied()).collect();
-            noise = Noise::seen(&rest(&columns, test, &fit.weighted), pair)?;
+            let density = |f: f64| noise.density(f);
+            fit = if plain_only {
+                let both = self.transformer.regress(&all, &y, pair.step_s, &density)?;
+                WeightedFit { coefficients: both.least_squares, covariance: both.covariance }
+            } else {
+                let weights = self.transformer.weights(pair.step_s, &density);
+                self.transformer.weighted(&all, &y, &weights)?
+            };
+            drop(transforms);
+            eta = std::array::from_fn(|i| fit.coefficients[CLOCK + i]);
+            let columns = clock.into_iter().map(Cow::Owned).chain(beside(pair));
+            noise = Noise::seen(&rest(columns, test, &fit.coefficients), pair)?;
         }
-        Ok((LookAxis { eta, noise, coefficients: fit.weighted.clone(), turned_by }, fit))
+        Ok((LookAxis { eta, noise, coefficients: fit.coefficients.clone(), turned_by }, fit))
     }
 }
 
@@ -218,18 +222,16 @@ impl Look {
     /// What is left of each axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
     /// in the slope of the field, that of `calm`: what only the reference read is no field.
     pub fn left(&self, pair: &Pair, calm: &Pair) -> [Vec<f64>; 3] {
-        self.rests(pair, &slopes(calm))
+        self.rests(pair, |eta| rate(calm, &turned(&calm.reference, eta)))
     }
 
-    /// What is left of each axis where the field changes by these slopes of the reference.
-    fn rests(&self, pair: &Pair, slopes: &[Vec<f64>; 3]) -> [Vec<f64>; 3] {
-        let drifts = drifts(pair);
+    /// What is left of each axis where the field along it changes at this rate.
+    fn rests(&self, pair: &Pair, rate: impl Fn(&[f64; 3]) -> Vec<f64> + Sync) -> [Vec<f64>; 3] {
         axes::each(|axis| {
             let of = &self.axes[axis];
-            let clock = clock_columns(pair, slopes, &of.turned_by);
-            let columns: Vec<&[f64]> =
-                clock.iter().chain(&pair.reference).chain(&drifts).map(Vec::as_slice).collect();
-            rest(&columns, &pair.test[axis], &of.coefficients)
+            let clock = clock_columns(pair, &rate(&of.turned_by));
+            let columns = clock.into_iter().map(Cow::Owned).chain(beside(pair));
+            rest(columns, &pair.test[axis], &of.coefficients)
         })
     }
 
@@ -240,7 +242,7 @@ impl Look {
         if !missing.contains(&true) {
             return Ok(());
         }
-        let left = self.rests(pair, &seen_slopes(pair));
+        let left = self.rests(pair, |eta| seen_rate(pair, &turned(&pair.reference, eta)));
         for ((of, left), test) in self.axes.iter().zip(left).zip(&mut pair.test) {
             let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
             for (row, value) in test.iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
@@ -250,17 +252,17 @@ impl Look {
         Ok(())
     }
 
-    /// Of each axis: −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
-    pub fn parts(&self, pair: &Pair) -> [Parts; 3] {
-        let (slopes, drifts) = (seen_slopes(pair), drifts(pair));
-        let others: Vec<&[f64]> = pair.reference.iter().chain(&drifts).map(Vec::as_slice).collect();
-        axes::each(|axis| {
-            let of = &self.axes[axis];
-            let [late, _] = clock_columns(pair, &slopes, &of.turned_by);
-            let turned = turned(&pair.reference, &of.turned_by);
-            let left = rest(&others, &pair.test[axis], &of.coefficients[CLOCK..]);
-            Parts { late, turned, left }
-        })
+    /// The field along an axis.
+    pub fn turned(&self, pair: &Pair, axis: usize) -> Vec<f64> {
+        turned(&pair.reference, &self.axes[axis].turned_by)
+    }
+
+    /// Of an axis −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
+    pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
+        let turned = self.turned(pair, axis);
+        let [late, _] = clock_columns(pair, &seen_rate(pair, &turned));
+        let left = rest(beside(pair), &pair.test[axis], &self.axes[axis].coefficients[CLOCK..]);
+        Parts { late, turned, left }
     }
 
     /// What is left of each axis, limited.
@@ -332,8 +334,8 @@ fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
 }
 
 /// Adds one axis' knowledge of offset and rate, all its other unknowns free.
-fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &SpectralFit) {
-    let block = Mat::from_fn(2, 2, |i, j| fit.weighted_covariance[(i, j)]);
+fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &WeightedFit) {
+    let block = Mat::from_fn(2, 2, |i, j| fit.covariance[(i, j)]);
     let determinant = block[(0, 0)] * block[(1, 1)] - block[(0, 1)] * block[(1, 0)];
     let inverse = [
         [block[(1, 1)] / determinant, -block[(0, 1)] / determinant],
@@ -342,7 +344,7 @@ fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &SpectralFit)
     for i in 0..2 {
         for j in 0..2 {
             information[i][j] += inverse[i][j];
-            right[i] += inverse[i][j] * fit.weighted[j];
+            right[i] += inverse[i][j] * fit.coefficients[j];
         }
     }
 }

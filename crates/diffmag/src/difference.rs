@@ -116,9 +116,9 @@ impl Noise {
         Ok(if self.octaves.is_empty() { errors } else { errors.scaled(cosine, |f| self.octaves.ratio(f)) })
     }
 
-    /// Degrees of freedom of the variance of an estimate with these whitened weights.
-    pub fn freedom(&self, cosine: &Cosine, weights: &[f64]) -> f64 {
-        cosine.freedom(|f| self.relative_std(f), weights)
+    /// Degrees of freedom of the variance of an estimate with these squares of whitened weights, by bins.
+    pub fn freedom(&self, cosine: &Cosine, influence: &[f64]) -> f64 {
+        cosine.freedom(|f| self.relative_std(f), influence)
     }
 }
 

@@ -9,7 +9,7 @@ mod moments;
 use explanations::{Explanations, explanations};
 pub use joint::{Curve, Joint, chance, joint};
 
-use common::{Drift, DriftForm, Quantity, WindowMean};
+use common::{Column, Drift, DriftForm, Quantity, WindowMean};
 use estimate::cosine::{Cosine, Errors, Regression, weighted};
 use estimate::stats;
 
@@ -56,21 +56,22 @@ pub struct Columns<'a> {
     pub cosine: Cosine,
     pub pair: &'a Pair,
     /// Days from the middle of the recording.
-    pub days: Vec<f64>,
+    pub days: Column,
     /// How many coefficients of each transform are used, from the lowest on.
     pub kept: usize,
     /// Transforms of the reference's x, y, z and of the days.
-    base: Vec<Vec<f64>>,
+    base: Vec<Column>,
     /// ln τ and the lowest coefficients of the transform of its exponential.
-    search: Vec<(f64, Vec<f64>)>,
+    search: Vec<(f64, Column)>,
 }
 
 impl<'a> Columns<'a> {
     pub fn of(pair: &'a Pair) -> Self {
         let rows = pair.whole.len();
         let cosine = Cosine::new(rows, pair.step_s);
-        let days = days(pair);
-        let base = pair.reference.iter().chain([&days]).map(|column| cosine.transform(column)).collect();
+        let days = Column::from(days(pair));
+        let base = pair.reference.iter().map(AsRef::as_ref).chain([days.as_slice()]);
+        let base = base.map(|column| Column::from(cosine.transform(column))).collect();
         let mut columns = Self { cosine, pair, days, kept: rows - 1, base, search: Vec::new() };
         if rows >= LEAST {
             let (low, high) = columns.limits();
@@ -80,7 +81,7 @@ impl<'a> Columns<'a> {
                 let mut all = columns.cosine.transform(&columns.exponential(ln_tau)[0]);
                 all.truncate(SEARCHED);
                 all.shrink_to_fit();
-                all
+                Column::from(all)
             };
             columns.search = (0..=steps).map(|i| (at(i), lowest(at(i)))).collect();
         }
@@ -111,14 +112,13 @@ impl<'a> Columns<'a> {
 
     /// The same with the lowest coefficients of every transform only: the band up to a frequency.
     pub fn up_to(&self, kept: usize) -> Self {
-        let cut = |transform: &Vec<f64>| transform[..kept.min(transform.len())].to_vec();
         Self {
             cosine: self.cosine.clone(),
             pair: self.pair,
             days: self.days.clone(),
             kept,
-            base: self.base.iter().map(cut).collect(),
-            search: self.search.iter().map(|(ln_tau, transform)| (*ln_tau, cut(transform))).collect(),
+            base: self.base.clone(),
+            search: self.search.clone(),
         }
     }
 
@@ -131,7 +131,12 @@ impl<'a> Columns<'a> {
 
     /// Transforms of the reference's x, y, z and of the days.
     pub fn base(&self) -> Vec<&[f64]> {
-        self.base.iter().map(Vec::as_slice).collect()
+        self.base.iter().map(|transform| &transform[..self.kept]).collect()
+    }
+
+    /// ln τ and the lowest coefficients of the transform of its exponential.
+    fn search(&self) -> impl Iterator<Item = (f64, &[f64])> {
+        self.search.iter().map(|(ln_tau, transform)| (*ln_tau, &transform[..self.kept.min(transform.len())]))
     }
 
     /// These and others, the axis's own last.
@@ -171,7 +176,7 @@ impl<'a> Columns<'a> {
 
 /// The explanations of the slow change that a fit with a straight drift leaves or takes for one.
 pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explanations> {
-    let (days, slope) = (&columns.base[3], straight.coefficients[3]);
+    let (days, slope) = (columns.base()[3], straight.coefficients[3]);
     let with_drift: Vec<f64> =
         straight.residual.iter().zip(days).map(|(left, days)| left + slope * days).collect();
     let squares: f64 = with_drift.iter().map(|c| c * c).sum();
@@ -208,7 +213,7 @@ pub fn describe(
     joint: Option<&Joint>,
 ) -> Result<Drift, Error> {
     let demanded = joint.filter(|joint| joint.p < LEVEL);
-    let freedom = noise.freedom(&columns.cosine, &regression.weights[3]);
+    let freedom = noise.freedom(&columns.cosine, &regression.influence[3]);
     let (slope, std) = (regression.coefficients[3], regression.covariance[(3, 3)].sqrt());
     let straight_p = stats::two_sided_p(slope / std, freedom);
     let form = match (straight_p < LEVEL, demanded.is_some()) {

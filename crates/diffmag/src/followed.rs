@@ -166,7 +166,7 @@ fn best(
         let lag_s = refined(columns, &errors, &projection, one, curve.place);
         let transform = columns.transform(&lagged(&one.values, columns.pair.step_s, lag_s));
         let regression = weighted(&columns.with(&[&transform], beside), y, &errors)?;
-        let freedom = noise.freedom(&columns.cosine, &regression.weights[4]);
+        let freedom = noise.freedom(&columns.cosine, &regression.influence[4]);
         let p = candidates.len() as f64 * drift::chance(curve.score, curve.length, freedom);
         noise = columns.noise(&regression, &errors, beside.lines_hz)?;
         chosen = Some((one, lag_s, p.min(1.0)));

@@ -33,15 +33,22 @@ pub fn fit(pair: &Pair, housekeeping: &[Housekeeping]) -> Result<[AxisFit; 3], E
     let candidates = followed::candidates(&columns, housekeeping);
     let one = |axis: usize, established: &[String]| one(&columns, &candidates, established, axis);
     let (x, (y, z)) = rayon::join(|| one(0, &[]), || rayon::join(|| one(1, &[]), || one(2, &[])));
-    let mut fits = [x?, y?, z?];
+    let mut found = [x?, y?, z?];
     let mut established: Vec<String> =
-        fits.iter().flat_map(|fit| fit.follows.iter().map(|follows| follows.name.clone())).collect();
+        found.iter().flat_map(|(fit, _)| fit.follows.iter().map(|follows| follows.name.clone())).collect();
     established.dedup();
     if !established.is_empty() {
-        for (axis, fit) in fits.iter_mut().enumerate().filter(|(_, fit)| fit.follows.is_empty()) {
-            *fit = one(axis, &established)?;
+        for (axis, of) in found.iter_mut().enumerate().filter(|(_, (fit, _))| fit.follows.is_empty()) {
+            *of = one(axis, &established)?;
         }
     }
+    let across = |axis: usize, other: usize| match axis == other {
+        true => Default::default(),
+        false => across::covariance(&found[axis].1, &found[other].1),
+    };
+    let across: [_; 3] = std::array::from_fn(|axis| std::array::from_fn(|other| across(axis, other)));
+    let mut fits = found.map(|(fit, _)| fit);
+    fits.iter_mut().zip(across).for_each(|(fit, across)| fit.across = across);
     Ok(fits)
 }
 
@@ -52,7 +59,11 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
         further.chain(pair.step_columns(axis)).collect()
     };
     let test = std::array::from_fn(|axis| {
-        without(&pair.test[axis], &columns(axis), &fits[axis].fit.weighted[STRAIGHT..])
+        let sizes = &fits[axis].fit.weighted[STRAIGHT..];
+        if sizes.is_empty() {
+            return pair.test[axis].clone();
+        }
+        without(&pair.test[axis], &columns(axis), sizes).into()
     });
     Pair { test, steps: Default::default(), step_stds: Default::default(), ..pair.clone() }
 }
@@ -124,9 +135,8 @@ pub fn calibrate(
             for k in 0..3 {
                 covariance[3 * j + i][3 * j + k] = found.fit.weighted_covariance[(i, k)];
             }
-            for (m, other) in fits.iter().enumerate().filter(|(m, _)| *m != j) {
-                covariance[3 * j + i][3 * m..3 * m + 3]
-                    .copy_from_slice(&across::covariance(&found.whitened, &other.whitened)[i]);
+            for (m, across) in found.across.iter().enumerate().filter(|(m, _)| *m != j) {
+                covariance[3 * j + i][3 * m..3 * m + 3].copy_from_slice(&across[i]);
             }
             let element = MatrixElement {
                 least_squares: source.fit.least_squares[i],
@@ -148,7 +158,7 @@ pub fn calibrate(
     let followed = fits.each_ref().map(|found| found.follows.as_slice());
     contributions::add(raw, prepared, followed, &mut fit)?;
     fit.answer = words::answer(&fit);
-    fit.findings = words::findings(&fit, &fits.each_ref().map(|found| found.whitened.wider()));
+    fit.findings = words::findings(&fit, &fits.each_ref().map(|found| found.wider));
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
     fit.findings.extend(pair.told.iter().cloned());
     fit.findings.extend(pair.third.iter().map(|_| words::third()));

@@ -1,6 +1,6 @@
 //! Three instruments in one field: the noise of each.
 
-use common::ThreeCornered;
+use common::{Column, ThreeCornered};
 use estimate::cross_spectrum::CrossSpectra;
 use estimate::sources::{self, Mixture};
 use physics::frames;
@@ -15,7 +15,7 @@ const WIDEST: f64 = 0.05;
 
 /// Splits the differences T η⁻¹ − R and C ζ⁻¹ − R into the noise of three instruments, `frame` with η as the third
 /// instrument corrects it. ζ is found in the same way with the test instrument as the third.
-pub fn split(pair: &Pair, third: &[Vec<f64>; 3], frame: &Frame) -> Result<ThreeCornered, Error> {
+pub fn split(pair: &Pair, third: &[Column; 3], frame: &Frame) -> Result<ThreeCornered, Error> {
     let turned = Pair { test: third.clone(), third: Some(pair.test.clone()), ..pair.clone() };
     let fits = regression::fit(&turned, &[])?;
     let turned = regression::without_exponentials(&turned, &fits);

@@ -5,6 +5,8 @@
 
 use fourier::{Complex, Forward};
 use std::f64::consts::FRAC_PI_2;
+use std::ops::Range;
+use std::sync::Arc;
 
 use crate::periodogram::{Bin, Periodogram};
 use crate::stats::mean;
@@ -28,7 +30,7 @@ pub struct Cosine {
     rows: usize,
     step_s: f64,
     plan: Forward,
-    turns: Vec<Complex<f64>>,
+    turns: Arc<Vec<Complex<f64>>>,
 }
 
 impl Cosine {
@@ -36,7 +38,7 @@ impl Cosine {
     pub fn new(rows: usize, step_s: f64) -> Self {
         let plan = fourier::forward(rows);
         let turn = |k: usize| Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / rows as f64);
-        Self { rows, step_s, plan, turns: (0..rows).map(turn).collect() }
+        Self { rows, step_s, plan, turns: Arc::new((0..rows).map(turn).collect()) }
     }
 
     /// c_k = √(2/n) Σ x_i cos(π k (i + ½)/n), k = 1 … n − 1: the mean is not in it, sums of squares about the mean stay.
@@ -111,22 +113,26 @@ impl Cosine {
         }
     }
 
-    /// Degrees of freedom of the variance of a linear estimate whose whitened weights are `weights`: 2/u², u the relative
+    /// Degrees of freedom of the variance of a linear estimate from the squares of its whitened weights, summed over [`bins`]: 2/u², u the relative
     /// uncertainty of that variance from the uncertainty of the noise, `relative_std` at each frequency, taken as common to all; at least one.
     ///
     /// Source: F. E. Satterthwaite, An approximate distribution of estimates of variance components, Biometrics Bull. 2
     /// (1946) 110–114.
-    pub fn freedom(&self, relative_std: impl Fn(f64) -> f64, weights: &[f64]) -> f64 {
-        let (mut sum, mut uncertain, mut from) = (0.0, 0.0, 1);
-        while from <= weights.len() {
-            let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(weights.len() + 1);
-            let squares: f64 = weights[from - 1..to - 1].iter().map(|weight| weight * weight).sum();
+    pub fn freedom(&self, relative_std: impl Fn(f64) -> f64, influence: &[f64]) -> f64 {
+        let (mut sum, mut uncertain) = (0.0, 0.0);
+        for (bin, squares) in bins(self.rows - 1).zip(influence) {
             sum += squares;
-            uncertain += squares * relative_std(self.frequency(from));
-            from = to;
+            uncertain += squares * relative_std(self.frequency(bin.start + 1));
         }
         (2.0 * (sum / uncertain).powi(2)).max(1.0)
     }
+}
+
+/// Coefficients in bins that are narrow beside their frequencies, the first is c_1.
+pub fn bins(count: usize) -> impl Iterator<Item = Range<usize>> {
+    let next = move |from: usize| from + ((WIDEST_BIN * (from + 1) as f64) as usize).max(1);
+    let starts = std::iter::successors(Some(0), move |from| Some(next(*from)));
+    starts.take_while(move |from| *from < count).map(move |from| from..next(from).min(count))
 }
 
 /// Standard uncertainty of the density over it; flicker noise that was not seen is taken as absent.

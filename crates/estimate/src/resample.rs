@@ -1,5 +1,6 @@
 //! Even series at other times: band-limited interpolation; and uneven series made even.
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
@@ -20,7 +21,7 @@ const TABLE: usize = 2048;
 /// An output is missing when missing inputs have more than this share of the sum of the weights' sizes.
 const MISSING: f64 = 0.1;
 /// Two places with the same fraction of a row have the same weights.
-const SAME_PHASE: f64 = 1e-8;
+const SAME_PHASE: f64 = 1e-6;
 
 /// A series at its new times.
 #[derive(Clone, Debug)]
@@ -55,12 +56,10 @@ pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) ->
             white_share: f64::NAN,
         };
     }
-    let bridged: Vec<Vec<f64>> = columns.iter().map(|column| bridged(column, &missing)).collect();
-    let before: Vec<usize> = std::iter::once(0)
-        .chain(missing.iter().scan(0, |sum, missing| {
-            *sum += usize::from(*missing);
-            Some(*sum)
-        }))
+    let holes = missing.contains(&true);
+    let bridged: Vec<Cow<'_, [f64]>> = columns
+        .iter()
+        .map(|column| if holes { bridged(column, &missing).into() } else { Cow::Borrowed(*column) })
         .collect();
     let stretch = stretch.max(1.0);
     let reach = HALF as f64 * stretch;
@@ -83,7 +82,7 @@ pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) ->
         if inside {
             let (from, to) = (first as usize, first as usize + weights.len());
             let mut lost = 0.0;
-            if before[to] > before[from] {
+            if holes && missing[from..to].contains(&true) {
                 lost = (from..to).zip(&weights).filter(|(k, _)| missing[*k]).map(|(_, w)| w.abs()).sum();
             }
             for (output, column) in outputs.iter_mut().zip(&bridged) {

@@ -26,6 +26,18 @@ pub struct SpectralFit {
     pub weighted_covariance: Mat<f64>,
 }
 
+/// β weighted by the spectrum alone, with its covariance.
+#[derive(Clone, Debug)]
+pub struct WeightedFit {
+    /// β.
+    pub coefficients: Vec<f64>,
+    /// Its covariance.
+    pub covariance: Mat<f64>,
+}
+
+/// What each frequency weighs in a fit: one over the variance of the errors there.
+pub struct Weights(Vec<f64>);
+
 /// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of y's unit, per
 /// Hz).
 ///
@@ -94,71 +106,93 @@ impl Transformer {
         if self.rows < 2 * unknowns + 2 {
             return Err(Error::TooFew { found: self.rows, unknowns });
         }
-        let products = self.products(columns, y, step_s, density);
-        let matrix = |of: &Mat<f64>| Mat::from_fn(unknowns, unknowns, |i, j| of[(i.max(j), i.min(j))]);
-        let [plain, noisy, weighted] = &products;
-        let (independent, noisy, weighted_covariance) =
-            (Positive::of(&matrix(plain))?.inverse, matrix(noisy), Positive::of(&matrix(weighted))?.inverse);
-        let solved = |inverse: &Mat<f64>, products: &Mat<f64>| -> Vec<f64> {
-            (0..unknowns)
-                .map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum())
-                .collect()
-        };
+        let variances = self.at_frequencies(step_s, &|f| density(f) / (2.0 * step_s));
+        let plain = self.products(columns, y, &vec![1.0; variances.len()]);
+        let noisy = self.products(columns, y, &variances);
+        let independent = Positive::of(&square(&plain))?.inverse;
+        let weights = Weights(variances.iter().map(|variance| variance.recip()).collect());
+        let weighted = self.weighted(columns, y, &weights)?;
         Ok(SpectralFit {
-            least_squares: solved(&independent, plain),
-            covariance: &independent * &noisy * &independent,
-            weighted: solved(&weighted_covariance, weighted),
-            weighted_covariance,
+            least_squares: solved(&independent, &plain),
+            covariance: &independent * &square(&noisy) * &independent,
+            weighted: weighted.coefficients,
+            weighted_covariance: weighted.covariance,
             independent,
         })
     }
 
-    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero: plain, times the errors' variance, and over it.
-    /// Below the diagonal alone.
-    fn products(
+    /// The weights of errors of this density, which may be used in many regressions.
+    pub fn weights(&self, step_s: f64, density: &dyn Fn(f64) -> f64) -> Weights {
+        Weights(self.at_frequencies(step_s, &|f| 2.0 * step_s / density(f)))
+    }
+
+    /// The weighted fit alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`regress`].
+    pub fn weighted(
         &self,
         columns: &[&Transform],
         y: &Transform,
-        step_s: f64,
-        density: &dyn Fn(f64) -> f64,
-    ) -> [Mat<f64>; 3] {
+        weights: &Weights,
+    ) -> Result<WeightedFit, Error> {
+        let unknowns = columns.len();
+        if self.rows < 2 * unknowns + 2 {
+            return Err(Error::TooFew { found: self.rows, unknowns });
+        }
+        let products = self.products(columns, y, &weights.0);
+        let covariance = Positive::of(&square(&products))?.inverse;
+        Ok(WeightedFit { coefficients: solved(&covariance, &products), covariance })
+    }
+
+    /// A function of the frequency at all of them but zero.
+    fn at_frequencies(&self, step_s: f64, of: &dyn Fn(f64) -> f64) -> Vec<f64> {
+        let length_s = self.rows as f64 * step_s;
+        (1..=self.rows / 2).map(|k| of(k as f64 / length_s)).collect()
+    }
+
+    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times its weight. Below the diagonal
+    /// alone.
+    fn products(&self, columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
         let count = self.rows as f64;
-        let all: Vec<&[Complex<f64>]> =
-            columns.iter().copied().chain([y]).map(|of| of.0.as_slice()).collect();
-        let frequencies = all[0].len();
-        let mut sums: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(all.len(), all.len()));
+        let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.0[1..]).collect();
+        let mut sums: Mat<f64> = Mat::zeros(all.len(), all.len());
         let mut scaled = vec![Vec::with_capacity(2 * BLOCK); all.len()];
-        for from in (1..frequencies).step_by(BLOCK) {
-            let block = from..(from + BLOCK).min(frequencies);
-            let variances: Vec<f64> =
-                block.clone().map(|k| density(k as f64 / (count * step_s)) / (2.0 * step_s)).collect();
+        for from in (0..weights.len()).step_by(BLOCK) {
+            let block = from..(from + BLOCK).min(weights.len());
+            // Bands weigh nothing elsewhere.
+            if weights[block.clone()].iter().all(|weight| *weight == 0.0) {
+                continue;
+            }
             // The Nyquist frequency stands once in the transform, the others twice.
-            let shares = block.clone().map(|k| if 2 * k == self.rows { 1.0 } else { 2.0 } / count);
-            let shares: Vec<f64> = shares.collect();
-            for (number, sums) in sums.iter_mut().enumerate() {
-                let roots: Vec<f64> = shares
-                    .iter()
-                    .zip(&variances)
-                    .map(|(share, variance)| match number {
-                        0 => share.sqrt(),
-                        1 => (share * variance).sqrt(),
-                        _ => (share / variance).sqrt(),
-                    })
-                    .collect();
-                for (scaled, column) in scaled.iter_mut().zip(&all) {
-                    scaled.clear();
-                    let values = column[block.clone()].iter().zip(&roots);
-                    scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
-                }
-                for i in 0..all.len() {
-                    for j in 0..=i {
-                        sums[(i, j)] += dot(&scaled[i], &scaled[j]);
-                    }
+            let share = |row: usize| if 2 * (row + 1) == self.rows { 1.0 } else { 2.0 } / count;
+            let roots: Vec<f64> = block.clone().map(|row| (share(row) * weights[row]).sqrt()).collect();
+            for (scaled, column) in scaled.iter_mut().zip(&all) {
+                scaled.clear();
+                let values = column[block.clone()].iter().zip(&roots);
+                scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
+            }
+            for i in 0..all.len() {
+                for j in 0..=i {
+                    sums[(i, j)] += dot(&scaled[i], &scaled[j]);
                 }
             }
         }
         sums
     }
+}
+
+/// The products of the columns with each other, on both sides of the diagonal.
+fn square(products: &Mat<f64>) -> Mat<f64> {
+    let unknowns = products.nrows() - 1;
+    Mat::from_fn(unknowns, unknowns, |i, j| products[(i.max(j), i.min(j))])
+}
+
+/// β from the products with y.
+fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
+    let unknowns = inverse.nrows();
+    (0..unknowns).map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum()).collect()
 }
 
 /// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less to be true:

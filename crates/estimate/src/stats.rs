@@ -54,8 +54,18 @@ pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
 /// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
 pub fn mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;
-    let first = values.iter().sum::<f64>() / n;
-    first + values.iter().map(|x| x - first).sum::<f64>() / n
+    let first = sum(values, 0.0) / n;
+    first + sum(values, first) / n
+}
+
+/// Σ (x_i − x₀), in eight sums, which need not wait for one another.
+fn sum(values: &[f64], from: f64) -> f64 {
+    const SUMS: usize = 8;
+    let mut sums = [0.0; SUMS];
+    let blocks = values.chunks_exact(SUMS);
+    let rest: f64 = blocks.remainder().iter().map(|x| x - from).sum();
+    blocks.for_each(|block| sums.iter_mut().zip(block).for_each(|(sum, x)| *sum += x - from));
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Median of finite numbers; 0 of none.

@@ -69,7 +69,7 @@ pub fn add(
         Some(path) => Some(Table { path, columns }),
         None => {
             recording.columns =
-                columns.into_iter().map(|(name, values)| (name, Column(values))).collect::<Columns>();
+                columns.into_iter().map(|(name, values)| (name, Column::from(values))).collect::<Columns>();
             None
         }
     };

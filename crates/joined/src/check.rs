@@ -1,7 +1,7 @@
 //! Columns that are one, and units that cannot be the same.
 
 use common::number::significant;
-use common::{Axis, Error as Fault};
+use common::{Axis, Column, Error as Fault};
 use estimate::tsqr::Tsqr;
 
 use crate::Error;
@@ -18,7 +18,7 @@ pub const IN_A_PLANE: &str = "the reference's x, y and z depend on each other: t
 
 /// Refuses a test instrument that is the reference or is in other units, and instruments of which two axes are one. `paths` are
 /// those of their first recordings.
-pub fn check(paths: &[String; 2], reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3]) -> Result<(), Error> {
+pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -> Result<(), Error> {
     for (path, instrument, columns) in [(&paths[0], "reference", reference), (&paths[1], "test", test)] {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let difference: Vec<f64> = columns[i].iter().zip(&columns[j]).map(|(a, b)| b - a).collect();
@@ -55,7 +55,7 @@ pub fn check(paths: &[String; 2], reference: &[Vec<f64>; 3], test: &[Vec<f64>; 3
         return Err(Error::Undetermined(IN_A_PLANE.into()));
     }
     let size =
-        |columns: &[Vec<f64>; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
+        |columns: &[Column; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
     let ratio = size(test) / size(reference);
     if !(1.0 / UNITS..=UNITS).contains(&ratio) {
         let found = format!("changes {} times those of the reference", significant(ratio, 3));

@@ -54,12 +54,12 @@ fn pair(document: &Document) -> Result<Option<Gathered>, Error> {
         document.recordings.iter().enumerate().filter(|(_, recording)| of_pair(recording)).collect();
     let at: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
     let mut columns = Columns::new();
-    columns.insert("time_s".into(), Column(at.clone()));
+    columns.insert("time_s".into(), Column::from(at.clone()));
     for (name, read) in [(NAMES[0], &pair.reference), (NAMES[1], &pair.test)] {
         for axis in Axis::ALL {
             let values = read[axis.index()].iter().zip(&pair.whole);
             let values = values.map(|(value, whole)| if *whole { *value } else { f64::NAN });
-            columns.insert(format!("{name}_{axis}_nt"), Column(values.collect()));
+            columns.insert(format!("{name}_{axis}_nt"), values.collect());
         }
     }
     let test = found.iter().find(|(_, recording)| reads(recording, NAMES[1])).map_or(found[0], |test| *test);
@@ -139,11 +139,11 @@ fn scalar(document: &Document) -> Result<Option<Gathered>, Error> {
     let [of_scalar, of_vector] = reads;
     let at: Vec<f64> = (0..grid.rows).map(|row| grid.time_s(row)).collect();
     let mut columns = Columns::new();
-    columns.insert("time_s".into(), Column(at.clone()));
+    columns.insert("time_s".into(), Column::from(at.clone()));
     for ((name, _), values) in names.iter().zip(of_vector.columns) {
-        columns.insert(name.clone(), Column(values));
+        columns.insert(name.clone(), values);
     }
-    columns.extend(of_scalar.columns.into_iter().map(|values| (SCALAR.to_string(), Column(values))));
+    columns.extend(of_scalar.columns.into_iter().map(|values| (SCALAR.to_string(), values)));
     let mut told = [of_scalar.told, of_vector.told].concat();
     told.dedup();
     Ok(Some(put(document, &all, first, &at, columns, told)?))
@@ -164,9 +164,9 @@ fn put(
     for other in found {
         let wanted = |name: &str| !instrument(name);
         for (name, read) in onto(base, *other, at, wanted)?.columns {
-            let column = columns.entry(name).or_insert_with(|| Column(vec![f64::NAN; at.len()]));
-            let missing = column.0.iter_mut().zip(read.0).filter(|(value, _)| !value.is_finite());
-            missing.for_each(|(value, read)| *value = read);
+            let column = columns.entry(name).or_insert_with(|| Column::from(vec![f64::NAN; at.len()]));
+            let missing = column.iter_mut().zip(&read).filter(|(value, _)| !value.is_finite());
+            missing.for_each(|(value, read)| *value = *read);
         }
     }
     let ids: Vec<&str> = found.iter().map(|(_, recording)| recording.id.as_str()).collect();
@@ -217,10 +217,10 @@ mod tests {
 
     fn recording(id: &str, procedure: &str, names: [&str; 3], time: &[f64]) -> Recording {
         let mut recording = Recording { id: id.into(), procedure: procedure.into(), ..Recording::default() };
-        recording.columns.insert("time_s".into(), Column(time.to_vec()));
+        recording.columns.insert("time_s".into(), Column::from(time.to_vec()));
         for (axis, name) in names.iter().enumerate() {
             let values = time.iter().map(|t| field(*t)[axis]);
-            recording.columns.insert((*name).into(), Column(values.collect()));
+            recording.columns.insert((*name).into(), values.collect());
         }
         recording
     }
@@ -241,7 +241,7 @@ mod tests {
     fn a_pair_of_two_rates_and_phases_is_one_recording_at_the_slower_ones_moments() {
         let reference = recording("a", procedure::DIFFERENTIAL, REFERENCE, &even(2000, 0.4, 0.13));
         let mut test = recording("b", procedure::DIFFERENTIAL, TEST, &even(700, 1.0, 30.5));
-        test.columns.insert("test_temperature_c".into(), Column(even(700, 0.01, 20.0)));
+        test.columns.insert("test_temperature_c".into(), Column::from(even(700, 0.01, 20.0)));
         let found = gathered(&document(vec![reference, test])).expect("joined").expect("apart");
         let [joined] = &found.document.recordings[..] else { panic!("one recording") };
         assert_eq!(joined.id, "a + b");
@@ -274,8 +274,7 @@ mod tests {
             let mut scalar = recording("s", procedure::FREE_RUN, SENSOR, &even(120, 5.0, phase));
             scalar.columns.retain(|name, _| name == "time_s");
             let length = |t: &f64| field(*t).iter().map(|b| b * b).sum::<f64>().sqrt();
-            let values = even(120, 5.0, phase).iter().map(length).collect();
-            scalar.columns.insert(SCALAR.into(), Column(values));
+            scalar.columns.insert(SCALAR.into(), even(120, 5.0, phase).iter().map(length).collect());
             scalar
         };
         let found = gathered(&document(vec![vector.clone(), scalar(2.3)])).expect("joined").expect("apart");

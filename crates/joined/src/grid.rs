@@ -1,5 +1,6 @@
 //! Pieces of several instruments on one grid of times.
 
+use common::Column;
 use estimate::even::EXACT;
 use estimate::resample::PASSBAND;
 
@@ -19,7 +20,7 @@ pub struct Grid {
 }
 
 /// An instrument on a grid.
-pub struct OnGrid<C = Vec<Vec<f64>>> {
+pub struct OnGrid<C = Vec<Column>> {
     /// Readings, NaN where missing.
     pub columns: C,
     /// Whether a piece went through the filter.
@@ -30,7 +31,7 @@ pub struct OnGrid<C = Vec<Vec<f64>>> {
 
 impl OnGrid {
     /// That of an instrument with three axes.
-    pub fn three(self) -> OnGrid<[Vec<f64>; 3]> {
+    pub fn three(self) -> OnGrid<[Column; 3]> {
         let columns = self.columns.try_into().unwrap_or_default();
         OnGrid { columns, filtered: self.filtered, told: self.told }
     }
@@ -67,7 +68,8 @@ impl Grid {
     /// An instrument's readings at these times.
     pub fn read(&self, instrument: &Instrument) -> OnGrid {
         let at: Vec<f64> = (0..self.rows).map(|row| self.time_s(row)).collect();
-        let mut columns = vec![vec![f64::NAN; self.rows]; instrument.longest().columns.len()];
+        let nothing = Column::from(vec![f64::NAN; self.rows]);
+        let mut columns = vec![nothing; instrument.longest().columns.len()];
         let (mut told, mut filtered) = (Vec::new(), false);
         for piece in &instrument.pieces {
             told.extend(piece.told.clone());
@@ -75,6 +77,10 @@ impl Grid {
             if let Some(white) = read.white_share {
                 filtered = true;
                 told.push(words::filtered(instrument.name, piece.step_s, self.step_s, white));
+            }
+            if read.rows == (0..self.rows) {
+                columns = read.columns;
+                continue;
             }
             for (column, values) in columns.iter_mut().zip(read.columns) {
                 column[read.rows.clone()].copy_from_slice(&values);

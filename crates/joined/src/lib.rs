@@ -5,7 +5,7 @@
 
 use common::number::{counted, duration};
 use common::time::Start;
-use common::{Axis, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
+use common::{Axis, Column, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
 
 mod check;
@@ -88,11 +88,11 @@ pub struct Pair {
     /// From one sample to the next, s.
     pub step_s: f64,
     /// Readings of the reference, nT; rows that are not whole stand on straight lines between those that are.
-    pub reference: [Vec<f64>; 3],
+    pub reference: [Column; 3],
     /// Readings of the test instrument in the same way, nT.
-    pub test: [Vec<f64>; 3],
+    pub test: [Column; 3],
     /// Readings of a third instrument on straight lines over its own gaps, nT.
-    pub third: Option<[Vec<f64>; 3]>,
+    pub third: Option<[Column; 3]>,
     /// Noise of the reference, where a recording declares it.
     pub reference_noise: Option<NoiseOfSensors>,
     /// Rows in which neither reference nor test misses a reading.
@@ -150,7 +150,9 @@ impl Pair {
 
     /// Some of its rows, as one segment.
     pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
-        let cut = |columns: &[Vec<f64>; 3]| columns.each_ref().map(|column| column[rows.clone()].to_vec());
+        let cut = |columns: &[Column; 3]| {
+            columns.each_ref().map(|column| Column::from(column[rows.clone()].to_vec()))
+        };
         let steps = self.steps.each_ref().map(|steps| {
             let inside = steps.iter().filter(|step| **step > rows.start && **step < rows.end);
             inside.map(|step| step - rows.start).collect()
@@ -193,12 +195,15 @@ impl Pair {
 
     /// Puts the rows that are not whole onto straight lines, all six columns alike.
     pub fn bridge(&mut self) {
+        if !self.whole.contains(&false) {
+            return;
+        }
         let rows: Vec<f64> = (0..self.whole.len()).map(|row| row as f64).collect();
         for column in self.reference.iter_mut().chain(&mut self.test) {
             for (value, _) in column.iter_mut().zip(&self.whole).filter(|(_, whole)| !**whole) {
                 *value = f64::NAN;
             }
-            *column = bridged(&rows, std::mem::take(column));
+            *column = bridged(&rows, std::mem::take(column).into()).into();
         }
     }
 
@@ -390,7 +395,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         highest_hz: (reference.filtered || test.filtered).then(|| grid.passband_hz()),
         reference: reference.columns,
         test: test.columns,
-        third: third.map(|third| third.columns.map(|column| bridged(&rows, column))),
+        third: third.map(|third| third.columns.map(|column| bridged(&rows, column.into()).into())),
         reference_noise: reference_noise(found)?,
         segments: segments::segments(whole.len(), &boundaries),
         boundaries,

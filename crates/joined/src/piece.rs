@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use common::number::{counted, duration};
-use common::{Error as Fault, Recording};
+use common::{Column, Error as Fault, Recording};
 use estimate::cadence::Cadence;
 use estimate::even::{EXACT, Places};
 use estimate::resample::{Resampled, resample};
@@ -22,7 +22,7 @@ pub struct Read {
     /// Which of the times lie within the piece.
     pub rows: Range<usize>,
     /// The columns at these; NaN where missing.
-    pub columns: Vec<Vec<f64>>,
+    pub columns: Vec<Column>,
     /// What passed of the rms of white noise, where they went through the filter.
     pub white_share: Option<f64>,
 }
@@ -38,7 +38,7 @@ pub struct Piece {
     /// From one row to the next, s.
     pub step_s: f64,
     /// Its columns; NaN where a reading is missing.
-    pub columns: Vec<Vec<f64>>,
+    pub columns: Vec<Column>,
     /// What was done to the times, in words.
     pub told: Option<String>,
     /// The jump of the times with which it begins.
@@ -66,13 +66,15 @@ impl Piece {
         let places: Vec<f64> = at[from..to].iter().map(place).collect();
         let own = |at: &f64| (at - at.round()).abs() <= EXACT;
         if (self.step_s / step_s - 1.0).abs() < SAME_RATE && places.iter().all(own) {
-            let read = |column: &Vec<f64>| {
-                places.iter().map(|at| column[at.round().max(0.0) as usize]).collect::<Vec<f64>>()
-            };
-            let columns = self.columns.iter().map(read).collect();
+            let rows = || places.iter().map(|at| at.round().max(0.0) as usize);
+            if rows().eq(0..self.columns[0].len()) {
+                return Some(Read { rows: from..to, columns: self.columns.clone(), white_share: None });
+            }
+            let columns = self.columns.iter().map(|column| rows().map(|row| column[row]).collect()).collect();
             return Some(Read { rows: from..to, columns, white_share: None });
         }
         let Resampled { columns, white_share } = resample(&self.columns, &places, step_s / self.step_s);
+        let columns = columns.into_iter().map(Column::from).collect();
         Some(Read { rows: from..to, columns, white_share: Some(white_share) })
     }
 
@@ -83,14 +85,13 @@ impl Piece {
         names: &[(String, String)],
         time: &[f64],
     ) -> Result<Vec<Self>, Error> {
-        let columns: Vec<Vec<f64>> =
-            names.iter().map(|name| column(recording, path, name)).collect::<Result<_, _>>()?;
+        let columns = names.iter().map(|name| column(recording, path, name)).collect::<Result<_, _>>()?;
         cut(time, columns, path, &recording.id)
     }
 }
 
 /// The pieces between jumps of the times.
-pub fn cut(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result<Vec<Piece>, Error> {
+pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Vec<Piece>, Error> {
     let Some(cadence) = Cadence::of(time) else {
         return Ok(vec![place(time, columns, path, id)?]);
     };
@@ -100,7 +101,7 @@ pub fn cut(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result
     }
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
-        let columns = columns.iter().map(|column| column[rows.clone()].to_vec()).collect();
+        let columns = columns.iter().map(|column| column[rows.clone()].to_vec().into()).collect();
         let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]);
         let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, path, id);
         let piece = place(&time[rows], columns, path, id)?;
@@ -140,7 +141,7 @@ fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<
 /// # Errors
 ///
 /// Times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
-fn place(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result<Piece, Error> {
+fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Piece, Error> {
     let Some(places) = Places::of(time) else {
         let expected = "at least two times that rise";
         return Err(
@@ -172,16 +173,19 @@ fn place(time: &[f64], columns: Vec<Vec<f64>>, path: &str, id: &str) -> Result<P
         pauses: Vec::new(),
     };
     if places.even(EXACT) {
-        return Ok(Piece { columns: columns.iter().map(|column| places.put(column)).collect(), ..piece });
+        // Rows that are all there stay the recording's own.
+        let put = |column: &Column| places.put(column).into();
+        let columns = if places.count() == time.len() { columns } else { columns.iter().map(put).collect() };
+        return Ok(Piece { columns, ..piece });
     }
     let step_s = places.mean_step_s(time);
-    let columns = columns.iter().map(|column| places.interpolated(time, column, step_s)).collect();
+    let columns = columns.iter().map(|column| places.interpolated(time, column, step_s).into()).collect();
     let told = Some(words::uneven(id, places.scatter_s, step_s));
     Ok(Piece { start_s: time[0], step_s, columns, told, ..piece })
 }
 
-fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Vec<f64>, Error> {
-    let Some(column) = recording.column(name) else {
+fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Column, Error> {
+    let Some(column) = recording.columns.get(name) else {
         return Err(Fault::document(format!("{path}.columns"), "no such column", expected.clone()).into());
     };
     let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
@@ -194,7 +198,7 @@ fn column(recording: &Recording, path: &str, (name, expected): &(String, String)
         let expected = "readings that follow the field; was the instrument connected?";
         return Err(Fault::document(format!("{path}.columns.{name}"), found, expected).into());
     }
-    Ok(column.to_vec())
+    Ok(column.clone())
 }
 
 #[cfg(test)]
@@ -202,14 +206,14 @@ mod tests {
     use super::*;
 
     fn placed(time: &[f64]) -> Piece {
-        let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
+        let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
         place(time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("placed")
     }
 
     #[test]
     fn a_clock_that_was_set_is_told_by_its_row() {
         let time: Vec<f64> = (0..40).map(|row| f64::from(row) + if row < 20 { 0.0 } else { 1.7e9 }).collect();
-        let column = vec![1.0; 40];
+        let column = Column::from(vec![1.0; 40]);
         let refused = place(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it");
         let said = refused.err().expect("refused").to_string();
         assert!(
@@ -245,7 +249,7 @@ mod tests {
     #[test]
     fn times_that_jump_are_cut_and_not_spread() {
         let time: Vec<f64> = (0..400).map(|k| f64::from(k) + if k < 150 { 0.0 } else { 0.4 }).collect();
-        let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
+        let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
         let pieces =
             cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
         assert_eq!(pieces.len(), 2);
@@ -259,7 +263,7 @@ mod tests {
     fn rounded_times_are_even() {
         for (step, digit) in [(0.100_3, 1e-3), (1.000_03, 1e-3), (0.016_667, 1e-6), (0.003_333, 1e-3)] {
             let time: Vec<f64> = (0..3000).map(|k| (f64::from(k) * step / digit).round() * digit).collect();
-            let column: Vec<f64> = time.iter().map(|t| 5.0 + 0.5 * t).collect();
+            let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
             let pieces =
                 cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
             assert!(pieces.len() == 1 && pieces[0].told.is_none(), "{step} {digit}");

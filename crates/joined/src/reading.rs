@@ -68,7 +68,7 @@ pub fn read_at(
     }
     let (path, id) = recording;
     let mut read = Reading { values: vec![f64::NAN; at.len()], way: Way::BandLimited };
-    for piece in cut(&time, vec![values], path, id)? {
+    for piece in cut(&time, vec![values.into()], path, id)? {
         if piece.told.is_some() {
             read.way = Way::Pieces;
         }
@@ -123,9 +123,9 @@ pub fn onto(
     let step_s = usual_step_s(at).unwrap_or(1.0);
     let (mut columns, mut ways) = (Columns::new(), Vec::new());
     for (name, column) in other.1.columns.iter().filter(|(name, _)| *name != "time_s" && wanted(name)) {
-        let read = read_at((&path, &other.1.id), &time, &column.0, at, step_s)?;
+        let read = read_at((&path, &other.1.id), &time, column, at, step_s)?;
         ways.push((name.clone(), read.way));
-        columns.insert(name.clone(), common::Column(read.values));
+        columns.insert(name.clone(), common::Column::from(read.values));
     }
     let there = at.iter().filter(|t| time.first() <= Some(t) && time.last() >= Some(t)).count();
     Ok(Onto { columns, ways, own_step_s: usual_step_s(&time), there })

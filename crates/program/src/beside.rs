@@ -23,7 +23,7 @@ impl Table {
     pub fn of(recording: &mut Recording, path: String) -> Self {
         recording.table = Some(path.clone());
         let columns = std::mem::take(&mut recording.columns).into_iter();
-        Table { path, columns: columns.map(|(name, column)| (name, column.0)).collect() }
+        Table { path, columns: columns.map(|(name, column)| (name, column.into())).collect() }
     }
 
     /// Writes it into the document's folder, whole or not at all; CSV or NDJSON where its name says so.
@@ -108,7 +108,7 @@ fn one(recording: &mut Recording, folder: &Path, path: &str) -> Result<(), Error
         let batch = batch.map_err(refused)?;
         columns.iter_mut().zip(batch.columns).for_each(|(column, more)| column.extend(more));
     }
-    recording.columns = names.into_iter().zip(columns.into_iter().map(Column)).collect();
+    recording.columns = names.into_iter().zip(columns.into_iter().map(Column::from)).collect();
     recording.in_range(path.trim_end_matches(".table"))
 }
 

@@ -5,5 +5,6 @@ pub mod apart;
 pub mod beside;
 pub mod manual;
 pub mod number;
+mod outline;
 pub mod pipe;
 mod readings;

@@ -13,6 +13,7 @@ use std::process;
 
 use common::{Document, Error, ExitCode, HistoryEntry, line_of};
 
+use crate::outline::outline;
 use crate::{apart, beside, readings};
 
 /// Arguments for the document's way in and out, the same in every stage.
@@ -104,6 +105,11 @@ impl Input {
     /// SHA-256 of the text, in hexadecimal.
     pub fn sha256(&self) -> String {
         Sha256::digest(self.text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The same with no more of the text than says on which line something stands.
+    pub fn outlined(self) -> Self {
+        Self { text: outline(self.text), ..self }
     }
 
     /// Adds file and line to an error that names a JSON path.
@@ -204,6 +210,7 @@ where
     Error: From<E>,
 {
     let (input, mut document) = Input::document(io.file.as_deref(), command)?;
+    let (input_sha256, input) = (input.sha256(), input.outlined());
     let located = |error: Error| input.locate(error);
     let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
     let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
@@ -216,7 +223,7 @@ where
         stage: program.name.into(),
         version: program.version.into(),
         arguments,
-        input_sha256: Some(input.sha256()),
+        input_sha256: Some(input_sha256),
         extra: Default::default(),
     });
     write(io.output.as_deref(), &document.to_text()?)?;

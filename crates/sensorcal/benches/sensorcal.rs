@@ -20,9 +20,9 @@ fn main() {
 static DAY: LazyLock<Document> = LazyLock::new(|| {
     let mut stream = Stream::new(1, "day");
     let flicker = noise::power_law(&mut stream, ROWS, 0.01, 1e-4, 1.0);
-    let readings = flicker.iter().map(|field| field + 0.02 * stream.normal()).collect();
-    let time = (0..ROWS).map(|row| row as f64 * 0.01).collect();
-    let columns = [("time_s", Column(time)), ("sensor_x_nt", Column(readings))];
+    let readings: Column = flicker.iter().map(|field| field + 0.02 * stream.normal()).collect();
+    let time: Column = (0..ROWS).map(|row| row as f64 * 0.01).collect();
+    let columns = [("time_s", time), ("sensor_x_nt", readings)];
     let recording = Recording {
         id: "day".into(),
         procedure: procedure::SENSOR_NOISE.into(),

@@ -32,14 +32,14 @@ impl Average {
         let time = times(recording, path)?;
         let (before, phase) = (time.len(), phase_s(recording, self.window_s));
         let windows = self.windows(time, phase);
-        let middles =
+        let middles: Column =
             windows.iter().map(|window| (window.number as f64 + 0.5) * self.window_s - phase).collect();
         let ones = vec![1.0; before];
         let samples = recording.column(SAMPLES).unwrap_or(&ones);
         let all: Vec<f64> = windows.iter().map(|window| sum(&samples[window.rows.clone()])).collect();
         let mut columns = Columns::from([
-            ("time_s".to_string(), Column(middles)),
-            (SAMPLES.to_string(), Column(all.clone())),
+            ("time_s".to_string(), middles),
+            (SAMPLES.to_string(), Column::from(all.clone())),
         ]);
         let is_count = |name: &str| name == SAMPLES || name.ends_with("_samples");
         let mut lost = 0;
@@ -47,19 +47,19 @@ impl Average {
             recording.columns.iter().filter(|(name, _)| *name != "time_s" && !is_count(name))
         {
             let own = recording.column(&format!("{name}_samples")).unwrap_or(samples);
-            let least = self.share * self.full(time, &values.0);
+            let least = self.share * self.full(time, values);
             let mut counts = Vec::with_capacity(windows.len());
             let mut means = Vec::with_capacity(windows.len());
             for window in &windows {
-                let (mean, count, rows) = mean(&values.0[window.rows.clone()], &own[window.rows.clone()]);
+                let (mean, count, rows) = mean(&values[window.rows.clone()], &own[window.rows.clone()]);
                 let enough = rows > 0 && rows as f64 >= least;
                 lost += usize::from(!enough);
                 means.push(if enough { mean } else { f64::NAN });
                 counts.push(count);
             }
-            columns.insert(name.clone(), Column(means));
+            columns.insert(name.clone(), Column::from(means));
             if counts != all {
-                columns.insert(format!("{name}_samples"), Column(counts));
+                columns.insert(format!("{name}_samples"), Column::from(counts));
             }
         }
         recording.columns = columns;

@@ -66,7 +66,7 @@ impl Cut {
             return Err(Error::Request(message));
         }
         for column in recording.columns.values_mut() {
-            *column = Column(column.0[first..last].to_vec());
+            *column = Column::from(column[first..last].to_vec());
         }
         Ok(format!("{} of {}", last - first, counted(rows, "row")))
     }

@@ -43,16 +43,16 @@ impl Resample {
         }
         let count = (last - first) as i64 + 1;
         let at: Vec<f64> = (0..count).map(|row| (first + row as f64) * self.step_s - phase).collect();
-        let mut columns = Columns::from([("time_s".to_string(), Column(at.clone()))]);
+        let mut columns = Columns::from([("time_s".to_string(), Column::from(at.clone()))]);
         let mut ways = Vec::new();
         for (name, values) in &recording.columns {
             // How many samples a mean has is nothing that can be read between rows.
             if name == "time_s" || name == "samples" || name.ends_with("_samples") {
                 continue;
             }
-            let read = read_at((path, &recording.id), time, &values.0, &at, self.step_s)?;
+            let read = read_at((path, &recording.id), time, values, &at, self.step_s)?;
             ways.push((name.clone(), read.way));
-            columns.insert(name.clone(), Column(read.values));
+            columns.insert(name.clone(), Column::from(read.values));
         }
         let was = usual_step_s(time).unwrap_or(f64::NAN);
         let rows = time.len();

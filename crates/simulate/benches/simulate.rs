@@ -34,16 +34,14 @@ fn plan(rows: usize) -> simulate::Plan {
     )
     .expect("a plan");
     let time: Vec<f64> = (0..rows).map(|row| row as f64 * 0.01).collect();
-    let sine = |amplitude: f64, period: f64| {
-        common::Column(time.iter().map(|t| amplitude * (t / period).sin()).collect())
-    };
+    let sine = |amplitude: f64, period: f64| time.iter().map(|t| amplitude * (t / period).sin()).collect();
     if let simulate::Procedure::FreeRun(run) = &mut plan.procedures[0] {
         run.columns = [
             ("coil_x_a", sine(1.0, 11.0)),
             ("coil_y_a", sine(0.8, 17.0)),
             ("coil_z_a", sine(1.2, 29.0)),
             ("sensor_temperature_c", sine(5.0, 4000.0)),
-            ("time_s", common::Column(time.clone())),
+            ("time_s", common::Column::from(time.clone())),
         ]
         .map(|(name, column)| (name.to_string(), column))
         .into_iter()
@@ -77,9 +75,7 @@ fn text_peer_formatting(bencher: Bencher) {
     let document = simulate::campaign(&plan(ROWS / 10)).expect("simulated").document;
     bencher.bench_local(|| {
         let mut text = String::new();
-        for value in
-            document.recordings.iter().flat_map(|recording| recording.columns.values()).flat_map(|c| &c.0)
-        {
+        for value in document.recordings.iter().flat_map(|recording| recording.columns.values()).flatten() {
             write!(text, "{value}, ").expect("memory");
         }
         text

@@ -288,7 +288,7 @@ impl World<'_> {
         let name = format!("coil_{coil}_a");
         let column = set.columns.get_mut(&name)?;
         let currents = column.clone();
-        column.0.iter_mut().zip(position).for_each(|(current, x)| *current *= profile.at(x));
+        column.iter_mut().zip(position).for_each(|(current, x)| *current *= profile.at(x));
         Some((name, currents))
     }
 
@@ -305,12 +305,12 @@ impl World<'_> {
                 continue;
             };
             let reads = |current: &f64| electrical.reads(coil, *current);
-            let volts: Option<Vec<f64>> = column.0.iter().map(reads).collect();
+            let volts: Option<Vec<f64>> = column.iter().map(reads).collect();
             let volts = volts.ok_or_else(|| {
                 let expected = "its resistance, which \"drive\": \"voltage\" needs";
                 Error::document(format!("facility.coils.{coil}.resistor_ohm"), "no such key", expected)
             })?;
-            read.columns.insert(format!("coil_{coil}_v"), Column(volts));
+            read.columns.insert(format!("coil_{coil}_v"), Column::from(volts));
         }
         Ok(())
     }
@@ -371,7 +371,7 @@ pub fn wander(plan: &Plan, set: &[Recording], written: &[Written]) -> Result<Vec
 }
 
 fn insert(recording: &mut Recording, columns: Read) {
-    recording.columns.extend(columns.into_iter().map(|(name, column)| (name, Column(column))));
+    recording.columns.extend(columns.into_iter().map(|(name, column)| (name, Column::from(column))));
 }
 
 fn outside_columns(columns: [Vec<f64>; 3]) -> Read {

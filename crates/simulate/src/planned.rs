@@ -135,12 +135,12 @@ impl Rows {
 
     /// The columns: times, the coils that are named, and what was added; and the steps.
     pub fn finish(self, coils: &[Axis]) -> (Columns, Vec<Step>) {
-        let mut columns = Columns::from_iter([("time_s".to_string(), Column(self.time_s))]);
+        let mut columns = Columns::from_iter([("time_s".to_string(), Column::from(self.time_s))]);
         for coil in coils {
-            let current = self.current_a.iter().map(|current| current[coil.index()]).collect();
-            columns.insert(format!("coil_{coil}_a"), Column(current));
+            let current = self.current_a.iter().map(|current| current[coil.index()]);
+            columns.insert(format!("coil_{coil}_a"), current.collect());
         }
-        columns.extend(self.more.into_iter().map(|(name, column)| (name, Column(column))));
+        columns.extend(self.more.into_iter().map(|(name, column)| (name, Column::from(column))));
         (columns, self.steps)
     }
 }

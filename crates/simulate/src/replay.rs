@@ -79,7 +79,7 @@ fn recording(
         if noise_seed.is_some() {
             let instrument = document.instrument.clone().unwrap_or_default();
             let width = if suffix == "v" { instrument.quantisation_v } else { instrument.quantisation_nt };
-            noise::quantise(&mut column.0, width.unwrap_or(0.0));
+            noise::quantise(column, width.unwrap_or(0.0));
         }
     }
     let scalar = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT].contains(&recorded.procedure.as_str());
@@ -112,7 +112,7 @@ fn words(left_out: &[LeftOut]) -> Vec<String> {
 
 /// New values where there were readings.
 fn fill(column: &mut Column, values: impl Iterator<Item = f64>) {
-    column.0.iter_mut().zip(values).filter(|(old, _)| old.is_finite()).for_each(|(old, new)| *old = new);
+    column.iter_mut().zip(values).filter(|(old, _)| old.is_finite()).for_each(|(old, new)| *old = new);
 }
 
 /// The declared noise of a column, nT; zero without a seed.

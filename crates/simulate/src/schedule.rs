@@ -1,8 +1,8 @@
 //! When each recording begins.
 
+use common::Error;
 use common::number::duration;
 use common::time::{Start, day_of_week, hour_of_day};
-use common::{Column, Error};
 
 use crate::plan::{Plan, Temperatures};
 use crate::planned::{Begins, Planned};
@@ -67,7 +67,7 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
         } else if let Some(time) = planned.recording.columns.get_mut("time_s")
             && planned.begins != Begins::AsItSays
         {
-            time.0.iter_mut().for_each(|t| *t += begins_s);
+            time.iter_mut().for_each(|t| *t += begins_s);
         }
         scheduled.push(Scheduled { planned, begins_s, clock_s, local_s });
     }
@@ -107,7 +107,7 @@ fn add_temperatures(rooms: &Temperatures, planned: &mut Planned, clock_s: f64, l
             let wave = (std::f64::consts::TAU * (hour_of_day(local_s + t) - 15.0) / 24.0).cos();
             mean + rooms.daily_k * wave + rooms.trend_k_per_day * (clock_s + t) / 86_400.0
         };
-        recording.columns.insert(name.into(), Column(time.iter().map(at).collect()));
+        recording.columns.insert(name.into(), time.iter().map(at).collect());
     }
 }
 

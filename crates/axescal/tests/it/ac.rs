@@ -54,14 +54,10 @@ fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
         let column = recording.columns.get_mut("sensor_y_v").expect("a column");
         let phase = std::f64::consts::TAU * 0.1 * 0.010;
         let quarter = 2.5 * 20.0;
-        let n = column.0.len();
-        let ahead: Vec<f64> = (0..n).map(|row| column.0[(row + n - quarter as usize) % n]).collect();
-        column.0 = column
-            .0
-            .iter()
-            .zip(ahead)
-            .map(|(now, before)| now * phase.cos() + before * phase.sin())
-            .collect();
+        let n = column.len();
+        let ahead: Vec<f64> = (0..n).map(|row| column[(row + n - quarter as usize) % n]).collect();
+        *column =
+            column.iter().zip(ahead).map(|(now, before)| now * phase.cos() + before * phase.sin()).collect();
     }
     let document = axescal::run(document, &Options::default()).expect("directions");
     let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
@@ -105,19 +101,17 @@ fn coils_out_of_phase_are_taken_as_they_are() {
     };
     for recording in &mut document.recordings {
         let rotation = matrix(&recording.conditions.orientation.expect("an orientation"));
-        let time = recording.columns["time_s"].0.clone();
+        let time = recording.columns["time_s"].clone();
         let smaller = ["x", "y", "z"].map(|axis| {
-            let column = &recording.columns[&format!("coil_{axis}_a")].0;
+            let column = &recording.columns[&format!("coil_{axis}_a")];
             let largest = column.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
             (largest > 0.1 && largest < 1.0, largest)
         });
         for (k, axis) in ["x", "y", "z"].iter().enumerate().filter(|(k, _)| smaller[*k].0) {
             let late = |t: &f64| smaller[k].1 * (std::f64::consts::TAU * 0.1 * t - 0.5).sin();
-            recording
-                .columns
-                .insert(format!("coil_{axis}_a"), common::Column(time.iter().map(late).collect()));
+            recording.columns.insert(format!("coil_{axis}_a"), time.iter().map(late).collect());
         }
-        let coil = |axis: &str, row: usize| recording.columns[&format!("coil_{axis}_a")].0[row] * 40000.0;
+        let coil = |axis: &str, row: usize| recording.columns[&format!("coil_{axis}_a")][row] * 40000.0;
         let readings: Vec<nalgebra::Vector3<f64>> = (0..time.len())
             .map(|row| {
                 mu.transpose()
@@ -127,8 +121,8 @@ fn coils_out_of_phase_are_taken_as_they_are() {
             })
             .collect();
         for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-            let values = readings.iter().map(|reading| reading[k] / 6400.0).collect();
-            recording.columns.insert(format!("sensor_{axis}_v"), common::Column(values));
+            let values = readings.iter().map(|reading| reading[k] / 6400.0);
+            recording.columns.insert(format!("sensor_{axis}_v"), values.collect());
         }
     }
     let document = axescal::run(document, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
@@ -170,9 +164,9 @@ fn runs_that_are_too_short_or_too_few_are_refused_in_words() {
     }
     let mut document = simulate::campaign(&plan).expect("simulated").document;
     for recording in &mut document.recordings {
-        let time = recording.columns["time_s"].0.clone();
-        let late = time.iter().map(|t| 0.5 * (std::f64::consts::TAU * 0.1 * t - 1.0).sin()).collect();
-        recording.columns.insert("coil_z_a".into(), common::Column(late));
+        let time = recording.columns["time_s"].clone();
+        let late = time.iter().map(|t| 0.5 * (std::f64::consts::TAU * 0.1 * t - 1.0).sin());
+        recording.columns.insert("coil_z_a".into(), late.collect());
     }
     let error = axescal::run(document, &Options::default()).expect_err("out of phase").to_string();
     assert!(error.contains("coils out of phase in fewer than three independent runs"), "{error}");

@@ -51,7 +51,7 @@ fn a_stated_ambient_field_is_part_of_the_model() {
     plan.truth.residual_field_nt = Some([(Axis::X, 100.0), (Axis::Z, -40.0)].into_iter().collect());
     let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
     for recording in &mut document.recordings {
-        recording.columns.insert("ambient_x_nt".into(), Column(vec![100.0; 3]));
+        recording.columns.insert("ambient_x_nt".into(), Column::from(vec![100.0; 3]));
         recording.conditions.extra.insert("ambient_z_nt".into(), (-40.0).into());
     }
     // The plan's coil and sensor constants have offsets of stated uncertainty; the field itself is exact.
@@ -66,7 +66,7 @@ fn constants_are_found_from_the_sensors_that_show_them() {
     plan.truth.residual_field_nt = Some([(Axis::X, 20.0)].into_iter().collect());
     let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
     for recording in &mut document.recordings {
-        recording.columns.get_mut("sensor_x_v").expect("a column").0[0] = f64::NAN;
+        recording.columns.get_mut("sensor_x_v").expect("a column")[0] = f64::NAN;
     }
     let document = solved(document);
     assert!(worst_arcsec(&document, &truth) < 2.0, "{}", worst_arcsec(&document, &truth));
@@ -229,7 +229,7 @@ fn a_robust_fit_does_not_hide_whole_orientations() {
     let clean = axescal::run(document.clone(), &robust).expect("directions");
     assert!(axes(&clean).findings.is_empty(), "{:?}", axes(&clean).findings);
     for (recording, row) in [(0, 1), (3, 4), (5, 2)] {
-        document.recordings[recording].columns.get_mut("sensor_z_v").expect("a column").0[row] += 0.5;
+        document.recordings[recording].columns.get_mut("sensor_z_v").expect("a column")[row] += 0.5;
     }
     let document = axescal::run(document, &robust).expect("directions");
     assert!(

@@ -198,12 +198,12 @@ fn noiseless_known_coils_equal_the_closed_form() {
     let columns = &document.recordings[0].columns;
     let coil = |i: usize, row: usize| {
         let axis = Axis::ALL[i];
-        columns[&format!("coil_{axis}_a")].0[row] * constant(axis, &document).0
+        columns[&format!("coil_{axis}_a")][row] * constant(axis, &document).0
     };
     let sensor = |i: usize, row: usize| {
         let axis = Axis::ALL[i];
         let (_, sensitivity, offset) = constant(axis, &document);
-        columns[&format!("sensor_{axis}_v")].0[row] * sensitivity + offset
+        columns[&format!("sensor_{axis}_v")][row] * sensitivity + offset
     };
     let (drive, measured) = (Matrix3::from_fn(coil), Matrix3::from_fn(sensor));
     let b = measured * drive.try_inverse().expect("independent drives");

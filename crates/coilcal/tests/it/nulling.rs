@@ -123,7 +123,7 @@ fn a_series_at_uneven_times_is_read_and_that_is_said() {
     };
     assert_eq!(uneven_s(&document), None);
     let time = document.recordings[0].columns.get_mut("time_s").expect("times");
-    time.0.iter_mut().enumerate().for_each(|(row, t)| *t += 0.009 * f64::from((row as u32 * 7) % 5) / 4.0);
+    time.iter_mut().enumerate().for_each(|(row, t)| *t += 0.009 * f64::from((row as u32 * 7) % 5) / 4.0);
     let told = uneven_s(&document).expect("uneven");
     assert!((0.0025..0.009).contains(&told), "{told}");
 }

@@ -52,7 +52,7 @@ fn flight(seed: u64) -> Recording {
         id: "flight".into(),
         procedure: procedure::FREE_RUN.into(),
         start: Some("1977-05-24T08:00:00-05:00".into()),
-        columns: columns.into_iter().map(|(name, values)| (name.to_string(), Column(values))).collect(),
+        columns: columns.into_iter().map(|(name, values)| (name.to_string(), Column::from(values))).collect(),
         ..Recording::default()
     }
 }
@@ -96,8 +96,8 @@ fn read(truth: &Value, mut recording: Recording) -> Recording {
     let setting = Setting::of(&document, &recording, References::of(&document)).expect("a setting");
     let readings = physics::predict(&setting.basic, &effects, &setting.context).expect("predicted").readings;
     for (k, axis) in ["x", "y", "z"].iter().enumerate() {
-        let volts = readings.iter().map(|reading| (reading[k] / 1e-5).round() * 1e-5).collect();
-        recording.columns.insert(format!("sensor_{axis}_v"), Column(volts));
+        let volts = readings.iter().map(|reading| (reading[k] / 1e-5).round() * 1e-5);
+        recording.columns.insert(format!("sensor_{axis}_v"), volts.collect());
     }
     recording
 }

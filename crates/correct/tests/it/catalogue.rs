@@ -1,6 +1,6 @@
 //! Every effect of the catalogue: predicted without noise, corrected, and the true field is there again, or it is said why not.
 
-use common::{AdoptedEffect, Axis, Column, Document, Quantity};
+use common::{AdoptedEffect, Axis, Document, Quantity};
 use correct::{Error, Options};
 use physics::{Acts, Basic, Kind, Place, References, Setting, Stage};
 
@@ -69,8 +69,8 @@ fn what_is_predicted_is_corrected() {
         let prediction = physics::predict(&basic, &effects, &setting.context).expect("predicted");
         let truth = prediction.field_sen.clone();
         for axis in Axis::ALL {
-            let readings = prediction.readings.iter().map(|reading| reading[axis.index()]).collect();
-            document.recordings[0].columns.insert(format!("sensor_{axis}_v"), Column(readings));
+            let readings = prediction.readings.iter().map(|reading| reading[axis.index()]);
+            document.recordings[0].columns.insert(format!("sensor_{axis}_v"), readings.collect());
         }
         let corrected = correct::run(document, &Options::default());
         if !kind.about().invertible {

@@ -51,9 +51,9 @@ fn field_and_uncertainty_are_those_of_the_script() {
 fn what_is_beyond_the_calibration_is_flagged() {
     let mut input = Document::parse(&testkit::read_fixture(INPUT)).expect("a document");
     let columns = &mut input.recordings[0].columns;
-    columns["sensor_x_v"].0[3] = 66_000.0 / 6401.2;
-    columns["sensor_temperature_c"].0[4] = 29.0;
-    columns["sensor_temperature_c"].0[0] = 23.0;
+    columns["sensor_x_v"][3] = 66_000.0 / 6401.2;
+    columns["sensor_temperature_c"][4] = 29.0;
+    columns["sensor_temperature_c"][0] = 23.0;
     let document = correct::run(input, &Options::default()).expect("corrected");
     let found = flight(&document).column("field_flags").expect("flags");
     // Without a temperature run the calibration is taken to hold within 5 K of the reference.

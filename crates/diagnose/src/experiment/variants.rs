@@ -43,7 +43,7 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
     own.start = later(recording);
     for (name, column) in &mut own.columns {
         if is_reading(name) {
-            column.0.fill(0.0);
+            column.fill(0.0);
         }
     }
     if !own.columns.keys().any(|name| is_drive(name)) {
@@ -51,7 +51,7 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
     }
     if own.start.is_none() {
         // All on one clock: after the other.
-        let time = own.columns.get_mut("time_s").map(|column| &mut column.0);
+        let time = own.columns.get_mut("time_s");
         time.into_iter().for_each(|time| {
             let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
             time.iter_mut().for_each(|t| *t += 2.0 * length);
@@ -62,7 +62,7 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
     let drives: Vec<String> = names.iter().filter(|name| is_drive(name)).cloned().collect();
     let others: Vec<String> = names.iter().filter(|name| !is_drive(name)).cloned().collect();
     let moving = |name: &&String| {
-        let values = &own.columns[*name].0;
+        let values = &own.columns[*name];
         values.iter().any(|value| *value != values[0])
     };
     let driven = drives.iter().any(|name| moving(&name));
@@ -156,24 +156,23 @@ fn largest(values: &[f64]) -> f64 {
 
 fn hold(recording: &mut Recording, name: &str, level: Level) {
     if let Some(column) = recording.columns.get_mut(name) {
-        let value = level(&column.0);
-        column.0.fill(value);
+        let value = level(column);
+        column.fill(value);
     }
 }
 
 fn times(recording: &mut Recording, name: &str, factor: f64) {
     if let Some(column) = recording.columns.get_mut(name) {
-        column.0.iter_mut().for_each(|value| *value *= factor);
+        column.iter_mut().for_each(|value| *value *= factor);
     }
 }
 
 /// There and back, in the same time.
 fn fold(recording: &mut Recording, name: &str) {
     if let Some(column) = recording.columns.get_mut(name) {
-        let before = column.0.clone();
+        let before = column.clone();
         let last = before.len() - 1;
         column
-            .0
             .iter_mut()
             .enumerate()
             .for_each(|(row, value)| *value = before[(2 * row).min(2 * last - 2 * row)]);
@@ -183,14 +182,14 @@ fn fold(recording: &mut Recording, name: &str) {
 /// Times from the first on by a factor.
 fn stretch(recording: &mut Recording, factor: f64) {
     if let Some(column) = recording.columns.get_mut("time_s") {
-        let first = column.0.first().copied().unwrap_or(0.0);
-        column.0.iter_mut().for_each(|time| *time = first + factor * (*time - first));
+        let first = column.first().copied().unwrap_or(0.0);
+        column.iter_mut().for_each(|time| *time = first + factor * (*time - first));
     }
 }
 
 /// Whether a drive by a factor stays within what the coil bears.
 fn within(document: &Document, recording: &Recording, name: &str, factor: f64) -> bool {
-    let largest = recording.columns[name].0.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    let largest = recording.columns[name].iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let bears = |axis: Axis| {
         let constant = document.calibration.as_ref()?.coil(axis)?.constant_nt_per_a.as_ref()?.value();
         let most = document.facility.as_ref()?.coils.as_ref()?.get(axis)?.max_nt?;

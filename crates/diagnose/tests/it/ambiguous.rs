@@ -57,7 +57,7 @@ fn run(scene: Scene, effect: &Value, moved: fn(&mut Recording)) -> Document {
 
 fn set(recording: &mut Recording, column: &str, value: impl Fn(f64) -> f64) {
     let time = recording.column("time_s").expect("times").to_vec();
-    let values = &mut recording.columns.get_mut(column).expect("a column").0;
+    let values = &mut recording.columns.get_mut(column).expect("a column");
     values.iter_mut().zip(time).for_each(|(own, time)| *own = value(time));
 }
 

@@ -21,7 +21,7 @@ fn heated() -> Document {
         let mut felt = power[0];
         let step = 1.0 - (-(time[1] - time[0]) / LAG_S).exp();
         let readings = recording.columns.get_mut("sensor_z_nt").expect("readings");
-        for (reading, power) in readings.0.iter_mut().zip(&power) {
+        for (reading, power) in readings.iter_mut().zip(&power) {
             felt += step * (power - felt);
             *reading += PER_W * felt;
         }

@@ -1,6 +1,6 @@
 //! Two magnetometers in recordings of their own.
 
-use common::{Column, Document, Verdict};
+use common::{Document, Verdict};
 use diagnose::Options;
 use serde_json::json;
 
@@ -27,7 +27,7 @@ fn a_pair_in_two_recordings_is_the_pair() {
     assert!((found.0 / known.0 - 1.0).abs() < 1e-9, "{found:?} {known:?}");
     assert_eq!(found.1, 2, "the document keeps its recordings");
     let mut never = apart;
-    if let Some(Column(time)) = never.recordings[1].columns.get_mut("time_s") {
+    if let Some(time) = never.recordings[1].columns.get_mut("time_s") {
         time.iter_mut().for_each(|t| *t += 1e6);
     }
     let error = diagnose::run(never, &Options::default()).expect_err("never together").to_string();

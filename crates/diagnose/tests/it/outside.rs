@@ -77,7 +77,7 @@ fn with_odd(document: &mut Document, odd: &Odd, times: f64) {
     let rms = (all.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / all.len() as f64).sqrt();
     for (recording, added) in document.recordings.iter_mut().zip(added) {
         let column = recording.columns.get_mut(name[*axis]).expect("readings");
-        column.0.iter_mut().zip(added).for_each(|(value, odd)| *value += times * NOISE_NT * odd / rms);
+        column.iter_mut().zip(added).for_each(|(value, odd)| *value += times * NOISE_NT * odd / rms);
     }
 }
 

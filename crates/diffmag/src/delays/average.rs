@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{DelayBand, Quantity};
 
-use super::{Offset, mean};
+use super::offset::{Offset, mean};
 
 /// Lengths and time constants are sought from this share of the shortest period …
 const SHORTEST: f64 = 0.02;

@@ -6,7 +6,7 @@ use common::{DelayBand, DelayBands, DelayForm, Quantity};
 use estimate::stats::chi_squared_p;
 
 use super::average::{self, Band};
-use super::{Offset, mean, scatter};
+use super::offset::{Offset, mean, scatter};
 use crate::TOLD_BELOW;
 
 /// Time constants are sought from this share of a step …

@@ -59,9 +59,8 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
     let mut eta = inverse * sums.test;
     let d = sums.difference(&eta);
     let mut shape = columns
-        .search
-        .iter()
-        .map(|(ln_tau, _)| sums.at(&d, *ln_tau))
+        .search()
+        .map(|(ln_tau, _)| sums.at(&d, ln_tau))
         .max_by(|a, b| a.explained.total_cmp(&b.explained))
         .unwrap_or_default();
     let (mut rounds, mut settled, mut moved_before) = (0, false, f64::INFINITY);

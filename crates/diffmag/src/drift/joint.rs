@@ -79,7 +79,7 @@ fn in_band(
     }
     let Best { regression, ln_tau, score, length } =
         Best::of(columns, y, &noise.errors(&columns.cosine)?, beside, ACCURACY)?;
-    let freedom = noise.freedom(&columns.cosine, &regression.weights[4]);
+    let freedom = noise.freedom(&columns.cosine, &regression.influence[4]);
     let p = chance(score, length, freedom);
     Ok(Some(Joint { regression, ln_tau, limits: columns.limits(), noise, p, freedom }))
 }
@@ -103,11 +103,11 @@ impl Best {
         accuracy: f64,
     ) -> Result<Self, Error> {
         let all = columns.with(&[], beside);
-        let lowest = columns.search[0].1.len();
+        let lowest = columns.search().next().map_or(0, |(_, transform)| transform.len());
         let cut: Vec<&[f64]> = all.iter().map(|column| &column[..lowest]).collect();
         let projection = Projection::of(&cut, &y[..lowest], errors)?;
         let Curve { place, length, .. } =
-            Curve::of(&projection, errors, columns.search.iter().map(|(_, column)| column.as_slice()));
+            Curve::of(&projection, errors, columns.search().map(|(_, column)| column));
         let start = columns.search[place].0;
         let projection = Projection::of(&all, y, errors)?;
         let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
@@ -174,15 +174,16 @@ fn refine(
         let column = columns.transform(&columns.exponential(ln_tau)[0]);
         projection.direction(&column, errors).map_or(0.0, |direction| projection.score(&direction).powi(2))
     };
-    let at = |ln_tau: f64| {
-        let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
-        weighted(&columns.with(&[&plain, &slope], beside), y, errors)
+    let both = |ln_tau: f64| columns.exponential(ln_tau).map(|column| columns.transform(&column));
+    let sizes = |ln_tau: f64| {
+        let [plain, slope] = both(ln_tau);
+        projection.coefficients(&[&plain, &slope], errors)
     };
     let mut ln_tau = start;
     let mut reached = gain(ln_tau);
     for _ in 0..MOST_STEPS {
-        let regression = at(ln_tau)?;
-        let step = (regression.coefficients[5] / regression.coefficients[4]).clamp(-1.0, 1.0);
+        let Some(found) = sizes(ln_tau) else { break };
+        let step = (found[1] / found[0]).clamp(-1.0, 1.0);
         let better = (0..HALVINGS).find_map(|halvings| {
             let next = (ln_tau + step * 0.5_f64.powi(halvings)).clamp(low, high);
             let found = gain(next);
@@ -195,7 +196,8 @@ fn refine(
             break;
         }
     }
-    Ok((at(ln_tau)?, ln_tau, reached))
+    let [plain, slope] = both(ln_tau);
+    Ok((weighted(&columns.with(&[&plain, &slope], beside), y, errors)?, ln_tau, reached))
 }
 
 impl Joint {

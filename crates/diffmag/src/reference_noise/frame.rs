@@ -73,10 +73,10 @@ impl Frame {
                 })
                 .collect()
         });
-        let mut channels: Vec<&[f64]> = pair.reference.iter().map(Vec::as_slice).collect();
+        let mut channels: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).collect();
         channels.push(&days);
         channels.extend(rest.iter().map(Vec::as_slice));
-        channels.extend(pair.third.iter().flatten().map(Vec::as_slice));
+        channels.extend(pair.third.iter().flatten().map(AsRef::as_ref));
         let spectra = CrossSpectra::of_whole(&channels, pair.step_s, WIDEST)?;
         let centred = |series: &Vec<f64>| {
             let middle = stats::mean(series);

@@ -38,7 +38,10 @@ pub struct AxisFit {
     pub follows: Vec<Follows>,
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     pub(super) drift_columns: Vec<Vec<f64>>,
-    pub(super) whitened: Whitened,
+    /// How many times as wide as under the noise the uncertainties of η are by what is left itself.
+    pub(super) wider: f64,
+    /// Covariance of η with that of each axis; nothing for its own.
+    pub(super) across: [[[f64; 3]; 3]; 3],
     pub(super) source: Source,
 }
 
@@ -63,8 +66,8 @@ impl AxisFit {
     /// T − R η − drift less its mean of another pair on the same grid, nT.
     pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
         let days = drift::days(pair);
-        let design: Vec<&[f64]> =
-            pair.reference.iter().chain([&days]).chain(self.further()).map(Vec::as_slice).collect();
+        let others = std::iter::once(&days).chain(self.further()).map(Vec::as_slice);
+        let design: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).chain(others).collect();
         let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
         let sizes = &self.fit.weighted[design.len()..];
         rest(&design, &without(&pair.test[axis], &steps, sizes), &self.fit.weighted)
@@ -86,11 +89,11 @@ pub(super) fn one(
     candidates: &[Candidate],
     established: &[String],
     axis: usize,
-) -> Result<AxisFit, Error> {
+) -> Result<(AxisFit, Whitened), Error> {
     let pair = whole.pair;
     let test = &pair.test[axis];
     let mut y = whole.transform(test);
-    let base: Vec<&[f64]> = pair.reference.iter().chain([&whole.days]).map(Vec::as_slice).collect();
+    let base: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).chain([whole.days.as_slice()]).collect();
     let (seen, plain_noise) = plain(whole, &base, test, &y)?;
     let kept = alike::band(whole, &y)?;
     let columns = &whole.up_to(kept);
@@ -173,7 +176,7 @@ pub(super) fn one(
         (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
     }
     let whitened = Whitened {
-        weights: std::array::from_fn(|i| last.weights[i].clone()),
+        weights: std::array::from_fn(|i| last.weights(&all, &errors, i)),
         left: errors.whiten(&last.residual),
     };
     let offset_nt = mean(&without(test, &all_steps, &fit.weighted[every.len() - all_steps.len()..]))
@@ -186,7 +189,20 @@ pub(super) fn one(
     } else {
         Noise::seen(&difference, pair)?.up_to(whole.cosine.frequency(kept))
     };
-    Ok(AxisFit { fit, noise, difference, offset_nt, drift: found, follows, drift_columns, whitened, source })
+    let wider = whitened.wider();
+    let fit = AxisFit {
+        fit,
+        noise,
+        difference,
+        offset_nt,
+        drift: found,
+        follows,
+        drift_columns,
+        wider,
+        across: Default::default(),
+        source,
+    };
+    Ok((fit, whitened))
 }
 
 /// Whether a fit leaves more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
@@ -194,7 +210,7 @@ pub(super) fn one(
 fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    let levels = rest::<Vec<f64>>(&[], &apart, &[]);
+    let levels = rest(std::iter::empty::<&[f64]>(), &apart, &[]);
     cosine::dot(left, left) > cosine::dot(&levels, &levels)
 }
 

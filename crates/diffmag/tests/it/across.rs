@@ -20,7 +20,7 @@ fn common_noise_is_in_the_covariance() {
             let mut recording = made.both("pair", 0..made.rows);
             for name in ["test_x_nt", "test_y_nt"] {
                 let mut stream = Stream::new(seed, "common");
-                let column = &mut recording.columns[name].0;
+                let column = &mut recording.columns[name];
                 column.iter_mut().for_each(|value| *value += COMMON_NT * stream.normal());
             }
             let found = found(&document(vec![recording]), false);

@@ -92,7 +92,7 @@ fn pair(noise: &Noise, drift: &True, seed: u64) -> Pair {
     let mut noise_change = [0.0; 3];
     for axis in Axis::ALL {
         let name = format!("test_{axis}_nt");
-        let column = &mut document.recordings[0].columns.get_mut(&name).expect("a column").0;
+        let column = &mut document.recordings[0].columns.get_mut(&name).expect("a column");
         let rows = column.len();
         let noise = noise.draw(rows + DAY, &name, seed);
         for (row, (reading, noise)) in column.iter_mut().zip(&noise).enumerate() {

@@ -33,12 +33,12 @@ fn campaign(seed: u64, coefficient: f64) -> Document {
     let temperature = wandering(&mut stream, &made);
     let share = 1.0 - (-made.step_s / LAG_S).exp();
     let mut behind = temperature[0];
-    for (value, now) in recording.columns["test_x_nt"].0.iter_mut().zip(&temperature) {
+    for (value, now) in recording.columns["test_x_nt"].iter_mut().zip(&temperature) {
         *value += coefficient * (behind - 20.0);
         behind += share * (now - behind);
     }
-    recording.columns.insert("test_temperature_c".into(), Column(temperature));
-    recording.columns.insert("battery_v".into(), Column(wandering(&mut stream, &made)));
+    recording.columns.insert("test_temperature_c".into(), Column::from(temperature));
+    recording.columns.insert("battery_v".into(), Column::from(wandering(&mut stream, &made)));
     document(vec![recording])
 }
 

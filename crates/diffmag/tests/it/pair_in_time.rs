@@ -136,8 +136,8 @@ pub fn columns(name: &str, read: &[Vec<f64>; 3], rows: &Range<usize>) -> Vec<(St
 pub fn recording(id: &str, time: &[f64], columns: Vec<(String, Vec<f64>)>) -> Recording {
     let mut recording =
         Recording { id: id.into(), procedure: procedure::DIFFERENTIAL.into(), ..Recording::default() };
-    recording.columns.insert("time_s".into(), Column(time.to_vec()));
-    recording.columns.extend(columns.into_iter().map(|(name, column)| (name, Column(column))));
+    recording.columns.insert("time_s".into(), Column::from(time.to_vec()));
+    recording.columns.extend(columns.into_iter().map(|(name, column)| (name, Column::from(column))));
     recording
 }
 

@@ -159,10 +159,10 @@ fn clean_pairs_with_flicker_noise_of_a_longer_record() {
         for axis in Axis::ALL {
             let column =
                 document.recordings[0].columns.get_mut(&format!("test_{axis}_nt")).expect("a column");
-            let rows = column.0.len();
+            let rows = column.len();
             let mut stream = noise::Stream::new(seed, &format!("longer {axis}"));
             let longer = noise::power_law(&mut stream, 4 * rows, 60.0, 1e-3, 1.0);
-            column.0.iter_mut().zip(longer).for_each(|(reading, noise)| *reading += noise);
+            column.iter_mut().zip(longer).for_each(|(reading, noise)| *reading += noise);
         }
         document
     });
@@ -180,10 +180,10 @@ fn clean_pairs_with_noise_in_both_and_a_storm() {
 fn turned(mut document: Document, arcsec: f64, from: usize) -> Document {
     let angle = (arcsec / 3600.0).to_radians();
     let columns = &mut document.recordings[0].columns;
-    let (x, y) = (columns["test_x_nt"].0.clone(), columns["test_y_nt"].0.clone());
+    let (x, y) = (columns["test_x_nt"].clone(), columns["test_y_nt"].clone());
     for row in from..x.len() {
-        columns["test_x_nt"].0[row] = angle.cos() * x[row] + angle.sin() * y[row];
-        columns["test_y_nt"].0[row] = angle.cos() * y[row] - angle.sin() * x[row];
+        columns["test_x_nt"][row] = angle.cos() * x[row] + angle.sin() * y[row];
+        columns["test_y_nt"][row] = angle.cos() * y[row] - angle.sin() * x[row];
     }
     document
 }

@@ -26,8 +26,8 @@ fn pieces_of_two_loggers_are_the_recording_of_one() {
     let cut = |name: &str, id: &str, rows: std::ops::Range<usize>| {
         let mut piece = recording(id, &made.time(&rows), columns(name, &made.read(name), &rows));
         // Each counts its times from its own beginning.
-        let begin = piece.columns["time_s"].0[0];
-        piece.columns["time_s"].0.iter_mut().for_each(|t| *t -= begin);
+        let begin = piece.columns["time_s"][0];
+        piece.columns["time_s"].iter_mut().for_each(|t| *t -= begin);
         piece.start =
             common::time::Start::parse("2026-03-01T00:00:00Z").expect("a start").after(begin).text();
         piece
@@ -90,7 +90,7 @@ fn a_missing_reading_is_missing_for_all() {
     let made = Made::new(2);
     let mut recording = made.both("pair", 0..made.rows);
     for (name, rows) in [("test_x_nt", 100..101), ("reference_z_nt", 700..730), ("test_y_nt", 715..760)] {
-        recording.columns[name].0[rows].fill(f64::NAN);
+        recording.columns[name][rows].fill(f64::NAN);
     }
     let found = found(&document(vec![recording]), false);
     let fit = found.fit.as_ref().expect("a fit");
@@ -107,7 +107,7 @@ fn steps_spikes_and_passes_are_found_listed_and_harmless() {
     let made = Made::new(3);
     let mut recording = made.both("pair", 0..made.rows);
     let mut add = |name: &str, rows: std::ops::Range<usize>, size: f64| {
-        recording.columns[name].0[rows].iter_mut().for_each(|value| *value += size);
+        recording.columns[name][rows].iter_mut().for_each(|value| *value += size);
     };
     add("test_x_nt", 1200..made.rows, 3.0);
     add("test_z_nt", 400..401, 800.0);
@@ -150,7 +150,7 @@ fn steps_spikes_and_passes_are_found_listed_and_harmless() {
 fn a_spike_between_parallel_axes_is_of_either_instrument() {
     let made = Made::new(4);
     let mut recording = made.both("pair", 0..made.rows);
-    recording.columns["test_y_nt"].0[900] += 12.0 * made.white_nt;
+    recording.columns["test_y_nt"][900] += 12.0 * made.white_nt;
     let found = found(&document(vec![recording]), false);
     let events = &found.fit.as_ref().expect("a fit").kept_out.events;
     let at: Vec<_> = events.iter().map(|event| (event.rows, event.instrument)).collect();
@@ -172,7 +172,7 @@ fn what_is_kept_out_costs_the_intervals_nothing() {
                 ("test_z_nt", 2500..made.rows, -20.0),
             ] {
                 let size = size * made.white_nt;
-                recording.columns[name].0[rows].iter_mut().for_each(|value| *value += size);
+                recording.columns[name][rows].iter_mut().for_each(|value| *value += size);
             }
             let found = found(&document(vec![recording]), false);
             let fit = found.fit.expect("a fit");
@@ -267,8 +267,7 @@ fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
                     let column = &mut document.recordings[0]
                         .columns
                         .get_mut(&format!("test_{axis}_nt"))
-                        .expect("a column")
-                        .0;
+                        .expect("a column");
                     let first = column[0];
                     column.rotate_right(late);
                     column[..late].fill(first);

@@ -56,7 +56,7 @@ fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
     assert!(good.answer.starts_with("the matrix leaves "), "{}", good.answer);
     let made = Made { offset_s: 30.0, ..Made::new(7) };
     let mut recording = made.both("pair", 0..made.rows);
-    recording.columns["test_z_nt"].0[2000..].iter_mut().for_each(|value| *value += 40.0);
+    recording.columns["test_z_nt"][2000..].iter_mut().for_each(|value| *value += 40.0);
     let stepped = *found(&document(vec![recording]), true).fit.expect("a fit");
     let causes: Vec<_> = stepped.contributions.iter().map(|one| one.cause).collect();
     assert_eq!(causes[..2], [ContributionCause::Steps, ContributionCause::Clock], "{:?}", stepped.findings);

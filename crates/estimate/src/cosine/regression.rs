@@ -1,6 +1,6 @@
 use faer::Mat;
 
-use super::Errors;
+use super::{Errors, bins};
 use crate::Error;
 use crate::positive::Positive;
 use crate::spectral::SpectralFit;
@@ -16,9 +16,28 @@ pub struct Regression {
     pub residual: Vec<f64>,
     /// The share h of the variance of each coefficient that the columns take.
     pub leverage: Vec<f64>,
-    /// The whitened weights of each β: their sums of products are the covariance.
-    pub weights: Vec<Vec<f64>>,
+    /// The whitened weights of each β, squared and summed over [`bins`].
+    pub influence: Vec<Vec<f64>>,
 }
+
+impl Regression {
+    /// The whitened weights of one β, of the columns and errors that it was made of: their sums of products are the covariance.
+    pub fn weights(&self, columns: &[&[f64]], errors: &Errors, of: usize) -> Vec<f64> {
+        let mut weights = vec![0.0; self.residual.len()];
+        for (j, column) in columns.iter().enumerate() {
+            add(&mut weights, self.covariance[(of, j)], &errors.whiten(column));
+        }
+        weights
+    }
+}
+
+/// Adds a multiple of a column.
+fn add(sum: &mut [f64], factor: f64, column: &[f64]) {
+    sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += factor * x);
+}
+
+/// Rows of which the products are summed at once: the numbers of all columns there stay near the processor.
+const BLOCK: usize = 1024;
 
 /// β = (Xᵀ C⁻¹ X)⁻¹ Xᵀ C⁻¹ y with the covariance (Xᵀ C⁻¹ X)⁻¹, columns and y being transforms.
 ///
@@ -32,30 +51,35 @@ pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regres
     }
     let x: Vec<Vec<f64>> = columns.iter().map(|column| errors.whiten(column)).collect();
     let covariance = Positive::of(&Mat::from_fn(unknowns, unknowns, |i, j| dot(&x[i], &x[j])))?.inverse;
-    let weights: Vec<Vec<f64>> = (0..unknowns)
-        .map(|i| {
-            let mut weights = vec![0.0; y.len()];
-            for (j, x) in x.iter().enumerate() {
-                weights.iter_mut().zip(x).for_each(|(weight, x)| *weight += covariance[(i, j)] * x);
-            }
-            weights
-        })
-        .collect();
     let whitened = errors.whiten(y);
-    let coefficients: Vec<f64> = weights.iter().map(|weights| dot(weights, &whitened)).collect();
-    let mut residual = y.to_vec();
-    for (column, coefficient) in columns.iter().zip(&coefficients) {
-        residual.iter_mut().zip(*column).for_each(|(left, x)| *left -= coefficient * x);
+    let (mut coefficients, mut influence) = (Vec::new(), Vec::new());
+    for i in 0..unknowns {
+        let mut weights = vec![0.0; y.len()];
+        x.iter().enumerate().for_each(|(j, x)| add(&mut weights, covariance[(i, j)], x));
+        coefficients.push(dot(&weights, &whitened));
+        influence.push(bins(y.len()).map(|bin| dot(&weights[bin.clone()], &weights[bin])).collect());
     }
+    drop(x);
+    let mut residual = y.to_vec();
+    columns
+        .iter()
+        .zip(&coefficients)
+        .for_each(|(column, coefficient)| add(&mut residual, -coefficient, column));
     let mut leverage = vec![0.0; y.len()];
-    for (i, column) in columns.iter().enumerate() {
-        for (j, other) in columns.iter().enumerate() {
-            let share = covariance[(i, j)];
-            leverage.iter_mut().zip(*column).zip(*other).for_each(|((h, x), other)| *h += share * x * other);
+    for from in (0..y.len()).step_by(BLOCK) {
+        let rows = from..(from + BLOCK).min(y.len());
+        for (i, column) in columns.iter().enumerate() {
+            let mut along = [0.0; BLOCK];
+            columns
+                .iter()
+                .enumerate()
+                .for_each(|(j, x)| add(&mut along, covariance[(i, j)], &x[rows.clone()]));
+            let along = along.iter().zip(&column[rows.clone()]);
+            leverage[rows.clone()].iter_mut().zip(along).for_each(|(h, (along, x))| *h += along * x);
         }
     }
     leverage.iter_mut().zip(&errors.variance).for_each(|(h, variance)| *h /= variance);
-    Ok(Regression { coefficients, covariance, residual, leverage, weights })
+    Ok(Regression { coefficients, covariance, residual, leverage, influence })
 }
 
 /// The same beside least squares, β = (XᵀX)⁻¹ Xᵀ y, with its covariance (XᵀX)⁻¹ (XᵀCX) (XᵀX)⁻¹ under these errors.
@@ -119,13 +143,9 @@ impl Projection {
     /// A column, whitened, less what the others explain of it, of unit length; None where nothing is left.
     pub fn direction(&self, column: &[f64], errors: &Errors) -> Option<Vec<f64>> {
         const NOTHING: f64 = 1e-12;
-        let mut rest = errors.whiten(column);
-        let size = dot(&rest, &rest);
-        let products: Vec<f64> = self.columns.iter().map(|x| dot(x, &rest)).collect();
-        for (i, x) in self.columns.iter().enumerate() {
-            let share: f64 = (0..products.len()).map(|j| self.inverse[(i, j)] * products[j]).sum();
-            rest.iter_mut().zip(x).for_each(|(rest, x)| *rest -= share * x);
-        }
+        let whitened = errors.whiten(column);
+        let size = dot(&whitened, &whitened);
+        let mut rest = self.rest(whitened);
         let left = dot(&rest, &rest);
         if left.is_nan() || left <= NOTHING * size {
             return None;
@@ -133,6 +153,25 @@ impl Projection {
         let length = left.sqrt();
         rest.iter_mut().for_each(|rest| *rest /= length);
         Some(rest)
+    }
+
+    /// The coefficients that further columns have beside the others; None where they depend on each other or on these.
+    pub fn coefficients(&self, columns: &[&[f64]], errors: &Errors) -> Option<Vec<f64>> {
+        let rests: Vec<Vec<f64>> = columns.iter().map(|column| self.rest(errors.whiten(column))).collect();
+        let products = Mat::from_fn(rests.len(), rests.len(), |i, j| dot(&rests[i], &rests[j]));
+        let inverse = Positive::of(&products).ok()?.inverse;
+        let right: Vec<f64> = rests.iter().map(|rest| dot(rest, &self.y)).collect();
+        Some((0..rests.len()).map(|i| (0..rests.len()).map(|j| inverse[(i, j)] * right[j]).sum()).collect())
+    }
+
+    /// What the columns do not explain of a whitened one.
+    fn rest(&self, mut column: Vec<f64>) -> Vec<f64> {
+        let products: Vec<f64> = self.columns.iter().map(|x| dot(x, &column)).collect();
+        for (i, x) in self.columns.iter().enumerate() {
+            let share: f64 = (0..products.len()).map(|j| self.inverse[(i, j)] * products[j]).sum();
+            add(&mut column, -share, x);
+        }
+        column
     }
 
     /// The standard normal z of a direction: the column's coefficient over its standard deviation. z² is what the sum of

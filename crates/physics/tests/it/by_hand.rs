@@ -350,7 +350,7 @@ fn a_spacecraft_follows_its_housekeeping() {
         "y_up_nt": 0, "z_lit_nt": 0, "z_cosine_nt": 0, "z_sine_nt": 7, "z_up_nt": 0}});
     assert_adds(board(), sun.clone(), &[[11.0, 0.0, 0.0], [101.0, 0.0, 7.0], [1001.0, 0.0, 0.0]]);
     let mut dark = board();
-    dark.recordings[0].columns["sunlit"].0 = vec![0.0; 3];
+    dark.recordings[0].columns["sunlit"] = vec![0.0; 3].into();
     assert_adds(dark, sun, &[[0.0; 3]; 3]);
 }
 

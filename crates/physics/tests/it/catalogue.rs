@@ -308,7 +308,7 @@ fn what_goes_row_by_row_may_be_cut() {
         let whole = document_for(kind);
         let mut late = whole.clone();
         for column in late.recordings[0].columns.values_mut() {
-            column.0.drain(..100);
+            column.drain(..100);
         }
         let [whole, late] = [&whole, &late].map(|document| {
             let (basic, context) = setting(document);

@@ -30,7 +30,7 @@ pub fn section(document: &Document) -> Option<Section> {
         let missing = recording
             .columns
             .values()
-            .flat_map(|column| &column.0)
+            .flat_map(|column| column.iter())
             .filter(|value| !value.is_finite())
             .count();
         let counts = procedures.entry(&recording.procedure).or_default();

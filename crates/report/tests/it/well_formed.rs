@@ -112,8 +112,8 @@ fn a_hostile_document_is_shown_as_it_is() {
     let mut bare = Document::parse(document).expect("a document");
     bare.diagnosis = None;
     // A document with such readings is refused; the page stands them none the less.
-    bare.recordings[1].columns.get_mut("</svg><script>_nt").expect("a column").0 = vec![1e308, -1e308, 0.0];
-    bare.recordings[1].columns.get_mut("b_v").expect("a column").0 = vec![f64::NAN, 2.0, 1e300];
+    bare.recordings[1].columns["</svg><script>_nt"] = vec![1e308, -1e308, 0.0].into();
+    bare.recordings[1].columns["b_v"] = vec![f64::NAN, 2.0, 1e300].into();
     let page = report::run(&bare, &Options::default()).expect("a page");
     let html = check("hostile, drawn", &page);
     assert!(

@@ -6,7 +6,7 @@ use series::{Average, Operation, run};
 
 fn document(start: Option<&str>, columns: &[(&str, Vec<f64>)]) -> Document {
     let columns: Columns =
-        columns.iter().map(|(name, values)| (name.to_string(), Column(values.clone()))).collect();
+        columns.iter().map(|(name, values)| (name.to_string(), Column::from(values.clone()))).collect();
     let start = start.map(str::to_string);
     let recording =
         Recording { id: "a".into(), procedure: "free_run".into(), start, columns, ..Recording::default() };
@@ -42,7 +42,7 @@ proptest! {
         prop_assert_eq!(twice.columns.len(), once.columns.len());
         for (name, column) in &once.columns {
             let other = twice.column(name).expect("the column");
-            for (a, b) in column.0.iter().zip(other) {
+            for (a, b) in column.iter().zip(other) {
                 prop_assert!((a - b).abs() < 1e-9 || a.is_nan() && b.is_nan(), "{name}: {a} {b}");
             }
         }

@@ -9,9 +9,9 @@ fn field(t: f64) -> f64 {
 }
 
 fn recording(id: &str, start: &str, time: &[f64], begin_s: f64, quantity: &str) -> Recording {
-    let values = time.iter().map(|t| field(begin_s + t)).collect();
+    let values = time.iter().map(|t| field(begin_s + t));
     let columns =
-        [("time_s".to_string(), Column(time.to_vec())), (format!("{quantity}_x_nt"), Column(values))];
+        [("time_s".to_string(), Column::from(time.to_vec())), (format!("{quantity}_x_nt"), values.collect())];
     Recording {
         id: id.into(),
         procedure: "free_run".into(),

@@ -36,7 +36,7 @@ impl Sequence for FreeRun {
                 "drive, times and temperatures only; the readings are simulated",
             ));
         }
-        if self.columns.values().all(|column| column.0.is_empty()) {
+        if self.columns.values().all(|column| column.is_empty()) {
             return Err(Error::document(
                 format!("{path}.columns"),
                 "no rows",
@@ -54,12 +54,12 @@ impl Sequence for FreeRun {
                 ));
             }
             let Some(column) = self.columns.get(&format!("coil_{axis}_a")) else { continue };
-            let largest = column.0.iter().map(|current| current.abs()).fold(0.0, f64::max);
+            let largest = column.iter().map(|current| current.abs()).fold(0.0, f64::max);
             let constant = bench.stated.coils[axis.index()].constant_nt_per_a;
             let field = if constant == 0.0 { largest } else { largest * constant.abs() };
             bench.within(axis, field, &format!("{path}.columns.coil_{axis}_a"))?;
         }
-        Ok(self.columns.values().map(|column| column.0.len()).max().unwrap_or(0) as f64)
+        Ok(self.columns.values().map(|column| column.len()).max().unwrap_or(0) as f64)
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {

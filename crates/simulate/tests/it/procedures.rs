@@ -366,7 +366,7 @@ fn the_errors_of_resistors_and_voltmeter_are_common_to_the_campaign() {
 fn a_missing_column_is_told_from_a_zero() {
     let mut plan = exact("cubesat");
     if let simulate::Procedure::FreeRun(run) = plan.procedures.last_mut().expect("a procedure") {
-        run.columns.insert("coil_x_a".into(), Column(vec![f64::NAN; 180]));
+        run.columns.insert("coil_x_a".into(), Column::from(vec![f64::NAN; 180]));
     }
     let document = simulate::campaign(&plan).expect("simulated").document;
     assert!(column(of(&document, "on-board"), "sensor_x_nt").iter().all(|value| value.is_nan()));

@@ -50,7 +50,7 @@ fn worst(a: &Document, b: &Document, wanted: impl Fn(&str, &str) -> bool) -> (f6
     let (mut worst, mut count) = (0.0f64, 0);
     for (a, b) in a.recordings.iter().zip(&b.recordings) {
         for (name, column) in a.columns.iter().filter(|(name, _)| wanted(&a.procedure, name)) {
-            for (x, y) in column.0.iter().zip(&b.columns[name].0) {
+            for (x, y) in column.iter().zip(&b.columns[name]) {
                 worst = worst.max((x - y).abs());
                 count += 1;
             }
@@ -70,7 +70,7 @@ fn what_is_known_exactly_is_predicted_exactly() {
                     || name.starts_with("test_")
                     || name == "reference_nt";
                 if reading {
-                    column.0.iter_mut().for_each(|value| *value = 1.0);
+                    column.iter_mut().for_each(|value| *value = 1.0);
                 }
             }
         }
@@ -109,7 +109,7 @@ fn missing_readings_stay_missing_and_noise_is_added_when_asked() {
     instrument.noise = serde_json::from_value(noise).expect("noise");
     instrument.quantisation_nt = Some(1.0);
     let at = document.recordings.iter().position(|r| r.id == "on-board").expect("a recording");
-    document.recordings[at].columns["sensor_y_nt"].0[7] = f64::NAN;
+    document.recordings[at].columns["sensor_y_nt"][7] = f64::NAN;
     let run = |arguments: &[&str]| {
         let run = testkit::run(SIMULATE, arguments, &common::to_text(&document));
         assert_eq!(run.code, 0, "{}", run.stderr);
@@ -117,11 +117,11 @@ fn missing_readings_stay_missing_and_noise_is_added_when_asked() {
     };
     let (plain, noisy) = (run(&["replay", "-q"]), run(&["replay", "-q", "--noise", "--seed", "4"]));
     let column = |document: &Document, axis: Axis| {
-        document.recordings[at].columns[&format!("sensor_{axis}_nt")].0.clone()
+        document.recordings[at].columns[&format!("sensor_{axis}_nt")].clone()
     };
     assert!(column(&plain, Axis::Y)[7].is_nan() && column(&noisy, Axis::Y)[7].is_nan());
     let differences: Vec<f64> =
-        column(&noisy, Axis::X).iter().zip(column(&plain, Axis::X)).map(|(a, b)| a - b).collect();
+        column(&noisy, Axis::X).iter().zip(&column(&plain, Axis::X)).map(|(a, b)| a - b).collect();
     let rms = (differences.iter().map(|d| d * d).sum::<f64>() / differences.len() as f64).sqrt();
     assert!((2.4..3.7).contains(&rms), "{rms}");
     assert!(column(&noisy, Axis::X).iter().all(|value| value.fract() == 0.0));
