@@ -32,8 +32,8 @@ pub fn fit(pair: &Pair, housekeeping: &[Housekeeping]) -> Result<[AxisFit; 3], E
     let columns = Columns::of(pair);
     let candidates = followed::candidates(&columns, housekeeping);
     let one = |axis: usize, established: &[String]| one(&columns, &candidates, established, axis);
-    let (x, (y, z)) = rayon::join(|| one(0, &[]), || rayon::join(|| one(1, &[]), || one(2, &[])));
-    let mut found = [x?, y?, z?];
+    // One after the other: the columns of each are many times as large as the readings.
+    let mut found = [one(0, &[])?, one(1, &[])?, one(2, &[])?];
     let mut established: Vec<String> =
         found.iter().flat_map(|(fit, _)| fit.follows.iter().map(|follows| follows.name.clone())).collect();
     established.dedup();

@@ -11,14 +11,19 @@ pub fn without<C: AsRef<[f64]>>(test: &[f64], steps: &[C], sizes: &[f64]) -> Vec
     left
 }
 
+/// The values less their mean.
+pub fn centred(values: &[f64]) -> Vec<f64> {
+    let middle = mean(values);
+    values.iter().map(|value| value - middle).collect()
+}
+
 /// What the columns leave, less its mean. They are taken one after the other: those that are made on the way need not be there together.
 pub fn rest<C: AsRef<[f64]>>(
     columns: impl IntoIterator<Item = C>,
     y: &[f64],
     coefficients: &[f64],
 ) -> Vec<f64> {
-    let middle = mean(y);
-    let mut left: Vec<f64> = y.iter().map(|value| value - middle).collect();
+    let mut left = centred(y);
     for (column, coefficient) in columns.into_iter().zip(coefficients) {
         let column = column.as_ref();
         let middle = mean(column);

@@ -296,6 +296,7 @@ fn noises(dates: &[Date]) -> Result<[(&'static str, Allowed); 3], Error> {
 fn newey_west(columns: &Columns, y: &[f64]) -> Result<Quantity, Error> {
     let design = columns.design.as_ref();
     let fit = linear::fit(design, y, None)?;
-    let robust = hac::newey_west(design, &fit.residuals, fit.covariance.as_ref(), hac::lags(y.len()));
+    let columns: Vec<&[f64]> = (0..design.ncols()).map(|j| columns.design.col_as_slice(j)).collect();
+    let robust = hac::newey_west(&columns, &fit.residuals, fit.covariance.as_ref(), hac::lags(y.len()));
     Ok(Quantity::new(fit.coefficients[1], robust[(1, 1)].sqrt()))
 }

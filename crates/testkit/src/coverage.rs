@@ -13,7 +13,8 @@ pub fn some<T>(cases: Vec<T>, step: usize) -> Vec<T> {
     cases.into_iter().step_by(step).collect()
 }
 
-fn number(variable: &str) -> Option<u64> {
+/// The whole number in a variable of the environment.
+pub fn number(variable: &str) -> Option<u64> {
     let text = env::var(variable).ok()?;
     Some(text.parse().unwrap_or_else(|_| panic!("{variable}={text}; expected a whole number")))
 }

@@ -39,9 +39,9 @@ impl Net {
         self.unlike <= ALIKE
     }
 
-    /// Whether another one, of rows farther away, says the same.
+    /// Whether another one, of rows farther away, is nearer to this one than to no step at all.
     pub fn agrees(&self, far: Option<Net>) -> bool {
-        far.is_none_or(|far| (far.size - self.size).abs() <= ALIKE * far.std.hypot(self.std))
+        far.is_none_or(|far| (far.size - self.size).abs() < far.size.abs())
     }
 }
 

@@ -6,7 +6,7 @@ use estimate::events::{Shape, threshold};
 use super::attribution::{Source, sources};
 use super::levels::{Levels, Net, PASS};
 use super::view::{Peak, Place, View};
-use super::{Events, Found};
+use super::{CONFIRMED, Events, Found};
 use crate::difference::Noise;
 use crate::series::Pair;
 use crate::{Error, axes};
@@ -26,10 +26,12 @@ const REACH: usize = 256;
 const SETTLED: f64 = 0.5;
 /// Levels on either side of disturbed rows are taken as unlike for the search above so many uncertainties, …
 const PROVISIONAL: f64 = 4.0;
-/// … and a step is one above so many, by what the same series does elsewhere.
+/// … and a step there is one above so many, by what the same series does elsewhere. One between two readings is in the filter's answer as well.
 const SURE: f64 = 6.0;
-/// A step and the one after it are opposite within so many uncertainties of both.
+/// A step and the one after it are a pass where they are opposite within so many uncertainties of both and it is over soon. Of two that are between
+/// readings so few rows may lie between that no level there is seen for itself.
 const ALIKE: f64 = 4.0;
+const BRIEF: usize = 32;
 /// A spike of more than this share of a step beside it says that the step is one row off.
 const MUCH: f64 = 0.25;
 /// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
@@ -42,6 +44,13 @@ struct Step {
     after: usize,
     source: Source,
     z: f64,
+}
+
+impl Step {
+    /// Whether it is between two readings.
+    fn sharp(&self) -> bool {
+        self.after == self.row
+    }
 }
 
 /// What is known so far.
@@ -142,7 +151,7 @@ impl Search {
     fn refined(&mut self, view: &View) -> bool {
         let (eta, out) = (self.eta, &self.out);
         let mut steps: Vec<&mut Step> =
-            self.steps.iter_mut().filter(|step| step.after == step.row && !out[step.row]).collect();
+            self.steps.iter_mut().filter(|step| step.sharp() && !out[step.row]).collect();
         if steps.is_empty() {
             return true;
         }
@@ -162,7 +171,7 @@ impl Search {
     /// Gives the steps between readings to their instruments, now that the others are known; whether they had them already.
     fn attributed(&mut self, view: &View, least: f64) -> bool {
         let mut rows: Vec<usize> =
-            self.steps.iter().filter(|step| step.after == step.row).map(|step| step.row).collect();
+            self.steps.iter().filter(|step| step.sharp()).map(|step| step.row).collect();
         rows.sort_unstable();
         rows.dedup();
         let place = |step: &Step| (step.source.instrument as usize, step.source.axis);
@@ -268,12 +277,12 @@ impl Search {
         sites.extend(
             self.steps
                 .iter()
-                .filter(|step| step.after == step.row)
+                .filter(|step| step.sharp())
                 .map(|step| (step.row, step.row - 1, Some(of_step(step)))),
         );
         sites.sort_by_key(|(from, to, _)| (*from, *to));
         let mut steps = std::mem::take(&mut self.steps);
-        steps.retain(|step| step.after == step.row);
+        steps.retain(|step| step.sharp());
         steps.extend(fresh.into_iter().map(|(_, step)| step));
         let mut sites = sites.into_iter().peekable();
         while let Some((from, to, strongest)) = sites.next() {
@@ -317,7 +326,7 @@ impl Search {
                     && sign * spike.size / step.source.size > MUCH
             })
         };
-        for step in self.steps.iter_mut().filter(|step| step.after == step.row) {
+        for step in self.steps.iter_mut().filter(|step| step.sharp()) {
             if step.row == row && much(step, -1.0) {
                 (step.row, step.after) = (row + 1, row + 1);
                 return true;
@@ -372,13 +381,13 @@ impl Search {
         }
     }
 
-    /// A step and one back within a minute's rows are a pass: the rows between are disturbed.
+    /// A step and one back are a pass, and the rows between are disturbed: where both are between two readings, after a few rows only.
     fn returns(&mut self) {
         let shown = |step: &Step| shown(&step.source, &self.eta);
         let back = |a: &Step, b: &Step| {
             let ((axis, up), (other, down)) = (shown(a), shown(b));
             axis == other
-                && b.row - a.row <= PASS
+                && b.row - a.row <= if a.sharp() && b.sharp() { BRIEF } else { PASS }
                 && (up + down).abs() <= ALIKE * a.source.std.hypot(b.source.std)
         };
         let mut steps = std::mem::take(&mut self.steps);
@@ -444,10 +453,11 @@ fn shown(source: &Source, eta: &[[f64; 3]; 3]) -> (usize, f64) {
 /// else, of one size by few and by many readings, and for longer than a pass.
 fn stands(series: &[f64], out: &[bool], (from, after): (usize, usize), removed: f64) -> bool {
     let levels = Levels::of(series, out);
+    let sure = if from == after { CONFIRMED } else { SURE };
     let far = levels.lasting(from, after, removed);
     levels
         .net(from, after, removed)
-        .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= SURE)
+        .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= sure)
 }
 
 /// Whether a step that was taken off differences is one by what they leave.

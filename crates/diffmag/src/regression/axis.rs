@@ -13,7 +13,7 @@ use crate::across::Whitened;
 use crate::difference::Noise;
 use crate::drift::{self, Columns};
 use crate::followed::{self, Candidate, Follows};
-use crate::residual::{rest, without};
+use crate::residual::{centred, rest, without};
 use crate::series::Pair;
 use crate::{Error, alike};
 
@@ -138,6 +138,7 @@ pub(super) fn one(
     let sizes: Vec<f64> =
         places[before_own..].iter().map(|place| place.of(&regression.coefficients)).collect();
     let level = without(test, &every[before_own..], &sizes);
+    let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
     let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
     if let Some(explanations) = &explanations {
         if explanations.is_drift() {
@@ -181,7 +182,6 @@ pub(super) fn one(
     };
     let offset_nt = mean(&without(test, &all_steps, &fit.weighted[every.len() - all_steps.len()..]))
         - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
-    let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
     // Noise is told of all that is left, by its form: levels of octaves would hide what is not noise from the tests that follow. It weighs only in the
     // band.
     let noise = if kept == whole.kept {
@@ -210,7 +210,7 @@ pub(super) fn one(
 fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    let levels = rest(std::iter::empty::<&[f64]>(), &apart, &[]);
+    let levels = centred(&apart);
     cosine::dot(left, left) > cosine::dot(&levels, &levels)
 }
 
@@ -219,16 +219,17 @@ fn source(columns: &Columns<'_>, test: &[f64], errors: &Errors) -> Result<Source
     let reference = &columns.pair.reference;
     let fit = cosine::regress(&columns.base()[..3], &columns.transform(test), errors)?;
     let difference = rest(reference, test, &fit.least_squares);
-    let means = reference.each_ref().map(|column| mean(column));
     // Beside centred columns the constant stands alone.
     let count = test.len();
-    let design = Mat::from_fn(count, 4, |i, j| if j < 3 { reference[j][i] - means[j] } else { 1.0 });
+    let centred = reference.each_ref().map(|column| centred(column));
+    let constant = vec![1.0; count];
+    let [x, y, z] = centred.each_ref().map(Vec::as_slice);
     let inverse = Mat::from_fn(4, 4, |i, j| match (i, j) {
         (3, 3) => 1.0 / count as f64,
         (3, _) | (_, 3) => 0.0,
         _ => fit.independent[(i, j)],
     });
-    let robust = hac::newey_west(design.as_ref(), &difference, inverse.as_ref(), hac::lags(count));
+    let robust = hac::newey_west(&[x, y, z, &constant], &difference, inverse.as_ref(), hac::lags(count));
     Ok(Source { newey_west: (0..3).map(|i| robust[(i, i)].sqrt()).collect(), fit, difference })
 }
 

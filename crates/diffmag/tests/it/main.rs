@@ -20,6 +20,7 @@ mod real;
 mod reference_noise;
 mod stability;
 mod statsmodels;
+mod steps;
 mod stream;
 mod stream_coverage;
 mod time;

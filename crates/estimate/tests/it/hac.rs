@@ -22,8 +22,9 @@ fn as_statsmodels_has_them() {
             [1.0, time(row) - middle, angle.cos(), angle.sin()][column]
         });
         let fit = linear::fit(design.as_ref(), &y, None).expect("a fit");
+        let columns: Vec<&[f64]> = (0..4).map(|j| design.col_as_slice(j)).collect();
         let lags = case["lags"].as_u64().expect("lags") as usize;
-        let covariance = hac::newey_west(design.as_ref(), &fit.residuals, fit.covariance.as_ref(), lags);
+        let covariance = hac::newey_west(&columns, &fit.residuals, fit.covariance.as_ref(), lags);
         for (i, row) in case["covariance"].as_array().expect("rows").iter().enumerate() {
             for (j, expected) in numbers(row).into_iter().enumerate() {
                 let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();

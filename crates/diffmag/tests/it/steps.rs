@@ -1,0 +1,243 @@
+//! Steps of days of one second at a busy site: flicker noise, traffic by day, bursts of disturbance, passing vehicles, and steps of 5 to 20 times the
+//! noise around them, 2 to 600 rows apart. How many are found, and how many are told that are none. FLUXCAL_DAYS sets how many days, FLUXCAL_FIRST
+//! the seed of the first.
+
+use std::f64::consts::TAU;
+use std::fmt::{Display, Formatter};
+
+use common::{EventKind, KeptOutEvent};
+use noise::{Stream, power_law};
+
+use crate::pair_in_time::{ETA, columns, document, recording};
+
+const ROWS: usize = 86_400;
+const MAIN_NT: [f64; 3] = [20_800.0, 700.0, 47_500.0];
+const DAILY_NT: [f64; 3] = [22.0, 28.0, 12.0];
+/// The noise around a row is the rms about their mean of so many readings on either side.
+const AROUND: usize = 64;
+/// A step that is told so many rows from one is that step: rows between are disturbed.
+const NEAR: usize = 10;
+
+/// A number between 0 and 1, all alike.
+fn uniform(stream: &mut Stream) -> f64 {
+    stream.normal().atan2(stream.normal()).rem_euclid(TAU) / TAU
+}
+
+/// A number between two ends, its logarithm uniform.
+fn between(stream: &mut Stream, low: f64, high: f64) -> f64 {
+    low * (high / low).powf(uniform(stream))
+}
+
+/// About the mean.
+fn rms(values: &[f64]) -> f64 {
+    let middle = estimate::stats::mean(values);
+    (values.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+}
+
+/// A step of the test instrument.
+#[derive(Debug)]
+struct Step {
+    row: usize,
+    axis: usize,
+    size: f64,
+    over_noise: f64,
+}
+
+struct Day {
+    reference: [Vec<f64>; 3],
+    test: [Vec<f64>; 3],
+    steps: Vec<Step>,
+}
+
+impl Day {
+    fn new(seed: u64) -> Self {
+        let mut stream = Stream::new(seed, "day");
+        let field: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+            let daily = |row: usize| DAILY_NT[axis] * (TAU * row as f64 / ROWS as f64 + axis as f64).sin();
+            let natural = power_law(&mut stream, ROWS, 1.0, 2e-4, 1.6);
+            natural.iter().enumerate().map(|(row, b)| MAIN_NT[axis] + daily(row) + b).collect()
+        });
+        let mut noise = noise(&mut stream);
+        let steps = steps(&mut stream, &noise);
+        for step in &steps {
+            noise[step.axis][step.row..].iter_mut().for_each(|value| *value += step.size);
+        }
+        let test = std::array::from_fn(|j| {
+            let turned = |row: usize| (0..3).map(|i| field[i][row] * ETA[i][j]).sum::<f64>();
+            (0..ROWS).map(|row| turned(row) + noise[j][row]).collect()
+        });
+        let reference = field.map(|column| column.into_iter().map(|b| b + 0.002 * stream.normal()).collect());
+        Self { reference, test, steps }
+    }
+}
+
+/// What the test instrument reads beside the field.
+fn noise(stream: &mut Stream) -> [Vec<f64>; 3] {
+    let white = between(stream, 0.01, 0.05);
+    let flicker = between(stream, 2e-5, 1e-3);
+    let busy = 4.0 * uniform(stream);
+    // From six to eighteen o'clock.
+    let by_day = |row: usize| (TAU * (row as f64 / ROWS as f64 - 0.25)).sin().max(0.0).powi(2);
+    let mut noise: [Vec<f64>; 3] = std::array::from_fn(|_| {
+        let mut slow = 0.0;
+        let own = power_law(stream, ROWS, 1.0, flicker, 1.0);
+        own.into_iter()
+            .enumerate()
+            .map(|(row, own)| {
+                // Traffic: half of it at once, half with a memory of twenty seconds.
+                slow += -slow / 20.0 + stream.normal() * (2.0_f64 / 20.0).sqrt();
+                own + white * (stream.normal() + busy * by_day(row) * (stream.normal() + slow))
+            })
+            .collect()
+    });
+    let bursts = (8.0 * uniform(stream)) as usize;
+    for _ in 0..bursts {
+        let (first, length) = (uniform(stream) * ROWS as f64, between(stream, 20.0, 900.0));
+        let size = white * between(stream, 5.0, 50.0);
+        let parts = [uniform(stream), uniform(stream), uniform(stream)];
+        for row in first as usize..((first + length) as usize).min(ROWS) {
+            let along = (0.5 * TAU * (row as f64 - first) / length).sin().max(0.0);
+            (0..3).for_each(|axis| noise[axis][row] += along * size * parts[axis] * stream.normal());
+        }
+    }
+    let passes = (15.0 * uniform(stream)) as usize;
+    for _ in 0..passes {
+        let middle = ROWS as f64 * (0.25 + 0.5 * uniform(stream));
+        let (half_s, size) = (between(stream, 3.0, 60.0), between(stream, 0.2, 5.0));
+        let parts = [stream.normal(), stream.normal(), stream.normal()];
+        // What a dipole that drives by leaves: even along one axis, odd along the others.
+        for row in 0..ROWS {
+            let u = (row as f64 - middle) / half_s;
+            if u.abs() < 40.0 {
+                let near = (1.0 + u * u).powf(-2.5);
+                let forms = [(2.0 - u * u) * near, u * near, near];
+                (0..3).for_each(|axis| noise[axis][row] += size * parts[axis] * forms[axis]);
+            }
+        }
+    }
+    noise
+}
+
+/// Groups of steps, 2 to 600 rows from each other.
+fn steps(stream: &mut Stream, noise: &[Vec<f64>; 3]) -> Vec<Step> {
+    let mut steps = Vec::new();
+    let groups = (3.0 * uniform(stream)) as usize;
+    for _ in 0..groups {
+        let mut row = 1000 + (uniform(stream) * (ROWS - 6000) as f64) as usize;
+        for _ in 0..1 + (4.0 * uniform(stream)) as usize {
+            let axis = (3.0 * uniform(stream)) as usize % 3;
+            let around = &noise[axis][row - AROUND..row + AROUND];
+            let rms = rms(around);
+            let over_noise = between(stream, 5.0, 20.0);
+            let size = over_noise * rms * stream.normal().signum();
+            steps.push(Step { row, axis, size, over_noise });
+            row += between(stream, 2.0, 600.0) as usize;
+        }
+    }
+    steps
+}
+
+/// What came of some days.
+#[derive(Default)]
+struct Score {
+    days: usize,
+    failed: Vec<String>,
+    worse: Vec<String>,
+    steps: usize,
+    found: usize,
+    /// Of those that are not found, how many are told as one disturbance with another.
+    together: usize,
+    missed: Vec<String>,
+    false_steps: Vec<String>,
+}
+
+impl Score {
+    fn add(&mut self, seed: u64) {
+        self.days += 1;
+        let day = Day::new(seed);
+        let time: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
+        let mut all = columns("reference", &day.reference, &(0..ROWS));
+        all.extend(columns("test", &day.test, &(0..ROWS)));
+        let run = diffmag::run(document(vec![recording("day", &time, all)]), &diffmag::Options::default());
+        let fit = match run {
+            Ok(document) => *document.calibration.and_then(|c| c.differential?.fit).expect("a fit"),
+            Err(error) => return self.failed.push(format!("{seed}: {error}")),
+        };
+        for (axis, of) in fit.axes.iter() {
+            let k = axis.index();
+            let apart: Vec<f64> = day.test[k].iter().zip(&day.reference[k]).map(|(t, r)| t - r).collect();
+            if of.rms_nt > rms(&apart) {
+                self.worse.push(format!("{seed} {axis}: {} nT", of.rms_nt));
+            }
+        }
+        let told: Vec<&KeptOutEvent> =
+            fit.kept_out.events.iter().filter(|event| event.kind == EventKind::Step).collect();
+        let all: Vec<_> = fit.kept_out.events.iter().map(|e| (e.kind, e.axis, e.rows)).collect();
+        let near = |row: usize, event: &KeptOutEvent| row.abs_diff(event.rows[0]) <= NEAR;
+        self.steps += day.steps.len();
+        for step in &day.steps {
+            let same = |event: &&&KeptOutEvent| event.axis.index() == step.axis && near(step.row, event);
+            let others = || day.steps.iter().filter(|other| other.row != step.row);
+            let one = |event: &KeptOutEvent| {
+                let inside = |row: usize| row + NEAR >= event.rows[0] && row <= event.rows[1] + NEAR;
+                inside(step.row) && others().any(|other| inside(other.row))
+            };
+            if told.iter().any(|event| same(&event)) {
+                self.found += 1;
+            } else if fit.kept_out.events.iter().any(one) {
+                self.together += 1;
+            } else {
+                let beside: Vec<_> = all.iter().filter(|of| of.2[0].abs_diff(step.row) < 300).collect();
+                self.missed.push(format!("{seed}: {step:.2?} beside {beside:?}"));
+            }
+        }
+        for event in told {
+            if !day.steps.iter().any(|step| near(step.row, event)) {
+                let close: Vec<_> = all.iter().filter(|of| of.2[0].abs_diff(event.rows[0]) < 300).collect();
+                self.false_steps.push(format!("{seed}: {event:?} beside {close:?}"));
+            }
+        }
+    }
+}
+
+impl Display for Score {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        writeln!(
+            f,
+            "{} days: {} failed, {} axes worse than levels; {} of {} steps found, {} told as one disturbance with another, {} false",
+            self.days,
+            self.failed.len(),
+            self.worse.len(),
+            self.found,
+            self.steps,
+            self.together,
+            self.false_steps.len()
+        )?;
+        for (name, list) in [
+            ("failed", &self.failed),
+            ("worse", &self.worse),
+            ("missed", &self.missed),
+            ("false", &self.false_steps),
+        ] {
+            list.iter().try_for_each(|one| writeln!(f, "{name} {one}"))?;
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn steps_of_disturbed_days_are_found_and_no_others() {
+    let mut score = Score::default();
+    let first = testkit::number("FLUXCAL_FIRST").unwrap_or(1);
+    for seed in first..first + testkit::number("FLUXCAL_DAYS").unwrap_or(2) {
+        score.add(seed);
+        if score.days.is_multiple_of(10) {
+            println!("{score}");
+        }
+    }
+    println!("{score}");
+    assert!(score.failed.is_empty() && score.worse.is_empty(), "{score}");
+    assert!(score.false_steps.len() <= score.days.div_ceil(100), "{score}");
+    let told = score.found + score.together;
+    assert!(testkit::agrees(told, score.steps, [0.95, 1.0], 1), "{score}");
+}
