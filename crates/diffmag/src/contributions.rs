@@ -13,6 +13,7 @@ use faer::Mat;
 use crate::clock::{Moved, Shift, aligned};
 use crate::followed::Follows;
 use crate::prepare::Prepared;
+use crate::residual::{of_levels, scatter};
 use crate::series::Pair;
 use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW, words};
@@ -29,10 +30,9 @@ pub fn add(
     fit: &mut DifferentialFit,
 ) -> Result<(), Error> {
     for (axis, test) in Axis::ALL.into_iter().zip(&raw.test) {
-        let levels: Vec<f64> = test.iter().zip(&raw.reference[axis.index()]).map(|(t, r)| t - r).collect();
         if let Some(of) = fit.axes.entry(axis) {
             of.rms_of_readings_nt = Some(scatter(test, &raw.whole));
-            of.rms_of_levels_nt = Some(scatter(&levels, &raw.whole));
+            of.rms_of_levels_nt = Some(of_levels(raw, axis.index()));
         }
     }
     let cosine = Cosine::new(raw.whole.len(), raw.step_s);
@@ -241,13 +241,6 @@ fn decay_s(drift: &Drift) -> Option<f64> {
 fn squares_below(cosine: &Cosine, values: &[f64], highest_hz: f64) -> f64 {
     let below = |k: usize| cosine.frequency(k + 1) <= highest_hz;
     cosine.transform(values).iter().enumerate().take_while(|(k, _)| below(*k)).map(|(_, c)| c * c).sum()
-}
-
-/// Standard deviation of the rows that are whole.
-fn scatter(values: &[f64], rows: &[bool]) -> f64 {
-    let used: Vec<f64> = values.iter().zip(rows).filter(|(_, row)| **row).map(|(value, _)| *value).collect();
-    let middle = mean(&used);
-    (used.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / used.len() as f64).sqrt()
 }
 
 /// Of each axis the one, or the other.

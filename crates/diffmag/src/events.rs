@@ -40,7 +40,7 @@ pub struct Found {
 
 impl Found {
     /// Test axes whose difference has it.
-    fn axes(&self) -> std::ops::Range<usize> {
+    pub fn axes(&self) -> std::ops::Range<usize> {
         match self.instrument {
             EventInstrument::Reference => 0..3,
             _ => self.axis..self.axis + 1,

@@ -6,6 +6,7 @@ use crate::clock::{self, Look, Moved, Shift, aligned, moves};
 use crate::difference::Noise;
 use crate::events::{self, CONFIRMED, Events, Found};
 use crate::regression::{AxisFit, step_sizes};
+use crate::residual::{of_levels, scatter};
 use crate::series::Pair;
 use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW};
@@ -117,6 +118,15 @@ impl Prepared {
             size.is_none_or(|size| over(&size) >= CONFIRMED || apart(found.size, &size) < REFUTED)
         };
         let mut kept: Vec<bool> = self.events.found.iter().zip(sizes).map(stands).collect();
+        // With steps taken off no axis leaves more than it would without any fit.
+        for (axis, fit) in fits.iter().enumerate() {
+            if scatter(&fit.difference, &self.pair.whole) > of_levels(raw, axis) {
+                let steps = kept.iter_mut().zip(&self.events.found);
+                let own =
+                    steps.filter(|(_, found)| found.kind == EventKind::Step && found.axes().contains(&axis));
+                own.for_each(|(kept, _)| *kept = false);
+            }
+        }
         let of_rows = |found: &&Found| found.kind != EventKind::Step;
         let disturbed: Vec<&Found> = self.events.found.iter().filter(of_rows).collect();
         if self.events.found.is_empty() {

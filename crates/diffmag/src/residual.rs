@@ -2,6 +2,8 @@
 
 use estimate::stats::mean;
 
+use crate::series::Pair;
+
 /// The readings less steps of these sizes.
 pub fn without<C: AsRef<[f64]>>(test: &[f64], steps: &[C], sizes: &[f64]) -> Vec<f64> {
     let mut left = test.to_vec();
@@ -30,4 +32,18 @@ pub fn rest<C: AsRef<[f64]>>(
         left.iter_mut().zip(column).for_each(|(left, value)| *left -= coefficient * (value - middle));
     }
     left
+}
+
+/// Standard deviation of the rows that are whole.
+pub fn scatter(values: &[f64], rows: &[bool]) -> f64 {
+    let used: Vec<f64> = values.iter().zip(rows).filter(|(_, row)| **row).map(|(value, _)| *value).collect();
+    let middle = mean(&used);
+    (used.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / used.len() as f64).sqrt()
+}
+
+/// What is left of an axis without any fit but that of a level: the test instrument less the reference, nT rms.
+pub fn of_levels(pair: &Pair, axis: usize) -> f64 {
+    let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
+    let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
+    scatter(&apart, &pair.whole)
 }

@@ -1,5 +1,7 @@
 //! Steps and disturbed rows of three differences, by rounds: what is found is taken out before the next look.
 
+use std::collections::BTreeSet;
+
 use common::EventKind;
 use estimate::events::{Shape, threshold};
 
@@ -60,6 +62,8 @@ struct Search {
     steps: Vec<Step>,
     disturbed: Vec<Found>,
     out: Vec<bool>,
+    /// Rows of peaks that were taken and changed nothing.
+    spent: BTreeSet<usize>,
 }
 
 /// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search begins.
@@ -71,7 +75,8 @@ pub fn search(
     known: &Events,
 ) -> Result<Events, Error> {
     let out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
-    let mut search = Search { left, eta, steps: Vec::new(), disturbed: Vec::new(), out };
+    let mut search =
+        Search { left, eta, steps: Vec::new(), disturbed: Vec::new(), out, spent: BTreeSet::new() };
     search.begin(known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
     let (mut more, mut last) = (true, None::<View>);
@@ -89,7 +94,8 @@ pub fn search(
         if !search.refined(view) || !search.attributed(view, least) {
             continue;
         }
-        let peaks = view.peaks(least);
+        let mut peaks = view.peaks(least);
+        peaks.retain(|peak| !search.spent.contains(&peak.row));
         let taken = search.taken(&peaks);
         if taken.is_empty() || search.steps.len() + search.disturbed.len() > MOST {
             more = !taken.is_empty();
@@ -98,8 +104,7 @@ pub fn search(
         let before = search.key();
         search.adopt(&taken, view, least);
         if search.key() == before {
-            more = false;
-            break;
+            search.spent.extend(taken.iter().map(|peak| peak.row));
         }
     }
     search.returns();

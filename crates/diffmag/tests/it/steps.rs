@@ -35,11 +35,11 @@ fn rms(values: &[f64]) -> f64 {
 }
 
 /// A step of the test instrument.
-#[derive(Debug)]
 struct Step {
     row: usize,
     axis: usize,
     size: f64,
+    /// Its size over the noise around it.
     over_noise: f64,
 }
 
@@ -167,7 +167,11 @@ impl Score {
             let k = axis.index();
             let apart: Vec<f64> = day.test[k].iter().zip(&day.reference[k]).map(|(t, r)| t - r).collect();
             if of.rms_nt > rms(&apart) {
-                self.worse.push(format!("{seed} {axis}: {} nT", of.rms_nt));
+                self.worse.push(format!(
+                    "{seed} {axis}: {} nT; levels alone leave {} nT",
+                    of.rms_nt,
+                    rms(&apart)
+                ));
             }
         }
         let told: Vec<&KeptOutEvent> =
@@ -188,7 +192,10 @@ impl Score {
                 self.together += 1;
             } else {
                 let beside: Vec<_> = all.iter().filter(|of| of.2[0].abs_diff(step.row) < 300).collect();
-                self.missed.push(format!("{seed}: {step:.2?} beside {beside:?}"));
+                let Step { row, axis, size, over_noise } = step;
+                self.missed.push(format!(
+                    "{seed}: {size:.2} nT, {over_noise:.1} times the noise, of axis {axis} at row {row} beside {beside:?}"
+                ));
             }
         }
         for event in told {
