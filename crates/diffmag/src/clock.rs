@@ -99,7 +99,7 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
         Moved::Reference => &mut pair.reference,
         Moved::Test => &mut pair.test,
     };
-    for column in columns.iter_mut() {
+    for column in columns.iter_mut().filter(|_| pair.whole.contains(&false)) {
         for (value, _) in column.iter_mut().zip(&pair.whole).filter(|(_, whole)| !**whole) {
             *value = f64::NAN;
         }

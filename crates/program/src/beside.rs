@@ -108,6 +108,7 @@ fn one(recording: &mut Recording, folder: &Path, path: &str) -> Result<(), Error
         let batch = batch.map_err(refused)?;
         columns.iter_mut().zip(batch.columns).for_each(|(column, more)| column.extend(more));
     }
+    columns.iter_mut().for_each(Vec::shrink_to_fit);
     recording.columns = names.into_iter().zip(columns.into_iter().map(Column::from)).collect();
     recording.in_range(path.trim_end_matches(".table"))
 }

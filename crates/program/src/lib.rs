@@ -8,3 +8,7 @@ pub mod number;
 mod outline;
 pub mod pipe;
 mod readings;
+
+/// Columns of long series come and go: the system's allocator keeps half as much again of a month of seconds.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

@@ -124,18 +124,22 @@ impl<'a> OfAxis<'a> {
     /// All rows.
     fn all(&self) -> Tapered {
         let rows = 0..self.pairs[1].whole.len();
-        self.tapered(&rows, |at, taper| taper.of(&self.parts(at), &rows))
+        self.tapered(&rows, |at| {
+            let Parts { late, turned, left } = self.parts(at);
+            [late, turned, left]
+        })
     }
 
-    /// Some rows, of which `cut` gives the three series at each place of the reference.
-    fn tapered(&self, rows: &Range<usize>, cut: impl Fn(usize, &Taper) -> [Vec<f64>; 3]) -> Tapered {
+    /// Some rows, of which `cut` gives −dB/dt, the field and what is left at each place of the reference.
+    fn tapered(&self, rows: &Range<usize>, cut: impl Fn(usize) -> [Vec<f64>; 3]) -> Tapered {
         let taper = Taper::new(rows.len());
         let transformer = Transformer::new(rows.len());
         let mut here = <[Vec<f64>; 3]>::default();
         // One after the other, and of the series only those where the reference is are kept.
         let transforms = std::array::from_fn(|at| {
-            let series = cut(at, &taper);
-            let transforms = axes::each(|which| transformer.transform(&series[which]));
+            let mut series = cut(at);
+            series.iter_mut().for_each(|values| taper.taper(values));
+            let transforms = series.each_ref().map(|values| transformer.transform(values));
             if at == 1 {
                 here = series;
             }
@@ -155,7 +159,11 @@ impl<'a> OfAxis<'a> {
     pub fn in_parts(&self, parts: &[Range<usize>], heard: &Heard) -> Result<Vec<Option<Offset>>, Error> {
         let whole: [Parts; 3] = std::array::from_fn(|at| self.parts(at));
         let of_part = |rows: &Range<usize>| {
-            let tapered = self.tapered(rows, |at, taper| taper.of(&whole[at], rows));
+            let cut = |at: usize| {
+                let Parts { late, turned, left } = &whole[at];
+                [late, turned, left].map(|values| values[rows.clone()].to_vec())
+            };
+            let tapered = self.tapered(rows, cut);
             let first = tapered.seen(&|f| heard.density(self.noise(), f))?;
             let noise = Noise::seen(&first.left, &self.pairs[1].part(rows.clone()))?;
             Ok(tapered.seen(&|f| heard.density(&noise, f))?.delay(1.0))
@@ -215,12 +223,9 @@ impl Taper {
         Self { weights, wider: (fourths / squares.powi(2)).sqrt() }
     }
 
-    /// −dB/dt, the field and what is left in some rows, less their means.
-    fn of(&self, parts: &Parts, rows: &Range<usize>) -> [Vec<f64>; 3] {
-        [&parts.late, &parts.turned, &parts.left].map(|values| {
-            let values = &values[rows.clone()];
-            let middle = stats::mean(values);
-            values.iter().zip(&self.weights).map(|(value, w)| w * (value - middle)).collect()
-        })
+    /// Makes a series less its mean go to zero at its ends.
+    fn taper(&self, values: &mut [f64]) {
+        let middle = stats::mean(values);
+        values.iter_mut().zip(&self.weights).for_each(|(value, w)| *value = w * (*value - middle));
     }
 }

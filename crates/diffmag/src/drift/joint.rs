@@ -109,8 +109,9 @@ impl Best {
         let Curve { place, length, .. } =
             Curve::of(&projection, errors, columns.search().map(|(_, column)| column));
         let start = columns.search[place].0;
-        let projection = Projection::of(&all, y, errors)?;
-        let (regression, ln_tau, gain) = refine(columns, y, errors, (&projection, beside), start, accuracy)?;
+        let (ln_tau, gain) = refine(columns, errors, &Projection::of(&all, y, errors)?, start, accuracy);
+        let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
+        let regression = weighted(&columns.with(&[&plain, &slope], beside), y, errors)?;
         Ok(Self { regression, ln_tau, score: gain.sqrt(), length })
     }
 }
@@ -163,20 +164,18 @@ pub fn chance(score: f64, length: f64, freedom: f64) -> f64 {
 /// The best τ near a start, and by what its exponential lowers the sum of squares.
 fn refine(
     columns: &Columns<'_>,
-    y: &[f64],
     errors: &Errors,
-    (projection, beside): (&Projection, &Beside<'_>),
+    projection: &Projection,
     start: f64,
     accuracy: f64,
-) -> Result<(Regression, f64, f64), Error> {
+) -> (f64, f64) {
     let (low, high) = columns.limits();
     let gain = |ln_tau: f64| {
         let column = columns.transform(&columns.exponential(ln_tau)[0]);
         projection.direction(&column, errors).map_or(0.0, |direction| projection.score(&direction).powi(2))
     };
-    let both = |ln_tau: f64| columns.exponential(ln_tau).map(|column| columns.transform(&column));
     let sizes = |ln_tau: f64| {
-        let [plain, slope] = both(ln_tau);
+        let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
         projection.coefficients(&[&plain, &slope], errors)
     };
     let mut ln_tau = start;
@@ -196,8 +195,7 @@ fn refine(
             break;
         }
     }
-    let [plain, slope] = both(ln_tau);
-    Ok((weighted(&columns.with(&[&plain, &slope], beside), y, errors)?, ln_tau, reached))
+    (ln_tau, reached)
 }
 
 impl Joint {

@@ -3,7 +3,8 @@
 use super::local;
 
 /// Means of so many rows are held against each other.
-const MEANS: [usize; 3] = [4, 16, 64];
+const MEANS: [usize; 3] = [4, 16, LONGEST];
+pub const LONGEST: usize = 64;
 /// Rows on either side from which the noise of a difference of means is told: those near, and those of a wider neighbourhood.
 const NEAR: usize = 256;
 const WIDE: usize = 2048;

@@ -6,7 +6,7 @@ use common::EventKind;
 use estimate::events::{Shape, threshold};
 
 use super::attribution::{Source, sources};
-use super::levels::{Levels, Net, PASS};
+use super::levels::{LONGEST, Levels, Net, PASS};
 use super::view::{Peak, Place, View};
 use super::{CONFIRMED, Events, Found};
 use crate::difference::Noise;
@@ -30,10 +30,9 @@ const SETTLED: f64 = 0.5;
 const PROVISIONAL: f64 = 4.0;
 /// … and a step there is one above so many, by what the same series does elsewhere. One between two readings is in the filter's answer as well.
 const SURE: f64 = 6.0;
-/// A step and the one after it are a pass where they are opposite within so many uncertainties of both and it is over soon. Of two that are between
-/// readings so few rows may lie between that no level there is seen for itself.
+/// Steps are a pass where their sum is none within so many of its uncertainties and it is over soon, and so many at most.
 const ALIKE: f64 = 4.0;
-const BRIEF: usize = 32;
+const MOST_OF_PASS: usize = 4;
 /// A spike of more than this share of a step beside it says that the step is one row off.
 const MUCH: f64 = 0.25;
 /// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
@@ -386,34 +385,36 @@ impl Search {
         }
     }
 
-    /// A step and one back are a pass, and the rows between are disturbed: where both are between two readings, after a few rows only.
+    /// Steps that together lead back are a pass, and the rows between them are disturbed: of steps that are each between two readings where too few
+    /// rows lie between the first and the last to be a level.
     fn returns(&mut self) {
         let shown = |step: &Step| shown(&step.source, &self.eta);
-        let back = |a: &Step, b: &Step| {
-            let ((axis, up), (other, down)) = (shown(a), shown(b));
-            axis == other
-                && b.row - a.row <= if a.sharp() && b.sharp() { BRIEF } else { PASS }
-                && (up + down).abs() <= ALIKE * a.source.std.hypot(b.source.std)
+        let back = |steps: &[Step]| {
+            let (first, last) = (&steps[0], &steps[steps.len() - 1]);
+            let reach = if steps.iter().all(Step::sharp) { LONGEST } else { PASS };
+            let sum: f64 = steps.iter().map(|step| shown(step).1).sum();
+            let variance: f64 = steps.iter().map(|step| step.source.std.powi(2)).sum();
+            shown(first).0 == shown(last).0
+                && last.row - first.row <= reach
+                && sum.abs() <= ALIKE * variance.sqrt()
         };
         let mut steps = std::mem::take(&mut self.steps);
         steps.sort_by_key(|step| (shown(step).0, step.row));
-        let mut kept: Vec<Step> = Vec::new();
-        let mut passes: Vec<Found> = Vec::new();
-        for step in steps {
-            match kept.last() {
-                Some(last) if back(last, &step) => {
-                    let Source { instrument, axis, size, std } = last.source;
-                    let (from, to) = (last.row, step.after.max(step.row + 1) - 1);
-                    let kind = if from == to { EventKind::Spike } else { EventKind::Interval };
-                    passes.push(Found { kind, instrument, axis, from, to, size, std, z: last.z });
-                    kept.pop();
-                }
-                _ => kept.push(step),
-            }
+        let mut rest = steps.as_slice();
+        while let [first, later @ ..] = rest {
+            let Some(count) = (2..=MOST_OF_PASS.min(rest.len())).find(|count| back(&rest[..*count])) else {
+                self.steps.push(*first);
+                rest = later;
+                continue;
+            };
+            let last = &rest[count - 1];
+            let Source { instrument, axis, size, std } = first.source;
+            let (from, to) = (first.row, last.after.max(last.row + 1) - 1);
+            let kind = if from == to { EventKind::Spike } else { EventKind::Interval };
+            self.out[from..=to].fill(true);
+            self.disturbed.push(Found { kind, instrument, axis, from, to, size, std, z: first.z });
+            rest = &rest[count..];
         }
-        passes.iter().for_each(|pass| self.out[pass.from..=pass.to].fill(true));
-        self.disturbed.extend(passes);
-        self.steps = kept;
     }
 
     /// Leaves those steps that no other part of the series would show, and that are not larger than the differences are spread.

@@ -157,6 +157,8 @@ pub(super) fn one(
     }
     let matrix = &regression.coefficients[..DAYS];
     found.windows = drift::window_means(&rest(&pair.reference, &level, matrix), pair);
+    // Of a month of seconds each of these columns is 20 MB.
+    drop((straight, joint));
     // What follows a column needs no drift that the readings do not demand beside it: the two are much alike.
     let drifts = follows.is_empty() || found.demanded != DriftForm::None;
     let exponential: Vec<Vec<f64>> = drift_columns.iter().map(|column| columns.transform(column)).collect();
@@ -167,7 +169,6 @@ pub(super) fn one(
         places = places.iter().map(|place| place.without(DAYS)).collect();
     }
     let errors = noise.errors(&columns.cosine)?;
-    let last = cosine::weighted(&all, &y, &errors)?;
     let mut fit = with_held(cosine::regress(&all, &y, &errors)?, &places);
     let mut difference = rest(&every, test, &fit.weighted);
     if worse_than_levels(&difference, pair, axis) {
@@ -176,6 +177,7 @@ pub(super) fn one(
         fit = with_held(cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?, &places);
         (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
     }
+    let last = cosine::weighted(&all, &y, &errors)?;
     let whitened = Whitened {
         weights: std::array::from_fn(|i| last.weights(&all, &errors, i)),
         left: errors.whiten(&last.residual),

@@ -177,7 +177,13 @@ impl Score {
         let told: Vec<&KeptOutEvent> =
             fit.kept_out.events.iter().filter(|event| event.kind == EventKind::Step).collect();
         let all: Vec<_> = fit.kept_out.events.iter().map(|e| (e.kind, e.axis, e.rows)).collect();
-        let near = |row: usize, event: &KeptOutEvent| row.abs_diff(event.rows[0]) <= NEAR;
+        // A step across disturbed rows is told at the first of them.
+        let last = |event: &KeptOutEvent| {
+            let from_there = fit.kept_out.events.iter().filter(|other| other.rows[0] == event.rows[0]);
+            from_there.map(|other| other.rows[1]).max().unwrap_or(event.rows[1])
+        };
+        let near =
+            |row: usize, event: &KeptOutEvent| row + NEAR >= event.rows[0] && row <= last(event) + NEAR;
         self.steps += day.steps.len();
         for step in &day.steps {
             let same = |event: &&&KeptOutEvent| event.axis.index() == step.axis && near(step.row, event);

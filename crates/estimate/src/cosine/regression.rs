@@ -92,8 +92,11 @@ pub fn regress(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Spectra
     let found = weighted(columns, y, errors)?;
     let independent =
         Positive::of(&Mat::from_fn(unknowns, unknowns, |i, j| dot(columns[i], columns[j])))?.inverse;
-    let noisy: Vec<Vec<f64>> = columns.iter().map(|column| errors.times(column)).collect();
-    let noisy = Mat::from_fn(unknowns, unknowns, |i, j| dot(columns[i], &noisy[j]));
+    let mut noisy = Mat::zeros(unknowns, unknowns);
+    for (j, column) in columns.iter().enumerate() {
+        let times = errors.times(column);
+        columns.iter().enumerate().for_each(|(i, other)| noisy[(i, j)] = dot(other, &times));
+    }
     let right: Vec<f64> = columns.iter().map(|column| dot(column, y)).collect();
     Ok(SpectralFit {
         least_squares: (0..unknowns)
