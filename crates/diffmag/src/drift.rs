@@ -12,6 +12,7 @@ pub use joint::{Curve, Joint, chance, joint};
 use common::{Column, Drift, DriftForm, Quantity, WindowMean};
 use estimate::cosine::{Cosine, Errors, Regression, weighted};
 use estimate::stats;
+use faer::MatRef;
 
 use crate::Error;
 use crate::difference::Noise;
@@ -30,10 +31,9 @@ const SHORTEST: f64 = 1e-3;
 const LONGEST: f64 = 3.0;
 /// Step of ln τ in the search.
 const SEARCH: f64 = 0.2;
-/// Windows of which means are told, parts of each by which their uncertainty is known, and the least samples of a part.
+/// Windows of which means are told, and the least samples of one.
 const WINDOWS: usize = 12;
-const PARTS: usize = 8;
-const LEAST_OF_PART: usize = 4;
+const LEAST_OF_WINDOW: usize = 32;
 /// So many coefficients of an exponential are searched: even of the shortest they hold all but 1e-7 of what white noise lets be known of it.
 const SEARCHED: usize = 1 << 17;
 const DAY_S: f64 = 86_400.0;
@@ -184,21 +184,29 @@ pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explana
     explanations(&with_drift, days, (rms, columns.length_s() / DAY_S))
 }
 
-/// Means of a difference, its drift in it, over equal windows; their uncertainties are by the scatter of parts. None of short recordings.
-pub fn window_means(difference: &[f64], pair: &Pair) -> Vec<WindowMean> {
-    let part = difference.len() / (WINDOWS * PARTS);
-    if part < LEAST_OF_PART {
+/// Means of a difference, its drift in it, over equal windows, about the mean of all. Their uncertainties are those of the mean of noise over a window, and what
+/// the uncertainty of η (`matrix` its covariance) makes of the field's mean there. None of short recordings.
+pub fn window_means(
+    difference: &[f64],
+    columns: &Columns<'_>,
+    errors: &Errors,
+    matrix: MatRef<'_, f64>,
+) -> Vec<WindowMean> {
+    let (pair, count) = (columns.pair, difference.len() / WINDOWS);
+    if count < LEAST_OF_WINDOW {
         return Vec::new();
     }
+    let of_all = stats::mean(difference);
+    let field = pair.reference.each_ref().map(|column| stats::mean(column));
     let of = |number: usize| {
-        let from = number * PARTS * part;
-        let own = &difference[from..from + PARTS * part];
-        let parts: Vec<f64> = own.chunks(part).map(stats::mean).collect();
-        let middle = stats::mean(&parts);
-        let scatter = parts.iter().map(|mean| (mean - middle).powi(2)).sum::<f64>() / (PARTS - 1) as f64;
+        let rows = number * count..(number + 1) * count;
+        let noise = errors.variance_of(&columns.cosine.mean_over(rows.clone()));
+        let moved: [f64; 3] =
+            std::array::from_fn(|axis| stats::mean(&pair.reference[axis][rows.clone()]) - field[axis]);
+        let of_matrix: f64 = (0..9).map(|at| moved[at / 3] * moved[at % 3] * matrix[(at / 3, at % 3)]).sum();
         WindowMean {
-            time_s: 0.5 * (pair.time_s(from) + pair.time_s(from + PARTS * part - 1)),
-            mean_nt: Quantity::new(middle, (scatter / PARTS as f64).sqrt()),
+            time_s: 0.5 * (pair.time_s(rows.start) + pair.time_s(rows.end - 1)),
+            mean_nt: Quantity::new(stats::mean(&difference[rows]) - of_all, (noise + of_matrix).sqrt()),
         }
     };
     (0..WINDOWS).map(of).collect()

@@ -4,7 +4,7 @@
 //! ends, as they do in a Fourier transform. What is slow is where it matters, and there the covariance is exact.
 
 use fourier::{Complex, Forward};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -58,6 +58,19 @@ impl Cosine {
                 scale * (at * self.turns[k]).re
             })
             .collect()
+    }
+
+    /// The coefficients of the weights of a mean over some rows, 1/m in each of these m: their product with c is that mean less the mean of all.
+    ///
+    /// w_k = √(2/n)/m · (sin(π k b/n) − sin(π k a/n))/(2 sin(π k/2n)) for the rows from a to before b.
+    pub fn mean_over(&self, rows: Range<usize>) -> Vec<f64> {
+        let scale = (2.0 / self.rows as f64).sqrt() / rows.len() as f64;
+        let weight = |k: usize| {
+            let step = PI * k as f64 / self.rows as f64;
+            let ends = (step * rows.end as f64).sin() - (step * rows.start as f64).sin();
+            scale * ends / (2.0 * (0.5 * step).sin())
+        };
+        (1..self.rows).map(weight).collect()
     }
 
     /// The frequency of c_k, k/(2nΔt) (Hz).

@@ -145,6 +145,6 @@ pub struct DriftExplanations {
 pub struct WindowMean {
     /// Its middle, s.
     pub time_s: f64,
-    /// nT, about the mean of all; the uncertainty by the scatter of its parts.
+    /// nT, about the mean of all; its uncertainty is that of a mean of the noise over the window, and of the matrix.
     pub mean_nt: Quantity,
 }

@@ -156,7 +156,12 @@ pub(super) fn one(
         found.explanations = Some(explanations.document());
     }
     let matrix = &regression.coefficients[..DAYS];
-    found.windows = drift::window_means(&rest(&pair.reference, &level, matrix), pair);
+    found.windows = drift::window_means(
+        &rest(&pair.reference, &level, matrix),
+        whole,
+        &noise.errors(&whole.cosine)?,
+        regression.covariance.as_ref().submatrix(0, 0, DAYS, DAYS),
+    );
     // Of a month of seconds each of these columns is 20 MB.
     drop((straight, joint));
     // What follows a column needs no drift that the readings do not demand beside it: the two are much alike.

@@ -2,6 +2,8 @@
 //! next day. The noise is cut out of a series sixteen times as long, so that it is not periodic over the recording.
 //! FLUXCAL_CAMPAIGNS sets how many, each with three axes.
 
+use std::ops::Range;
+
 use common::{Axis, Document, Drift, DriftForm, MatrixElement, Quantity};
 use indexmap::IndexMap;
 use rayon::prelude::*;
@@ -52,6 +54,12 @@ impl True {
     fn at(&self, time_s: f64) -> f64 {
         let exponential = if self.amplitude_nt == 0.0 { 0.0 } else { (-time_s / self.time_constant_s).exp() };
         self.nt_per_day * time_s / DAY_S + self.amplitude_nt * exponential
+    }
+
+    /// Over some rows, nT.
+    fn mean(&self, rows: Range<usize>) -> f64 {
+        let count = rows.len() as f64;
+        rows.map(|row| self.at(row as f64 * STEP_S)).sum::<f64>() / count
     }
 
     /// Between two times, nT.
@@ -154,6 +162,11 @@ fn over(name: &str, noise: &Noise, drift: &True) -> IndexMap<String, f64> {
                     let joint_std = joint.eta[i].std().expect("a std");
                     add("std of η, joint over quoted", joint_std / element.weighted_std);
                 }
+                let (windows, rows) = (&of.windows, DAYS * DAY / of.windows.len());
+                for (number, window) in windows.iter().enumerate() {
+                    let truth = drift.mean(number * rows..(number + 1) * rows) - drift.mean(0..DAYS * DAY);
+                    add("window means", share(holds(&window.mean_nt, truth)));
+                }
                 let end = (DAYS * DAY - 1) as f64 * STEP_S;
                 let change = noise_change[j] + drift.change(end, end + DAY_S);
                 let [low, high] = of.per_day.as_ref().expect("a change").interval_nt;
@@ -197,7 +210,7 @@ fn none_is_claimed(name: &str, noise: &Noise) {
     for key in ["claimed straight", "claimed exponential"] {
         assert!(means[key] <= 0.01 + slack(0.01), "{key}: {}", means[key]);
     }
-    covers(&means, &["b", "η", "η by least squares", "change over the next day"]);
+    covers(&means, &["b", "η", "η by least squares", "change over the next day", "window means"]);
 }
 
 #[test]
@@ -221,7 +234,9 @@ fn both_parts_under_flicker_noise() {
     let means = over("both", &FLICKER, &drift);
     assert_eq!(means["settled"], 1.0);
     assert!(means["claimed exponential"] > 0.99);
-    covers(&means, &["joint b", "joint a", "joint ln τ", "joint η", "b", "η", "change over the next day"]);
+    let all =
+        ["joint b", "joint a", "joint ln τ", "joint η", "b", "η", "change over the next day", "window means"];
+    covers(&means, &all);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 use faer::{Mat, Side};
 
-use super::{Cosine, memory};
+use super::{Cosine, dot, memory};
 use crate::Error;
 use crate::whittle::WhittleFit;
 
@@ -85,6 +85,11 @@ impl Errors {
             whitened[i] = (x[i] - known) / self.factor[(i, i)];
         }
         whitened
+    }
+
+    /// The variance xᵀ C x of a linear estimate with these weights.
+    pub fn variance_of(&self, x: &[f64]) -> f64 {
+        dot(x, &self.times(x))
     }
 
     /// The covariance times x.
