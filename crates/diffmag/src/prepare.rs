@@ -39,6 +39,8 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
     let (mut shift, mut events) = (Shift::default(), Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
     let mut searched = None::<Shift>;
+    // What was found before by these clocks: an event may come and go by turns.
+    let mut before: Vec<Events> = Vec::new();
     for _ in 0..ROUNDS {
         let mut together = aligned(events.taken_out(raw, shift), shift, Moved::Reference);
         if let Some(look) = &last {
@@ -62,8 +64,12 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
         };
         drop(together);
         let found = events::search(left, &frame, &look, known)?;
+        if searched != Some(shift) {
+            before = vec![std::mem::take(&mut events)];
+        }
         searched = Some(shift);
-        let same = found.same(&events);
+        let same = before.iter().any(|known| found.same(known));
+        before.push(found.clone());
         events = found;
         clock = look.clock.as_ref().map(|left| total(shift, left));
         let near = off(&look) <= SETTLED;

@@ -1,6 +1,7 @@
 //! Filters of one instrument: each is told by its form, and none where there is none.
 
 use common::{DelayBands, DelayForm};
+use rayon::prelude::*;
 
 use crate::pair_in_time::{Made, columns, document, found, recording};
 
@@ -35,6 +36,24 @@ fn a_running_mean_is_told_with_its_length() {
         // Three uncertainties, and what one frequency for an octave leaves out.
         assert!((told.value() / length_s - 1.0).abs() < 0.05, "{told:?} for {length_s} s");
     }
+}
+
+/// The interval of the length, over pairs. FLUXCAL_CAMPAIGNS sets how many.
+#[test]
+fn the_length_of_a_running_mean_has_an_interval_that_holds() {
+    let count = testkit::campaigns(4);
+    let inside = (0..count).into_par_iter().filter(|seed| {
+        let length_s = 90.0 + 15.0 * (seed % 6) as f64;
+        let age = |part: usize| length_s * (part as f64 + 0.5) / PARTS as f64;
+        let found = bands(100 + seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
+        let told = found.average_s.unwrap_or_default();
+        let std = told.std().unwrap_or(0.0);
+        println!("{:.2} ± {std:.2} for {length_s} s", told.value());
+        (told.value() - length_s).abs() <= 1.96 * std
+    });
+    let inside = inside.count();
+    println!("{inside} of {count} lengths in their 95 % intervals");
+    assert!(testkit::agrees(inside, count as usize, [0.93, 1.0], 1), "{inside} of {count}");
 }
 
 #[test]
