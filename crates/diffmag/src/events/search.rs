@@ -93,17 +93,9 @@ pub fn search(
         if !search.refined(view) || !search.attributed(view, least) {
             continue;
         }
-        let mut peaks = view.peaks(least);
-        peaks.retain(|peak| !search.spent.contains(&peak.row));
-        let taken = search.taken(&peaks);
-        if taken.is_empty() || search.steps.len() + search.disturbed.len() > MOST {
-            more = !taken.is_empty();
+        more = search.adopts(view, least);
+        if !more || search.steps.len() + search.disturbed.len() > MOST {
             break;
-        }
-        let before = search.key();
-        search.adopt(&taken, view, least);
-        if search.key() == before {
-            search.spent.extend(taken.iter().map(|peak| peak.row));
         }
     }
     search.returns();
@@ -200,6 +192,24 @@ impl Search {
             }
         }
         same
+    }
+
+    /// Takes peaks for events until one changes what is known; whether one did.
+    fn adopts(&mut self, view: &View, least: f64) -> bool {
+        let mut peaks = view.peaks(least);
+        loop {
+            peaks.retain(|peak| !self.spent.contains(&peak.row));
+            let taken = self.taken(&peaks);
+            if taken.is_empty() {
+                return false;
+            }
+            let before = self.key();
+            self.adopt(&taken, view, least);
+            if self.key() != before {
+                return true;
+            }
+            self.spent.extend(taken.iter().map(|peak| peak.row));
+        }
     }
 
     /// Of the peaks those that belong to what is known, and the largest of those far from each other.

@@ -95,9 +95,12 @@ fn noise(stream: &mut Stream) -> [Vec<f64>; 3] {
         let (first, length) = (uniform(stream) * ROWS as f64, between(stream, 20.0, 900.0));
         let size = white * between(stream, 5.0, 50.0);
         let parts = [uniform(stream), uniform(stream), uniform(stream)];
-        for row in first as usize..((first + length) as usize).min(ROWS) {
-            let along = (0.5 * TAU * (row as f64 - first) / length).sin().max(0.0);
-            (0..3).for_each(|axis| noise[axis][row] += along * size * parts[axis] * stream.normal());
+        let rows = first as usize..((first + length) as usize).min(ROWS);
+        for (column, part) in noise.iter_mut().zip(parts) {
+            for (value, row) in column[rows.clone()].iter_mut().zip(rows.clone()) {
+                let along = (0.5 * TAU * (row as f64 - first) / length).sin().max(0.0);
+                *value += along * size * part * stream.normal();
+            }
         }
     }
     let passes = (15.0 * uniform(stream)) as usize;
@@ -106,12 +109,11 @@ fn noise(stream: &mut Stream) -> [Vec<f64>; 3] {
         let (half_s, size) = (between(stream, 3.0, 60.0), between(stream, 0.2, 5.0));
         let parts = [stream.normal(), stream.normal(), stream.normal()];
         // What a dipole that drives by leaves: even along one axis, odd along the others.
-        for row in 0..ROWS {
-            let u = (row as f64 - middle) / half_s;
-            if u.abs() < 40.0 {
-                let near = (1.0 + u * u).powf(-2.5);
-                let forms = [(2.0 - u * u) * near, u * near, near];
-                (0..3).for_each(|axis| noise[axis][row] += size * parts[axis] * forms[axis]);
+        for (axis, (column, part)) in noise.iter_mut().zip(parts).enumerate() {
+            for (row, value) in column.iter_mut().enumerate() {
+                let u = (row as f64 - middle) / half_s;
+                let form = [2.0 - u * u, u, 1.0][axis];
+                *value += size * part * form * (1.0 + u * u).powf(-2.5);
             }
         }
     }
