@@ -136,6 +136,9 @@ pub struct MatrixElement {
 pub struct DifferenceAxis {
     /// Rms of d about its mean, nT.
     pub rms_nt: f64,
+    /// Rms of what the whole fit leaves: d without its drift, nT.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rms_left_nt: Option<f64>,
     /// Rms of the axis's own readings about their mean, nT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_of_readings_nt: Option<f64>,
@@ -167,10 +170,15 @@ pub struct DifferenceAxis {
 }
 
 impl DifferenceAxis {
+    /// What is left, nT.
+    pub fn left_nt(&self) -> f64 {
+        self.rms_left_nt.unwrap_or(self.rms_nt)
+    }
+
     /// The rms that is known without any fit, if what is left exceeds it, nT: such a fit is worse than none.
     pub fn exceeded_nt(&self) -> Option<f64> {
         let own = [self.rms_of_readings_nt, self.rms_of_levels_nt].into_iter().flatten();
-        own.reduce(f64::min).filter(|own| self.rms_nt > ABSURD * own)
+        own.reduce(f64::min).filter(|own| self.left_nt() > ABSURD * own)
     }
 }
 

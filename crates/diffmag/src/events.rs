@@ -146,9 +146,9 @@ pub fn search(left: [Vec<f64>; 3], pair: &Pair, look: &Look, known: &Events) -> 
     search::search(left, eta, pair, noise, known)
 }
 
-/// Whether a step that was taken off is one by the differences `left` under a matrix `eta`, as the search asks it of each.
-pub fn lasts(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], step: &Found) -> bool {
-    search::lasts(left, eta, out, step)
+/// Which of the steps that were taken off the differences `left` are steps by a matrix `eta`, as the search asks it of each.
+pub fn lasting(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[&Found]) -> Vec<bool> {
+    search::lasting(left, eta, out, steps)
 }
 
 /// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties of a single reading.

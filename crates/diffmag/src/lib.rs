@@ -76,7 +76,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.stability = stability::of(&level, &fits)?;
         fit.series = shown::series(&columns, &raw, &prepared, &fits, fit);
     }
-    reference_noise::adopt(&level, reference_noise::find(&level, &fits)?, &mut found)?;
+    let levels_nt = std::array::from_fn(|axis| residual::of_levels(&raw, axis));
+    reference_noise::adopt(&level, reference_noise::find(&level, &fits, levels_nt)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
         adopt::clock(&mut document, &raw, clock);
     }

@@ -143,10 +143,11 @@ impl Prepared {
         disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
         let left: [Vec<f64>; 3] = std::array::from_fn(|axis| fits[axis].left(&pair, axis));
         let eta = std::array::from_fn(|axis| std::array::from_fn(|i| fits[axis].fit.weighted[i]));
-        let steps = self.events.found.iter().map(|event| (event.kind == EventKind::Step).then_some(event));
-        for (kept, step) in kept.iter_mut().zip(steps) {
-            *kept &= step.is_none_or(|step| events::lasts(&left, &eta, &out, step));
-        }
+        let steps: Vec<&Found> =
+            self.events.found.iter().filter(|event| event.kind == EventKind::Step).collect();
+        let of_steps = kept.iter_mut().zip(&self.events.found).filter(|(_, event)| !of_rows(event));
+        let lasting = events::lasting(&left, &eta, &out, &steps);
+        of_steps.zip(lasting).for_each(|((kept, _), lasts)| *kept &= lasts);
         if !disturbed.is_empty() {
             let noise: [&Noise; 3] = std::array::from_fn(|axis| &fits[axis].noise);
             let off = events::off(&left, &out, pair.step_s, &noise, &disturbed)?;
@@ -211,5 +212,69 @@ fn total(shift: Shift, left: &ClockDifference) -> ClockDifference {
         offset_s: sum(shift.offset_s, &left.offset_s),
         rate_ppm: sum(shift.rate * 1e6, &left.rate_ppm),
         ..ClockDifference::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use common::EventInstrument;
+    use noise::Stream;
+
+    use super::*;
+
+    const ROWS: usize = 4000;
+
+    /// Two instruments with white noise; the test instrument's x rises by 2 nT at row 1000.
+    fn pair() -> Pair {
+        let mut stream = Stream::new(11, "prepare");
+        let wave = |row: usize, axis: usize| 30.0 * (row as f64 / (90.0 + 40.0 * axis as f64)).sin();
+        let field: [Vec<f64>; 3] = std::array::from_fn(|axis| (0..ROWS).map(|row| wave(row, axis)).collect());
+        let mut test = field.clone().map(|column| {
+            column.into_iter().map(|value| value + 0.1 * stream.normal()).collect::<Vec<f64>>()
+        });
+        test[0][1000..].iter_mut().for_each(|value| *value += 2.0);
+        Pair {
+            recordings: vec!["pair".into()],
+            first_s: 0.0,
+            step_s: 1.0,
+            reference: field.map(Into::into),
+            test: test.map(Into::into),
+            third: None,
+            reference_noise: None,
+            whole: vec![true; ROWS],
+            highest_hz: None,
+            steps: Default::default(),
+            segments: vec![joined::Segment { rows: 0..ROWS, late_s: 0.0 }],
+            boundaries: Vec::new(),
+            pauses: Vec::new(),
+            step_stds: Default::default(),
+            told: Vec::new(),
+        }
+    }
+
+    fn step(from: usize, size: f64) -> Found {
+        Found {
+            kind: EventKind::Step,
+            instrument: EventInstrument::Test,
+            axis: 0,
+            from,
+            to: from,
+            size,
+            std: 0.05,
+            z: size / 0.05,
+        }
+    }
+
+    #[test]
+    fn a_step_that_the_fit_refutes_is_none() {
+        let raw = pair();
+        let events = Events { found: vec![step(1000, 2.0), step(2500, 1.5)], ..Events::default() };
+        let prepared = settled(&raw, events, None, Shift::default(), false).expect("a pair without steps");
+        let fits = crate::regression::fit(&prepared.pair, &[]).expect("a fit");
+        let confirmed = prepared.confirmed(&raw, &fits).expect("a fit").expect("one step fewer");
+        let rows: Vec<usize> = confirmed.events.found.iter().map(|event| event.from).collect();
+        assert_eq!((rows, confirmed.events.unconfirmed), (vec![1000], [1, 0]));
+        let fits = crate::regression::fit(&confirmed.pair, &[]).expect("a fit");
+        assert!(confirmed.confirmed(&raw, &fits).expect("a fit").is_none());
     }
 }

@@ -24,6 +24,7 @@ use physics::frames;
 
 use crate::difference::{self, Noise};
 use crate::regression::{self, AxisFit};
+use crate::residual::scatter;
 use crate::series::Pair;
 use crate::{Error, three};
 
@@ -41,8 +42,9 @@ pub struct Found {
     corrected: Option<Corrected>,
 }
 
-/// Looks for noise of the reference where it can be known from.
-pub fn find(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Found, Error> {
+/// Looks for noise of the reference where it can be known from. No matrix is corrected by what leaves more of an axis than `levels_nt`, the rms of
+/// the readings with levels alone.
+pub fn find(pair: &Pair, fits: &[AxisFit; 3], levels_nt: [f64; 3]) -> Result<Found, Error> {
     let pair = &regression::without_exponentials(pair, fits);
     let start = Frame::start(pair, fits)?;
     let mut report = ReferenceNoise::default();
@@ -58,10 +60,13 @@ pub fn find(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Found, Error> {
         // Where it does not settle the spectra say nothing.
         let spectrum = by_spectrum(pair, &start).unwrap_or(None);
         let declared = declared(pair, &start);
-        let in_spectrum = spectrum.as_ref().map(|spectrum| evidence(spectrum, declared.is_none()));
+        let usable =
+            |spectrum: &Spectrum| declared.is_none() && spectrum.corrected.leaves_less(levels_nt, pair);
+        let in_spectrum = spectrum.as_ref().map(|spectrum| evidence(spectrum, usable(spectrum)));
         if let Some(declared) = &declared {
             report.known_from = ReferenceNoiseSource::Declared;
-            found.corrected = by_known(pair, &start, declared)?;
+            found.corrected =
+                by_known(pair, &start, declared)?.filter(|corrected| corrected.leaves_less(levels_nt, pair));
             let frame = found.corrected.as_ref().map_or(&start, |corrected| &corrected.frame);
             report.share = Some(shares(frame, declared));
             report.test = Some(own::of_test(frame, pair.step_s, declared)?);
@@ -129,8 +134,14 @@ pub fn adopt(pair: &Pair, found: Found, calibration: &mut DifferentialCalibratio
                 let Some(of) = fit.axes.entry(axis) else { continue };
                 let left = frame.difference(axis.index());
                 let described = difference::describe(&left, &left, &Noise::seen(&left, pair)?)?;
-                let weighted_up_to_hz = of.weighted_up_to_hz;
-                *of = DifferenceAxis { drift: of.drift.clone(), weighted_up_to_hz, ..described };
+                *of = DifferenceAxis {
+                    rms_of_readings_nt: of.rms_of_readings_nt,
+                    rms_of_levels_nt: of.rms_of_levels_nt,
+                    weighted_up_to_hz: of.weighted_up_to_hz,
+                    drift: of.drift.clone(),
+                    follows: std::mem::take(&mut of.follows),
+                    ..described
+                };
             }
         }
         fit.three_cornered = found.three;
@@ -168,8 +179,16 @@ fn shares(frame: &Frame, known: &Known) -> PerAxis<Quantity> {
     all
 }
 
+impl Corrected {
+    /// Whether it leaves no more of any axis than levels alone do.
+    fn leaves_less(&self, levels_nt: [f64; 3], pair: &Pair) -> bool {
+        let left = |axis: usize| scatter(&self.frame.difference(axis), &pair.whole);
+        (0..3).all(|axis| left(axis) <= levels_nt[axis])
+    }
+}
+
 /// What the spectra say, and whether it is used.
-fn evidence(spectrum: &Spectrum, nothing_better: bool) -> InSpectrum {
+fn evidence(spectrum: &Spectrum, usable: bool) -> InSpectrum {
     let mut share = PerAxis::default();
     for axis in Axis::ALL {
         let (value, std) = spectrum.share[axis.index()];
@@ -177,7 +196,7 @@ fn evidence(spectrum: &Spectrum, nothing_better: bool) -> InSpectrum {
     }
     let (p, consistency_p) = (spectrum.p(), spectrum.consistency_p());
     let possible = spectrum.share.iter().all(|(value, std)| value - ABOVE_ONE * std < 1.0);
-    let used = nothing_better && p < TOLD_BELOW && consistency_p > TOLD_BELOW && possible;
+    let used = usable && p < TOLD_BELOW && consistency_p > TOLD_BELOW && possible;
     InSpectrum { share, p, consistency_p, used }
 }
 

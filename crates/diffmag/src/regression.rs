@@ -20,7 +20,7 @@ use crate::events::{Events, Found};
 use crate::followed;
 use crate::housekeeping::Housekeeping;
 use crate::prepare::Prepared;
-use crate::residual::without;
+use crate::residual::{scatter, without};
 use crate::series::Pair;
 use crate::{Error, contributions, words};
 
@@ -125,6 +125,7 @@ pub fn calibrate(
         let j = axis.index();
         let source = &found.source;
         let mut described = difference::describe(&found.difference, &source.difference, &found.noise)?;
+        described.rms_left_nt = Some(scatter(&found.difference, &pair.whole));
         described.drift = found.drift.clone();
         described.follows =
             found.followed().into_iter().map(|(follows, sizes)| follows.document(&sizes)).collect();

@@ -58,7 +58,7 @@ fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<String> {
     let own = of.exceeded_nt()?;
     Some(format!(
         "test {axis}: what is left, {} nT rms, is more than the {} nT that there were before any fit; do not use this matrix",
-        significant(of.rms_nt, 3),
+        significant(of.left_nt(), 3),
         significant(own, 3)
     ))
 }

@@ -1,5 +1,6 @@
 //! Steps and spikes in a long even series whose noise has a known spectrum.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use fourier::{Complex, Forward, Inverse};
@@ -10,6 +11,8 @@ use crate::stats::{coverage_factor, mean};
 /// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model lacks there cannot look like
 /// steps.
 const MEMORY: usize = 256;
+/// Samples on either side of a missing one that tell of it.
+const AROUND: usize = 4096;
 /// Rows at either end where nothing is looked for.
 const ENDS: usize = 2;
 /// A shape is looked for where the jump from the last sample to the first leaves so much of what is known of it.
@@ -173,6 +176,8 @@ impl Search {
 /// A series whose missing samples have their most likely values under noise of the one-sided density `density`, given the others: those
 /// at which a spike would have the size 0. A gap that is longer than the memory of the search keeps in part what it was filled with.
 ///
+/// What is more than 4096 samples from a missing one says nothing of it: each group of missing samples is filled with those around it.
+///
 /// With x the missing values, e(x) the differences and S their spectrum, eᵀ S⁻¹ e is least: conjugate gradients.
 ///
 /// Source: B. Abraham, Missing observations in time series, Commun. Stat. A 10 (1981) 1643–1653.
@@ -186,9 +191,36 @@ pub fn fill(
     step_s: f64,
     density: &dyn Fn(f64) -> f64,
 ) -> Result<Vec<f64>, Error> {
+    let mut filled = series.to_vec();
+    for rows in groups(missing) {
+        let part = fill_group(&series[rows.clone()], &missing[rows.clone()], step_s, density)?;
+        filled[rows].copy_from_slice(&part);
+    }
+    Ok(filled)
+}
+
+/// Missing samples that are nearer to each other than twice what tells of them, with as much before and after.
+fn groups(missing: &[bool]) -> Vec<Range<usize>> {
+    let mut groups: Vec<Range<usize>> = Vec::new();
+    for row in (0..missing.len()).filter(|row| missing[*row]) {
+        let (from, to) = (row.saturating_sub(AROUND), (row + AROUND + 1).min(missing.len()));
+        match groups.last_mut() {
+            Some(group) if from <= group.end => group.end = to,
+            _ => groups.push(from..to),
+        }
+    }
+    groups
+}
+
+fn fill_group(
+    series: &[f64],
+    missing: &[bool],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+) -> Result<Vec<f64>, Error> {
     let n = series.len();
     let rows: Vec<usize> = (0..n).filter(|row| missing[*row]).collect();
-    if rows.is_empty() || rows.len() == n {
+    if rows.len() == n {
         return Ok(series.to_vec());
     }
     let filter = Filter::new(n, step_s, density)?;

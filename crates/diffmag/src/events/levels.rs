@@ -1,5 +1,7 @@
 //! The level after some rows against the level before, held against what the same series does elsewhere.
 
+use std::ops::Range;
+
 use super::local;
 
 /// Means of so many rows are held against each other.
@@ -67,10 +69,12 @@ impl Levels {
         (sum(at + gap) - sum(at - count)) / count as f64
     }
 
-    /// The same as [`Levels::net`] with so many rows left out on either side that a pass is over: what does not last there is no step.
-    pub fn lasting(&self, from: usize, after: usize, removed: f64) -> Option<Net> {
-        let known = self.before.len() - 1;
-        (from > PASS && after + PASS < known).then(|| self.net(from - PASS, after + PASS, removed)).flatten()
+    /// The same as [`Levels::net`] with so many rows left out on either side that a pass is over, or half of those up to the next steps, which begin
+    /// and end the `between`: what does not last there is no step.
+    pub fn lasting(&self, from: usize, after: usize, removed: f64, between: Range<usize>) -> Option<Net> {
+        let before = PASS.min((from - between.start) / 2);
+        let since = PASS.min(between.end.saturating_sub(after) / 2);
+        self.net_within(from - before, after + since, removed, between)
     }
 
     /// By how much the level from row `after` on is above that before row `from`, of which `removed` was taken off; None where too little is
@@ -79,12 +83,18 @@ impl Levels {
     /// Means of 4, 16 and 64 readings on either side are held against each other. The noise of each is told from the same differences
     /// elsewhere: before, after and in a wider neighbourhood, the largest of these, by their median and by what a twentieth exceeds.
     pub fn net(&self, from: usize, after: usize, removed: f64) -> Option<Net> {
+        self.net_within(from, after, removed, 0..self.before.len() - 1)
+    }
+
+    /// The same from levels in some rows only; the noise is that of all around.
+    fn net_within(&self, from: usize, after: usize, removed: f64, within: Range<usize>) -> Option<Net> {
         let (last, first) = (self.before[from], self.before[after]);
+        let (least, most) = (self.before[within.start], self.before[within.end]);
         let known = self.sums.len() - 1;
         let gap = after - from;
         let mut found: Vec<(f64, f64)> = Vec::new();
         for count in MEANS {
-            if last < count || first + count > known {
+            if last < least + count || first + count > most {
                 continue;
             }
             let stride = ((2 * count + gap) / 8).max(1);
@@ -156,7 +166,21 @@ mod tests {
         (1500..3000).for_each(|row| series[row] += 12.0 * (-((row as f64 - 1500.0) / 40.0).powi(2)).exp());
         let levels = Levels::of(&series, &[false; 3000]);
         let near = levels.net(1500, 1500, 0.0).expect("enough rows");
-        assert!(!near.agrees(levels.lasting(1500, 1500, 0.0)), "{near:?}");
+        assert!(!near.agrees(levels.lasting(1500, 1500, 0.0, 0..3000)), "{near:?}");
+    }
+
+    #[test]
+    fn two_jumps_that_die_away_are_no_steps() {
+        let mut series = white(4, 3000);
+        let decay = |row: usize, at: usize| if row < at { 0.0 } else { (-((row - at) as f64) / 8.0).exp() };
+        (0..3000).for_each(|row| series[row] += 30.0 * (decay(row, 1580) - decay(row, 1500)));
+        // As if the one led back from the other.
+        series[1500..1580].iter_mut().for_each(|value| *value += 15.0);
+        let levels = Levels::of(&series, &[false; 3000]);
+        for (at, removed, between) in [(1500, -15.0, 0..1580), (1580, 15.0, 1500..3000)] {
+            let near = levels.net(at, at, removed).expect("enough rows");
+            assert!(!near.agrees(levels.lasting(at, at, removed, between)), "{near:?}");
+        }
     }
 
     #[test]

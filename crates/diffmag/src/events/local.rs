@@ -9,6 +9,9 @@ const STRIDE: usize = 16;
 /// the rows around it.
 const OWN: usize = 256;
 const FAR: usize = 1024;
+/// Of these every so many rows count, for blocks of so many rows.
+const SPARSE: usize = 4;
+const BLOCK: usize = 64;
 /// Fewer ratios than these tell nothing.
 const LEAST: usize = 64;
 /// The least spread: series of which nearly all differences are zero.
@@ -67,7 +70,7 @@ impl Far {
         let rows = ratios.len();
         let mut all = Known::of(ratios, out, 1).sizes;
         let all = if all.len() >= LEAST { spread(&mut all).max(NONE) } else { 1.0 };
-        let known = Known::of(ratios, out, 2);
+        let known = Known::of(ratios, out, SPARSE);
         let mut sizes = Vec::new();
         let mut of = |row: usize| {
             sizes.clear();
@@ -75,11 +78,11 @@ impl Far {
             sizes.extend_from_slice(known.between((row + OWN).min(rows), (row + FAR).min(rows)));
             if sizes.len() < LEAST { all } else { (median_of(&mut sizes) / MEDIAN_ABSOLUTE_NORMAL).max(NONE) }
         };
-        Self { blocks: (0..rows.div_ceil(2 * STRIDE)).map(|at| of(2 * STRIDE * at)).collect() }
+        Self { blocks: (0..rows.div_ceil(BLOCK)).map(|at| of(BLOCK * at)).collect() }
     }
 
     pub fn at(&self, row: usize) -> f64 {
-        self.blocks[row / (2 * STRIDE)]
+        self.blocks[row / BLOCK]
     }
 }
 

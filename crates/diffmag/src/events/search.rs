@@ -54,6 +54,9 @@ impl Step {
     }
 }
 
+/// Rows from and to which readings are disturbed, and rows and axes of the steps.
+type Key = (Vec<(usize, usize)>, Vec<(usize, usize)>);
+
 /// What is known so far.
 struct Search {
     left: [Vec<f64>; 3],
@@ -61,8 +64,12 @@ struct Search {
     steps: Vec<Step>,
     disturbed: Vec<Found>,
     out: Vec<bool>,
-    /// Rows of peaks that were taken and changed nothing.
+    /// What was known before and after peaks were taken, …
+    seen: BTreeSet<Key>,
+    /// … and the rows of those that led to nothing else.
     spent: BTreeSet<usize>,
+    /// Rows whose steps were given to other instruments since the last peaks were taken: a step between two that it suits alike stays there.
+    given: BTreeSet<usize>,
 }
 
 /// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search begins.
@@ -74,8 +81,16 @@ pub fn search(
     known: &Events,
 ) -> Result<Events, Error> {
     let out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
-    let mut search =
-        Search { left, eta, steps: Vec::new(), disturbed: Vec::new(), out, spent: BTreeSet::new() };
+    let mut search = Search {
+        left,
+        eta,
+        steps: Vec::new(),
+        disturbed: Vec::new(),
+        out,
+        seen: BTreeSet::new(),
+        spent: BTreeSet::new(),
+        given: BTreeSet::new(),
+    };
     search.begin(known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
     let (mut more, mut last) = (true, None::<View>);
@@ -124,11 +139,12 @@ impl Search {
     }
 
     /// Which rows are out, and where the steps are.
-    fn key(&self) -> (Vec<bool>, Vec<(usize, usize)>) {
+    fn key(&self) -> Key {
+        let disturbed = self.disturbed.iter().map(|event| (event.from, event.to)).collect();
         let mut steps: Vec<(usize, usize)> =
             self.steps.iter().map(|step| (step.row, step.source.axis)).collect();
         steps.sort_unstable();
-        (self.out.clone(), steps)
+        (disturbed, steps)
     }
 
     /// The differences without the steps, and with the level around them where rows are out.
@@ -168,6 +184,7 @@ impl Search {
     fn attributed(&mut self, view: &View, least: f64) -> bool {
         let mut rows: Vec<usize> =
             self.steps.iter().filter(|step| step.sharp()).map(|step| step.row).collect();
+        rows.retain(|row| !self.given.contains(row));
         rows.sort_unstable();
         rows.dedup();
         let place = |step: &Step| (step.source.instrument as usize, step.source.axis);
@@ -188,13 +205,14 @@ impl Search {
             if known != found {
                 self.steps.retain(|step| !here(step));
                 self.steps.extend(again);
+                self.given.insert(row);
                 same = false;
             }
         }
         same
     }
 
-    /// Takes peaks for events until one changes what is known; whether one did.
+    /// Takes peaks for events until they lead to what was not known before; whether they did.
     fn adopts(&mut self, view: &View, least: f64) -> bool {
         let mut peaks = view.peaks(least);
         loop {
@@ -203,9 +221,10 @@ impl Search {
             if taken.is_empty() {
                 return false;
             }
-            let before = self.key();
+            self.seen.insert(self.key());
             self.adopt(&taken, view, least);
-            if self.key() != before {
+            if self.seen.insert(self.key()) {
+                self.given.clear();
                 return true;
             }
             self.spent.extend(taken.iter().map(|peak| peak.row));
@@ -431,11 +450,12 @@ impl Search {
     fn confirm(&mut self) {
         let series = self.cleaned();
         let spans = self.left.each_ref().map(|left| span(left, &self.out));
-        let (eta, out) = (self.eta, &self.out);
-        self.steps.retain(|step| {
-            let (axis, removed) = shown(&step.source, &eta);
-            removed.abs() <= spans[axis] && stands(&series[axis], out, (step.row, step.after), removed)
+        let stands = standing(&series, &self.eta, &self.out, &self.steps);
+        let kept = self.steps.iter().zip(stands).filter(|(step, stands)| {
+            let (axis, removed) = shown(&step.source, &self.eta);
+            *stands && removed.abs() <= spans[axis]
         });
+        self.steps = kept.map(|(step, _)| *step).collect();
     }
 
     fn events(self, more: bool) -> Events {
@@ -465,23 +485,34 @@ fn shown(source: &Source, eta: &[[f64; 3]; 3]) -> (usize, f64) {
     (axis, parts[axis] * source.size)
 }
 
-/// Whether the level before some rows and the one after them are apart by a step, of which `removed` was taken off: as the same series is nowhere
-/// else, of one size by few and by many readings, and for longer than a pass.
-fn stands(series: &[f64], out: &[bool], (from, after): (usize, usize), removed: f64) -> bool {
-    let levels = Levels::of(series, out);
-    let sure = if from == after { CONFIRMED } else { SURE };
-    let far = levels.lasting(from, after, removed);
-    levels
-        .net(from, after, removed)
-        .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= sure)
+/// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the same series is nowhere else, by one size
+/// for few and for many readings, and for longer than a pass or until the next step.
+fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[Step]) -> Vec<bool> {
+    let levels = series.each_ref().map(|series| Levels::of(series, out));
+    let shown: Vec<(usize, f64)> = steps.iter().map(|step| shown(&step.source, eta)).collect();
+    let stands = |(step, (axis, removed)): (&Step, &(usize, f64))| {
+        let others =
+            || steps.iter().zip(&shown).filter(|(_, (other, _))| other == axis).map(|(step, _)| step);
+        let start = others().map(|other| other.row).filter(|row| *row < step.row).max();
+        let end = others().map(|other| other.row).filter(|row| *row > step.row).min();
+        let between = start.unwrap_or(0)..end.unwrap_or(out.len());
+        let far = levels[*axis].lasting(step.row, step.after, *removed, between);
+        let sure = if step.sharp() { CONFIRMED } else { SURE };
+        levels[*axis]
+            .net(step.row, step.after, *removed)
+            .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= sure)
+    };
+    steps.iter().zip(&shown).map(stands).collect()
 }
 
-/// Whether a step that was taken off differences is one by what they leave.
-pub fn lasts(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], step: &Found) -> bool {
-    let source = Source { instrument: step.instrument, axis: step.axis, size: step.size, std: step.std };
-    let (axis, removed) = shown(&source, eta);
-    let after = (step.from..out.len()).find(|row| !out[*row]).unwrap_or(step.from);
-    after < out.len() && stands(&left[axis], out, (step.from, after), removed)
+/// Which of the steps that were taken off differences are steps by what they leave.
+pub fn lasting(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[&Found]) -> Vec<bool> {
+    let step = |found: &&Found| {
+        let Found { instrument, axis, size, std, z, from, .. } = **found;
+        let after = (from..out.len()).find(|row| !out[*row]).unwrap_or(from);
+        Step { row: from, after, source: Source { instrument, axis, size, std }, z }
+    };
+    standing(left, eta, out, &steps.iter().map(step).collect::<Vec<_>>())
 }
 
 /// Where the largest part is.

@@ -72,8 +72,9 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
     let corrected = report.elements.values().any(|element| element.corrected.is_some());
     if !corrected && report.known_from == ReferenceNoiseSource::Declared {
         findings.push(
-            "the declared noise of the reference is more than half of what its readings hold along some direction: the field \
-             is hardly seen, and the matrix is left as it is; record when the field is less quiet"
+            "the declared noise of the reference is more than half of what its readings hold along some direction, or the matrix \
+             without its pull leaves more than levels alone: the field is hardly seen, and the matrix is left as it is; record \
+             when the field is less quiet"
                 .into(),
         );
     } else if !corrected

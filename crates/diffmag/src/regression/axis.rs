@@ -176,16 +176,28 @@ pub(super) fn one(
     let errors = noise.errors(&columns.cosine)?;
     let mut fit = with_held(cosine::regress(&all, &y, &errors)?, &places);
     let mut difference = rest(&every, test, &fit.weighted);
-    if worse_than_levels(&difference, pair, axis) {
-        difference = rest(&every, test, &fit.least_squares);
-        noise = Noise::seen(&difference, pair)?;
-        fit = with_held(cosine::regress(&all, &y, &noise.errors(&columns.cosine)?)?, &places);
-        (fit.weighted, fit.weighted_covariance) = (fit.least_squares.clone(), fit.covariance.clone());
-    }
-    let last = cosine::weighted(&all, &y, &errors)?;
-    let whitened = Whitened {
-        weights: std::array::from_fn(|i| last.weights(&all, &errors, i)),
-        left: errors.whiten(&last.residual),
+    let whitened = if worse_than_levels(&difference, pair, axis) {
+        let independent = Errors::independent(&columns.cosine);
+        let least = cosine::weighted(&all, &y, &independent)?;
+        noise = columns.noise(&least, &independent, &seen)?;
+        let errors = noise.errors(&columns.cosine)?;
+        let weights: Vec<Vec<f64>> = (0..all.len()).map(|i| least.weights(&all, &independent, i)).collect();
+        let mut found = cosine::regress(&all, &y, &errors)?;
+        found.weighted_covariance =
+            Mat::from_fn(all.len(), all.len(), |i, j| errors.covariance_of(&weights[i], &weights[j]));
+        found.weighted = least.coefficients;
+        fit = with_held(found, &places);
+        difference = rest(&every, test, &fit.weighted);
+        Whitened {
+            weights: std::array::from_fn(|i| errors.whiten(&errors.times(&weights[i]))),
+            left: errors.whiten(&least.residual),
+        }
+    } else {
+        let last = cosine::weighted(&all, &y, &errors)?;
+        Whitened {
+            weights: std::array::from_fn(|i| last.weights(&all, &errors, i)),
+            left: errors.whiten(&last.residual),
+        }
     };
     let offset_nt = mean(&without(test, &all_steps, &fit.weighted[every.len() - all_steps.len()..]))
         - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();

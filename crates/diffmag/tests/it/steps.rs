@@ -168,10 +168,10 @@ impl Score {
         for (axis, of) in fit.axes.iter() {
             let k = axis.index();
             let apart: Vec<f64> = day.test[k].iter().zip(&day.reference[k]).map(|(t, r)| t - r).collect();
-            if of.rms_nt > rms(&apart) {
+            if of.left_nt() > rms(&apart) {
                 self.worse.push(format!(
                     "{seed} {axis}: {} nT; levels alone leave {} nT",
-                    of.rms_nt,
+                    of.left_nt(),
                     rms(&apart)
                 ));
             }

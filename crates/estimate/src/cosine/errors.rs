@@ -89,11 +89,16 @@ impl Errors {
 
     /// The variance xᵀ C x of a linear estimate with these weights.
     pub fn variance_of(&self, x: &[f64]) -> f64 {
-        dot(x, &self.times(x))
+        self.covariance_of(x, x)
+    }
+
+    /// The covariance xᵀ C y of two linear estimates with these weights.
+    pub fn covariance_of(&self, x: &[f64], y: &[f64]) -> f64 {
+        dot(x, &self.times(y))
     }
 
     /// The covariance times x.
-    pub(super) fn times(&self, x: &[f64]) -> Vec<f64> {
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
         let mut product: Vec<f64> = x.iter().zip(&self.variance).map(|(x, variance)| x * variance).collect();
         let exact = self.low.nrows();
         for (i, value) in product.iter_mut().enumerate().take(exact) {
