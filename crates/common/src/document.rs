@@ -88,7 +88,7 @@ impl Document {
     }
 
     /// Ids are unique, the columns of a recording have one length, `start` is a moment, every
-    /// reading is one that an instrument can give, and the calibration is one that can be.
+    /// reading is one that an instrument can give, times do not run backwards, and the calibration is one that can be.
     pub fn check(&self) -> Result<(), Error> {
         self.calibration.iter().try_for_each(check::calibration)?;
         let mut seen = HashMap::new();
@@ -108,7 +108,7 @@ impl Document {
                     "a moment with its offset from UTC, as in \"1977-05-26T14:44:35Z\" (RFC 3339)",
                 ));
             }
-            recording.in_range(&path)?;
+            recording.check(&path)?;
             let rows = recording.rows();
             for (name, column) in &recording.columns {
                 if column.len() != rows {

@@ -72,8 +72,8 @@ pub use nulling::{
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Recording, Theodolite, procedure};
 pub use sensor::{
-    FieldErrors, FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals,
-    SensorCalibration, TestResult,
+    FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration,
+    TestResult,
 };
 pub use sensor_conditions::{
     CommonExtremum, CrossFieldFit, CrossFieldLevels, HeldOut, Misalignment, TemperatureFit,

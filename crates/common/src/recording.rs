@@ -100,12 +100,12 @@ impl Recording {
         }
     }
 
-    /// Every reading is one that an instrument can give.
+    /// Every reading is one that an instrument can give, and times do not run backwards.
     ///
     /// # Errors
     ///
-    /// The column and the row of one that none can.
-    pub fn in_range(&self, path: &str) -> Result<(), Error> {
+    /// The column and the row of one that none can; the row in which a time is before another.
+    pub fn check(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
             if let Some(row) = range::first_beyond(name, column) {
                 let [low, high] = range::bounds(name);
@@ -119,6 +119,21 @@ impl Recording {
                     ),
                 ));
             }
+        }
+        self.check_times(path)
+    }
+
+    fn check_times(&self, path: &str) -> Result<(), Error> {
+        let mut latest = f64::NEG_INFINITY;
+        for (row, time) in self.column("time_s").unwrap_or_default().iter().enumerate() {
+            if *time < latest {
+                return Err(Error::document(
+                    format!("{path}.columns.time_s[{row}]"),
+                    format!("{} after {} in recording \"{}\"", quoted(*time), quoted(latest), self.id),
+                    "times that do not run backwards; sort the rows, or make two recordings where a clock was set back",
+                ));
+            }
+            latest = latest.max(*time);
         }
         Ok(())
     }

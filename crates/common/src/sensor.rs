@@ -88,8 +88,6 @@ pub struct SensitivityFit {
     /// Readings that no longer follow the field; they are not in the fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub saturation: Option<Saturation>,
-    /// Errors of the applied field itself.
-    pub field_errors: FieldErrors,
     /// Every reading that was used.
     pub residuals: SensitivityResiduals,
     /// What looks wrong, in words.
@@ -154,16 +152,6 @@ pub struct Saturation {
     pub fields_nt: [Option<f64>; 2],
     /// How many readings.
     pub count: usize,
-}
-
-/// Errors of the applied field besides those that are common to all points.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-pub struct FieldErrors {
-    /// Share of the residuals' variance that is not the sensor's noise, and so the field's.
-    pub share: f64,
-    /// What errors in the field would take from the slope, ppm: added to k.
-    pub attenuation_ppm: f64,
 }
 
 /// The readings as columns.

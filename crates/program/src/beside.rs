@@ -110,7 +110,7 @@ fn one(recording: &mut Recording, folder: &Path, path: &str) -> Result<(), Error
     }
     columns.iter_mut().for_each(Vec::shrink_to_fit);
     recording.columns = names.into_iter().zip(columns.into_iter().map(Column::from)).collect();
-    recording.in_range(path.trim_end_matches(".table"))
+    recording.check(path.trim_end_matches(".table"))
 }
 
 /// Leaves the readings of tables to their files again.

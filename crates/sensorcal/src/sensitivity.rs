@@ -2,8 +2,8 @@
 
 use common::number::{bare, counted, p_value, plural, significant};
 use common::{
-    Axis, Budget, Document, FieldErrors, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals,
-    TestResult, procedure,
+    Axis, Budget, Document, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals, TestResult,
+    procedure,
 };
 use estimate::{normality, stats};
 use physics::{Kind, Parameter, Unit};
@@ -82,8 +82,6 @@ pub fn calibrate(
     let apart = agreement(&problem, &mut extended)?;
     let fit = &extended.fit;
     let orders = orders(&problem, &line)?;
-    let field_errors = field_errors(&runs, fit);
-    let k = fit.values[0] * (1.0 - 1e-6 * field_errors.attenuation_ppm);
     let pair = |of: &dyn Fn(usize, usize) -> f64| [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]];
     let key = sensitivity_key(unit);
     let budget = |i: usize| Budget { type_a: fit.type_a(i), type_b: fit.type_b(i) };
@@ -112,7 +110,6 @@ pub fn calibrate(
         normality: normality::anderson_darling(&fit.linear.whitened).map(test),
         runs: normality::runs(&fit.linear.whitened).map(test),
         saturation,
-        field_errors,
         residuals: residuals(&runs, &line, fit),
         ..SensitivityFit::default()
     };
@@ -123,7 +120,7 @@ pub fn calibrate(
     result.findings.extend(apart);
     Ok(Some(Constants {
         unit,
-        sensitivity: k,
+        sensitivity: fit.values[0],
         offset_nt: fit.values[1],
         covariance: pair(&|i, j| fit.covariance(i, j)),
         common: pair(&|i, j| fit.common[(i, j)]),
@@ -269,18 +266,6 @@ fn order_in_words(orders: &[PolynomialOrder]) -> String {
             p_value(least)
         ),
     }
-}
-
-/// What of the residuals is not the sensor's noise is the field's, where the noise is known. Errors of variance σ² in the field
-/// flatten the slope of reading against field by σ²/⟨(B − B̄)²⟩ (Deming's line, to first order).
-fn field_errors(runs: &[Run<'_>], fit: &Fit) -> FieldErrors {
-    let Some(factor) = fit.noise.variance_factor else { return FieldErrors::default() };
-    let share = (1.0 - 1.0 / factor).max(0.0);
-    let fields: Vec<f64> =
-        runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row))).collect();
-    let mean = fields.iter().sum::<f64>() / fields.len() as f64;
-    let spread = fields.iter().map(|b| (b - mean).powi(2)).sum::<f64>() / fields.len() as f64;
-    FieldErrors { share, attenuation_ppm: 1e6 * share * fit.noise.rms_nt.powi(2) / spread }
 }
 
 fn residuals(runs: &[Run<'_>], line: &Fit, fit: &Fit) -> SensitivityResiduals {
