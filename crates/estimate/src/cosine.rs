@@ -3,10 +3,8 @@
 //! The cosine transform goes on with a series as its mirror image, so that neither a drift nor noise with memory jumps at the
 //! ends, as they do in a Fourier transform. What is slow is where it matters, and there the covariance is exact.
 
-use fourier::{Complex, Forward};
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::ops::Range;
-use std::sync::Arc;
 
 use crate::periodogram::{Bin, Periodogram};
 use crate::stats::mean;
@@ -29,35 +27,18 @@ const LEFT: f64 = 1e-6;
 pub struct Cosine {
     rows: usize,
     step_s: f64,
-    plan: Forward,
-    turns: Arc<Vec<Complex<f64>>>,
+    plan: fourier::Cosine,
 }
 
 impl Cosine {
     /// For series of `rows` samples `step_s` apart.
     pub fn new(rows: usize, step_s: f64) -> Self {
-        let plan = fourier::forward(rows);
-        let turn = |k: usize| Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / rows as f64);
-        Self { rows, step_s, plan, turns: Arc::new((0..rows).map(turn).collect()) }
+        Self { rows, step_s, plan: fourier::Cosine::new(rows) }
     }
 
     /// c_k = √(2/n) Σ x_i cos(π k (i + ½)/n), k = 1 … n − 1: the mean is not in it, sums of squares about the mean stay.
-    ///
-    /// Source: J. Makhoul, A fast cosine transform in one and two dimensions, IEEE Trans. ASSP 28 (1980) 27–34.
     pub fn transform(&self, values: &[f64]) -> Vec<f64> {
-        let middle = mean(values);
-        let even = values.iter().step_by(2);
-        let odd = values.iter().skip(1).step_by(2).rev();
-        let mut input: Vec<f64> = even.chain(odd).map(|value| value - middle).collect();
-        let mut output = self.plan.make_output_vec();
-        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
-        let scale = (2.0 / self.rows as f64).sqrt();
-        (1..self.rows)
-            .map(|k| {
-                let at = if k < output.len() { output[k] } else { output[self.rows - k].conj() };
-                scale * (at * self.turns[k]).re
-            })
-            .collect()
+        self.plan.transform(values, mean(values))
     }
 
     /// The coefficients of the weights of a mean over some rows, 1/m in each of these m: their product with c is that mean less the mean of all.
@@ -121,6 +102,7 @@ impl Cosine {
             length_s: self.rows as f64 * self.step_s,
             step_s: self.step_s,
             samples: self.rows,
+            mirrored: false,
             bins,
             lines: Vec::new(),
         }

@@ -1,4 +1,6 @@
-//! Periodogram of an evenly sampled series, its spectral lines taken out and the rest averaged into narrow bins.
+//! Spectrum of an evenly sampled series: its spectral lines taken out, and the squares of the rest's cosine transform averaged into narrow bins.
+
+use fourier::Complex;
 
 use crate::Error;
 use crate::stats::mean;
@@ -20,7 +22,7 @@ const LARGEST_PRIME: usize = 13;
 /// Share of the samples at the end that may be left out for a fast transform.
 const LEFT_OUT: f64 = 0.01;
 
-/// One-sided periodogram of a series, without its lines.
+/// One-sided spectrum of a series, without its lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periodogram {
     /// Length n Δt of the samples used (s).
@@ -29,6 +31,9 @@ pub struct Periodogram {
     pub step_s: f64,
     /// Samples n used.
     pub samples: usize,
+    /// Whether the ordinates are those of a cosine transform as it came. Of noise f^-α that was there before and goes on afterwards the one number k
+    /// is then lower, in the mean, by the share 2 α (2 − α)/(π² k): the mirror image lacks what turns round at the ends.
+    pub mirrored: bool,
     /// Averaged ordinates, frequencies rising.
     pub bins: Vec<Bin>,
     /// Spectral lines taken out, frequencies rising.
@@ -38,27 +43,29 @@ pub struct Periodogram {
 /// Neighbouring ordinates, averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
-    /// Mean of their Fourier frequencies (Hz).
+    /// Mean of their frequencies (Hz).
     pub frequency_hz: f64,
     /// Mean of the ordinates (square of the samples' unit, per Hz).
     pub density: f64,
-    /// How many ordinates.
+    /// How many ordinates of a Fourier transform they are worth: half of their number.
     pub count: f64,
 }
 
-/// The periodogram of samples `step_s` seconds apart,
+/// The ordinates of samples `step_s` seconds apart,
 ///
-/// I(f_k) = 2 Δt/n |Σ (x_m − x̄) e^(−2πi k m/n)|², f_k = k/(n Δt), k = 1 … below n/2,
+/// I(f_k) = 2 Δt c_k², c_k = √(2/n) Σ x_m cos(π k (m + ½)/n), f_k = k/(2n Δt), k = 1 … n − 1,
 ///
-/// in the square of the samples' unit per Hz. There is no taper: for Gaussian noise whose density P changes little over
-/// 1/(n Δt) the ordinates are independent, each P times an exponential variable of mean one. What is steeper than
-/// about f^-2 leaks from the lowest frequencies into all others and then falls as f^-2.
+/// in the square of the samples' unit per Hz; each counts as half an ordinate of a Fourier transform. The cosine transform goes on with the series as
+/// its mirror image: noise that was there before and goes on afterwards does not jump at the ends, and its lowest frequencies do not leak into all
+/// others. For Gaussian noise whose density P falls no faster than f^-2 the ordinates are independent, each P times a squared normal variable, nearly
+/// (see [`Periodogram::mirrored`]): of white noise and of a random walk exactly. There is no taper.
 ///
-/// Spectral lines are found at the full resolution, and a sine of each is subtracted; see [`Line`]. The ordinates next to a
+/// Spectral lines are found in the Fourier transform, and a sine of each is subtracted; see [`Line`]. The ordinates next to a
 /// line are left out. The others are averaged: single ordinates at low k, then bins no wider than 2 % of their
 /// frequency. Of more than 65 536 samples up to 1 % at the end are not used where that makes a faster transform.
 ///
-/// Source: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, section 6.1.
+/// Sources: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, section 6.1; N. Ahmed, T. Natarajan and K. R. Rao, Discrete
+/// cosine transform, IEEE Trans. Comput. C-23 (1974) 90–93.
 ///
 /// # Errors
 ///
@@ -83,27 +90,45 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     drop(input);
 
     let length_s = n as f64 * step_s;
-    // Ordinates k = 0 … below n/2; the one at zero is never used.
-    transform.truncate(n.div_ceil(2));
+    // Lines are sought at k = 0 … below n/2.
+    let nyquist = transform.split_off(n.div_ceil(2));
     let (lines, rest) = lines::take_out(transform, n, length_s);
-    let bins = bins(&rest.power, &rest.left_out, 2.0 * step_s / n as f64, length_s);
-    Ok(Periodogram { length_s, step_s, samples: n, bins, lines })
+    let coefficients = if lines.is_empty() {
+        fourier::Cosine::new(n).transform(&samples[..n], mean)
+    } else {
+        fourier::Cosine::new(n).transform(&back(rest.transform, nyquist, n), 0.0)
+    };
+    let bins = bins(&coefficients, &rest.left_out, step_s);
+    Ok(Periodogram { length_s, step_s, samples: n, mirrored: true, bins, lines })
 }
 
-/// Averages of what is not left out.
-fn bins(power: &[f64], left_out: &[bool], scale: f64, length_s: f64) -> Vec<Bin> {
+/// The series of a transform in two parts.
+fn back(mut transform: Vec<Complex<f64>>, nyquist: Vec<Complex<f64>>, n: usize) -> Vec<f64> {
+    transform.extend(nyquist);
+    transform[0] = Complex::default();
+    let plan = fourier::inverse(n);
+    let mut series = plan.make_output_vec();
+    plan.process(&mut transform, &mut series).expect("buffers of the plan's lengths, real ends");
+    series.iter_mut().for_each(|x| *x /= n as f64);
+    series
+}
+
+/// Averages of the ordinates of c_1, c_2, …, without those between Fourier frequencies that are left out.
+fn bins(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
+    let n = coefficients.len() + 1;
+    let out = |order: usize| order > 0 && left_out.get(order).is_some_and(|out| *out);
     let mut bins = Vec::new();
     let mut from = 1;
-    while from < power.len() {
-        let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(power.len());
-        let (mut count, mut order, mut sum) = (0_usize, 0_usize, 0.0);
-        for k in (from..to).filter(|k| !left_out[*k]) {
-            (count, order, sum) = (count + 1, order + k, sum + power[k]);
+    while from < n {
+        let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(n);
+        let (mut number, mut order, mut sum) = (0_usize, 0_usize, 0.0);
+        for k in (from..to).filter(|k| !out(k / 2) && !out(k.div_ceil(2))) {
+            (number, order, sum) = (number + 1, order + k, sum + coefficients[k - 1].powi(2));
         }
-        if count > 0 {
-            let count = count as f64;
-            let frequency_hz = order as f64 / count / length_s;
-            bins.push(Bin { frequency_hz, density: scale * sum / count, count });
+        if number > 0 {
+            let number = number as f64;
+            let frequency_hz = order as f64 / number / (2.0 * n as f64 * step_s);
+            bins.push(Bin { frequency_hz, density: 2.0 * step_s * sum / number, count: 0.5 * number });
         }
         from = to;
     }
@@ -144,18 +169,19 @@ mod tests {
 
     #[test]
     fn bins_are_narrow_and_hold_every_ordinate_once() {
-        let power: Vec<f64> = (0..5000).map(f64::from).collect();
+        let coefficients: Vec<f64> = (1..10_000).map(|k| f64::from(k).sqrt()).collect();
         let mut left_out = vec![false; 5000];
         left_out[700..710].fill(true);
-        let bins = bins(&power, &left_out, 2.0, 10.0);
-        assert_eq!(bins.iter().map(|bin| bin.count).sum::<f64>(), 4989.0);
+        let bins = bins(&coefficients, &left_out, 0.001);
+        // Left out are 1399 to 1419.
+        assert_eq!(bins.iter().map(|bin| bin.count).sum::<f64>(), 0.5 * (9999.0 - 21.0));
         for bin in &bins {
-            // The ordinates are k, so that their mean is the mean frequency.
-            assert!((bin.density - 20.0 * bin.frequency_hz).abs() < 1e-9 * bin.density);
-            let k = 10.0 * bin.frequency_hz;
-            assert!(bin.count <= 1.0 || bin.count <= WIDEST_BIN * k, "{bin:?}");
+            // The squares are k, so that their mean is the mean frequency.
+            let k = 20.0 * bin.frequency_hz;
+            assert!((bin.density - 0.002 * k).abs() < 1e-9 * bin.density);
+            assert!(2.0 * bin.count <= 1.0 || 2.0 * bin.count <= WIDEST_BIN * k, "{bin:?}");
         }
         assert!(bins.windows(2).all(|pair| pair[0].frequency_hz < pair[1].frequency_hz));
-        assert!(bins[..99].iter().all(|bin| bin.count == 1.0));
+        assert!(bins[..99].iter().all(|bin| bin.count == 0.5));
     }
 }

@@ -1,8 +1,11 @@
 //! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in each crate that
-//! uses it. Neither direction is scaled: x → X → x gives N x.
+//! uses it. Neither direction is scaled: x → X → x gives N x. And the cosine transform, which is made of it.
+
+mod cosine;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+pub use cosine::Cosine;
 pub use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 

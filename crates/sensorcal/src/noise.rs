@@ -19,6 +19,8 @@ use crate::readings::{code, output};
 const TRUSTED: f64 = 0.8;
 /// Bins of the merged spectrum in a decade.
 const BINS: f64 = 10.0;
+/// A bin counts as so many ordinates of a Fourier transform at least.
+const LEAST_COUNT: f64 = 1.0;
 /// Share of rounding in the density at the fast end below which the sensor was measured, and above which the quantiser was.
 const MEASURED: [f64; 2] = [0.1, 0.5];
 /// Below this probability the spectrum does not have the form that is fitted.
@@ -250,7 +252,7 @@ fn series_result(one: &Series<'_>, white: Estimate, fit: &WhittleFit) -> NoiseSe
     }
 }
 
-/// The periodograms joined, the slowest first, in bins of a tenth of a decade with their 95 % bands.
+/// The periodograms joined, the slowest first, in bins of a tenth of a decade, or more where these hold too little, with their 95 % bands.
 fn merged(all: &[Series<'_>]) -> MergedSpectrum {
     let mut spectrum = MergedSpectrum::default();
     let first = |one: &Series<'_>| 1.0 / one.periodogram.length_s;
@@ -274,7 +276,7 @@ fn merged(all: &[Series<'_>]) -> MergedSpectrum {
             let at = (bin.frequency_hz.log10() * BINS).floor() as i64;
             let (power, frequency) = (bin.density * bin.count, bin.frequency_hz * bin.count);
             open = match open {
-                Some((number, p, f, count)) if number == at => {
+                Some((number, p, f, count)) if number == at || count < LEAST_COUNT => {
                     Some((at, p + power, f + frequency, count + bin.count))
                 }
                 other => {

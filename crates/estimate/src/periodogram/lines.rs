@@ -49,8 +49,8 @@ pub struct Line {
 
 /// What is left without the lines.
 pub(super) struct Rest {
-    /// |X_k|², k = 0, 1, ….
-    pub power: Vec<f64>,
+    /// X_k, k = 0, 1, ….
+    pub transform: Vec<Complex<f64>>,
     /// Ordinates that belong to a line.
     pub left_out: Vec<bool>,
 }
@@ -99,7 +99,7 @@ pub(super) fn take_out(mut transform: Vec<Complex<f64>>, n: usize, length_s: f64
         amplitude: component.amplitude(),
         p_value: *p_value,
     };
-    (lines.iter().map(line).collect(), Rest { power, left_out })
+    (lines.iter().map(line).collect(), Rest { transform, left_out })
 }
 
 /// Whether a sine may be what a stronger line, whose frequency or amplitude is not steady, leaves beside it.

@@ -1,5 +1,7 @@
 //! The Whittle likelihood of periodograms under a power law and white noise.
 
+use std::f64::consts::PI;
+
 use faer::Mat;
 
 use super::White;
@@ -24,10 +26,21 @@ pub(super) struct Data {
 pub(super) struct Binned {
     /// ln of the frequency over the lowest one.
     pub x: f64,
+    /// What its flicker lacks is this share times α (2 − α); see [`Periodogram::mirrored`].
+    pub lacking: f64,
     pub density: f64,
     pub ln_density: f64,
     pub count: f64,
     pub series: usize,
+}
+
+impl Binned {
+    /// The flicker of amplitude one and its first two derivatives with respect to α: e^(−αx) (1 − α (2 − α) u).
+    fn flicker(&self, exponent: f64) -> [f64; 3] {
+        let (x, u, power) = (self.x, self.lacking, (-exponent * self.x).exp());
+        let (seen, slope) = (1.0 - exponent * (2.0 - exponent) * u, 2.0 * (1.0 - exponent) * u);
+        [power * seen, -power * (x * seen + slope), power * (x * x * seen + 2.0 * x * slope + 2.0 * u)]
+    }
 }
 
 impl Data {
@@ -47,6 +60,8 @@ impl Data {
         let bins = series.iter().enumerate().flat_map(|(number, s)| {
             s.bins.iter().map(move |bin| Binned {
                 x: bin.frequency_hz.ln() - lowest,
+                // k = 2 f T.
+                lacking: if s.mirrored { 1.0 / (PI * PI * bin.frequency_hz * s.length_s) } else { 0.0 },
                 density: bin.density,
                 ln_density: bin.density.max(f64::MIN_POSITIVE).ln(),
                 count: bin.count,
@@ -66,7 +81,8 @@ impl Data {
     }
 }
 
-/// P = θ₀ (f/f₀)^−θ₁ + c θ_(2+g), f₀ the lowest frequency; g the group and c the shape of the white part of a series.
+/// P = θ₀ (f/f₀)^−θ₁ (1 − θ₁ (2 − θ₁) u) + c θ_(2+g), f₀ the lowest frequency, u what a mirrored series lacks; g the group and c the shape of the white
+/// part of a series.
 ///
 /// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of zero: that part is absent.
 pub(super) struct Model<'a> {
@@ -115,7 +131,7 @@ impl Model<'_> {
     /// Flicker and white part of the density of a bin.
     pub fn parts(&self, theta: &[f64], bin: &Binned) -> (f64, f64) {
         let white = theta[2 + self.group(bin.series)] * self.shape(bin.series);
-        (theta[0] * (-theta[1] * bin.x).exp(), white)
+        (theta[0] * bin.flicker(theta[1])[0], white)
     }
 }
 
@@ -137,13 +153,12 @@ impl Likelihood for Model<'_> {
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);
         let (mut hessian, mut fisher) = (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
         for bin in &self.data.bins {
-            let (shape, white_shape) = ((-theta[1] * bin.x).exp(), self.shape(bin.series));
+            let ([shape, first, second], white_shape) = (bin.flicker(theta[1]), self.shape(bin.series));
             let own = 2 + self.group(bin.series);
-            let flicker = theta[0] * shape;
-            let density = flicker + theta[own] * white_shape;
+            let density = theta[0] * shape + theta[own] * white_shape;
             let ratio = bin.density / density;
             cost += bin.count * (ratio - 1.0 + density.ln() - bin.ln_density);
-            let s = [(0, shape / density), (1, -bin.x * flicker / density), (own, white_shape / density)];
+            let s = [(0, shape / density), (1, theta[0] * first / density), (own, white_shape / density)];
             for (i, slope) in s {
                 gradient[i] += bin.count * (1.0 - ratio) * slope;
                 for (j, other) in s {
@@ -151,10 +166,10 @@ impl Likelihood for Model<'_> {
                     hessian[(i, j)] += bin.count * (2.0 * ratio - 1.0) * slope * other;
                 }
             }
-            let bent = bin.count * (1.0 - ratio) * bin.x * shape / density;
-            hessian[(0, 1)] -= bent;
-            hessian[(1, 0)] -= bent;
-            hessian[(1, 1)] += bent * bin.x * theta[0];
+            let bent = bin.count * (1.0 - ratio) / density;
+            hessian[(0, 1)] += bent * first;
+            hessian[(1, 0)] += bent * first;
+            hessian[(1, 1)] += bent * theta[0] * second;
         }
         Slope { cost, gradient, hessian, fisher }
     }

@@ -16,6 +16,7 @@ fn noise(exponent: f64, white: f64) -> WhittleFit {
         samples: 100,
         bins: (1..50).map(bin).collect(),
         lines: Vec::new(),
+        mirrored: false,
     };
     let mut fit = whittle::fit(&[ordinates]).expect("a fit");
     fit.amplitude = Estimate { value: 1.0, std: 0.1 };

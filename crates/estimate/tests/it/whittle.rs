@@ -28,7 +28,9 @@ fn made(
     exponent: f64,
     white: f64,
 ) -> Vec<f64> {
-    let mut samples = power_law(stream, count, step_s, amplitude, exponent);
+    // Cut out of a longer record, as every real one is.
+    let mut samples = power_law(stream, 16 * count, step_s, amplitude, exponent);
+    samples.truncate(count);
     samples.iter_mut().for_each(|x| *x += white * stream.normal());
     samples
 }
@@ -100,7 +102,7 @@ fn exact_ordinates_give_the_truth() {
             Bin { frequency_hz, density: density(frequency_hz, step_s), count: 1.0 }
         };
         let bins = (1..n / 2).map(bin).collect();
-        Periodogram { length_s: n as f64 * step_s, step_s, samples: n, bins, lines: vec![] }
+        Periodogram { length_s: n as f64 * step_s, step_s, samples: n, mirrored: false, bins, lines: vec![] }
     };
     let found = fit(&[made(900, 10.0), made(2000, 0.02)]).expect("a fit");
     assert_eq!(found.white, White::PerReading);
@@ -145,11 +147,12 @@ fn the_form_of_the_white_noise() {
     assert_eq!((one.white, one.per_reading_p, one.density_p), (White::PerReading, None, None));
 }
 
-/// Least Σ count (ln P + I/P) over the white variance for P = A/f + 2 w Δt, by golden section over ln w.
+/// Least Σ count (ln P + I/P) over the white variance for P = A/f (1 − 1/(π² f T)) + 2 w Δt, by golden section over ln w.
 fn least_cost(series: &Periodogram, amplitude: f64) -> f64 {
     let cost = |ln_white: f64| {
         let term = |bin: &Bin| {
-            let density = amplitude / bin.frequency_hz + 2.0 * ln_white.exp() * series.step_s;
+            let seen = 1.0 - 1.0 / (std::f64::consts::PI.powi(2) * bin.frequency_hz * series.length_s);
+            let density = amplitude / bin.frequency_hz * seen + 2.0 * ln_white.exp() * series.step_s;
             bin.count * (density.ln() + bin.density / density)
         };
         series.bins.iter().map(term).sum::<f64>()

@@ -20,7 +20,7 @@ fn document() -> String {
     );
     let later =
         recording("later", r#""start": "2025-03-15T00:00:00Z","#, r#""time_s": [0, 1], "test_x_nt": [1, 2]"#);
-    let back = recording("back", "", r#""time_s": [0, 2, 1], "sensor_x_nt": [1, 2, 3]"#);
+    let back = recording("back", "", r#""time_s": [0, 2, 2], "sensor_x_nt": [1, 2, 3]"#);
     let none = recording("none", "", r#""sensor_x_nt": [1, 2, 3]"#);
     format!("{{\"fluxcal\": 1, \"recordings\": [\n{}\n]}}", [one, two, later, back, none].join(",\n"))
 }
@@ -43,7 +43,7 @@ fn each_fault_has_its_message() {
         ),
         (
             &["average", "--window", "60", "--recording", "back", "in.json"],
-            "recordings[3].columns.time_s: found 1 s after 2 s in row 2 of \"back\"; expected times that rise; ingest --sort",
+            "recordings[3].columns.time_s: found 2 s after 2 s in row 2 of \"back\"; expected times that rise; ingest --sort",
         ),
         (
             &["resample", "--step", "1", "--recording", "none", "in.json"],
