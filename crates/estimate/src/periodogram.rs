@@ -93,12 +93,14 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     // Lines are sought at k = 0 … below n/2.
     let nyquist = transform.split_off(n.div_ceil(2));
     let (lines, rest) = lines::take_out(transform, n, length_s);
+    let lines::Rest { transform, left_out } = rest;
     let coefficients = if lines.is_empty() {
-        fourier::Cosine::new(n).transform(&samples[..n], mean)
+        drop((transform, nyquist));
+        fourier::cosine(&samples[..n], mean)
     } else {
-        fourier::Cosine::new(n).transform(&back(rest.transform, nyquist, n), 0.0)
+        fourier::cosine(&back(transform, nyquist, n), 0.0)
     };
-    let bins = bins(&coefficients, &rest.left_out, step_s);
+    let bins = bins(&coefficients, &left_out, step_s);
     Ok(Periodogram { length_s, step_s, samples: n, mirrored: true, bins, lines })
 }
 

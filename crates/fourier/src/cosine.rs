@@ -13,26 +13,40 @@ pub struct Cosine {
 impl Cosine {
     /// For `points` real numbers.
     pub fn new(points: usize) -> Self {
-        let turn = |k: usize| Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / points as f64);
-        Self { plan: forward(points), turns: Arc::new((0..points).map(turn).collect()) }
+        Self { plan: forward(points), turns: Arc::new((0..points).map(|k| turn(k, points)).collect()) }
     }
 
-    /// c_k = √(2/N) Σ (x_i − m) cos(π k (i + ½)/N), k = 1 … N − 1; the constant m, which is in none of them, is to be near the mean.
-    ///
-    /// Source: J. Makhoul, A fast cosine transform in one and two dimensions, IEEE Trans. ASSP 28 (1980) 27–34.
+    /// As [`cosine`].
     pub fn transform(&self, values: &[f64], middle: f64) -> Vec<f64> {
-        let points = self.turns.len();
-        let even = values.iter().step_by(2);
-        let odd = values.iter().skip(1).step_by(2).rev();
-        let mut input: Vec<f64> = even.chain(odd).map(|value| value - middle).collect();
-        let mut output = self.plan.make_output_vec();
-        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
-        let scale = (2.0 / points as f64).sqrt();
-        (1..points)
-            .map(|k| {
-                let at = if k < output.len() { output[k] } else { output[points - k].conj() };
-                scale * (at * self.turns[k]).re
-            })
-            .collect()
+        transform(&self.plan, values, middle, |k| self.turns[k])
     }
+}
+
+/// c_k = √(2/N) Σ (x_i − m) cos(π k (i + ½)/N), k = 1 … N − 1; the constant m, which is in none of them, is to be near the mean.
+///
+/// Source: J. Makhoul, A fast cosine transform in one and two dimensions, IEEE Trans. ASSP 28 (1980) 27–34.
+pub fn cosine(values: &[f64], middle: f64) -> Vec<f64> {
+    let points = values.len();
+    transform(&forward(points), values, middle, |k| turn(k, points))
+}
+
+fn turn(k: usize, points: usize) -> Complex<f64> {
+    Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / points as f64)
+}
+
+fn transform(plan: &Forward, values: &[f64], middle: f64, turn: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
+    let points = values.len();
+    let even = values.iter().step_by(2);
+    let odd = values.iter().skip(1).step_by(2).rev();
+    let mut input: Vec<f64> = even.chain(odd).map(|value| value - middle).collect();
+    let mut output = plan.make_output_vec();
+    plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
+    drop(input);
+    let scale = (2.0 / points as f64).sqrt();
+    (1..points)
+        .map(|k| {
+            let at = if k < output.len() { output[k] } else { output[points - k].conj() };
+            scale * (at * turn(k)).re
+        })
+        .collect()
 }

@@ -5,7 +5,7 @@ mod cosine;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use cosine::Cosine;
+pub use cosine::{Cosine, cosine};
 pub use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
