@@ -4,7 +4,10 @@ mod attribution;
 mod levels;
 mod local;
 mod search;
+mod step;
 mod view;
+
+pub use step::lasting;
 
 use common::{EventInstrument, EventKind};
 use estimate::events::{Search, Shape, fill};
@@ -144,11 +147,6 @@ pub fn search(left: [Vec<f64>; 3], pair: &Pair, look: &Look, known: &Events) -> 
     let eta = std::array::from_fn(|axis| look.axes[axis].eta);
     let noise = std::array::from_fn(|axis| look.axes[axis].noise.clone());
     search::search(left, eta, pair, noise, known)
-}
-
-/// Which of the steps that were taken off the differences `left` are steps by a matrix `eta`, as the search asks it of each.
-pub fn lasting(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[&Found]) -> Vec<bool> {
-    search::lasting(left, eta, out, steps)
 }
 
 /// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties of a single reading.

@@ -6,6 +6,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
+use crate::bins::{WIDEST_BIN, bins};
 use crate::periodogram::{Bin, Periodogram};
 use crate::stats::mean;
 use crate::whittle::WhittleFit;
@@ -17,8 +18,6 @@ mod regression;
 pub use errors::Errors;
 pub use regression::{Projection, Regression, dot, regress, weighted};
 
-/// Widest bin of ordinates, as a share of its lowest frequency.
-const WIDEST_BIN: f64 = 0.02;
 /// What of an ordinate a regression leaves, at least, for it to say something of the noise.
 const LEFT: f64 = 1e-6;
 
@@ -121,13 +120,6 @@ impl Cosine {
         }
         (2.0 * (sum / uncertain).powi(2)).max(1.0)
     }
-}
-
-/// Coefficients in bins that are narrow beside their frequencies, the first is c_1.
-pub fn bins(count: usize) -> impl Iterator<Item = Range<usize>> {
-    let next = move |from: usize| from + ((WIDEST_BIN * (from + 1) as f64) as usize).max(1);
-    let starts = std::iter::successors(Some(0), move |from| Some(next(*from)));
-    starts.take_while(move |from| *from < count).map(move |from| from..next(from).min(count))
 }
 
 /// Standard uncertainty of the density over it; flicker noise that was not seen is taken as absent.

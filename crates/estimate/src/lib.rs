@@ -4,6 +4,7 @@
 //! sum of squares is a χ². Prior knowledge enters as further rows of the same kind.
 
 pub mod allan;
+mod bins;
 pub mod cadence;
 pub mod correlated;
 pub mod cosine;

@@ -1,8 +1,11 @@
 //! Spectrum of an evenly sampled series: its spectral lines taken out, and the squares of the rest's cosine transform averaged into narrow bins.
 
+use std::ops::Range;
+
 use fourier::Complex;
 
 use crate::Error;
+use crate::bins::bins;
 use crate::stats::mean;
 
 mod component;
@@ -13,8 +16,6 @@ pub use lines::Line;
 
 /// Fewer samples than these have no spectrum worth the name.
 const LEAST_SAMPLES: usize = 8;
-/// Widest bin, as a share of its lowest frequency.
-const WIDEST_BIN: f64 = 0.02;
 /// Shorter series are fast to transform whatever their length.
 const SHORT: usize = 1 << 16;
 /// The length of a series is a product of primes up to this one when its transform is to be fast.
@@ -100,7 +101,7 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     } else {
         fourier::cosine(&back(transform, nyquist, n), 0.0)
     };
-    let bins = bins(&coefficients, &left_out, step_s);
+    let bins = averages(&coefficients, &left_out, step_s);
     Ok(Periodogram { length_s, step_s, samples: n, mirrored: true, bins, lines })
 }
 
@@ -116,25 +117,22 @@ fn back(mut transform: Vec<Complex<f64>>, nyquist: Vec<Complex<f64>>, n: usize) 
 }
 
 /// Averages of the ordinates of c_1, c_2, …, without those between Fourier frequencies that are left out.
-fn bins(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
-    let n = coefficients.len() + 1;
+fn averages(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
+    let length_s = (coefficients.len() + 1) as f64 * step_s;
     let out = |order: usize| order > 0 && left_out.get(order).is_some_and(|out| *out);
-    let mut bins = Vec::new();
-    let mut from = 1;
-    while from < n {
-        let to = (from + ((WIDEST_BIN * from as f64) as usize).max(1)).min(n);
+    let average = |places: Range<usize>| {
         let (mut number, mut order, mut sum) = (0_usize, 0_usize, 0.0);
-        for k in (from..to).filter(|k| !out(k / 2) && !out(k.div_ceil(2))) {
+        for k in places.map(|place| place + 1).filter(|k| !out(k / 2) && !out(k.div_ceil(2))) {
             (number, order, sum) = (number + 1, order + k, sum + coefficients[k - 1].powi(2));
         }
-        if number > 0 {
-            let number = number as f64;
-            let frequency_hz = order as f64 / number / (2.0 * n as f64 * step_s);
-            bins.push(Bin { frequency_hz, density: 2.0 * step_s * sum / number, count: 0.5 * number });
-        }
-        from = to;
-    }
-    bins
+        let count = number as f64;
+        (number > 0).then(|| Bin {
+            frequency_hz: order as f64 / count / (2.0 * length_s),
+            density: 2.0 * step_s * sum / count,
+            count: 0.5 * count,
+        })
+    };
+    bins(coefficients.len()).filter_map(average).collect()
 }
 
 /// The largest even length with small prime factors only, if it leaves out no more than a hundredth; else the length.
@@ -158,6 +156,7 @@ fn has_small_factors(mut n: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bins::WIDEST_BIN;
 
     #[test]
     fn fast_lengths() {
@@ -174,7 +173,7 @@ mod tests {
         let coefficients: Vec<f64> = (1..10_000).map(|k| f64::from(k).sqrt()).collect();
         let mut left_out = vec![false; 5000];
         left_out[700..710].fill(true);
-        let bins = bins(&coefficients, &left_out, 0.001);
+        let bins = averages(&coefficients, &left_out, 0.001);
         // Left out are 1399 to 1419.
         assert_eq!(bins.iter().map(|bin| bin.count).sum::<f64>(), 0.5 * (9999.0 - 21.0));
         for bin in &bins {

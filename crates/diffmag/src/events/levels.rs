@@ -16,6 +16,8 @@ const LEAST: usize = 12;
 pub const PASS: usize = 128;
 /// Means of few and of many rows say the same of a step within so many uncertainties.
 const ALIKE: f64 = 5.0;
+/// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
+const BESIDE: usize = 8;
 
 /// The readings of a series that are known, without its steps.
 pub struct Levels {
@@ -122,6 +124,39 @@ impl Levels {
             found.iter().map(|(other, own)| (other - size).abs() / own.hypot(std)).fold(0.0, f64::max);
         Some(Net { size, std, unlike })
     }
+}
+
+/// A series with straight lines between the levels on either side where rows are out.
+pub fn levelled(mut series: Vec<f64>, out: &[bool]) -> Vec<f64> {
+    let known: Vec<usize> = (0..series.len()).filter(|row| !out[*row]).collect();
+    if known.len() == series.len() || known.is_empty() {
+        return series;
+    }
+    let level =
+        |rows: &[usize], series: &[f64]| rows.iter().map(|row| series[*row]).sum::<f64>() / rows.len() as f64;
+    let own = series.clone();
+    let mut row = 0;
+    while row < series.len() {
+        if !out[row] {
+            row += 1;
+            continue;
+        }
+        let before = known.partition_point(|known| *known < row);
+        let after = known.get(before).copied().unwrap_or(series.len());
+        let left = &known[before.saturating_sub(BESIDE)..before];
+        let right = &known[before..(before + BESIDE).min(known.len())];
+        let (a, b) = match (left.is_empty(), right.is_empty()) {
+            (true, _) => (level(right, &own), level(right, &own)),
+            (_, true) => (level(left, &own), level(left, &own)),
+            _ => (level(left, &own), level(right, &own)),
+        };
+        let rows = (after - row + 1) as f64;
+        for (place, value) in series[row..after].iter_mut().enumerate() {
+            *value = a + (b - a) * (place + 1) as f64 / rows;
+        }
+        row = after;
+    }
+    series
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@ use common::EventKind;
 use estimate::events::{Shape, threshold};
 
 use super::attribution::{Source, sources};
-use super::levels::{LONGEST, Levels, Net, PASS};
+use super::levels::{LONGEST, Levels, Net, PASS, levelled};
+use super::step::{Step, standing};
 use super::view::{Peak, Place, View};
-use super::{CONFIRMED, Events, Found};
+use super::{Events, Found};
 use crate::difference::Noise;
 use crate::series::Pair;
 use crate::{Error, axes};
@@ -26,35 +27,15 @@ const NEAR: usize = 10;
 const REACH: usize = 256;
 /// Steps have settled when no size changes by more than this share of its uncertainty.
 const SETTLED: f64 = 0.5;
-/// Levels on either side of disturbed rows are taken as unlike for the search above so many uncertainties, …
+/// Levels on either side of disturbed rows are taken as unlike for the search above so many uncertainties.
 const PROVISIONAL: f64 = 4.0;
-/// … and a step there is one above so many, by what the same series does elsewhere. One between two readings is in the filter's answer as well.
-const SURE: f64 = 6.0;
 /// Steps are a pass where their sum is none within so many of its uncertainties and it is over soon, and so many at most.
 const ALIKE: f64 = 4.0;
 const MOST_OF_PASS: usize = 4;
 /// A spike of more than this share of a step beside it says that the step is one row off.
 const MUCH: f64 = 0.25;
-/// So many readings on either side of disturbed rows say where these lie until the likely readings are known.
-const BESIDE: usize = 8;
 
-/// A step of one instrument's axis; `to` is the last of the disturbed rows across which it was found, else `row` − 1.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    row: usize,
-    after: usize,
-    source: Source,
-    z: f64,
-}
-
-impl Step {
-    /// Whether it is between two readings.
-    fn sharp(&self) -> bool {
-        self.after == self.row
-    }
-}
-
-/// Rows from and to which readings are disturbed, and rows and axes of the steps.
+/// First and last rows of the disturbed intervals, and rows and axes of the steps.
 type Key = (Vec<(usize, usize)>, Vec<(usize, usize)>);
 
 /// What is known so far.
@@ -64,12 +45,12 @@ struct Search {
     steps: Vec<Step>,
     disturbed: Vec<Found>,
     out: Vec<bool>,
-    /// What was known before and after peaks were taken, …
+    /// States that the search has been in, …
     seen: BTreeSet<Key>,
-    /// … and the rows of those that led to nothing else.
+    /// … and rows of peaks that led to no new one.
     spent: BTreeSet<usize>,
-    /// Rows whose steps were given to other instruments since the last peaks were taken: a step between two that it suits alike stays there.
-    given: BTreeSet<usize>,
+    /// Rows whose steps were reassigned to another instrument since peaks were last adopted; each is reassigned once, so that it cannot go to and fro.
+    reassigned: BTreeSet<usize>,
 }
 
 /// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search begins.
@@ -89,7 +70,7 @@ pub fn search(
         out,
         seen: BTreeSet::new(),
         spent: BTreeSet::new(),
-        given: BTreeSet::new(),
+        reassigned: BTreeSet::new(),
     };
     search.begin(known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
@@ -124,13 +105,7 @@ impl Search {
         for event in &known.found {
             if event.kind == EventKind::Step {
                 let (_, after) = self.run(event.from);
-                let source = Source {
-                    instrument: event.instrument,
-                    axis: event.axis,
-                    size: event.size,
-                    std: event.std,
-                };
-                self.steps.push(Step { row: event.from, after: after.max(event.from), source, z: event.z });
+                self.steps.push(Step::of(event, after.max(event.from)));
             } else {
                 self.out[event.from..=event.to].fill(true);
                 self.disturbed.push(event.clone());
@@ -138,7 +113,7 @@ impl Search {
         }
     }
 
-    /// Which rows are out, and where the steps are.
+    /// The state: which rows are disturbed, and where the steps are.
     fn key(&self) -> Key {
         let disturbed = self.disturbed.iter().map(|event| (event.from, event.to)).collect();
         let mut steps: Vec<(usize, usize)> =
@@ -184,7 +159,7 @@ impl Search {
     fn attributed(&mut self, view: &View, least: f64) -> bool {
         let mut rows: Vec<usize> =
             self.steps.iter().filter(|step| step.sharp()).map(|step| step.row).collect();
-        rows.retain(|row| !self.given.contains(row));
+        rows.retain(|row| !self.reassigned.contains(row));
         rows.sort_unstable();
         rows.dedup();
         let place = |step: &Step| (step.source.instrument as usize, step.source.axis);
@@ -205,14 +180,14 @@ impl Search {
             if known != found {
                 self.steps.retain(|step| !here(step));
                 self.steps.extend(again);
-                self.given.insert(row);
+                self.reassigned.insert(row);
                 same = false;
             }
         }
         same
     }
 
-    /// Takes peaks for events until they lead to what was not known before; whether they did.
+    /// Adopts peaks as events until the search is in a new state; whether it is.
     fn adopts(&mut self, view: &View, least: f64) -> bool {
         let mut peaks = view.peaks(least);
         loop {
@@ -224,7 +199,7 @@ impl Search {
             self.seen.insert(self.key());
             self.adopt(&taken, view, least);
             if self.seen.insert(self.key()) {
-                self.given.clear();
+                self.reassigned.clear();
                 return true;
             }
             self.spent.extend(taken.iter().map(|peak| peak.row));
@@ -297,21 +272,11 @@ impl Search {
             }
         }
         sites.extend(self.disturbed.drain(..).map(|event| (event.from, event.to, Some(event))));
-        let of_step = |step: &Step| Found {
-            kind: EventKind::Spike,
-            instrument: step.source.instrument,
-            axis: step.source.axis,
-            from: step.row,
-            to: step.row,
-            size: step.source.size,
-            std: step.source.std,
-            z: step.z,
-        };
         sites.extend(
             self.steps
                 .iter()
                 .filter(|step| step.sharp())
-                .map(|step| (step.row, step.row - 1, Some(of_step(step)))),
+                .map(|step| (step.row, step.row - 1, Some(step.found(EventKind::Spike)))),
         );
         sites.sort_by_key(|(from, to, _)| (*from, *to));
         let mut steps = std::mem::take(&mut self.steps);
@@ -417,7 +382,7 @@ impl Search {
     /// Steps that together lead back are a pass, and the rows between them are disturbed: of steps that are each between two readings where too few
     /// rows lie between the first and the last to be a level.
     fn returns(&mut self) {
-        let shown = |step: &Step| shown(&step.source, &self.eta);
+        let shown = |step: &Step| step.shown(&self.eta);
         let back = |steps: &[Step]| {
             let (first, last) = (&steps[0], &steps[steps.len() - 1]);
             let reach = if steps.iter().all(Step::sharp) { LONGEST } else { PASS };
@@ -452,7 +417,7 @@ impl Search {
         let spans = self.left.each_ref().map(|left| span(left, &self.out));
         let stands = standing(&series, &self.eta, &self.out, &self.steps);
         let kept = self.steps.iter().zip(stands).filter(|(step, stands)| {
-            let (axis, removed) = shown(&step.source, &self.eta);
+            let (axis, removed) = step.shown(&self.eta);
             *stands && removed.abs() <= spans[axis]
         });
         self.steps = kept.map(|(step, _)| *step).collect();
@@ -460,64 +425,10 @@ impl Search {
 
     fn events(self, more: bool) -> Events {
         let mut found = self.disturbed;
-        found.extend(self.steps.iter().map(|step| {
-            let Source { instrument, axis, size, std } = step.source;
-            Found {
-                kind: EventKind::Step,
-                instrument,
-                axis,
-                from: step.row,
-                to: step.row,
-                size,
-                std,
-                z: step.z,
-            }
-        }));
+        found.extend(self.steps.iter().map(|step| step.found(EventKind::Step)));
         found.sort_by_key(|event| (event.from, event.axis, event.kind == EventKind::Step));
         Events { found, more, ..Events::default() }
     }
-}
-
-/// The difference that shows a step most, and its size there.
-fn shown(source: &Source, eta: &[[f64; 3]; 3]) -> (usize, f64) {
-    let parts = source.parts(eta);
-    let axis = largest(&parts);
-    (axis, parts[axis] * source.size)
-}
-
-/// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the same series is nowhere else, by one size
-/// for few and for many readings, and for longer than a pass or until the next step.
-fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[Step]) -> Vec<bool> {
-    let levels = series.each_ref().map(|series| Levels::of(series, out));
-    let shown: Vec<(usize, f64)> = steps.iter().map(|step| shown(&step.source, eta)).collect();
-    let stands = |(step, (axis, removed)): (&Step, &(usize, f64))| {
-        let others =
-            || steps.iter().zip(&shown).filter(|(_, (other, _))| other == axis).map(|(step, _)| step);
-        let start = others().map(|other| other.row).filter(|row| *row < step.row).max();
-        let end = others().map(|other| other.row).filter(|row| *row > step.row).min();
-        let between = start.unwrap_or(0)..end.unwrap_or(out.len());
-        let far = levels[*axis].lasting(step.row, step.after, *removed, between);
-        let sure = if step.sharp() { CONFIRMED } else { SURE };
-        levels[*axis]
-            .net(step.row, step.after, *removed)
-            .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= sure)
-    };
-    steps.iter().zip(&shown).map(stands).collect()
-}
-
-/// Which of the steps that were taken off differences are steps by what they leave.
-pub fn lasting(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[&Found]) -> Vec<bool> {
-    let step = |found: &&Found| {
-        let Found { instrument, axis, size, std, z, from, .. } = **found;
-        let after = (from..out.len()).find(|row| !out[*row]).unwrap_or(from);
-        Step { row: from, after, source: Source { instrument, axis, size, std }, z }
-    };
-    standing(left, eta, out, &steps.iter().map(step).collect::<Vec<_>>())
-}
-
-/// Where the largest part is.
-fn largest(parts: &[f64; 3]) -> usize {
-    (0..3).fold(0, |a, b| if parts[b].abs() > parts[a].abs() { b } else { a })
 }
 
 /// From the least to the largest of the readings that are known.
@@ -526,37 +437,4 @@ fn span(series: &[f64], out: &[bool]) -> f64 {
     let (low, high) = known
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     (high - low).max(0.0)
-}
-
-/// A series with straight lines between the levels on either side where rows are out.
-fn levelled(mut series: Vec<f64>, out: &[bool]) -> Vec<f64> {
-    let known: Vec<usize> = (0..series.len()).filter(|row| !out[*row]).collect();
-    if known.len() == series.len() || known.is_empty() {
-        return series;
-    }
-    let level =
-        |rows: &[usize], series: &[f64]| rows.iter().map(|row| series[*row]).sum::<f64>() / rows.len() as f64;
-    let own = series.clone();
-    let mut row = 0;
-    while row < series.len() {
-        if !out[row] {
-            row += 1;
-            continue;
-        }
-        let before = known.partition_point(|known| *known < row);
-        let after = known.get(before).copied().unwrap_or(series.len());
-        let left = &known[before.saturating_sub(BESIDE)..before];
-        let right = &known[before..(before + BESIDE).min(known.len())];
-        let (a, b) = match (left.is_empty(), right.is_empty()) {
-            (true, _) => (level(right, &own), level(right, &own)),
-            (_, true) => (level(left, &own), level(left, &own)),
-            _ => (level(left, &own), level(right, &own)),
-        };
-        let rows = (after - row + 1) as f64;
-        for (place, value) in series[row..after].iter_mut().enumerate() {
-            *value = a + (b - a) * (place + 1) as f64 / rows;
-        }
-        row = after;
-    }
-    series
 }

@@ -14,6 +14,7 @@ mod golden;
 mod help;
 mod housekeeping;
 mod laws;
+mod near_source;
 mod pair_in_time;
 mod pairs;
 mod real;

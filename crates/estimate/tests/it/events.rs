@@ -132,6 +132,25 @@ fn gaps_are_filled_with_what_is_likely() {
     }
 }
 
+/// What is far from a gap says nothing of it.
+#[test]
+fn gaps_far_apart_are_filled_each_by_itself() {
+    let mut stream = Stream::new(3, "far apart");
+    let rows = 30_000;
+    let series: Vec<f64> = (0..rows).map(|_| stream.normal()).collect();
+    let density = |frequency: f64| 2.0 * STEP_S + 1e-3 / frequency;
+    let gaps = [5_000..5_040, 25_000..25_003];
+    let missing = |gaps: &[std::ops::Range<usize>]| -> Vec<bool> {
+        (0..rows).map(|row| gaps.iter().any(|gap| gap.contains(&row))).collect()
+    };
+    let both = fill(&series, &missing(&gaps), STEP_S, &density).expect("filled");
+    for gap in gaps {
+        let alone = fill(&series, &missing(std::slice::from_ref(&gap)), STEP_S, &density).expect("filled");
+        assert_eq!(both[gap.clone()], alone[gap.clone()]);
+        assert!(gap.clone().all(|row| both[row] != series[row]), "{gap:?} is as it was");
+    }
+}
+
 #[test]
 fn what_has_no_answer_is_refused() {
     assert!(Search::new(&[1.0; 10], 1.0, &|_| 1.0).is_err());
