@@ -3,7 +3,7 @@
 use common::EventKind;
 
 use super::attribution::Source;
-use super::levels::Levels;
+use super::levels::{Levels, Net};
 use super::{CONFIRMED, Found};
 
 /// A step across disturbed rows needs so many uncertainties, by what the same series does elsewhere; one between two readings has shown in the
@@ -46,7 +46,7 @@ impl Step {
 }
 
 /// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the same series is nowhere else, by one size
-/// for few and for many readings, and for longer than a pass or until the next step.
+/// for few and for many readings, and for longer than a pass and until the next step.
 pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[Step]) -> Vec<bool> {
     let levels = series.each_ref().map(|series| Levels::of(series, out));
     let shown: Vec<(usize, f64)> = steps.iter().map(|step| step.shown(eta)).collect();
@@ -56,11 +56,17 @@ pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps
         let start = others().map(|other| other.row).filter(|row| *row < step.row).max();
         let end = others().map(|other| other.row).filter(|row| *row > step.row).min();
         let between = start.unwrap_or(0)..end.unwrap_or(out.len());
-        let far = levels[*axis].lasting(step.row, step.after, *removed, between);
+        let whole = 0..out.len();
+        // The next steps are taken off: two that are none may bear each other out where only the rows beyond them count.
+        let lasts = |net: Net| {
+            [whole.clone(), between.clone()]
+                .into_iter()
+                .all(|rows| net.agrees(levels[*axis].lasting(step.row, step.after, *removed, rows)))
+        };
         let sure = if step.sharp() { CONFIRMED } else { SURE };
         levels[*axis]
             .net(step.row, step.after, *removed)
-            .is_some_and(|net| net.is_level() && net.agrees(far) && (net.size / net.std).abs() >= sure)
+            .is_some_and(|net| net.is_level() && lasts(net) && (net.size / net.std).abs() >= sure)
     };
     steps.iter().zip(&shown).map(stands).collect()
 }
