@@ -1,10 +1,11 @@
 //! What may move besides the directions, from what the document states and what the drives can show.
 
-use common::{Axis, Document, Quantity};
+use common::{Axis, Document, Quantity, Uncertainty};
 use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, tangents};
 
+use crate::joint;
 use crate::unknowns::KnownCoils;
 use crate::{Coils, Error, Freedom, Observations, Options, OrientationGroup};
 
@@ -27,6 +28,9 @@ pub(crate) fn freedom(
         orientations: !observations.orientations.iter().all(exact),
         ..Freedom::default()
     };
+    let joint = Uncertainty::of(document)?;
+    // The coils stand along GEO but for a small angle, and so do their offsets.
+    let mut coil_offsets = [0.0; 3];
     for axis in Axis::ALL {
         let i = axis.index();
         let sensor = calibration.sensor(axis);
@@ -34,14 +38,12 @@ pub(crate) fn freedom(
         let shown = separates_constants(observations, axis).then_some(f64::INFINITY);
         freedom.sensor_scale[i] =
             scale(sensor.and_then(|sensor| physics::sensitivity(sensor, observations.unit)));
-        freedom.coil_scale[i] =
-            scale(calibration.coil(axis).and_then(|coil| coil.constant_nt_per_a.as_ref()));
+        let [share, constant] = joint::drive_std(document, &joint, axis);
+        freedom.coil_scale[i] = if options.free_scales { Some(f64::INFINITY) } else { share };
+        coil_offsets[i] = constant.filter(|std| *std > NEGLIGIBLE_NT).unwrap_or(0.0);
         freedom.offsets[i] = offset.or(shown);
     }
     let shown = observations.sensors.iter().any(|sensor| separates_constants(observations, *sensor));
-    // The coils stand along GEO but for a small angle, and so do their offsets.
-    let coil_offsets = Axis::ALL
-        .map(|axis| stated(calibration.coil(axis).and_then(|coil| coil.offset_nt.as_ref())).unwrap_or(0.0));
     freedom.residual_field = match residual_field_std(document) {
         Some(std) => Some(coil_offsets.map(|offset| std.hypot(offset))),
         None if shown => Some([f64::INFINITY; 3]),

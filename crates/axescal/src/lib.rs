@@ -12,6 +12,7 @@ pub mod design;
 mod directions;
 mod error;
 mod freedom;
+mod joint;
 mod model;
 mod modelled;
 mod observations;
@@ -42,7 +43,7 @@ use common::{AxesCalibration, Document};
 /// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
 /// `calibration.axes.subset`; everything else stays as it was.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let (observations, solution) = modelled::solve_without(&document, options)?;
+    let modelled::Solved { observations, solution, split } = modelled::solve_without(&document, options)?;
     let mut found = result::describe(&document, &observations, &solution, options)?;
     let axes = &mut document.calibration.get_or_insert_default().axes;
     if options.is_subset() {
@@ -53,6 +54,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         keep(&mut found, before, options);
     }
     *axes = Some(found);
+    joint::adopt(&mut document, &observations, &solution, &split)?;
     Ok(document)
 }
 

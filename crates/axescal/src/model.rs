@@ -106,6 +106,11 @@ impl<'a> AxesProblem<'a> {
         &self.unknowns
     }
 
+    /// The unknowns with prior knowledge, by their place, each with the inverse of its standard uncertainty.
+    pub(crate) fn priors(&self) -> &[(usize, f64)] {
+        &self.priors
+    }
+
     /// The rows of prior knowledge, each with its unknown.
     pub fn prior_rows(&self) -> impl Iterator<Item = (usize, Unknown)> {
         let first = self.observations.readings.len();

@@ -2,11 +2,13 @@
 //! uncertain about them is in the uncertainty of the directions.
 
 use common::number::significant;
+use common::uncertainty;
 use common::{AdoptedEffect, Axis, Document, Quantity, procedure};
-use faer::{Mat, linalg::matmul::matmul};
+use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::{EffectInstance, LeftOut, References, Role, Setting};
 
+use crate::joint::{self, Split};
 use crate::observe::observe_without;
 use crate::{Error, Observations, Options, Solution, observe, solve};
 
@@ -35,15 +37,20 @@ impl Added {
 }
 
 /// Readings without what the model's effects add to them, and the directions that follow from them.
-pub(crate) fn solve_without(
-    document: &Document,
-    options: &Options,
-) -> Result<(Observations, Solution), Error> {
+pub(crate) struct Solved {
+    pub observations: Observations,
+    pub solution: Solution,
+    pub split: Split,
+}
+
+/// Takes the effects off and solves.
+pub(crate) fn solve_without(document: &Document, options: &Options) -> Result<Solved, Error> {
     let mut observations = observe(document, options)?;
     let effects = effects(document)?;
     if effects.is_empty() {
-        let solution = solve(document, &observations, options)?;
-        return Ok((observations, solution));
+        let mut solution = solve(document, &observations, options)?;
+        let split = joint::restate(document, &observations, &mut solution, Vec::new())?;
+        return Ok(Solved { observations, solution, split });
     }
     let mut directions = None;
     let mut rounds = 0;
@@ -53,9 +60,10 @@ pub(crate) fn solve_without(
         let mut solution = solve(document, &observations, options)?;
         rounds += 1;
         if rounds == ROUNDS {
-            widen(document, options, &effects, &observations, &mut solution)?;
+            let by = by_effects(document, options, &effects, &observations, &solution)?;
+            let split = joint::restate(document, &observations, &mut solution, by)?;
             observations.findings.extend(words(&effects, &added));
-            return Ok((observations, solution));
+            return Ok(Solved { observations, solution, split });
         }
         directions = Some((solution.fit.state.mu, solution.fit.state.eta));
     }
@@ -106,24 +114,22 @@ fn added(
     Ok(all)
 }
 
-/// Adds to the covariance what a standard uncertainty of each of the effects' parameters moves: C Jᵀ Δ, Δ the change of the readings.
-/// The parameters count as independent of each other.
-fn widen(
+/// How the unknowns err with the parameters of the effects: C Jᵀ Δ for each unit, Δ the change of the readings.
+fn by_effects(
     document: &Document,
     options: &Options,
     effects: &[EffectInstance],
     observations: &Observations,
-    solution: &mut Solution,
-) -> Result<(), Error> {
+    solution: &Solution,
+) -> Result<joint::By, Error> {
     let adopted: Vec<&AdoptedEffect> = document.model.iter().flat_map(|model| &model.effects).collect();
     let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
     let unknowns = solution.meaning.len();
-    let mut covariance = solution.covariance.clone();
+    let mut by = Vec::new();
     for (number, effect) in effects.iter().enumerate() {
-        let stated = adopted.iter().find(|one| stands_for(one, effect));
+        let Some(stated) = adopted.iter().find(|one| stands_for(one, effect)) else { continue };
         for (place, info) in effect.kind.parameters().iter().enumerate() {
-            let std =
-                stated.and_then(|one| one.parameters.get(info.name)).and_then(Quantity::std).unwrap_or(0.0);
+            let std = stated.parameters.get(info.name).and_then(Quantity::std).unwrap_or(0.0);
             if std <= 0.0 || info.role == Role::Epoch {
                 continue;
             }
@@ -132,25 +138,18 @@ fn widen(
             let moved = observe_without(document, options, &added(document, &moved, directions)?)?;
             let change = |row: usize| {
                 let (before, after) = (&observations.readings[row], &moved.readings[row]);
-                (after.value_nt - before.value_nt) / (before.std_nt * solution.noise_factor)
+                (after.value_nt - before.value_nt) / (before.std_nt * solution.noise_factor * std)
             };
             let readings = observations.readings.len();
             let gradient = Mat::from_fn(unknowns, 1, |k, _| {
                 (0..readings).map(|row| solution.fit.jacobian[(row, k)] * change(row)).sum::<f64>()
             });
             let shift = &solution.covariance * &gradient;
-            matmul(
-                covariance.as_mut(),
-                faer::Accum::Add,
-                shift.as_ref(),
-                shift.transpose(),
-                1.0,
-                faer::Par::Seq,
-            );
+            let shift = (0..unknowns).map(|k| shift[(k, 0)]).collect();
+            by.push((uncertainty::effect(stated, info.name), shift));
         }
     }
-    solution.covariance = covariance;
-    Ok(())
+    Ok(by)
 }
 
 /// Whether an entry of the model is this effect.

@@ -54,6 +54,8 @@ pub struct Solution {
     pub chi_squared: Option<(f64, f64)>,
     /// Degrees of freedom left.
     pub degrees_of_freedom: f64,
+    /// Whether the noise was taken from the scatter of the readings.
+    pub scattered: bool,
     /// Factor from a standard uncertainty to a 95 % interval.
     pub coverage_factor: f64,
     /// Observed less predicted, nT.
@@ -155,6 +157,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
             0.95,
             if scatter { estimate.degrees_of_freedom } else { f64::INFINITY },
         ),
+        scattered: scatter,
         influence: influence::influence(&fit, problem.readings(), false, 0),
         residuals_nt,
         covariance,

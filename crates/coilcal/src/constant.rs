@@ -1,14 +1,17 @@
 //! k and B0 of one coil.
 
 use common::number::p_value;
-use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity};
+use common::uncertainty::{self, Block};
+use common::{
+    Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity, Uncertainty,
+};
 use estimate::linear::LinearFit;
 use estimate::stats;
 
 use crate::Error;
 use crate::departures::{self, FOUND_BELOW, Kind};
 use crate::levels::{Level, levels, mean, within};
-use crate::readings::{Reading, Readings, resistor};
+use crate::readings::{Reading, Readings};
 
 /// Below this probability of the lack of fit, uncertainties rest on the levels: repeats may err together.
 const LEVELS_BELOW: f64 = 0.1;
@@ -33,7 +36,11 @@ pub struct Scatter {
 }
 
 /// Fits the line, and what it leaves out where the readings say so.
-pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration, Error> {
+pub fn calibrate(
+    document: &Document,
+    coil: &Readings,
+    joint: &mut Uncertainty,
+) -> Result<CoilCalibration, Error> {
     let readings = &coil.readings;
     let levels = levels(readings);
     if levels.len() < 3 {
@@ -69,9 +76,20 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
     let variance = scatter.std_nt.powi(2);
     let (b0, k) = (fit.coefficients[0], fit.coefficients[1]);
     let type_a = |i: usize| (fit.covariance[(i, i)] * variance).sqrt();
-    let type_b = type_b(document, coil, k);
-    let total = |i: usize| (type_a(i).powi(2) + type_b[i].powi(2)).sqrt();
-    let cross = fit.covariance[(0, 1)] * variance;
+    let paths = [uncertainty::coil_constant(coil.coil), uncertainty::coil_offset(coil.coil)];
+    let scattered = |i: usize, j: usize| fit.covariance[(i, j)] * variance;
+    joint
+        .put(Block {
+            name: format!("coil {}: scatter of the readings", coil.coil),
+            degrees_of_freedom: scatter.freedom,
+            parameters: paths.to_vec(),
+            covariance: [1, 0].map(|i| [1, 0].map(|j| scattered(i, j)).to_vec()).to_vec(),
+            by: measured_with(document, coil, k),
+        })
+        .map_err(Error::Undetermined)?;
+    let std = paths.each_ref().map(|path| joint.std(path));
+    let type_b = |i: usize| (std[1 - i].powi(2) - type_a(i).powi(2)).max(0.0).sqrt();
+    let coverage = paths.each_ref().map(|path| stats::coverage_factor(0.95, joint.degrees_of_freedom(path)));
     let (_, repeats) = within(&levels, |_| 0.0);
     let (pure, _) = within(&levels, |member| fit.residuals[member]);
     let order = ["constant_nt_per_a", "offset_nt"].map(String::from);
@@ -89,7 +107,7 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
         uncertainty: order
             .iter()
             .zip([1, 0])
-            .map(|(key, i)| (key.clone(), Budget { type_a: type_a(i), type_b: type_b[i] }))
+            .map(|(key, i)| (key.clone(), Budget { type_a: type_a(i), type_b: type_b(i) }))
             .collect(),
         rms_nt: (fit.residuals.iter().map(|r| r * r).sum::<f64>() / readings.len() as f64).sqrt(),
         pure_error_nt: (repeats > 0.0).then(|| (pure / repeats).sqrt()),
@@ -100,9 +118,9 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
             scatter.source.into()
         },
         degrees_of_freedom: scatter.freedom,
-        coverage_factor_95: coverage(&scatter, type_a(1), type_b[1]),
+        coverage_factor_95: coverage[0],
         lack_of_fit,
-        offset_p: stats::two_sided_p(b0 / total(0), f64::INFINITY),
+        offset_p: stats::two_sided_p(b0 / std[1], f64::INFINITY),
         rivals,
         departures: looked.into_iter().map(|(_, departure)| departure).collect(),
         residuals: residuals(coil, &levels, &fit, |member| scatter.std_nt * relative_std[member]),
@@ -110,9 +128,9 @@ pub fn calibrate(document: &Document, coil: &Readings) -> Result<CoilCalibration
     };
     result.findings = findings(coil, &kinds, &result);
     Ok(CoilCalibration {
-        constant_nt_per_a: Some(Quantity::new(k, total(1))),
-        offset_nt: Some(Quantity::new(b0, total(0))),
-        covariance: Some(vec![vec![total(1).powi(2), cross], vec![cross, total(0).powi(2)]]),
+        constant_nt_per_a: Some(Quantity::new(k, std[0]).covered_by(coverage[0])),
+        offset_nt: Some(Quantity::new(b0, std[1]).covered_by(coverage[1])),
+        covariance: Some(joint.covariance(&paths)),
         covariance_order: Some(order.to_vec()),
         constant: Some(Box::new(result)),
         ..CoilCalibration::default()
@@ -225,23 +243,13 @@ pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scat
     }
 }
 
-/// Standard uncertainties of B0 and k from resistor and voltmeter, the same at all points: I = V/R, so that
-/// u(k)/k = √(u(R)²/R² + u_rel²) and u(B0) = |k| u_V/R.
-fn type_b(document: &Document, coil: &Readings, k: f64) -> [f64; 2] {
-    let Some(facility) = document.facility.as_ref().filter(|_| coil.volts) else { return [0.0, 0.0] };
-    let stated = facility.coils.as_ref().and_then(|coils| coils.get(coil.coil));
-    let resistor_relative = stated.and_then(|coil| coil.resistor_relative_uncertainty).unwrap_or(0.0);
-    let voltmeter = facility.voltmeter.clone().unwrap_or_default();
-    let relative = resistor_relative.hypot(voltmeter.relative.unwrap_or(0.0));
-    let ohm = resistor(document, coil.coil).unwrap_or(f64::INFINITY);
-    [k.abs() * voltmeter.absolute_v.unwrap_or(0.0) / ohm, k.abs() * relative]
-}
-
-/// Student's factor with the effective degrees of freedom of type A and type B together (Welch and Satterthwaite, JCGM 100 G.4).
-fn coverage(scatter: &Scatter, type_a: f64, type_b: f64) -> f64 {
-    let total = type_a.hypot(type_b);
-    let effective = if type_a > 0.0 { scatter.freedom * (total / type_a).powi(4) } else { f64::INFINITY };
-    stats::coverage_factor(0.95, effective)
+/// How k and B0 move with resistor and voltmeter, the same at all points: against what these do to a calculated field.
+fn measured_with(document: &Document, coil: &Readings, k: f64) -> Vec<(String, Vec<f64>)> {
+    if !coil.volts {
+        return Vec::new();
+    }
+    let current = uncertainty::of_current(document, coil.coil, k).into_iter();
+    current.map(|(path, like)| (path, like.map(|change| -change).to_vec())).collect()
 }
 
 fn residuals(

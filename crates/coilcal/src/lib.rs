@@ -17,7 +17,7 @@ mod words;
 pub use error::Error;
 pub use words::summary;
 
-use common::{Axis, Document, procedure};
+use common::{Axis, Document, Uncertainty, procedure};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,9 +41,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {
         return Err(Error::Nothing);
     }
+    let mut joint = Uncertainty::of(&document)?;
     for coil in Axis::ALL {
         let constant = match readings::read(&document, coil)? {
-            Some(readings) => Some(constant::calibrate(&document, &readings)?),
+            Some(readings) => Some(constant::calibrate(&document, &readings, &mut joint)?),
             None => None,
         };
         let surveys = gradient::surveys(&document, coil, options.off_centre_m)?;
@@ -61,6 +62,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             entry.gradient_coil = gradient::gradient_coil(&surveys);
             entry.surveys = surveys;
         }
+    }
+    if !joint.sources.is_empty() {
+        document.calibration.get_or_insert_default().uncertainty = Some(joint);
     }
     if let Some(nulling) = nulling::residual(&document, options.nyquist_hz)? {
         document.calibration.get_or_insert_default().nulling = Some(Box::new(nulling));

@@ -33,6 +33,7 @@ mod sensor_noise;
 mod sensor_offset;
 pub mod series;
 pub mod time;
+pub mod uncertainty;
 
 pub use axes::{
     Assumption, AxesCalibration, AxesDirections, AxesFit, AxesReadings, DoubtfulReading, IterationStep,
@@ -83,6 +84,8 @@ pub use sensor_noise::{AllanDeviation, BandRms, BudgetTerm, ErrorBudget, NoiseSe
 pub use sensor_offset::{
     AnnualTerm, DriftDates, ImperfectTurn, OffsetDrift, Reversal, ReversalOffset, ReversalPairs,
 };
+
+pub use uncertainty::Uncertainty;
 
 /// Keys that this version does not know. They are kept and written on as they were.
 pub type Extra = serde_json::Map<String, serde_json::Value>;

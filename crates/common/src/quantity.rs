@@ -23,6 +23,10 @@ pub enum Quantity {
         #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         std: Option<f64>,
+        /// Factor from the standard uncertainty to a 95 % interval, where a program has estimated the value.
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+        #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+        coverage_factor_95: Option<f64>,
         /// Keys that this version does not know.
         #[serde(flatten)]
         extra: Extra,
@@ -38,7 +42,26 @@ impl Default for Quantity {
 impl Quantity {
     /// A value with a standard uncertainty.
     pub fn new(value: f64, std: f64) -> Self {
-        Quantity::Stated { value, std: Some(std), extra: Extra::new() }
+        Quantity::Stated { value, std: Some(std), coverage_factor_95: None, extra: Extra::new() }
+    }
+
+    /// The same with the factor from its standard uncertainty to a 95 % interval.
+    #[must_use]
+    pub fn covered_by(self, factor: f64) -> Self {
+        match self {
+            Quantity::Bare(_) => self,
+            Quantity::Stated { value, std, extra, .. } => {
+                Quantity::Stated { value, std, coverage_factor_95: Some(factor), extra }
+            }
+        }
+    }
+
+    /// Factor from the standard uncertainty to a 95 % interval, where it is stated.
+    pub fn coverage_factor_95(&self) -> Option<f64> {
+        match self {
+            Quantity::Bare(_) => None,
+            Quantity::Stated { coverage_factor_95, .. } => *coverage_factor_95,
+        }
     }
 
     /// The estimate.

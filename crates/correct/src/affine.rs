@@ -36,12 +36,12 @@ impl Affine {
             .map(|parameter| Ok(affine(&solved.by_parameter(*parameter)?)))
             .collect::<Result<_, Error>>()?;
         let mut forms = [SMatrix::zeros(); 6];
-        for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
-            known.sum(form, |a, b| {
-                let [a, b] = [&derivatives[a], &derivatives[b]];
-                let product = a.row(i).transpose() * b.row(j) + b.row(i).transpose() * a.row(j);
-                (product + product.transpose()) / 2.0
-            });
+        for source in &known.sources {
+            let moved: SMatrix<f64, 3, 4> = source.iter().map(|(at, moved)| derivatives[*at] * *moved).sum();
+            for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
+                let product = moved.row(i).transpose() * moved.row(j);
+                *form += (product + product.transpose()) / 2.0;
+            }
         }
         let noise = solved.covariance_of_readings(noise_nt2)?[0];
         for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {

@@ -1,6 +1,6 @@
 //! One recording corrected.
 
-use common::{Axis, Document, Recording};
+use common::{Axis, Document, Recording, Uncertainty};
 use nalgebra::{Matrix3, Vector3};
 use physics::{Context, EffectInstance, Inverter, References, Row, Setting, Stage, Unit};
 use rayon::prelude::*;
@@ -62,6 +62,7 @@ impl Corrected {
 /// All that a document says of the correction.
 pub struct Corrector<'a> {
     document: &'a Document,
+    joint: Uncertainty,
     effects: Vec<EffectInstance>,
     references: References,
     limits: Limits,
@@ -73,7 +74,8 @@ impl<'a> Corrector<'a> {
     pub fn of(document: &'a Document, frame: Frame) -> Result<Self, Error> {
         let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
         let references = References::stated(document);
-        Ok(Self { document, effects, references, limits: Limits::of(document, &references), frame })
+        let joint = Uncertainty::of(document)?;
+        Ok(Self { document, joint, effects, references, limits: Limits::of(document, &references), frame })
     }
 
     /// Whether a long recording may be corrected piece by piece.
@@ -106,7 +108,7 @@ impl<'a> Corrector<'a> {
         let mut left = Vec::new();
         let solution = loop {
             let (places, effects): (Vec<usize>, Vec<EffectInstance>) = acting.iter().cloned().unzip();
-            let known = Known::of(self.document, &effects, &places, context.unit)?;
+            let known = Known::of(self.document, &self.joint, (&effects, &places), context.unit)?;
             let solved = Inverter::new(&basic, &effects, &context)
                 .and_then(|inverter| Solution::of(inverter, &known, noise_nt2, &readings));
             match solved {
@@ -179,10 +181,11 @@ impl Solution {
             .map(|parameter| solved.by_parameter(*parameter))
             .collect::<Result<_, _>>()?;
         covariance.par_iter_mut().enumerate().for_each(|(row, covariance)| {
-            known.sum(covariance, |a, b| {
-                let product = derivatives[a][row] * derivatives[b][row].transpose();
-                product + product.transpose()
-            });
+            for source in &known.sources {
+                let moved: Vector3<f64> =
+                    source.iter().map(|(at, moved)| derivatives[*at][row] * *moved).sum();
+                *covariance += moved * moved.transpose();
+            }
         });
         Ok(Solution::Rows { field: solved.field_sen, covariance, rows: solved.rows })
     }

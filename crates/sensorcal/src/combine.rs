@@ -1,15 +1,15 @@
 //! One k and one O for a sensor, from the coil's field and from the reversals.
 
 use common::number::{p_value, signed, uncertain};
-use common::{Quantity, SensorCalibration};
+use common::uncertainty::{self, Block};
+use common::{Axis, Quantity, SensorCalibration, Uncertainty};
 use estimate::stats;
 
+use crate::Error;
 use crate::conditions::Conditions;
 use crate::reversal::Turned;
 use crate::sensitivity::{Constants, sensitivity_key};
 
-/// Factor of a 95 % interval of the normal.
-const NORMAL: f64 = 1.959_964;
 /// Below this probability of a larger difference, the two offsets disagree.
 const DISAGREE_BELOW: f64 = 0.01;
 
@@ -29,23 +29,39 @@ pub struct Seen<'a> {
 /// joined by their uncertainties (and k with them, as far as it goes with O); where they do not, the reversals count. Errors of
 /// the coefficients of temperature are in both and weigh for neither: at another reference temperature they are others, and the
 /// offset has to be the same but for what it moves by.
-pub fn into(entry: &mut SensorCalibration, mut found: SensorCalibration, seen: &Seen<'_>) {
+pub fn into(
+    entry: &mut SensorCalibration,
+    mut found: SensorCalibration,
+    seen: &Seen<'_>,
+    (sensor, joint): (Axis, &mut Uncertainty),
+) -> Result<(), Error> {
+    let mut put = |block: Block| joint.put(block).map_err(Error::Undetermined);
+    let offset = uncertainty::sensor_offset(sensor);
     if let Some(constants) = seen.constants {
-        let (values, covariance, finding) = joined(constants, seen.turned, seen.conditions);
-        let k = Quantity::new(values[0], covariance[0][0].sqrt());
-        let key = sensitivity_key(constants.unit);
+        let Joined { gain, finding } = joined(constants, seen.turned, seen.conditions);
+        put(block(constants, seen.turned, seen.conditions, gain))?;
+        let difference = seen.turned.map_or(0.0, |turned| turned.offset_nt - constants.offset_nt);
+        let key = uncertainty::sensitivity(sensor, constants.unit.suffix());
+        let k = quantity(joint, &key, constants.sensitivity + gain[0] * difference);
         match constants.unit {
             physics::Unit::Volt => entry.sensitivity_nt_per_v = Some(k),
             physics::Unit::Nanotesla => entry.sensitivity_nt_per_nt = Some(k),
         }
-        entry.offset_nt = Some(Quantity::new(values[1], covariance[1][1].sqrt()));
-        entry.covariance = Some(covariance.iter().map(|row| row.to_vec()).collect());
-        entry.covariance_order = Some(vec![key.into(), "offset_nt".into()]);
+        entry.offset_nt = Some(quantity(joint, &offset, constants.offset_nt + gain[1] * difference));
+        entry.covariance = Some(joint.covariance(&[key, offset]));
+        entry.covariance_order = Some(vec![sensitivity_key(constants.unit).into(), "offset_nt".into()]);
         if let (Some(fit), Some(finding)) = (&mut found.sensitivity, finding) {
             fit.findings.push(finding);
         }
-    } else if let Some(reversal) = &found.reversal {
-        entry.offset_nt = Some(reversal.offset_nt.clone());
+    } else if let Some(turned) = seen.turned {
+        put(Block {
+            name: format!("sensor {sensor}: scatter of the reversals"),
+            degrees_of_freedom: f64::INFINITY,
+            parameters: vec![offset.clone()],
+            covariance: vec![vec![turned.covered_nt2()]],
+            by: by_turned(turned, seen.conditions).map(|(path, by)| (path, vec![by])).collect(),
+        })?;
+        entry.offset_nt = Some(quantity(joint, &offset, turned.offset_nt));
         (entry.covariance, entry.covariance_order) = (None, None);
     }
     let SensorCalibration { sensitivity, reversal, noise, drift, temperature, cross_field, .. } = found;
@@ -55,14 +71,52 @@ pub fn into(entry: &mut SensorCalibration, mut found: SensorCalibration, seen: &
     entry.drift = drift.or(entry.drift.take());
     entry.temperature = temperature.or(entry.temperature.take());
     entry.cross_field = cross_field.or(entry.cross_field.take());
+    Ok(())
 }
 
-type Joined = ([f64; 2], [[f64; 2]; 2], Option<String>);
+/// A value with the uncertainty that the sources say.
+pub fn quantity(joint: &Uncertainty, path: &str, value: f64) -> Quantity {
+    Quantity::new(value, joint.std(path))
+        .covered_by(stats::coverage_factor(0.95, joint.degrees_of_freedom(path)))
+}
+
+/// How O by reversals moves with each parameter of the temperatures.
+fn by_turned(turned: &Turned, conditions: &Conditions) -> impl Iterator<Item = (String, f64)> {
+    conditions.paths.iter().cloned().zip(turned.by_temperature.iter().copied())
+}
+
+/// What the coil shows with `gain` times the difference of the reversals' offset from its own.
+fn block(constants: &Constants, turned: Option<&Turned>, conditions: &Conditions, gain: [f64; 2]) -> Block {
+    let mut block = constants.block.clone();
+    let Some(turned) = turned else { return block };
+    let count = block.parameters.len();
+    let gain: Vec<f64> = gain.into_iter().chain(std::iter::repeat(0.0)).take(count).collect();
+    let own = &constants.block.covariance;
+    let apart = own[1][1] + turned.covered_nt2();
+    let entry = |i: usize, j: usize| {
+        own[i][j] - gain[i] * own[1][j] - gain[j] * own[i][1] + gain[i] * gain[j] * apart
+    };
+    block.covariance = (0..count).map(|i| (0..count).map(|j| entry(i, j)).collect()).collect();
+    for (_, by) in &mut block.by {
+        let of_offset = by[1];
+        by.iter_mut().zip(&gain).for_each(|(by, gain)| *by -= gain * of_offset);
+    }
+    block.by.extend(
+        by_turned(turned, conditions).map(|(path, by)| (path, gain.iter().map(|gain| gain * by).collect())),
+    );
+    block
+}
+
+/// How much of the difference between the two offsets goes to k and to O, and what is to be said of it.
+struct Joined {
+    gain: [f64; 2],
+    finding: Option<String>,
+}
 
 fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Conditions) -> Joined {
-    let alone = [constants.sensitivity, constants.offset_nt];
-    let Some(turned) = turned else { return (alone, constants.covariance, None) };
-    // Derivatives of k, of O and of the reversals' O by the parameters of the temperatures.
+    let alone = Joined { gain: [0.0; 2], finding: None };
+    let Some(turned) = turned else { return alone };
+    // Derivatives of O and of the reversals' O by the parameters of the temperatures.
     let parameters = conditions.covariance.len();
     let of = |by: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
         (0..parameters).map(|parameter| by(parameter).unwrap_or(0.0)).collect()
@@ -70,36 +124,25 @@ fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Condition
     let by = [0, 1].map(|i| of(&|parameter| constants.by_temperature.get(parameter).map(|by| by[i])));
     let by_turned = of(&|parameter| turned.by_temperature.get(parameter).copied());
     let own = |i: usize, j: usize| constants.covariance[i][j] - conditions.between(&by[i], &by[j]);
-    // A few degrees of freedom count as a wider normal.
-    let turned_nt2 = turned.own_nt2 * (turned.coverage_factor_95 / NORMAL).powi(2);
     let difference = turned.offset_nt - constants.offset_nt;
-    let variance = own(1, 1) + turned_nt2;
+    let variance = own(1, 1) + turned.covered_nt2();
     if variance <= 0.0 {
-        return (alone, constants.covariance, None);
+        return alone;
     }
     let apart: Vec<f64> = by[1].iter().zip(&by_turned).map(|(a, b)| a - b).collect();
     let p = stats::chi_squared_p(difference * difference / (variance + conditions.variance(&apart)), 1.0);
     if p < DISAGREE_BELOW {
-        let std = (turned_nt2 + conditions.variance(&by_turned)).sqrt();
+        let std = (turned.covered_nt2() + conditions.variance(&by_turned)).sqrt();
         let finding = format!(
             "the offset in the coil is {} nT, by reversals {} nT: they do not agree ({}), and the reversals count; what is left in the coil, or its offset, may be wrong",
             signed(&uncertain(constants.offset_nt, constants.covariance[1][1].sqrt())),
             signed(&uncertain(turned.offset_nt, std)),
             p_value(p)
         );
-        // k as it was, O as the reversals have it; the temperatures are in both.
-        let both = conditions.between(&by[0], &by_turned);
-        let covariance = [[constants.covariance[0][0], both], [both, std * std]];
-        return ([constants.sensitivity, turned.offset_nt], covariance, Some(finding));
+        // k as it was, O as the reversals have it.
+        return Joined { gain: [0.0, 1.0], finding: Some(finding) };
     }
-    let gain = [own(0, 1) / variance, own(1, 1) / variance];
-    let values = [alone[0] + gain[0] * difference, alone[1] + gain[1] * difference];
-    let joined_by = [0, 1]
-        .map(|i| -> Vec<f64> { by[i].iter().zip(&apart).map(|(by, apart)| by - gain[i] * apart).collect() });
-    let left = |i: usize, j: usize| {
-        own(i, j) - gain[i] * own(1, j) + conditions.between(&joined_by[i], &joined_by[j])
-    };
-    (values, [[left(0, 0), left(0, 1)], [left(1, 0), left(1, 1)]], None)
+    Joined { gain: [own(0, 1) / variance, own(1, 1) / variance], finding: None }
 }
 
 #[cfg(test)]
@@ -109,12 +152,20 @@ mod tests {
     use common::SensitivityFit;
 
     fn constants() -> Constants {
+        let covariance = [[0.01, 0.004], [0.004, 0.04]];
         Constants {
             unit: physics::Unit::Volt,
             sensitivity: 6400.0,
             offset_nt: 1.0,
-            covariance: [[0.01, 0.004], [0.004, 0.04]],
+            covariance,
             common: [[0.0; 2]; 2],
+            block: Block {
+                name: "the coil".into(),
+                degrees_of_freedom: f64::INFINITY,
+                parameters: vec![uncertainty::sensitivity(Axis::X, "v"), uncertainty::sensor_offset(Axis::X)],
+                covariance: covariance.map(|row| row.to_vec()).to_vec(),
+                by: Vec::new(),
+            },
             by_temperature: Vec::new(),
             nonlinearity: Vec::new(),
             largest_nt: 50_000.0,
@@ -123,36 +174,69 @@ mod tests {
     }
 
     fn turned(offset_nt: f64, std: f64) -> Turned {
-        Turned { offset_nt, own_nt2: std * std, coverage_factor_95: NORMAL, by_temperature: Vec::new() }
+        let normal = stats::coverage_factor(0.95, f64::INFINITY);
+        Turned { offset_nt, own_nt2: std * std, coverage_factor_95: normal, by_temperature: Vec::new() }
+    }
+
+    /// k and O, their covariance, and what is said.
+    fn found(
+        constants: &Constants,
+        turned: Turned,
+        conditions: &Conditions,
+        joint: Uncertainty,
+    ) -> ([f64; 2], Vec<Vec<f64>>, Vec<String>) {
+        let (mut entry, mut joint) = (SensorCalibration::default(), joint);
+        let fitted = SensorCalibration {
+            sensitivity: Some(Box::new(constants.fit.clone())),
+            ..SensorCalibration::default()
+        };
+        let seen = Seen { constants: Some(constants), turned: Some(&turned), conditions };
+        into(&mut entry, fitted, &seen, (Axis::X, &mut joint)).unwrap();
+        let values = [&entry.sensitivity_nt_per_v, &entry.offset_nt].map(|of| of.as_ref().unwrap().value());
+        (values, entry.covariance.unwrap(), entry.sensitivity.unwrap().findings.clone())
     }
 
     #[test]
     fn agreeing_offsets_are_joined() {
         // Equal weights: the mean, with half the variance; k moves by C_kO/(2 C_OO) of the difference.
-        let (values, covariance, finding) =
-            joined(&constants(), Some(&turned(1.2, 0.2)), &Conditions::default());
-        assert!((values[1] - 1.1).abs() < 1e-12 && (covariance[1][1] - 0.02).abs() < 1e-12);
-        assert!((values[0] - 6400.01).abs() < 1e-9 && (covariance[0][0] - 0.0098).abs() < 1e-12);
-        assert!(finding.is_none());
+        let (values, covariance, findings) =
+            found(&constants(), turned(1.2, 0.2), &Conditions::default(), Uncertainty::default());
+        assert!((values[1] - 1.1).abs() < 1e-12 && (covariance[1][1] - 0.02).abs() < 1e-9);
+        assert!((values[0] - 6400.01).abs() < 1e-9 && (covariance[0][0] - 0.0098).abs() < 1e-9);
+        assert!(findings.is_empty());
     }
 
     #[test]
     fn of_offsets_that_disagree_the_reversals_count() {
-        let (values, covariance, finding) =
-            joined(&constants(), Some(&turned(3.0, 0.01)), &Conditions::default());
+        let (values, covariance, findings) =
+            found(&constants(), turned(3.0, 0.01), &Conditions::default(), Uncertainty::default());
         assert_eq!(values, [6400.0, 3.0]);
-        assert_eq!(covariance[1], [0.0, 0.01 * 0.01]);
-        assert!(finding.is_some_and(|text| text.contains("do not agree")));
+        assert!(covariance[1][0].abs() < 1e-12 && (covariance[1][1] - 0.01 * 0.01).abs() < 1e-9);
+        assert!(findings[0].contains("do not agree"));
     }
 
     #[test]
     fn what_both_owe_to_the_temperatures_does_not_average_down() {
         // A coefficient known to 0.1 nT/K, both offsets taken 2 K from the reference: 0.2 nT in either, and in their mean.
-        let conditions = Conditions { effects: Vec::new(), covariance: vec![vec![0.01]] };
+        let coefficient = Block {
+            name: "temperature".into(),
+            degrees_of_freedom: f64::INFINITY,
+            parameters: vec!["coefficient".into()],
+            covariance: vec![vec![0.01]],
+            by: Vec::new(),
+        };
+        let mut joint = Uncertainty::default();
+        joint.put(coefficient).unwrap();
+        let conditions = Conditions {
+            covariance: vec![vec![0.01]],
+            paths: vec!["coefficient".into()],
+            ..Conditions::default()
+        };
         let mut warm = constants();
         (warm.by_temperature, warm.covariance[1][1]) = (vec![[0.0, 2.0]], 0.04 + 0.04);
+        warm.block.by = vec![("coefficient".into(), vec![0.0, 2.0])];
         let both = Turned { by_temperature: vec![2.0], ..turned(1.2, 0.2) };
-        let (values, covariance, _) = joined(&warm, Some(&both), &conditions);
-        assert!((values[1] - 1.1).abs() < 1e-12 && (covariance[1][1] - (0.02 + 0.04)).abs() < 1e-12);
+        let (values, covariance, _) = found(&warm, both, &conditions, joint);
+        assert!((values[1] - 1.1).abs() < 1e-12 && (covariance[1][1] - (0.02 + 0.04)).abs() < 1e-9);
     }
 }

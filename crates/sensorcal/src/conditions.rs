@@ -1,5 +1,6 @@
 //! What temperatures do to a sensor, as it was found, for the other procedures.
 
+use common::uncertainty::Block;
 use common::{Axis, Error as Fault};
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
@@ -13,6 +14,10 @@ pub struct Conditions {
     pub effects: Vec<EffectInstance>,
     /// Covariance over their parameters, one effect after the other.
     pub covariance: Vec<Vec<f64>>,
+    /// Their paths in the document.
+    pub paths: Vec<String>,
+    /// How they were estimated; None: they are stated.
+    pub block: Option<Block>,
 }
 
 impl Conditions {
@@ -40,7 +45,9 @@ impl Conditions {
         if self.effects.is_empty() || !runs.iter().all(|run| self.known_in(&run.context)) {
             return (Vec::new(), None);
         }
-        let known = Known { parameters: self.parameters(), covariance: self.covariance.clone() };
+        let one = |at: usize| (0..self.paths.len()).map(|other| f64::from(u8::from(other == at))).collect();
+        let rests_on = self.paths.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect();
+        let known = Known { parameters: self.parameters(), covariance: self.covariance.clone(), rests_on };
         (self.effects.clone(), Some(known))
     }
 

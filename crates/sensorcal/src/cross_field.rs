@@ -64,7 +64,7 @@ pub fn coefficients(
     let k = runs[0].basic.sensors[sensor.index()].sensitivity;
     let shape = noise(runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k);
     let (effects, known) = conditions.effects_in(&runs);
-    let mut knowns = fit::coils(document, &runs);
+    let mut knowns = fit::coils(document, &runs)?;
     knowns.extend(known);
     let mut unknowns = misalignments(&runs, &across);
     let turned = unknowns.len();

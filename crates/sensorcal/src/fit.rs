@@ -1,6 +1,7 @@
 //! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of `physics`.
 
-use common::{Axis, FitNoise, Quantity};
+use common::uncertainty;
+use common::{Axis, FitNoise, Quantity, Uncertainty};
 use estimate::correlated::{self, CorrelatedFit, Scale};
 use faer::Mat;
 use physics::{Basic, EffectInstance, Parameter};
@@ -34,6 +35,8 @@ pub struct Known {
     pub parameters: Vec<Parameter>,
     /// Their covariance.
     pub covariance: Vec<Vec<f64>>,
+    /// What it rests on: parameters of the document, each with how these move with it.
+    pub rests_on: Vec<(String, Vec<f64>)>,
 }
 
 /// What is fitted.
@@ -78,8 +81,8 @@ pub struct Fit {
     pub scatter: Mat<f64>,
     /// Covariance from what is known with an uncertainty, common to all readings.
     pub common: Mat<f64>,
-    /// How the unknowns move with what is known with an uncertainty: for each [`Known`], for each of its parameters.
-    pub by_known: Vec<Vec<Vec<f64>>>,
+    /// How the unknowns move with what is known with an uncertainty: parameters of the document.
+    pub by: Vec<(String, Vec<f64>)>,
     /// The linear fit at the minimum; its residuals are in nT.
     pub linear: CorrelatedFit,
     /// Derivatives of the predicted field by the unknowns, nT, over the used rows of all runs.
@@ -89,6 +92,12 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// How some of the unknowns move with parameters of the document.
+    pub fn by(&self, unknowns: &[usize]) -> Vec<(String, Vec<f64>)> {
+        let of = |moved: &Vec<f64>| unknowns.iter().map(|unknown| moved[*unknown]).collect();
+        self.by.iter().map(|(path, moved)| (path.clone(), of(moved))).collect()
+    }
+
     /// Standard uncertainty from scatter.
     pub fn type_a(&self, unknown: usize) -> f64 {
         self.scatter[(unknown, unknown)].sqrt()
@@ -168,7 +177,7 @@ impl Problem<'_, '_> {
     fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
-        let mut by_known = Vec::new();
+        let mut by: Vec<(String, Vec<f64>)> = Vec::new();
         let best = (0..linear.weights.len())
             .max_by(|a, b| linear.weights[*a].total_cmp(&linear.weights[*b]))
             .unwrap_or(0);
@@ -192,13 +201,18 @@ impl Problem<'_, '_> {
                     }
                 }
             }
-            by_known.push(shifts);
+            by.extend(known.rests_on.iter().map(|(path, weights)| {
+                let moved = |unknown: usize| {
+                    weights.iter().zip(&shifts).map(|(weight, shift)| weight * shift[unknown]).sum()
+                };
+                (path.clone(), (0..unknowns).map(moved).collect())
+            }));
         }
         Ok(Fit {
             values: (0..unknowns).map(|unknown| self.value(state, unknown)).collect(),
             scatter: linear.covariance.clone(),
             common,
-            by_known,
+            by,
             design: design.clone(),
             noise: self.allowed.describe(&linear),
             linear,
@@ -361,32 +375,39 @@ impl Problem<'_, '_> {
     }
 }
 
-/// Constants of the coils that were driven, with what is uncertain about them.
-pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Vec<Known> {
-    let driven = |coil: Axis| {
-        runs.iter().any(|run| {
-            run.coil == coil || run.context.current_a.iter().any(|current| current[coil.index()] != 0.0)
-        })
+/// Constants of the coils that were driven, with what is uncertain about the fields calculated with them.
+pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<Known>, Error> {
+    let joint = Uncertainty::of(document)?;
+    let driven = |run: &Run<'_>, coil: Axis| {
+        run.coil == coil || run.context.current_a.iter().any(|current| current[coil.index()] != 0.0)
     };
-    let stated = document.calibration.as_ref();
-    Axis::ALL
-        .into_iter()
-        .filter(|coil| driven(*coil))
-        .filter_map(|coil| {
-            let of = stated?.coil(coil)?;
-            let std = |quantity: &Option<Quantity>| quantity.as_ref().and_then(Quantity::std).unwrap_or(0.0);
-            let (k, b0) = (std(&of.constant_nt_per_a), std(&of.offset_nt));
-            let order = of.covariance_order.as_deref().unwrap_or_default();
-            let place = |key: &str| order.iter().position(|name| name == key);
-            let stated = place("constant_nt_per_a").zip(place("offset_nt")).and_then(|(k, b0)| {
-                let value = |i: usize, j: usize| of.covariance.as_ref()?.get(i)?.get(j).copied();
-                Some(vec![vec![value(k, k)?, value(k, b0)?], vec![value(b0, k)?, value(b0, b0)?]])
-            });
-            let covariance = stated.unwrap_or_else(|| vec![vec![k * k, 0.0], vec![0.0, b0 * b0]]);
-            Some(Known {
-                parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
-                covariance,
+    let known = |coil: Axis| {
+        let k = runs[0].basic.coils[coil.index()].constant_nt_per_a;
+        let mut rests_on = vec![
+            (uncertainty::coil_constant(coil), vec![1.0, 0.0]),
+            (uncertainty::coil_offset(coil), vec![0.0, 1.0]),
+        ];
+        // Currents of which some were not read as voltages count as all known apart from the constant.
+        if runs.iter().filter(|run| driven(run, coil)).all(|run| run.in_volts(coil)) {
+            let current = uncertainty::of_current(document, coil, k).into_iter();
+            rests_on.extend(current.map(|(path, like)| (path, like.to_vec())));
+        }
+        let paths: Vec<String> = rests_on.iter().map(|(path, _)| path.clone()).collect();
+        let of_paths = joint.covariance(&paths);
+        let entry = |i: usize, j: usize| {
+            let rows = of_paths.iter().zip(&rests_on);
+            rows.map(|(row, (_, a))| {
+                row.iter().zip(&rests_on).map(|(c, (_, b))| a[i] * c * b[j]).sum::<f64>()
             })
-        })
-        .collect()
+            .sum()
+        };
+        Known {
+            parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
+            covariance: [0, 1].map(|i| [0, 1].map(|j| entry(i, j)).to_vec()).to_vec(),
+            rests_on,
+        }
+    };
+    let any = |coil: &Axis| runs.iter().any(|run| driven(run, *coil));
+    let uncertain = |known: &Known| known.covariance.iter().flatten().any(|value| *value != 0.0);
+    Ok(Axis::ALL.into_iter().filter(any).map(known).filter(uncertain).collect())
 }

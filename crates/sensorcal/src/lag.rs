@@ -2,10 +2,12 @@
 
 use common::Axis;
 use common::number::{bare, significant, uncertain};
+use common::uncertainty::{self, Block};
 use estimate::stats;
 use physics::{EffectInstance, Kind, Parameter};
 
 use crate::Error;
+use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::FOUND_BELOW;
 use crate::fit::{Fit, Problem, Unknown};
@@ -183,7 +185,7 @@ impl Lagged<'_, '_> {
     }
 
     /// The effects as they were fitted.
-    pub fn conditions(&self, fit: &Fit) -> Conditions {
+    pub fn conditions(&self, fit: &Fit, sensor: Axis) -> Conditions {
         let places: Vec<Option<usize>> = self
             .problem
             .effects
@@ -211,6 +213,29 @@ impl Lagged<'_, '_> {
             }
             effect
         });
-        Conditions { effects: effects.collect(), covariance: covariance.collect() }
+        let paths: Vec<String> = (self.problem.effects.iter())
+            .flat_map(|instance| {
+                let effect = adopt::one(instance.kind, sensor, Default::default());
+                let infos = instance.kind.parameters().iter();
+                infos.map(|info| uncertainty::effect(&effect, info.name)).collect::<Vec<_>>()
+            })
+            .collect();
+        let fitted: Vec<usize> = places.iter().copied().flatten().collect();
+        let block = Block {
+            name: format!("sensor {sensor}: scatter of the temperature runs"),
+            degrees_of_freedom: fit.linear.freedom,
+            parameters: paths
+                .iter()
+                .zip(&places)
+                .filter(|(_, place)| place.is_some())
+                .map(|(path, _)| path.clone())
+                .collect(),
+            covariance: fitted
+                .iter()
+                .map(|a| fitted.iter().map(|b| fit.scatter[(*a, *b)]).collect())
+                .collect(),
+            by: fit.by(&fitted),
+        };
+        Conditions { effects: effects.collect(), covariance: covariance.collect(), paths, block: Some(block) }
     }
 }

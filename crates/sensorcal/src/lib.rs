@@ -29,7 +29,8 @@ mod words;
 pub use error::Error;
 pub use words::summary;
 
-use common::{Axis, Document, Quantity, SensorCalibration, procedure};
+use common::uncertainty;
+use common::{Axis, Document, Quantity, SensorCalibration, Uncertainty, procedure};
 use physics::{EffectInstance, References, Unit};
 use rayon::prelude::*;
 
@@ -86,6 +87,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, options)).collect::<Result<_, Error>>()?;
     let references = References::of(&document);
     let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
+    let mut joint = Uncertainty::of(&document)?;
     for (sensor, mut found) in Axis::ALL.into_iter().zip(found) {
         if found.calibration == SensorCalibration::default() {
             continue;
@@ -99,6 +101,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             reversal.imperfect_turn = reversal::imperfect(&reversal.recordings, turn);
         }
         adopt::adopt(&mut document, sensor, &found);
+        if let Some(block) = found.conditions.block.take() {
+            joint.put(block).map_err(Error::Undetermined)?;
+        }
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
         let entry = sensors.entry(sensor).get_or_insert_default();
         let seen = combine::Seen {
@@ -106,7 +111,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             turned: found.turned.as_ref(),
             conditions: &found.conditions,
         };
-        combine::into(entry, found.calibration, &seen);
+        combine::into(entry, found.calibration, &seen, (sensor, &mut joint))?;
         let terms = budget::Terms { constants: found.constants.as_ref(), conditions: &found.conditions };
         let budget = budget::budget(entry, &terms, options);
         if !budget.is_empty() {
@@ -118,7 +123,26 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         calibration.common_extrema =
             calibration.sensors.as_ref().map(temperature::common_extrema).unwrap_or_default();
     }
+    state(&mut document, &joint);
+    document.calibration.get_or_insert_default().uncertainty = Some(joint);
+    // With what is stated of the fields across.
+    let joint = Uncertainty::of(&document)?;
+    let kept = (!joint.sources.is_empty()).then_some(joint);
+    document.calibration.get_or_insert_default().uncertainty = kept;
     Ok(document)
+}
+
+/// Gives the effects that were found the uncertainties that the sources say.
+fn state(document: &mut Document, joint: &Uncertainty) {
+    for effect in document.model.iter_mut().flat_map(|model| &mut model.effects) {
+        let paths: Vec<String> =
+            effect.parameters.keys().map(|name| uncertainty::effect(effect, name)).collect();
+        for (quantity, path) in effect.parameters.values_mut().zip(paths) {
+            if joint.std(&path) > 0.0 {
+                *quantity = combine::quantity(joint, &path, quantity.value());
+            }
+        }
+    }
 }
 
 /// Field of the shield along a sensor, nT: the largest of all its recordings.
@@ -187,6 +211,7 @@ fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
         for info in instance.kind.parameters() {
             let std = stated.parameters.get(info.name).and_then(Quantity::std).unwrap_or(0.0);
             variances.push(std * std);
+            conditions.paths.push(uncertainty::effect(stated, info.name));
         }
         let instance: EffectInstance = instance;
         conditions.effects.push(instance);

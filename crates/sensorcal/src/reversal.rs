@@ -48,6 +48,14 @@ pub struct Turned {
     pub by_temperature: Vec<f64>,
 }
 
+impl Turned {
+    /// The variance from scatter and sensitivity of a normal distribution with the same 95 % interval: few degrees of freedom count as a
+    /// wider normal.
+    pub fn covered_nt2(&self) -> f64 {
+        self.own_nt2 * (self.coverage_factor_95 / stats::coverage_factor(0.95, f64::INFINITY)).powi(2)
+    }
+}
+
 /// O from all recordings of reversals; None without one.
 pub fn offset(
     document: &Document,

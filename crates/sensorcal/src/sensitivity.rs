@@ -1,6 +1,7 @@
 //! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and Nonlinearity").
 
 use common::number::{bare, counted, p_value, plural, significant};
+use common::uncertainty::{self, Block};
 use common::{
     Axis, Budget, Document, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals, TestResult,
     procedure,
@@ -9,6 +10,7 @@ use estimate::{normality, stats};
 use physics::{Kind, Parameter, Unit};
 
 use crate::Error;
+use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
@@ -33,6 +35,8 @@ pub struct Constants {
     pub covariance: [[f64; 2]; 2],
     /// Its type B part.
     pub common: [[f64; 2]; 2],
+    /// k, O and the nonlinearity as they were estimated.
+    pub block: Block,
     /// Derivatives of k and O by the parameters of the effects of temperature that were taken off, whose errors are part of it.
     pub by_temperature: Vec<[f64; 2]>,
     /// Effects of the catalogue that were found, with their covariance.
@@ -61,8 +65,7 @@ pub fn calibrate(
     let shape = noise(code_nt);
     let all: Vec<usize> = (0..runs.len()).collect();
     let (effects, known) = conditions.effects_in(&runs);
-    let mut knowns = fit::coils(document, &runs);
-    let coils = knowns.len();
+    let mut knowns = fit::coils(document, &runs)?;
     knowns.extend(known);
     let constants = [Parameter::Sensitivity(sensor), Parameter::SensorOffset(sensor)];
     let unknowns = constants.map(|parameter| Unknown::Chain(parameter, all.clone())).to_vec();
@@ -113,8 +116,9 @@ pub fn calibrate(
         residuals: residuals(&runs, &line, fit),
         ..SensitivityFit::default()
     };
-    let places = extended.found.iter().enumerate().map(|(at, name)| (*name, 2 + at));
-    let nonlinearity = places.filter_map(|(name, at)| Some((Kind::named(name)?, fit.quantity(at)))).collect();
+    let places = extended.found.iter().enumerate();
+    let bent: Vec<(Kind, usize)> =
+        places.filter_map(|(at, name)| Some((Kind::named(name)?, 2 + at))).collect();
     let largest_nt = largest(&runs);
     result.findings = findings(&result, code_nt, conditions, &runs);
     result.findings.extend(apart);
@@ -124,11 +128,36 @@ pub fn calibrate(
         offset_nt: fit.values[1],
         covariance: pair(&|i, j| fit.covariance(i, j)),
         common: pair(&|i, j| fit.common[(i, j)]),
-        by_temperature: fit.by_known[coils..].iter().flatten().map(|by| [by[0], by[1]]).collect(),
-        nonlinearity,
+        by_temperature: by_temperature(fit, conditions),
+        block: block(sensor, unit, fit, &bent),
+        nonlinearity: bent.iter().map(|(kind, at)| (*kind, fit.quantity(*at))).collect(),
         largest_nt,
         fit: result,
     }))
+}
+
+/// Derivatives of k and O by the parameters of the effects of temperature; empty where they were not taken off.
+fn by_temperature(fit: &Fit, conditions: &Conditions) -> Vec<[f64; 2]> {
+    let of = |path: &String| fit.by.iter().find(|(by, _)| by == path).map(|(_, moved)| [moved[0], moved[1]]);
+    conditions.paths.iter().filter_map(of).collect()
+}
+
+/// k, O and the nonlinearity, by the scatter of the readings and by what the fit rests on.
+fn block(sensor: Axis, unit: Unit, fit: &Fit, bent: &[(Kind, usize)]) -> Block {
+    let effects = bent.iter().map(|(kind, _)| {
+        let effect = adopt::one(*kind, sensor, Default::default());
+        uncertainty::effect(&effect, kind.parameters()[0].name)
+    });
+    let constants = [uncertainty::sensitivity(sensor, unit.suffix()), uncertainty::sensor_offset(sensor)];
+    let parameters: Vec<String> = constants.into_iter().chain(effects).collect();
+    let places: Vec<usize> = [0, 1].into_iter().chain(bent.iter().map(|(_, at)| *at)).collect();
+    Block {
+        name: format!("sensor {sensor}: scatter in the coil"),
+        degrees_of_freedom: fit.linear.freedom,
+        covariance: places.iter().map(|a| places.iter().map(|b| fit.scatter[(*a, *b)]).collect()).collect(),
+        by: fit.by(&places),
+        parameters,
+    }
 }
 
 /// Whether several recordings agree on k and O; where they do not, uncertainties rest on their differences.

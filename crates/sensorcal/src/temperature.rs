@@ -124,7 +124,7 @@ pub fn coefficients(
     let allowed = fit::noise(&heated.runs, &shape)?;
     let candidates = candidates(&heated);
     let (effects, asked) = effects(&heated, sensor);
-    let problem = problem(document, &heated, effects, &asked, &allowed);
+    let problem = problem(document, &heated, effects, &asked, &allowed)?;
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
@@ -141,7 +141,7 @@ pub fn coefficients(
         );
         found.findings.push(text);
     }
-    let conditions = lags.conditions(&extended.fit);
+    let conditions = lags.conditions(&extended.fit, sensor);
     found.covariance = conditions.covariance.clone();
     found.covariance_order = lags.names();
     Ok(Some((found, conditions)))
@@ -247,12 +247,13 @@ fn problem<'p, 'b>(
     effects: Vec<EffectInstance>,
     asked: &[Parameter],
     allowed: &'p Allowed,
-) -> Problem<'p, 'b> {
+) -> Result<Problem<'p, 'b>, Error> {
     let sensor = heated.runs[0].sensor;
     let mut unknowns: Vec<Unknown> =
         asked.iter().map(|parameter| Unknown::Chain(*parameter, (0..heated.runs.len()).collect())).collect();
     unknowns.extend(levels::own_constants(&heated.runs, sensor));
-    Problem { runs: &heated.runs, effects, unknowns, known: fit::coils(document, &heated.runs), allowed }
+    let known = fit::coils(document, &heated.runs)?;
+    Ok(Problem { runs: &heated.runs, effects, unknowns, known, allowed })
 }
 
 /// A series of a run and its temperatures.

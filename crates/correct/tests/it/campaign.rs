@@ -7,8 +7,9 @@ use common::{Column, Document, Recording, procedure};
 use correct::Options;
 use physics::{References, Setting};
 use serde_json::Value;
+use std::io::Write;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 const FIELDS: usize = 400;
 const LARGEST_NT: f64 = 64_000.0;
@@ -27,7 +28,7 @@ impl Numbers {
 }
 
 /// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day after the beginning.
-fn flight(seed: u64) -> Recording {
+pub fn flight(seed: u64) -> Recording {
     let mut numbers = Numbers(seed);
     let mut columns: Vec<(&str, Vec<f64>)> = [
         "time_s",
@@ -57,26 +58,39 @@ fn flight(seed: u64) -> Recording {
     }
 }
 
-/// The document that the stages make of a plan, and the truth.
-fn calibrated(seed: u64) -> (Document, Value) {
-    let programs = Path::new(env!("CARGO_BIN_EXE_correct")).parent().expect("a folder");
-    let folder = tempfile::tempdir().expect("a folder");
-    let plan = testkit::fixture("plans/magsat.json").canonicalize().expect("a plan");
-    let pipe = format!(
-        "set -o pipefail; '{0}/simulate' campaign -q --seed {seed} --truth truth.json '{1}' | '{0}/coilcal' -q | '{0}/sensorcal' -q \
-         | '{0}/axescal' -q -o calibrated.json",
-        programs.display(),
-        plan.display()
-    );
-    let run = Command::new("bash").args(["-c", &pipe]).current_dir(folder.path()).output().expect("a shell");
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a file");
-    let document = Document::parse(&read("calibrated.json")).expect("a document");
-    (document, serde_json::from_str(&read("truth.json")).expect("JSON"))
+/// A campaign as it was simulated, and the truth.
+pub fn campaign(seed: u64) -> (Document, Value) {
+    let text = std::fs::read_to_string(testkit::fixture("plans/magsat.json")).expect("a plan");
+    let mut plan: Value = serde_json::from_str(&text).expect("JSON");
+    plan["seed"] = seed.into();
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    let simulate::Campaign { document, truth, .. } = simulate::campaign(&plan).expect("simulated");
+    (document, serde_json::to_value(truth).expect("JSON"))
+}
+
+/// The document that the programs make of another, one after the other.
+pub fn stages(programs: &[&str], document: &Document) -> Document {
+    let folder = Path::new(env!("CARGO_BIN_EXE_correct")).parent().expect("a folder");
+    programs.iter().fold(document.clone(), |document, program| {
+        let mut run = Command::new(folder.join(program))
+            .arg("-q")
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("a program");
+        let text = common::to_text(&document);
+        let mut stdin = run.stdin.take().expect("its input");
+        let writer = std::thread::spawn(move || stdin.write_all(text.as_bytes()));
+        let run = run.wait_with_output().expect("its output");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        writer.join().expect("written").expect("read");
+        Document::parse(&String::from_utf8_lossy(&run.stdout)).expect("a document")
+    })
 }
 
 /// What the true instrument reads, rounded to codes.
-fn read(truth: &Value, mut recording: Recording) -> Recording {
+pub fn read(truth: &Value, mut recording: Recording) -> Recording {
     let mut document =
         Document::parse(&serde_json::json!({"fluxcal": 1, "calibration": truth["calibration"]}).to_string())
             .expect("a document");
@@ -108,7 +122,8 @@ fn corrected_fields_are_true_within_what_is_stated() {
     let (mut inside, mut tried, mut first) = (0, 0, 0);
     let (mut squares, mut worst, mut stated, mut ratios) = (0.0, 0.0_f64, 0.0, Vec::new());
     for seed in 1..=campaigns {
-        let (mut document, truth) = calibrated(seed);
+        let (document, truth) = campaign(seed);
+        let mut document = stages(&["coilcal", "sensorcal", "axescal"], &document);
         document.recordings = vec![read(&truth, flight(seed))];
         let document = correct::run(document, &Options::default()).expect("corrected");
         let recording = &document.recordings[0];

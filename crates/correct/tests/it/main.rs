@@ -6,5 +6,6 @@ mod catalogue;
 mod files;
 mod golden;
 mod help;
+mod joint;
 mod laws;
 mod truth;

@@ -1,6 +1,7 @@
 //! One form for answers that differ only in the order of what has none.
 
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 use super::walk::{covariance, matrix};
 
@@ -44,6 +45,7 @@ fn of_object(object: &Map<String, Value>, names: &Names) -> Value {
     for (key, value) in &mut sorted {
         match key.as_str() {
             "columns" | "covariance" | "covariance_order" => {}
+            "uncertainty" if value.get("sources").is_some() => *value = covariance_of_sources(value),
             "recording" => *value = named(value, &names.recordings, 0),
             "orientation" => *value = named(value, &names.orientations, 1),
             _ if table => {}
@@ -54,6 +56,22 @@ fn of_object(object: &Map<String, Value>, names: &Names) -> Value {
         rows_by_name(&mut sorted);
     }
     Value::Object(sorted)
+}
+
+/// The covariance that sources make: of one covariance there are many roots. What is in GEO is left to the covariances that stand beside the values.
+fn covariance_of_sources(value: &Value) -> Value {
+    let of = |source: &Value| source["moves"].as_object().cloned().unwrap_or_default();
+    let sources: Vec<Map<String, Value>> =
+        value["sources"].as_array().into_iter().flatten().map(of).collect();
+    let in_geo = |path: &&String| path.contains("axes.coils.") || path.contains("residual_field");
+    let paths: BTreeSet<&String> =
+        sources.iter().flat_map(|moves| moves.keys()).filter(|path| !in_geo(path)).collect();
+    let moved =
+        |moves: &Map<String, Value>, path: &String| moves.get(path).and_then(Value::as_f64).unwrap_or(0.0);
+    let entry =
+        |a: &String, b: &String| sources.iter().map(|moves| moved(moves, a) * moved(moves, b)).sum::<f64>();
+    let rows: Vec<Vec<f64>> = paths.iter().map(|a| paths.iter().map(|b| entry(a, b)).collect()).collect();
+    json!({"covariance": rows, "covariance_order": paths})
 }
 
 /// Whole numbers from `first` on as what they stand for.

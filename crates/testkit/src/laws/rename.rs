@@ -82,7 +82,7 @@ fn name_of(name: &str) -> String {
         }
         new += &word_of(&word, indexed);
         word.clear();
-        indexed = c == '[' && name.starts_with("matrix");
+        indexed = c == '[' && name.contains("matrix");
         if c != '\0' {
             new.push(c);
         }

@@ -1,0 +1,199 @@
+//! What the directions owe to what was known before: the constants of coils and sensors, resistor and voltmeter, the effects of
+//! the model.
+//!
+//! The fit holds an unknown u with prior knowledge to zero by the weight P. Where the truth is x instead, all unknowns err by −C P x. A
+//! constant of the document that errs by δ makes x = δ ∂x/∂constant, so its sources move the directions by −C P ∂x/∂constant. What
+//! the prior adds to C by its row of the fit is left out for that, so that sources bring it in with all that they have in common.
+
+use common::uncertainty::{self, Block};
+use common::{Axis, Document, Uncertainty, procedure};
+use estimate::stats;
+use faer::Mat;
+
+use crate::unknowns::Unknown;
+use crate::{AxesProblem, AxesState, Error, Observations, Solution, directions};
+
+/// A parameter of the document, with what one unit of it adds to each unknown's error.
+pub(crate) type By = Vec<(String, Vec<f64>)>;
+
+/// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns err with parameters of the document.
+pub(crate) struct Split {
+    own: Mat<f64>,
+    by: By,
+}
+
+/// Splits the covariance of a solution and restates it with all that the sources have in common; `by_effects` is how the unknowns
+/// err with the parameters of the model.
+pub(crate) fn restate(
+    document: &Document,
+    observations: &Observations,
+    solution: &mut Solution,
+    by_effects: By,
+) -> Result<Split, Error> {
+    let joint = Uncertainty::of(document)?;
+    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    let count = solution.meaning.len();
+    let covariance = &solution.covariance;
+    let mut by = by_effects;
+    // C Jᵀ: what one standard deviation of each row of the fit moves the unknowns by.
+    let mut rows = covariance * solution.fit.jacobian.transpose();
+    let first = observations.readings.len();
+    for (row, (place, weight)) in problem.priors().iter().enumerate() {
+        let truth = truths(document, (observations, &solution.fit.state), solution.meaning[*place]);
+        let paths: Vec<String> = truth.iter().map(|(path, _)| path.clone()).collect();
+        let of_paths = joint.covariance(&paths);
+        let variance: f64 = (0..paths.len())
+            .flat_map(|a| (0..paths.len()).map(move |b| (a, b)))
+            .map(|(a, b)| truth[a].1 * of_paths[a][b] * truth[b].1)
+            .sum();
+        // C P for this unknown, P = 1/σ².
+        let gain: Vec<f64> = (0..count).map(|k| covariance[(k, *place)] * weight * weight).collect();
+        let left = (1.0 - variance * weight * weight).max(0.0).sqrt();
+        (0..count).for_each(|k| rows[(k, first + row)] *= left);
+        by.extend(
+            truth.into_iter().map(|(path, change)| (path, gain.iter().map(|gain| -gain * change).collect())),
+        );
+    }
+    let paths: Vec<String> = by.iter().map(|(path, _)| path.clone()).collect();
+    let own = &rows * rows.transpose();
+    let mut total = own.clone();
+    for moves in joint.root(&paths) {
+        let moved: Vec<f64> =
+            (0..count).map(|k| by.iter().zip(&moves).map(|((_, by), moved)| by[k] * moved).sum()).collect();
+        for i in 0..count {
+            for j in 0..count {
+                total[(i, j)] += moved[i] * moved[j];
+            }
+        }
+    }
+    solution.covariance = total;
+    Ok(Split { own, by })
+}
+
+/// What an unknown is in truth where parameters of the document err: each with the derivative.
+fn truths(
+    document: &Document,
+    (observations, state): (&Observations, &AxesState),
+    unknown: Unknown,
+) -> Vec<(String, f64)> {
+    let calibration = document.calibration.as_ref();
+    match unknown {
+        Unknown::SensorScale(axis) => {
+            let sensor = calibration.and_then(|calibration| calibration.sensor(axis));
+            let k = sensor.and_then(|sensor| physics::sensitivity(sensor, observations.unit));
+            let path = uncertainty::sensitivity(axis, observations.unit.suffix());
+            k.map(|k| (path, 1.0 / k.value())).into_iter().collect()
+        }
+        Unknown::Offset(axis) => vec![(uncertainty::sensor_offset(axis), 1.0)],
+        Unknown::CoilScale(axis) => {
+            let (k, drive) = drive(document, axis);
+            drive.into_iter().map(|(path, [of_constant, _])| (path, -of_constant / k)).collect()
+        }
+        Unknown::ResidualField(k) => {
+            let of = |coil: &Axis| {
+                let along = state.eta[(k, coil.index())];
+                let (_, drive) = drive(document, *coil);
+                drive.into_iter().map(move |(path, [_, of_offset])| (path, -along * of_offset))
+            };
+            observations.coils.iter().flat_map(of).collect()
+        }
+        Unknown::Sensor(..) | Unknown::Coil(..) | Unknown::Correction(..) => Vec::new(),
+    }
+}
+
+/// A coil's constant, and what the field calculated with it rests on: changes of constant and offset by each parameter.
+fn drive(document: &Document, coil: Axis) -> (f64, Vec<(String, [f64; 2])>) {
+    let of = document.calibration.as_ref().and_then(|calibration| calibration.coil(coil));
+    let k = of.and_then(|of| of.constant_nt_per_a.as_ref()).map_or(1.0, common::Quantity::value);
+    let mut found =
+        vec![(uncertainty::coil_constant(coil), [1.0, 0.0]), (uncertainty::coil_offset(coil), [0.0, 1.0])];
+    let mut mine = document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
+    // Currents of which some were not read as voltages count as all known apart from the constant.
+    let in_amperes = mine.any(|recording| recording.axis_column("coil", coil, "a").is_some());
+    if !in_amperes {
+        found.extend(uncertainty::of_current(document, coil, k));
+    }
+    (k, found)
+}
+
+/// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None where none is stated.
+pub(crate) fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
+    let (k, drive) = drive(document, coil);
+    let paths: Vec<String> = drive.iter().map(|(path, _)| path.clone()).collect();
+    let root = joint.root(&paths);
+    [0, 1].map(|which| {
+        let of =
+            |moves: &Vec<f64>| drive.iter().zip(moves).map(|((_, by), moved)| by[which] * moved).sum::<f64>();
+        let variance: f64 = root.iter().map(|moves| of(moves).powi(2)).sum();
+        let scale = if which == 0 { k.abs() } else { 1.0 };
+        (variance > 0.0).then(|| variance.sqrt() / scale)
+    })
+}
+
+/// Takes the directions, and the constants that were found with them, into the joint uncertainty of the document.
+pub(crate) fn adopt(
+    document: &mut Document,
+    observations: &Observations,
+    solution: &Solution,
+    split: &Split,
+) -> Result<(), Error> {
+    let state = &solution.fit.state;
+    let count = solution.meaning.len();
+    let mut parameters = Vec::new();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let sensors =
+        directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
+    let coils = directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
+    for (name, map) in [("sensors", sensors), ("coils", coils)] {
+        parameters.extend(uncertainty::directions(name));
+        rows.extend(directions::rows(&map));
+    }
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    for axis in Axis::ALL {
+        let written = [
+            (axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)), Unknown::Offset(axis), -1.0),
+            (
+                axes.and_then(|axes| axes.residual_field_nt.as_ref()?.get(axis)),
+                Unknown::ResidualField(axis.index()),
+                1.0,
+            ),
+        ];
+        for (place, unknown, sign) in written.into_iter().filter_map(|(quantity, unknown, sign)| {
+            quantity?;
+            Some((solution.meaning.iter().position(|meaning| *meaning == unknown)?, unknown, sign))
+        }) {
+            parameters.push(match unknown {
+                Unknown::Offset(axis) => uncertainty::added_offset(axis),
+                _ => uncertainty::residual_field(axis),
+            });
+            rows.push((0..count).map(|k| if k == place { sign } else { 0.0 }).collect());
+        }
+    }
+    let map = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
+    let of = |by: &[f64]| rows.iter().map(|row| row.iter().zip(by).map(|(a, b)| a * b).sum()).collect();
+    let mut joint = Uncertainty::of(document)?;
+    joint
+        .put(Block {
+            name: "axes: readings and theodolites".into(),
+            degrees_of_freedom: if solution.scattered { solution.degrees_of_freedom } else { f64::INFINITY },
+            parameters,
+            covariance: directions::rows(&(&map * &split.own * map.transpose())),
+            by: split.by.iter().map(|(path, by)| (path.clone(), of(by))).collect(),
+        })
+        .map_err(|found| Error::RankShort(format!("the covariance of the directions is {found}")))?;
+    if let Some(axes) = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut()) {
+        for (each, path) in [
+            (&mut axes.offsets_nt, uncertainty::added_offset as fn(Axis) -> String),
+            (&mut axes.residual_field_nt, uncertainty::residual_field),
+        ] {
+            for axis in Axis::ALL {
+                if let Some(quantity) = each.as_mut().and_then(|each| each.entry(axis).as_mut()) {
+                    let freedom = joint.degrees_of_freedom(&path(axis));
+                    *quantity = quantity.clone().covered_by(stats::coverage_factor(0.95, freedom));
+                }
+            }
+        }
+    }
+    document.calibration.get_or_insert_default().uncertainty = Some(joint);
+    Ok(())
+}
