@@ -214,7 +214,7 @@ fn model(document: &Document) -> Vec<Group> {
             continue;
         }
         let mine = |other: &&crate::AdoptedEffect| std::ptr::eq(*other, one) || earlier(other);
-        let mut named = Vec::new();
+        let mut named: Vec<Named> = Vec::new();
         let mut all = Vec::new();
         for other in model.effects.iter().filter(mine) {
             for (parameter, quantity) in &other.parameters {
@@ -236,6 +236,9 @@ fn model(document: &Document) -> Vec<Group> {
     groups
 }
 
+/// A parameter's path and its name in sensorcal's lists.
+type Named = (String, String);
+
 /// The name of an effect in sensorcal's lists.
 fn fitted_as(effect: &str) -> &str {
     match effect {
@@ -249,7 +252,7 @@ fn fitted_as(effect: &str) -> &str {
 /// uncertainty that stands beside it, and no more.
 fn together(
     sensor: &crate::SensorCalibration,
-    (named, stated): (&[(String, String)], &[(String, f64)]),
+    (named, stated): (&[Named], &[(String, f64)]),
     a: &str,
     b: &str,
 ) -> Option<f64> {

@@ -63,7 +63,8 @@ fn each(document: &mut Document, mut visit: impl FnMut(&str, &mut f64)) {
             let put = |each: &mut Option<common::PerAxis<Quantity>>, value: Option<Quantity>| {
                 each.iter_mut().for_each(|each| *each.entry(axis) = value.clone());
             };
-            (put(&mut axes.offsets_nt, added), put(&mut axes.residual_field_nt, field));
+            put(&mut axes.offsets_nt, added);
+            put(&mut axes.residual_field_nt, field);
         }
     }
     for effect in document.model.iter_mut().flat_map(|model| &mut model.effects) {
