@@ -335,23 +335,23 @@ mod tests {
     #[test]
     fn what_two_owe_to_one_is_in_both_and_counts_once() {
         let mut joint = Uncertainty::default();
-        joint.put(block(&["coil"], vec![vec![4.0]], &[])).unwrap();
-        joint.put(block(&["a"], vec![vec![1.0]], &[("coil", vec![0.5])])).unwrap();
-        joint.put(block(&["b"], vec![vec![9.0]], &[("coil", vec![-1.0])])).unwrap();
+        joint.put(block(&["coil"], vec![vec![4.0]], &[])).expect("found");
+        joint.put(block(&["a"], vec![vec![1.0]], &[("coil", vec![0.5])])).expect("found");
+        joint.put(block(&["b"], vec![vec![9.0]], &[("coil", vec![-1.0])])).expect("found");
         // a = own + coil/2, b = own − coil.
         assert_eq!(joint.covariance(&paths(&["a", "b"])), [[2.0, -2.0], [-2.0, 13.0]]);
         // c = a + b/2: by either way from the coil, one half less one half is nothing.
-        joint.put(block(&["c"], vec![vec![0.0]], &[("a", vec![1.0]), ("b", vec![0.5])])).unwrap();
+        joint.put(block(&["c"], vec![vec![0.0]], &[("a", vec![1.0]), ("b", vec![0.5])])).expect("found");
         assert!((joint.std("c").powi(2) - (1.0 + 9.0 / 4.0)).abs() < 1e-12);
     }
 
     #[test]
     fn a_parameter_that_is_estimated_again_with_itself_keeps_its_sources() {
         let mut joint = Uncertainty::default();
-        joint.put(block(&["k"], vec![vec![4.0]], &[])).unwrap();
-        joint.put(block(&["k"], vec![vec![0.25]], &[("k", vec![0.5])])).unwrap();
+        joint.put(block(&["k"], vec![vec![4.0]], &[])).expect("found");
+        joint.put(block(&["k"], vec![vec![0.25]], &[("k", vec![0.5])])).expect("found");
         assert!((joint.std("k").powi(2) - 1.25).abs() < 1e-12);
-        joint.put(block(&["k"], vec![vec![0.25]], &[])).unwrap();
+        joint.put(block(&["k"], vec![vec![0.25]], &[])).expect("found");
         assert_eq!(joint.sources.len(), 1);
     }
 
@@ -360,7 +360,7 @@ mod tests {
         let columns = [[1.0, 2.0, -1.0], [0.5, 0.0, 3.0]];
         let covariance: Vec<Vec<f64>> =
             (0..3).map(|a| (0..3).map(|b| columns.iter().map(|c| c[a] * c[b]).sum()).collect()).collect();
-        let root = root(&covariance).unwrap();
+        let root = root(&covariance).expect("found");
         assert_eq!(root.len(), 2);
         for a in 0..3 {
             for b in 0..3 {
@@ -378,9 +378,9 @@ mod tests {
             degrees_of_freedom: 5.0,
             ..block(&["a", "b"], vec![vec![1.0, 0.5], vec![0.5, 1.0]], &[])
         };
-        joint.put(scatter).unwrap();
+        joint.put(scatter).expect("found");
         assert!((joint.degrees_of_freedom("b") - 5.0).abs() < 1e-12);
-        joint.put(block(&["c"], vec![vec![1.0]], &[("b", vec![1.0])])).unwrap();
+        joint.put(block(&["c"], vec![vec![1.0]], &[("b", vec![1.0])])).expect("found");
         // Half of the variance has five: 2²/(1²/5).
         assert!((joint.degrees_of_freedom("c") - 20.0).abs() < 1e-12);
     }

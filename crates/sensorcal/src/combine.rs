@@ -191,9 +191,10 @@ mod tests {
             ..SensorCalibration::default()
         };
         let seen = Seen { constants: Some(constants), turned: Some(&turned), conditions };
-        into(&mut entry, fitted, &seen, (Axis::X, &mut joint)).unwrap();
-        let values = [&entry.sensitivity_nt_per_v, &entry.offset_nt].map(|of| of.as_ref().unwrap().value());
-        (values, entry.covariance.unwrap(), entry.sensitivity.unwrap().findings.clone())
+        into(&mut entry, fitted, &seen, (Axis::X, &mut joint)).expect("found");
+        let values =
+            [&entry.sensitivity_nt_per_v, &entry.offset_nt].map(|of| of.as_ref().expect("found").value());
+        (values, entry.covariance.expect("found"), entry.sensitivity.expect("found").findings.clone())
     }
 
     #[test]
@@ -226,7 +227,7 @@ mod tests {
             by: Vec::new(),
         };
         let mut joint = Uncertainty::default();
-        joint.put(coefficient).unwrap();
+        joint.put(coefficient).expect("found");
         let conditions = Conditions {
             covariance: vec![vec![0.01]],
             paths: vec!["coefficient".into()],
