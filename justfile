@@ -64,8 +64,8 @@ prove:
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
     FLUXCAL_DAYS=200 cargo test --release -p diffmag --test it steps:: -- --nocapture
-    mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 60 target/days
-    python3 fixtures/reference/disturbed_days_score.py target/release/diffmag 41 100 target/days
+    mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days
+    python3 fixtures/reference/disturbed_days_score.py target/release/diffmag 41 160 target/days
     FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture
     FLUXCAL_CAMPAIGNS=2 cargo test --release -p correct --test it joint::
     FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test it clean:: -- --nocapture
