@@ -5,16 +5,13 @@
 //! constant of the document that errs by δ makes x = δ ∂x/∂constant, so its sources move the directions by −C P ∂x/∂constant. What
 //! the prior adds to C by its row of the fit is left out for that, so that sources bring it in with all that they have in common.
 
-use common::uncertainty::{self, Block};
-use common::{Axis, Document, Uncertainty, procedure};
+use common::uncertainty::{self, Block, By};
+use common::{Axis, Document, PerAxis, Quantity, Uncertainty, procedure};
 use estimate::stats;
 use faer::Mat;
 
 use crate::unknowns::Unknown;
 use crate::{AxesProblem, AxesState, Error, Observations, Solution, directions};
-
-/// A parameter of the document, with what one unit of it adds to each unknown's error.
-pub(crate) type By = Vec<(String, Vec<f64>)>;
 
 /// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns err with parameters of the document.
 pub(crate) struct Split {
@@ -40,26 +37,17 @@ pub(crate) fn restate(
     let first = observations.readings.len();
     for (row, (place, weight)) in problem.priors().iter().enumerate() {
         let truth = truths(document, (observations, &solution.fit.state), solution.meaning[*place]);
-        let paths: Vec<String> = truth.iter().map(|(path, _)| path.clone()).collect();
-        let of_paths = joint.covariance(&paths);
-        let variance: f64 = (0..paths.len())
-            .flat_map(|a| (0..paths.len()).map(move |b| (a, b)))
-            .map(|(a, b)| truth[a].1 * of_paths[a][b] * truth[b].1)
-            .sum();
+        let variance = joint.root(&truth).iter().map(|moved| moved[0] * moved[0]).sum::<f64>();
         // C P for this unknown, P = 1/σ².
         let gain: Vec<f64> = (0..count).map(|k| covariance[(k, *place)] * weight * weight).collect();
         let left = (1.0 - variance * weight * weight).max(0.0).sqrt();
         (0..count).for_each(|k| rows[(k, first + row)] *= left);
-        by.extend(
-            truth.into_iter().map(|(path, change)| (path, gain.iter().map(|gain| -gain * change).collect())),
-        );
+        let error = |change: f64| gain.iter().map(|gain| -gain * change).collect();
+        by.extend(truth.into_iter().map(|(path, change)| (path, error(change[0]))));
     }
-    let paths: Vec<String> = by.iter().map(|(path, _)| path.clone()).collect();
     let own = &rows * rows.transpose();
     let mut total = own.clone();
-    for moves in joint.root(&paths) {
-        let moved: Vec<f64> =
-            (0..count).map(|k| by.iter().zip(&moves).map(|((_, by), moved)| by[k] * moved).sum()).collect();
+    for moved in joint.root(&by) {
         for i in 0..count {
             for j in 0..count {
                 total[(i, j)] += moved[i] * moved[j];
@@ -71,63 +59,45 @@ pub(crate) fn restate(
 }
 
 /// What an unknown is in truth where parameters of the document err: each with the derivative.
-fn truths(
-    document: &Document,
-    (observations, state): (&Observations, &AxesState),
-    unknown: Unknown,
-) -> Vec<(String, f64)> {
+fn truths(document: &Document, (observations, state): (&Observations, &AxesState), unknown: Unknown) -> By {
     let calibration = document.calibration.as_ref();
+    let of = |drive: By, which: usize, factor: f64| {
+        drive.into_iter().map(move |(path, like)| (path, vec![factor * like[which]]))
+    };
     match unknown {
         Unknown::SensorScale(axis) => {
             let sensor = calibration.and_then(|calibration| calibration.sensor(axis));
             let k = sensor.and_then(|sensor| physics::sensitivity(sensor, observations.unit));
             let path = uncertainty::sensitivity(axis, observations.unit.suffix());
-            k.map(|k| (path, 1.0 / k.value())).into_iter().collect()
+            k.map(|k| (path, vec![1.0 / k.value()])).into_iter().collect()
         }
-        Unknown::Offset(axis) => vec![(uncertainty::sensor_offset(axis), 1.0)],
-        Unknown::CoilScale(axis) => {
-            let (k, drive) = drive(document, axis);
-            drive.into_iter().map(|(path, [of_constant, _])| (path, -of_constant / k)).collect()
-        }
+        Unknown::Offset(axis) => vec![(uncertainty::sensor_offset(axis), vec![1.0])],
+        Unknown::CoilScale(axis) => of(drive(document, axis), 0, -1.0 / constant(document, axis)).collect(),
         Unknown::ResidualField(k) => {
-            let of = |coil: &Axis| {
-                let along = state.eta[(k, coil.index())];
-                let (_, drive) = drive(document, *coil);
-                drive.into_iter().map(move |(path, [_, of_offset])| (path, -along * of_offset))
-            };
-            observations.coils.iter().flat_map(of).collect()
+            let coils = observations.coils.iter();
+            coils.flat_map(|coil| of(drive(document, *coil), 1, -state.eta[(k, coil.index())])).collect()
         }
-        Unknown::Sensor(..) | Unknown::Coil(..) | Unknown::Correction(..) => Vec::new(),
+        Unknown::Sensor(..) | Unknown::Coil(..) | Unknown::Correction(..) => By::new(),
     }
 }
 
-/// A coil's constant, and what the field calculated with it rests on: changes of constant and offset by each parameter.
-fn drive(document: &Document, coil: Axis) -> (f64, Vec<(String, [f64; 2])>) {
+/// A coil's constant, nT/A.
+fn constant(document: &Document, coil: Axis) -> f64 {
     let of = document.calibration.as_ref().and_then(|calibration| calibration.coil(coil));
-    let k = of.and_then(|of| of.constant_nt_per_a.as_ref()).map_or(1.0, common::Quantity::value);
-    let mut found =
-        vec![(uncertainty::coil_constant(coil), [1.0, 0.0]), (uncertainty::coil_offset(coil), [0.0, 1.0])];
-    let mut mine = document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
-    // Currents of which some were not read as voltages count as all known apart from the constant.
-    let in_amperes = mine.any(|recording| recording.axis_column("coil", coil, "a").is_some());
-    if !in_amperes {
-        found.extend(uncertainty::of_current(document, coil, k));
-    }
-    (k, found)
+    of.and_then(|of| of.constant_nt_per_a.as_ref()).map_or(1.0, Quantity::value)
+}
+
+/// What the calculated field of a coil rests on in the recordings that are read here.
+fn drive(document: &Document, coil: Axis) -> By {
+    let mine = document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
+    uncertainty::drive(document, coil, constant(document, coil), mine)
 }
 
 /// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None where none is stated.
 pub(crate) fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
-    let (k, drive) = drive(document, coil);
-    let paths: Vec<String> = drive.iter().map(|(path, _)| path.clone()).collect();
-    let root = joint.root(&paths);
-    [0, 1].map(|which| {
-        let of =
-            |moves: &Vec<f64>| drive.iter().zip(moves).map(|((_, by), moved)| by[which] * moved).sum::<f64>();
-        let variance: f64 = root.iter().map(|moves| of(moves).powi(2)).sum();
-        let scale = if which == 0 { k.abs() } else { 1.0 };
-        (variance > 0.0).then(|| variance.sqrt() / scale)
-    })
+    let covariance = joint.covariance_by(&drive(document, coil));
+    let std = |which: usize| Some(covariance[which][which].sqrt()).filter(|std| *std > 0.0);
+    [std(0).map(|std| std / constant(document, coil).abs()), std(1)]
 }
 
 /// Takes the directions, and the constants that were found with them, into the joint uncertainty of the document.
@@ -148,24 +118,10 @@ pub(crate) fn adopt(
         parameters.extend(uncertainty::directions(name));
         rows.extend(directions::rows(&map));
     }
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    for axis in Axis::ALL {
-        let written = [
-            (axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)), Unknown::Offset(axis), -1.0),
-            (
-                axes.and_then(|axes| axes.residual_field_nt.as_ref()?.get(axis)),
-                Unknown::ResidualField(axis.index()),
-                1.0,
-            ),
-        ];
-        for (place, unknown, sign) in written.into_iter().filter_map(|(quantity, unknown, sign)| {
-            quantity?;
-            Some((solution.meaning.iter().position(|meaning| *meaning == unknown)?, unknown, sign))
-        }) {
-            parameters.push(match unknown {
-                Unknown::Offset(axis) => uncertainty::added_offset(axis),
-                _ => uncertainty::residual_field(axis),
-            });
+    // What is to be added to an offset errs against the unknown, the field with it.
+    for (path, unknown, sign) in constants(document) {
+        if let Some(place) = solution.meaning.iter().position(|meaning| *meaning == unknown) {
+            parameters.push(path);
             rows.push((0..count).map(|k| if k == place { sign } else { 0.0 }).collect());
         }
     }
@@ -196,4 +152,19 @@ pub(crate) fn adopt(
     }
     document.calibration.get_or_insert_default().uncertainty = Some(joint);
     Ok(())
+}
+
+/// The offsets and the components of the residual field that were written: their paths, the unknowns, and the signs with which the
+/// unknowns' errors are theirs.
+fn constants(document: &Document) -> Vec<(String, Unknown, f64)> {
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let written = |each: Option<&PerAxis<Quantity>>| -> Vec<Axis> {
+        each.into_iter().flat_map(|each| each.iter().map(|(axis, _)| axis)).collect()
+    };
+    let offsets = written(axes.and_then(|axes| axes.offsets_nt.as_ref())).into_iter();
+    let field = written(axes.and_then(|axes| axes.residual_field_nt.as_ref())).into_iter();
+    let offsets = offsets.map(|axis| (uncertainty::added_offset(axis), Unknown::Offset(axis), -1.0));
+    let field =
+        field.map(|axis| (uncertainty::residual_field(axis), Unknown::ResidualField(axis.index()), 1.0));
+    offsets.chain(field).collect()
 }

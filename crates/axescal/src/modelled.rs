@@ -2,7 +2,7 @@
 //! uncertain about them is in the uncertainty of the directions.
 
 use common::number::significant;
-use common::uncertainty;
+use common::uncertainty::{self, By};
 use common::{AdoptedEffect, Axis, Document, Quantity, procedure};
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -121,7 +121,7 @@ fn by_effects(
     effects: &[EffectInstance],
     observations: &Observations,
     solution: &Solution,
-) -> Result<joint::By, Error> {
+) -> Result<By, Error> {
     let adopted: Vec<&AdoptedEffect> = document.model.iter().flat_map(|model| &model.effects).collect();
     let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
     let unknowns = solution.meaning.len();

@@ -1,7 +1,7 @@
 //! k and B0 of one coil.
 
 use common::number::p_value;
-use common::uncertainty::{self, Block};
+use common::uncertainty::{self, Block, By};
 use common::{
     Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, FTest, Quantity, Uncertainty,
 };
@@ -244,12 +244,12 @@ pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scat
 }
 
 /// How k and B0 move with resistor and voltmeter, the same at all points: against what these do to a calculated field.
-fn measured_with(document: &Document, coil: &Readings, k: f64) -> Vec<(String, Vec<f64>)> {
+fn measured_with(document: &Document, coil: &Readings, k: f64) -> By {
     if !coil.volts {
         return Vec::new();
     }
     let current = uncertainty::of_current(document, coil.coil, k).into_iter();
-    current.map(|(path, like)| (path, like.map(|change| -change).to_vec())).collect()
+    current.map(|(path, like)| (path, like.iter().map(|change| -change).collect())).collect()
 }
 
 fn residuals(

@@ -4,14 +4,14 @@
 //! With the moves s of a source as a column over the parameters, their covariance is Σ s sᵀ: a root of it, which stays small and positive
 //! whatever is added. A program that estimates parameters hands in a [`Block`]: their own covariance, and how they move with
 //! the parameters that they were estimated with. By those derivatives every source that moves the latter moves the former. A program that uses
-//! parameters takes the [`Uncertainty::root`] over them. So what two parameters have in common stays in common, through any number of stages.
+//! parameters takes the [`Uncertainty::root`] of what it makes of them. So what two parameters have in common stays in common, through any number of stages.
 
 use indexmap::IndexMap;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{AdoptedEffect, Axis, Document, Error, Extra};
+use crate::{AdoptedEffect, Axis, Document, Error, Extra, Recording};
 
 mod stated;
 
@@ -47,6 +47,9 @@ pub struct Source {
     pub moves: IndexMap<String, f64>,
 }
 
+/// Quantities by how they move with parameters of the document: each parameter's path, with the derivative of every quantity by it.
+pub type By = Vec<(String, Vec<f64>)>;
+
 /// Parameters as a program estimates them.
 #[derive(Clone, Debug, Default)]
 pub struct Block {
@@ -59,7 +62,7 @@ pub struct Block {
     /// Their covariance by what is new: the scatter of the readings.
     pub covariance: Vec<Vec<f64>>,
     /// The parameters that they were estimated with, each with the derivative of every parameter of the block by it.
-    pub by: Vec<(String, Vec<f64>)>,
+    pub by: By,
 }
 
 impl Uncertainty {
@@ -120,19 +123,8 @@ impl Uncertainty {
     pub fn put(&mut self, block: Block) -> Result<(), String> {
         let own = root(&block.covariance)?;
         // By the derivatives, from what the sources move before anything is forgotten.
-        let carried: Vec<Vec<f64>> = self
-            .sources
-            .iter()
-            .map(|source| {
-                let mut moves = vec![0.0; block.parameters.len()];
-                for (path, derivatives) in &block.by {
-                    if let Some(moved) = source.moves.get(path) {
-                        moves.iter_mut().zip(derivatives).for_each(|(sum, by)| *sum += by * moved);
-                    }
-                }
-                moves
-            })
-            .collect();
+        let carried: Vec<Vec<f64>> =
+            self.sources.iter().map(|source| source.moves_of(&block.by, block.parameters.len())).collect();
         let std: Vec<f64> = (0..block.parameters.len())
             .map(|at| own.iter().chain(&carried).map(|moves| moves[at] * moves[at]).sum::<f64>().sqrt())
             .collect();
@@ -155,7 +147,7 @@ impl Uncertainty {
     }
 
     /// Forgets what is known of parameters.
-    pub fn forget(&mut self, parameters: &[String]) {
+    fn forget(&mut self, parameters: &[String]) {
         for source in &mut self.sources {
             source.moves.retain(|path, _| !parameters.contains(path));
         }
@@ -179,36 +171,69 @@ impl Uncertainty {
         if sum > 0.0 { self.std(parameter).powi(4) / sum } else { f64::INFINITY }
     }
 
-    /// For each source that moves one of the parameters, by how much it moves each.
-    pub fn root(&self, parameters: &[String]) -> Vec<Vec<f64>> {
-        let of = |source: &Source| -> Vec<f64> {
-            parameters.iter().map(|path| source.moves.get(path).copied().unwrap_or(0.0)).collect()
-        };
-        let all = self.sources.iter().map(of);
-        all.filter(|moves: &Vec<f64>| moves.iter().any(|moved| *moved != 0.0)).collect()
+    /// For each source that moves one of the quantities, by how much it moves each.
+    pub fn root(&self, by: &By) -> Vec<Vec<f64>> {
+        let count = by.first().map_or(0, |(_, derivatives)| derivatives.len());
+        let all = self.sources.iter().map(|source| source.moves_of(by, count));
+        all.filter(|moves| moves.iter().any(|moved| *moved != 0.0)).collect()
+    }
+
+    /// The covariance of quantities.
+    pub fn covariance_by(&self, by: &By) -> Vec<Vec<f64>> {
+        let root = self.root(by);
+        let count = by.first().map_or(0, |(_, derivatives)| derivatives.len());
+        let entry = |a: usize, b: usize| root.iter().map(|moves| moves[a] * moves[b]).sum();
+        (0..count).map(|a| (0..count).map(|b| entry(a, b)).collect()).collect()
     }
 
     /// The covariance of parameters.
     pub fn covariance(&self, parameters: &[String]) -> Vec<Vec<f64>> {
-        let root = self.root(parameters);
-        let count = parameters.len();
-        let entry = |a: usize, b: usize| root.iter().map(|moves| moves[a] * moves[b]).sum();
-        (0..count).map(|a| (0..count).map(|b| entry(a, b)).collect()).collect()
+        let one = |at: usize| (0..parameters.len()).map(|other| f64::from(u8::from(other == at))).collect();
+        self.covariance_by(&parameters.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect())
     }
+}
+
+impl Source {
+    /// By how much it moves each of `count` quantities.
+    fn moves_of(&self, by: &By, count: usize) -> Vec<f64> {
+        let mut moves = vec![0.0; count];
+        for (path, derivatives) in by {
+            if let Some(moved) = self.moves.get(path) {
+                moves.iter_mut().zip(derivatives).for_each(|(sum, by)| *sum += by * moved);
+            }
+        }
+        moves
+    }
+}
+
+/// What the calculated field k I + B0 of a coil rests on in these recordings, by the changes of k and of B0 that one unit of each parameter acts like: constant and
+/// offset, and where currents were read as voltages, resistor and voltmeter. Where one recording has currents, all count as known apart from
+/// the constant.
+pub fn drive<'r>(
+    document: &Document,
+    coil: Axis,
+    k: f64,
+    mut recordings: impl Iterator<Item = &'r Recording>,
+) -> By {
+    let mut by = vec![(coil_constant(coil), vec![1.0, 0.0]), (coil_offset(coil), vec![0.0, 1.0])];
+    if !recordings.any(|recording| recording.axis_column("coil", coil, "a").is_some()) {
+        by.extend(of_current(document, coil, k));
+    }
+    by
 }
 
 /// What a current that was read as a voltage rests on, I = V/R, and how it changes the calculated field k I + B0 of a coil: each parameter,
 /// with the changes of k and of B0 that one unit of it acts like. A voltmeter that reads high by the share ε acts like k ε, a
 /// resistance stated high by ρ like −k ρ/R, a voltmeter that adds v like k v/R on B0. Where the constant was measured with the same two, they
 /// moved it the other way.
-pub fn of_current(document: &Document, coil: Axis, k: f64) -> Vec<(String, [f64; 2])> {
+pub fn of_current(document: &Document, coil: Axis, k: f64) -> By {
     let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
     let ohm = coils.and_then(|coils| coils.get(coil)).and_then(|of| of.resistor_ohm);
     let of = |ohm: f64| {
         [
-            (VOLTMETER_RELATIVE.to_string(), [k, 0.0]),
-            (resistor(coil), [-k / ohm, 0.0]),
-            (VOLTMETER_ABSOLUTE.to_string(), [0.0, k / ohm]),
+            (VOLTMETER_RELATIVE.to_string(), vec![k, 0.0]),
+            (resistor(coil), vec![-k / ohm, 0.0]),
+            (VOLTMETER_ABSOLUTE.to_string(), vec![0.0, k / ohm]),
         ]
     };
     ohm.filter(|ohm| *ohm > 0.0).map(of).into_iter().flatten().collect()

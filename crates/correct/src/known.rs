@@ -1,7 +1,7 @@
 //! What the correction rests on: every parameter of the chain behind the field that is known with an uncertainty, and the joint
 //! uncertainty of all of them.
 
-use common::uncertainty::{self, root};
+use common::uncertainty::{self, By, root};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
 use physics::frames::{matrix, tangents};
 use physics::{EffectInstance, Parameter, Role, Unit};
@@ -34,9 +34,7 @@ impl Known {
             Axis::ALL.iter().flat_map(|axis| constants(document, *axis, unit)).collect();
         stated.extend(turns(document));
         stated.extend(model(document, effects, places));
-        let paths: Vec<String> =
-            stated.iter().flat_map(|one| one.by.iter().map(|(path, _)| path.clone())).collect();
-        let moves: Vec<Vec<f64>> = joint.root(&paths).iter().map(|moved| summed(&stated, moved)).collect();
+        let moves = joint.root(&by(&stated));
         let moving: Vec<usize> =
             (0..stated.len()).filter(|at| moves.iter().any(|moves| moves[*at] != 0.0)).collect();
         let covariance: Vec<Vec<f64>> = moving
@@ -56,11 +54,14 @@ impl Known {
     }
 }
 
-/// What a source moves each parameter of the chain by; `moved` runs over the parameters of the document.
-fn summed(stated: &[Stated], moved: &[f64]) -> Vec<f64> {
-    let mut moved = moved.iter();
-    let mut next = || moved.next().copied().unwrap_or(0.0);
-    stated.iter().map(|one| one.by.iter().map(|(_, weight)| weight * next()).sum()).collect()
+/// The parameters of the chain by how they move with those of the document.
+fn by(stated: &[Stated]) -> By {
+    let of = |at: usize, weight: f64| {
+        (0..stated.len()).map(|other| if other == at { weight } else { 0.0 }).collect()
+    };
+    let all = stated.iter().enumerate();
+    all.flat_map(|(at, one)| one.by.iter().map(move |(path, weight)| (path.clone(), of(at, *weight))))
+        .collect()
 }
 
 /// k and O of one sensor. What axescal found to be added to O has O's own uncertainty in it as what was known before: its

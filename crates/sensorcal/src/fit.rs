@@ -1,6 +1,6 @@
 //! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of `physics`.
 
-use common::uncertainty;
+use common::uncertainty::{self, By};
 use common::{Axis, FitNoise, Quantity, Uncertainty};
 use estimate::correlated::{self, CorrelatedFit, Scale};
 use faer::Mat;
@@ -36,7 +36,7 @@ pub struct Known {
     /// Their covariance.
     pub covariance: Vec<Vec<f64>>,
     /// What it rests on: parameters of the document, each with how these move with it.
-    pub rests_on: Vec<(String, Vec<f64>)>,
+    pub rests_on: By,
 }
 
 /// What is fitted.
@@ -82,7 +82,7 @@ pub struct Fit {
     /// Covariance from what is known with an uncertainty, common to all readings.
     pub common: Mat<f64>,
     /// How the unknowns move with what is known with an uncertainty: parameters of the document.
-    pub by: Vec<(String, Vec<f64>)>,
+    pub by: By,
     /// The linear fit at the minimum; its residuals are in nT.
     pub linear: CorrelatedFit,
     /// Derivatives of the predicted field by the unknowns, nT, over the used rows of all runs.
@@ -93,7 +93,7 @@ pub struct Fit {
 
 impl Fit {
     /// How some of the unknowns move with parameters of the document.
-    pub fn by(&self, unknowns: &[usize]) -> Vec<(String, Vec<f64>)> {
+    pub fn by(&self, unknowns: &[usize]) -> By {
         let of = |moved: &Vec<f64>| unknowns.iter().map(|unknown| moved[*unknown]).collect();
         self.by.iter().map(|(path, moved)| (path.clone(), of(moved))).collect()
     }
@@ -177,7 +177,7 @@ impl Problem<'_, '_> {
     fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
-        let mut by: Vec<(String, Vec<f64>)> = Vec::new();
+        let mut by = By::new();
         let best = (0..linear.weights.len())
             .max_by(|a, b| linear.weights[*a].total_cmp(&linear.weights[*b]))
             .unwrap_or(0);
@@ -383,27 +383,11 @@ pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<Known>
     };
     let known = |coil: Axis| {
         let k = runs[0].basic.coils[coil.index()].constant_nt_per_a;
-        let mut rests_on = vec![
-            (uncertainty::coil_constant(coil), vec![1.0, 0.0]),
-            (uncertainty::coil_offset(coil), vec![0.0, 1.0]),
-        ];
-        // Currents of which some were not read as voltages count as all known apart from the constant.
-        if runs.iter().filter(|run| driven(run, coil)).all(|run| run.in_volts(coil)) {
-            let current = uncertainty::of_current(document, coil, k).into_iter();
-            rests_on.extend(current.map(|(path, like)| (path, like.to_vec())));
-        }
-        let paths: Vec<String> = rests_on.iter().map(|(path, _)| path.clone()).collect();
-        let of_paths = joint.covariance(&paths);
-        let entry = |i: usize, j: usize| {
-            let rows = of_paths.iter().zip(&rests_on);
-            rows.map(|(row, (_, a))| {
-                row.iter().zip(&rests_on).map(|(c, (_, b))| a[i] * c * b[j]).sum::<f64>()
-            })
-            .sum()
-        };
+        let driving = runs.iter().filter(|run| driven(run, coil)).map(|run| run.context.recording);
+        let rests_on = uncertainty::drive(document, coil, k, driving);
         Known {
             parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
-            covariance: [0, 1].map(|i| [0, 1].map(|j| entry(i, j)).to_vec()).to_vec(),
+            covariance: joint.covariance_by(&rests_on),
             rests_on,
         }
     };

@@ -41,12 +41,6 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Whether the current of a coil was read as a voltage.
-    pub fn in_volts(&self, coil: Axis) -> bool {
-        let column = |unit: &str| self.context.recording.axis_column("coil", coil, unit);
-        column("a").is_none() && column("v").is_some()
-    }
-
     /// Applied field of each coil along its own axis at a row, nT.
     pub fn coil_nt(&self, coil: Axis, row: usize) -> f64 {
         self.basic.coils[coil.index()].constant_nt_per_a * self.context.current_a[row][coil.index()]

@@ -119,10 +119,8 @@ fn beside(document: &Document, after: &Document, moves: &IndexMap<String, f64>, 
             .coil(axis)
             .and_then(|coil| coil.constant_nt_per_a.as_ref())
             .map_or(0.0, Quantity::value);
-        let current: f64 = uncertainty::of_current(document, axis, k)
-            .iter()
-            .map(|(path, [_, offset])| offset * by(path))
-            .sum();
+        let current: f64 =
+            uncertainty::of_current(document, axis, k).iter().map(|(path, like)| like[1] * by(path)).sum();
         if path == uncertainty::added_offset(axis) {
             return by(&uncertainty::sensor_offset(axis));
         }
