@@ -60,6 +60,7 @@ proof folder="target/proof":
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test it coverage:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p axescal --test it -- --nocapture design:: gradients::
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture

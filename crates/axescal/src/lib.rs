@@ -13,6 +13,7 @@ mod directions;
 mod error;
 mod freedom;
 mod joint;
+mod means;
 mod model;
 mod modelled;
 mod observations;
@@ -30,6 +31,7 @@ mod unknowns;
 mod words;
 
 pub use error::Error;
+pub use means::Together;
 pub use model::AxesProblem;
 pub use observations::{NoiseSource, Observation, Observations, OrientationGroup};
 pub use observe::observe;

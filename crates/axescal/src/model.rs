@@ -7,11 +7,12 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents, turned};
 use physics::reading;
 
+use crate::means::{self, Block};
 use crate::unknowns::{KnownCoils, Unknown};
 use crate::{AxesState, Freedom, Observation, Observations};
 
-/// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation,
-/// followed by one row of prior knowledge for each unknown that has any.
+/// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation and free of what they have in
+/// common, followed by one row of prior knowledge for each unknown that has any.
 pub struct AxesProblem<'a> {
     /// The readings.
     pub observations: &'a Observations,
@@ -21,6 +22,7 @@ pub struct AxesProblem<'a> {
     /// Place of each unknown in the step.
     place: Places,
     priors: Vec<(usize, f64)>,
+    blocks: Vec<Block>,
     known_coils: Option<&'a KnownCoils>,
 }
 
@@ -97,6 +99,7 @@ impl<'a> AxesProblem<'a> {
             unknowns,
             place,
             priors,
+            blocks: means::blocks(observations),
             known_coils: freedom.known_coils.as_ref().filter(|_| !fixed),
         }
     }
@@ -120,6 +123,22 @@ impl<'a> AxesProblem<'a> {
     /// The rows that hold known coils to their directions.
     pub fn known_coil_row_numbers(&self) -> std::ops::Range<usize> {
         self.observations.readings.len() + self.priors.len()..self.rows()
+    }
+
+    /// Takes what the errors of readings have in common out of a column over them, each in units of its own standard deviation.
+    pub(crate) fn whiten(&self, column: &mut [f64]) {
+        let given = column.to_vec();
+        means::whiten(&self.blocks, |row| given[row], |row, value| column[row] = value);
+    }
+
+    /// Standard deviation of a reading less what those before it say of it, nT.
+    pub(crate) fn own_std_nt(&self, reading: usize) -> f64 {
+        let own = |block: &Block| {
+            let row = reading.checked_sub(block.first).filter(|row| *row < block.root.nrows())?;
+            Some(block.root[(row, row)])
+        };
+        let share = self.blocks.iter().find_map(own).unwrap_or(1.0);
+        share * self.observations.readings[reading].std_nt * self.noise_factor
     }
 
     /// R of an orientation with its correction.
@@ -282,6 +301,11 @@ impl Problem for AxesProblem<'_> {
                 },
             );
             residual[row] = weight * (observation.value_nt - predicted);
+        }
+        self.whiten(residual);
+        for column in 0..self.unknowns.len() {
+            let values: Vec<f64> = (0..self.readings()).map(|row| jacobian[(row, column)]).collect();
+            means::whiten(&self.blocks, |row| values[row], |row, value| jacobian[(row, column)] = value);
         }
         let first = self.readings();
         for (row, (place, weight)) in self.priors.iter().enumerate() {

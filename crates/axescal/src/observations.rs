@@ -5,14 +5,17 @@ use nalgebra::Vector3;
 use physics::Unit;
 use physics::frames::Orientation;
 
-/// One reading of one sensor; an AC run gives one for each sensor, its amplitude in phase with the drive.
+use crate::Together;
+
+/// One reading of one sensor, or the mean of those of one drive; an AC run gives one for each sensor, its amplitude in phase with
+/// the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// Number of its orientation in [`Observations::orientations`].
     pub orientation: usize,
     /// Number of its recording in the document.
     pub recording: usize,
-    /// Row in the recording.
+    /// Row in the recording; of a mean, the first of its rows.
     pub row: usize,
     /// The sensor.
     pub sensor: Axis,
@@ -55,6 +58,8 @@ pub struct Observations {
     pub orientations: Vec<OrientationGroup>,
     /// The readings.
     pub readings: Vec<Observation>,
+    /// Readings whose errors go together.
+    pub together: Vec<Together>,
     /// Where the readings' standard deviations come from.
     pub noise: NoiseSource,
     /// Unit of the readings.

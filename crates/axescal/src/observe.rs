@@ -4,10 +4,13 @@ use common::number::significant;
 use common::{Axis, Document, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
+use std::ops::Range;
 
 use crate::modelled::Added;
 use crate::observations::sensor_column;
-use crate::{Error, NoiseSource, Observation, Observations, Options, OrientationGroup, ac, checks};
+use crate::{
+    Error, NoiseSource, Observation, Observations, Options, OrientationGroup, Together, ac, checks, means,
+};
 
 /// A coil that makes less than this is as good as off, nT.
 const WEAK_NT: f64 = 5.0;
@@ -44,6 +47,7 @@ pub(crate) fn observe_without(
     let mut all = Observations {
         orientations: Vec::new(),
         readings: Vec::new(),
+        together: Vec::new(),
         noise: NoiseSource::SineFits,
         unit: Unit::Volt,
         sensors,
@@ -114,6 +118,7 @@ fn one_noise_for_all(all: &mut Observations) {
             );
         }
         all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
+        all.together.clear();
     }
 }
 
@@ -155,7 +160,8 @@ fn sensors(
     Ok(sensors)
 }
 
-/// Readings of a recording with constant drives, row by row. A missing reading takes out itself alone.
+/// Readings of a recording with constant drives: row by row, or drive by drive where noise with memory is declared. A missing reading
+/// takes out itself alone.
 fn rows(
     document: &Document,
     recording: usize,
@@ -169,50 +175,71 @@ fn rows(
         let span = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
         (span, span / (times.len().max(2) - 1) as f64)
     });
+    let drive_nt: Vec<Vector3<f64>> = context.current_a.iter().map(|current| drive(basic, current)).collect();
+    let field = |row: usize| drive_nt[row] + context.ambient(row);
     for sensor in all.sensors.clone() {
         let Some((_, column)) = sensor_column(context.recording, sensor) else { continue };
-        let noise = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
-        let std_nt = declared_std(document, noise, basic, context.unit, sensor, length_s, step_s);
+        let constants = &basic.sensors[sensor.index()];
+        let noises = declared(document, sensor);
+        let code = context.unit.code_width(document.instrument.as_ref()).unwrap_or(0.0);
+        let code_nt = code * constants.sensitivity.abs();
+        let std_nt = declared_std(&noises, code_nt, length_s, step_s);
         all.noise = match (all.noise, std_nt) {
             (NoiseSource::Residuals, _) | (_, None) => NoiseSource::Residuals,
             _ => NoiseSource::Declared,
         };
-        let added_nt = added.along(recording, sensor);
-        for (row, value) in column.iter().enumerate() {
-            let drive_nt = drive(basic, &context.current_a[row]);
-            let ambient_nt = context.ambient(row);
-            if value.is_finite() && (drive_nt + ambient_nt).iter().all(|field| field.is_finite()) {
-                let constants = &basic.sensors[sensor.index()];
-                all.readings.push(Observation {
-                    orientation,
-                    recording,
-                    row,
-                    sensor,
-                    drive_nt,
-                    value_nt: constants.sensitivity * value + constants.offset_nt
-                        - added_nt.as_ref().map_or(0.0, |added| added[row]),
-                    std_nt: std_nt.unwrap_or(1.0),
-                    ambient_nt,
-                    constant: true,
-                });
+        let there = |row: usize| column[row].is_finite() && field(row).iter().all(|field| field.is_finite());
+        let (groups, stds) = match means::means(&noises, times, &drive_nt, code_nt, there) {
+            Some((groups, covariance)) => {
+                let stds = covariance.diagonal().iter().map(|variance| Some(variance.sqrt())).collect();
+                let rows = groups.iter().map(|group| group.start).collect();
+                all.together.push(Together { recording, sensor, rows, covariance });
+                (groups, stds)
             }
+            None => {
+                let groups: Vec<Range<usize>> =
+                    (0..column.len()).filter(|row| there(*row)).map(|row| row..row + 1).collect();
+                let stds = vec![std_nt; groups.len()];
+                (groups, stds)
+            }
+        };
+        let added_nt = added.along(recording, sensor);
+        for (group, std_nt) in groups.into_iter().zip(stds) {
+            let rows: Vec<usize> = group.filter(|row| there(*row)).collect();
+            let count = rows.len() as f64;
+            let mean = |of: &dyn Fn(usize) -> f64| rows.iter().map(|row| of(*row)).sum::<f64>() / count;
+            let vector = |of: &dyn Fn(usize) -> Vector3<f64>| {
+                rows.iter().fold(Vector3::zeros(), |sum, row| sum + of(*row)) / count
+            };
+            let value_nt = |row: usize| {
+                constants.sensitivity * column[row] + constants.offset_nt
+                    - added_nt.as_ref().map_or(0.0, |added| added[row])
+            };
+            all.readings.push(Observation {
+                orientation,
+                recording,
+                row: rows[0],
+                sensor,
+                drive_nt: vector(&|row| drive_nt[row]),
+                value_nt: mean(&value_nt),
+                std_nt: std_nt.unwrap_or(1.0),
+                ambient_nt: vector(&|row| context.ambient(row)),
+                constant: true,
+            });
         }
     }
 }
 
+/// The noise that is declared for a sensor, and with it that of the field in the coils; nothing where that of the sensor is not.
+fn declared(document: &Document, sensor: Axis) -> Vec<&Noise> {
+    let own = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
+    let field = document.facility.as_ref().and_then(|facility| facility.noise.as_ref());
+    own.into_iter().chain(field.filter(|_| own.is_some())).collect()
+}
+
 /// White and flicker noise and the rounding of the converter, where noise is declared.
-fn declared_std(
-    document: &Document,
-    noise: Option<&Noise>,
-    basic: &Basic,
-    unit: Unit,
-    sensor: Axis,
-    length_s: f64,
-    step_s: f64,
-) -> Option<f64> {
-    let rms = noise?.rms_nt(length_s, step_s);
-    let code = unit.code_width(document.instrument.as_ref()).unwrap_or(0.0);
-    let code_nt = code * basic.sensors[sensor.index()].sensitivity;
+fn declared_std(noises: &[&Noise], code_nt: f64, length_s: f64, step_s: f64) -> Option<f64> {
+    let rms = noises.iter().map(|noise| noise.rms_nt(length_s, step_s)).reduce(f64::hypot)?;
     let std = (rms * rms + code_nt * code_nt / 12.0).sqrt();
     (std > 0.0).then_some(std)
 }

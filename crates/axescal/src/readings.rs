@@ -48,8 +48,7 @@ pub fn doubtful(
         if p_adjusted >= DOUBTFUL_P {
             break;
         }
-        let std_nt = problem.observations.readings[reading].std_nt * problem.noise_factor;
-        let leave_one_out_nt = all[reading].leave_one_out * std_nt;
+        let leave_one_out_nt = all[reading].leave_one_out * problem.own_std_nt(reading);
         found.push(Doubt { reading, leave_one_out_nt, t: all[reading].t, p_adjusted });
         weights[reading] = 0.0;
         fit = estimate::solve(problem, fit.state, Some(&weights), &Iteration::default())?;

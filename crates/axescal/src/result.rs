@@ -8,7 +8,7 @@ use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
 
 use crate::unknowns::Unknown;
-use crate::{Error, Observations, Options, Solution, assumptions, directions, pair, scales};
+use crate::{AxesProblem, Error, Observations, Options, Solution, assumptions, directions, pair, scales};
 
 /// More readings than this are summed up by orientation only.
 const MOST_READINGS: usize = 20_000;
@@ -214,8 +214,9 @@ fn doubtful(document: &Document, observations: &Observations, solution: &Solutio
 
 fn readings(document: &Document, observations: &Observations, solution: &Solution) -> AxesReadings {
     let mut columns = AxesReadings { weight: solution.weights.clone(), ..AxesReadings::default() };
-    for ((reading, influence), residual) in
-        observations.readings.iter().zip(&solution.influence).zip(&solution.residuals_nt)
+    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    for (number, ((reading, influence), residual)) in
+        observations.readings.iter().zip(&solution.influence).zip(&solution.residuals_nt).enumerate()
     {
         columns.orientation.push(reading.orientation + 1);
         columns.recording.push(document.recordings[reading.recording].id.clone());
@@ -224,7 +225,7 @@ fn readings(document: &Document, observations: &Observations, solution: &Solutio
         columns.sensor.push(reading.sensor);
         columns.residual_nt.push(*residual);
         columns.leverage.push(influence.leverage);
-        columns.leave_one_out_nt.push(influence.leave_one_out * reading.std_nt * solution.noise_factor);
+        columns.leave_one_out_nt.push(influence.leave_one_out * problem.own_std_nt(number));
         columns.t.push(influence.t);
     }
     columns

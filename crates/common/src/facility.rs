@@ -3,7 +3,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::not_negative;
-use crate::{Extra, PerAxis};
+use crate::{Extra, Noise, PerAxis, Quantity};
 
 /// The coil facility as its makers state it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -19,6 +19,11 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub theodolite_arcsec: Option<f64>,
+    /// Standard uncertainty of what all theodolite readings of one angle in one setting of the block have in common
+    /// (levelling, pointing at the face), arcsec: it stays however often the angle is read. Absent: 0.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+    pub theodolite_shared_arcsec: Option<f64>,
     /// Standard uncertainty of the scalar reference, nT.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
@@ -30,9 +35,22 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub residual_field_std_nt: Option<f64>,
+    /// Noise of each component of the field in the coils, beside that of the instrument: what a reading there scatters by besides.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl Facility {
+    /// Standard uncertainty of the mean of so many theodolite readings of an angle, arcsec: √(shared² + reading²/n); None where
+    /// neither is stated.
+    pub fn theodolite_std_arcsec(&self, readings: usize) -> Option<f64> {
+        let shared = self.theodolite_shared_arcsec;
+        let own = self.theodolite_arcsec.map(|std| std / (readings.max(1) as f64).sqrt());
+        own.or(shared).map(|_| own.unwrap_or(0.0).hypot(shared.unwrap_or(0.0)))
+    }
 }
 
 /// One coil with its precision resistor.
@@ -51,7 +69,7 @@ pub struct Coil {
     pub max_nt: Option<f64>,
     /// How its field changes along its axis at the centre, for each ampere, nT/(m A).
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub gradient_nt_per_m_a: Option<f64>,
+    pub gradient_nt_per_m_a: Option<Quantity>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

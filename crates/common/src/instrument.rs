@@ -35,6 +35,10 @@ pub struct Instrument {
     /// Place of each sensor in SEN, m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub positions_m: Option<PerAxis<[f64; 3]>>,
+    /// Standard uncertainty of each coordinate of those places, m.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
+    pub positions_std_m: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

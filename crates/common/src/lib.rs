@@ -71,7 +71,7 @@ pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
 };
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
-pub use recording::{Columns, Conditions, Recording, Theodolite, procedure};
+pub use recording::{Columns, Conditions, Recording, Theodolite, TheodoliteAngle, procedure};
 pub use sensor::{
     FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration,
     TestResult,

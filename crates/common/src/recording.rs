@@ -215,22 +215,68 @@ pub struct Conditions {
 }
 
 /// Readings of the two theodolites (NASA eq. 7 to 9): azimuth φ and polar angle θ of the faces that
-/// look north (x) and east (y), rad. R = nominal rotation × the rotation that these angles give.
+/// look north (x) and east (y), rad. R = nominal rotation × the rotation that the mean angles give.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Theodolite {
     /// Azimuth of the north face from north, rad.
-    pub phi_x_rad: f64,
+    pub phi_x_rad: TheodoliteAngle,
     /// Polar angle of the north face from down, rad (about π/2).
-    pub theta_x_rad: f64,
+    pub theta_x_rad: TheodoliteAngle,
     /// Azimuth of the east face from east, rad.
-    pub phi_y_rad: f64,
+    pub phi_y_rad: TheodoliteAngle,
     /// Polar angle of the east face from down, rad (about π/2).
-    pub theta_y_rad: f64,
+    pub theta_y_rad: TheodoliteAngle,
     /// The fixture's nominal rotation, rows = SEN axes along the (north, east, down) faces. Absent: identity.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_rotation: Option<Matrix3x3>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// An angle that was read once, or several times in the same setting of the block.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(untagged)]
+pub enum TheodoliteAngle {
+    /// One reading, rad.
+    Once(f64),
+    /// Readings of the same angle, rad; at least one.
+    Repeated(#[cfg_attr(feature = "schema", schemars(length(min = 1)))] Vec<f64>),
+}
+
+impl TheodoliteAngle {
+    /// The readings, rad.
+    pub fn readings(&self) -> &[f64] {
+        match self {
+            TheodoliteAngle::Once(reading) => std::slice::from_ref(reading),
+            TheodoliteAngle::Repeated(readings) => readings,
+        }
+    }
+
+    /// Their mean, rad.
+    pub fn mean(&self) -> f64 {
+        let readings = self.readings();
+        readings.iter().sum::<f64>() / readings.len() as f64
+    }
+}
+
+impl<'de> Deserialize<'de> for TheodoliteAngle {
+    /// A number, or a list of at least one.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "an angle in rad, or a list of readings of it")]
+        enum Read {
+            Once(f64),
+            Repeated(Vec<f64>),
+        }
+        match Read::deserialize(deserializer)? {
+            Read::Once(reading) => Ok(TheodoliteAngle::Once(reading)),
+            Read::Repeated(readings) if readings.is_empty() => {
+                Err(de::Error::custom("an empty list, expected at least one reading of the angle"))
+            }
+            Read::Repeated(readings) => Ok(TheodoliteAngle::Repeated(readings)),
+        }
+    }
 }

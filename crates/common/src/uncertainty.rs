@@ -290,6 +290,16 @@ pub fn resistor(coil: Axis) -> String {
     format!("facility.coils.{coil}.resistor_ohm")
 }
 
+/// The path of a coil's gradient.
+pub fn gradient(coil: Axis) -> String {
+    format!("facility.coils.{coil}.gradient_nt_per_m_a")
+}
+
+/// The path of a coordinate of a sensor's place.
+pub fn place(sensor: Axis, k: usize) -> String {
+    format!("instrument.positions_m.{sensor}[{k}]")
+}
+
 /// The path of a coil's constant.
 pub fn coil_constant(coil: Axis) -> String {
     format!("calibration.coils.{coil}.constant_nt_per_a")

@@ -10,12 +10,14 @@ mod filter;
 mod flicker;
 mod least_squares;
 mod level;
+mod means;
 mod power_law;
 mod stream;
 mod whitening;
 
 pub use covariance::covariance;
 pub use flicker::{Process, SLOWEST};
+pub use means::covariance_of_means;
 pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
 pub use whitening::Whitening;

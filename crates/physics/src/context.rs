@@ -1,7 +1,7 @@
 //! What a recording says besides its readings: times, drive, temperatures, orientation.
 
 use common::number::bare;
-use common::{Axis, Document, Instrument, Recording, procedure};
+use common::{Axis, Document, Instrument, Quantity, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use std::borrow::Cow;
 
@@ -301,7 +301,7 @@ fn beginning(document: &Document) -> Option<f64> {
 
 fn gradients(document: &Document) -> Vector3<f64> {
     let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
-    let gradient = |axis| coils.and_then(|coils| coils.get(axis)).and_then(|coil| coil.gradient_nt_per_m_a);
+    let gradient = |axis| coils?.get(axis)?.gradient_nt_per_m_a.as_ref().map(Quantity::value);
     Vector3::from(Axis::ALL.map(|axis| gradient(axis).unwrap_or(0.0)))
 }
 
@@ -392,16 +392,17 @@ fn ambient(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
 /// R of a recording, from its matrix or from its theodolites; absent: the block is aligned with GEO.
 pub fn orientation(document: &Document, recording: &Recording) -> Result<Orientation, Error> {
     let conditions = &recording.conditions;
-    let sigma =
-        document.facility.as_ref().and_then(|facility| facility.theodolite_arcsec).map(|s| s * ARCSEC);
+    let sigma = |readings: usize| {
+        document.facility.as_ref()?.theodolite_std_arcsec(readings).map(|arcsec| arcsec * ARCSEC)
+    };
     match (&conditions.theodolite, &conditions.orientation) {
         (Some(angles), given) => {
             Orientation::from_theodolite(angles, angles.nominal_rotation.as_ref().or(given.as_ref()), sigma)
         }
-        (None, Some(rows)) => Orientation::from_matrix(rows, sigma),
+        (None, Some(rows)) => Orientation::from_matrix(rows, sigma(1)),
         (None, None) => Ok(Orientation {
             rotation: Matrix3::identity(),
-            uncertainty: Matrix3::identity() * sigma.unwrap_or(0.0),
+            uncertainty: Matrix3::identity() * sigma(1).unwrap_or(0.0),
             moved_rad: 0.0,
         }),
     }

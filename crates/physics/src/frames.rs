@@ -1,7 +1,7 @@
 //! Frames and directions: rotations from theodolites, the nearest rotation, turns of unit vectors.
 
 use common::number::{bare, significant};
-use common::{Matrix3x3, Theodolite};
+use common::{Matrix3x3, Theodolite, TheodoliteAngle};
 use nalgebra::{Matrix3, Vector3};
 use num_dual::Dual64;
 
@@ -36,45 +36,45 @@ impl Orientation {
 
     /// From the theodolites' angles (NASA eq. 7 to 11): R = N F, the rows of F being
     /// X_s = (cos φx sin θx, sin φx sin θx, cos θx), Y_s = (−sin φy sin θy, cos φy sin θy, cos θy), X_s × Y_s,
-    /// projected to the nearest rotation.
+    /// projected to the nearest rotation. An angle that was read several times counts as its mean.
     ///
-    /// Each angle errs by `theodolite_rad`; the turn about the face frame's z axis is seen twice (φx and φy).
+    /// `theodolite_rad` gives the standard uncertainty of the mean of so many readings. A turn about the faces' x axis is seen in θy, one
+    /// about y in θx, and the one about z twice, in φx and φy.
     pub fn from_theodolite(
         angles: &Theodolite,
         nominal: Option<&Matrix3x3>,
-        theodolite_rad: Option<f64>,
+        theodolite_rad: impl Fn(usize) -> Option<f64>,
     ) -> Result<Self, Error> {
-        let all = [angles.phi_x_rad, angles.theta_x_rad, angles.phi_y_rad, angles.theta_y_rad];
-        if let Some(angle) = all.iter().find(|angle| angle.abs() > std::f64::consts::TAU) {
+        let all = [&angles.phi_x_rad, &angles.theta_x_rad, &angles.phi_y_rad, &angles.theta_y_rad];
+        let readings = || all.iter().flat_map(|angle| angle.readings());
+        if let Some(angle) = readings().find(|angle| angle.is_nan() || angle.abs() > std::f64::consts::TAU) {
             return Err(Error::NotARotation {
                 found: format!("an angle of {angle} rad, more than a whole turn"),
                 expected: "theodolite angles in rad; these may be degrees".into(),
             });
         }
-        let x = Vector3::new(
-            angles.phi_x_rad.cos() * angles.theta_x_rad.sin(),
-            angles.phi_x_rad.sin() * angles.theta_x_rad.sin(),
-            angles.theta_x_rad.cos(),
-        );
-        let y = Vector3::new(
-            -angles.phi_y_rad.sin() * angles.theta_y_rad.sin(),
-            angles.phi_y_rad.cos() * angles.theta_y_rad.sin(),
-            angles.theta_y_rad.cos(),
-        );
+        let [phi_x, theta_x, phi_y, theta_y] = all.map(TheodoliteAngle::mean);
+        let x = Vector3::new(phi_x.cos() * theta_x.sin(), phi_x.sin() * theta_x.sin(), theta_x.cos());
+        let y = Vector3::new(-phi_y.sin() * theta_y.sin(), phi_y.cos() * theta_y.sin(), theta_y.cos());
         let faces = Matrix3::from_rows(&[x.transpose(), y.transpose(), x.cross(&y).transpose()]);
-        let (faces, moved_rad) = nearest_rotation(&faces, theodolite_rad)?;
+        let std = all.map(|angle| theodolite_rad(angle.readings().len()));
+        let (faces, moved_rad) = nearest_rotation(&faces, std.into_iter().flatten().reduce(f64::max))?;
         let (nominal, moved_nominal) = match nominal {
             Some(rows) => nearest_rotation(&matrix(rows), None)?,
             None => (Matrix3::identity(), 0.0),
         };
-        let sigma = theodolite_rad.unwrap_or(0.0);
-        let face_sigma = Vector3::new(sigma, sigma, sigma / std::f64::consts::SQRT_2);
+        let [phi_x, theta_x, phi_y, theta_y] = std.map(|std| std.unwrap_or(0.0));
         Ok(Self {
             rotation: nominal * faces,
-            uncertainty: nominal * Matrix3::from_diagonal(&face_sigma),
+            uncertainty: nominal * face_uncertainty([phi_x, theta_x, phi_y, theta_y]),
             moved_rad: moved_rad.max(moved_nominal),
         })
     }
+}
+
+/// L with L Lᵀ = covariance of the small rotation about the faces' axes, by the standard uncertainties of φx, θx, φy, θy (rad).
+pub fn face_uncertainty([phi_x, theta_x, phi_y, theta_y]: [f64; 4]) -> Matrix3<f64> {
+    Matrix3::from_diagonal(&Vector3::new(theta_y, theta_x, 0.5 * phi_x.hypot(phi_y)))
 }
 
 /// A matrix from its rows as JSON writes them.
@@ -208,21 +208,48 @@ mod tests {
         // NASA eq. 7 to 11 with φx = 0.1, θx = π/2, φy = 0.1, θy = π/2: a turn of 0.1 rad about down.
         let right = std::f64::consts::FRAC_PI_2;
         let angles = Theodolite {
-            phi_x_rad: 0.1,
-            theta_x_rad: right,
-            phi_y_rad: 0.1,
-            theta_y_rad: right,
+            phi_x_rad: TheodoliteAngle::Once(0.1),
+            theta_x_rad: TheodoliteAngle::Once(right),
+            phi_y_rad: TheodoliteAngle::Once(0.1),
+            theta_y_rad: TheodoliteAngle::Once(right),
             nominal_rotation: None,
             extra: Default::default(),
         };
-        let orientation = Orientation::from_theodolite(&angles, None, None).expect("a rotation");
+        let orientation = Orientation::from_theodolite(&angles, None, |_| None).expect("a rotation");
         let expected =
             Matrix3::new(0.1f64.cos(), 0.1f64.sin(), 0.0, -0.1f64.sin(), 0.1f64.cos(), 0.0, 0.0, 0.0, 1.0);
         assert!((orientation.rotation - expected).norm() < 1e-15);
         // The fixture turned by 90° about down: SEN x looks east.
         let nominal = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
-        let turned = Orientation::from_theodolite(&angles, Some(&nominal), None).expect("a rotation");
+        let turned = Orientation::from_theodolite(&angles, Some(&nominal), |_| None).expect("a rotation");
         assert!((turned.rotation.row(0) - expected.row(1)).norm() < 1e-15);
+    }
+
+    #[test]
+    fn repeated_readings_count_as_their_mean() {
+        let right = std::f64::consts::FRAC_PI_2;
+        let once = Theodolite {
+            phi_x_rad: TheodoliteAngle::Once(0.1),
+            theta_x_rad: TheodoliteAngle::Once(right),
+            phi_y_rad: TheodoliteAngle::Once(0.1),
+            theta_y_rad: TheodoliteAngle::Once(right + 1e-5),
+            nominal_rotation: None,
+            extra: Default::default(),
+        };
+        let several = Theodolite {
+            phi_x_rad: TheodoliteAngle::Repeated(vec![0.1 - 2e-6, 0.1 + 2e-6]),
+            theta_y_rad: TheodoliteAngle::Repeated(vec![right, right + 1e-5, right + 2e-5, right + 1e-5]),
+            ..once.clone()
+        };
+        // σ² = 3² + 4²/n: 5" for one reading.
+        let std = |n: usize| Some(ARCSEC * (9.0 + 16.0 / n as f64).sqrt());
+        let of = |angles: &Theodolite| Orientation::from_theodolite(angles, None, std).expect("a rotation");
+        assert!((of(&once).rotation - of(&several).rotation).norm() < 1e-14);
+        let diagonal = |orientation: Orientation| orientation.uncertainty.diagonal() / ARCSEC;
+        let whole = diagonal(of(&once));
+        assert!((whole - Vector3::new(5.0, 5.0, 5.0 / 2f64.sqrt())).norm() < 1e-12, "{whole}");
+        let shared = diagonal(of(&several));
+        assert!((shared - Vector3::new(13f64.sqrt(), 5.0, 0.5 * 42f64.sqrt())).norm() < 1e-12, "{shared}");
     }
 
     #[test]

@@ -115,7 +115,7 @@ impl Bench<'_> {
         let mut stream = Stream::new(self.plan.seed, &format!("{id}/fixture"));
         let missed = self.random(&mut stream, alignment_arcmin * 60.0 * ARCSEC);
         let rotation = frames::small_rotation(&missed) * between.into_inner() * nominal;
-        let theodolite = self.plan.facility.as_ref().and_then(|f| f.theodolite_arcsec).unwrap_or(0.0);
+        let theodolite = self.theodolite_arcsec();
         let read = frames::small_rotation(&self.random(&mut stream, theodolite * ARCSEC)) * rotation;
         let conditions = Conditions {
             sensor: Some(sensor),
@@ -124,6 +124,12 @@ impl Bench<'_> {
             ..Conditions::default()
         };
         Aligned { conditions, rotation, nominal }
+    }
+
+    /// Standard deviation of one theodolite reading with what it has in common with others, arcsec.
+    pub fn theodolite_arcsec(&self) -> f64 {
+        let facility = self.plan.facility.as_ref();
+        facility.and_then(|facility| facility.theodolite_std_arcsec(1)).unwrap_or(0.0)
     }
 
     /// A vector of normal numbers.

@@ -136,7 +136,11 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     let mut true_document = Document {
         calibration: Some(true_calibration(plan)?),
         model: plan.truth.model.clone(),
-        facility: plan.facility.clone().map(|facility| Facility { theodolite_arcsec: None, ..facility }),
+        facility: plan.facility.clone().map(|facility| Facility {
+            theodolite_arcsec: None,
+            theodolite_shared_arcsec: None,
+            ..facility
+        }),
         ..document.clone()
     };
     let effects = physics::adopt(&true_document).map_err(|error| error.at("truth.model"))?;
@@ -217,6 +221,7 @@ fn check_timing(timing: &Timing) -> Result<(), Error> {
     for (key, value) in [
         ("field_settle_s", timing.field_settle_s),
         ("orientation_s", timing.orientation_s),
+        ("theodolite_s", timing.theodolite_s),
         ("temperature_settle_s", timing.temperature_settle_s),
         ("reversal_s", timing.reversal_s),
     ] {

@@ -122,8 +122,10 @@ pub struct Timing {
     pub field_settle_s: f64,
     /// One reading.
     pub reading_s: f64,
-    /// Setting up a procedure, or turning the block to another orientation.
+    /// Setting up a procedure, or turning the block to another orientation and reading the theodolites once.
     pub orientation_s: f64,
+    /// Reading the theodolites once more.
+    pub theodolite_s: f64,
     /// After a change of temperature (NASA: about half an hour).
     pub temperature_settle_s: f64,
     /// Turning a sensor by 180°.
@@ -136,6 +138,7 @@ impl Default for Timing {
             field_settle_s: 10.0,
             reading_s: 1.0,
             orientation_s: 900.0,
+            theodolite_s: 180.0,
             temperature_settle_s: 1800.0,
             reversal_s: 60.0,
         }

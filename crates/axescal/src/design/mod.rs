@@ -1,23 +1,36 @@
-//! Which orientations of the block determine the directions best (`axescal design`).
+//! Which recordings reach a target in the least time, and which orientations of the block determine the directions best
+//! (`axescal design`).
 //!
-//! For nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
+//! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives of the fit, `least` the
+//! search, `limits` what limits it, `basis` the plan before and after, `report` the answer. With `--number` sets of orientations are
+//! ranked alone: for nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
 //! information of an orientation on the 12 off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the derivatives by a
 //! turn of the block, which the theodolites leave uncertain by s. Informations add; the score of a set is the
 //! largest standard deviation in the inverse of its sum (NASA eq. 62).
 
+mod basis;
 mod command;
+mod given;
+mod information;
+mod least;
+mod limits;
+mod radius;
+mod report;
 mod search;
 
+pub use basis::{given, ordinary, proof};
 pub use command::{Arguments, main};
+pub use given::{Given, Setting, Times};
+pub use report::{Cost, Hours, Plan, Predicted, Recorded, Request, plan};
 
 use common::Matrix3x3;
 use common::number::counted;
-use nalgebra::{Matrix3, SMatrix, Vector3};
-use physics::frames::{self, ARCSEC, tangents};
-use physics::reading;
+use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
+use physics::frames::{self, ARCSEC};
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use information::{Pieces, Readings, TURNS};
 use search::{Field, Scored};
 
 /// Errors of one reading and of one orientation.
@@ -72,7 +85,7 @@ pub struct Row {
     pub search: String,
 }
 
-type Information = SMatrix<f64, 12, 12>;
+type Information = SMatrix<f64, TURNS, TURNS>;
 
 /// The best `number` of the candidates, and the table up to `table_to`.
 pub fn design(
@@ -167,25 +180,14 @@ fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Resu
 /// Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J of one orientation; the tangents of nominal axes are the off-diagonal cosines.
 fn information(rotation: &Matrix3<f64>, model: &ErrorModel) -> Information {
     let variance = model.noise_nt.powi(2) + model.quantisation_nt.powi(2) / 12.0;
-    let theodolite = (model.theodolite_arcsec * ARCSEC).powi(2);
-    let mut jacobian = SMatrix::<f64, 9, 12>::zeros();
-    let mut turn = SMatrix::<f64, 9, 3>::zeros();
-    for j in 0..3 {
-        let coil = Vector3::ith(j, 1.0);
-        for i in 0..3 {
-            let sensor = Vector3::ith(i, 1.0);
-            let at = reading(&sensor, rotation, &(coil * model.drive_nt));
-            let row = 3 * j + i;
-            for k in 0..2 {
-                jacobian[(row, 2 * i + k)] = at.by_sensor.dot(&tangents(&sensor)[k]);
-                jacobian[(row, 6 + 2 * j + k)] = model.drive_nt * at.by_field.dot(&tangents(&coil)[k]);
-            }
-            turn.set_row(row, &at.by_rotation.transpose());
-        }
-    }
-    let covariance = SMatrix::<f64, 9, 9>::identity() * variance + turn * turn.transpose() * theodolite;
-    let solved = covariance.cholesky().map(|root| root.solve(&jacobian)).unwrap_or_else(SMatrix::zeros);
-    jacobian.transpose() * solved
+    let readings = Readings {
+        drives_nt: (0..3).map(|coil| Vector3::ith(coil, model.drive_nt)).collect(),
+        covariance: std::array::from_fn(|_| DMatrix::identity(3, 3) * variance),
+        gradient_per_m: [0.0; 3],
+        positions_m: [Vector3::zeros(); 3],
+    };
+    let said = Pieces::of(rotation, &Matrix3::identity(), &readings).said(model.theodolite_arcsec * ARCSEC);
+    said.information.fixed_view::<TURNS, TURNS>(0, 0).into_owned()
 }
 
 #[cfg(test)]

@@ -58,7 +58,7 @@ fn campaigns() -> usize {
 }
 
 /// Directions within about half a degree of `nominal`, constants and offsets off by what their uncertainty says.
-fn draw(plan: &simulate::Plan, campaign: usize) -> simulate::Plan {
+pub fn draw(plan: &simulate::Plan, campaign: usize) -> simulate::Plan {
     let mut generator = ChaCha8Rng::seed_from_u64(0x0C0FFEE ^ campaign as u64);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };
     let mut plan = plan.clone();

@@ -210,8 +210,11 @@ fn noiseless_known_coils_equal_the_closed_form() {
     let rotation = matrix(&document.recordings[0].conditions.theodolite.as_ref().map_or_else(
         || document.recordings[0].conditions.orientation.expect("an orientation"),
         |angles| {
-            let orientation =
-                physics::frames::Orientation::from_theodolite(angles, angles.nominal_rotation.as_ref(), None);
+            let orientation = physics::frames::Orientation::from_theodolite(
+                angles,
+                angles.nominal_rotation.as_ref(),
+                |_| None,
+            );
             rows(&orientation.expect("a rotation").rotation)
         },
     ));

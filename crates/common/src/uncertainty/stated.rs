@@ -3,7 +3,7 @@
 use crate::axes::AxesDirections;
 use crate::uncertainty::{
     VOLTMETER_ABSOLUTE, VOLTMETER_RELATIVE, added_offset, coil_constant, coil_offset, directions, effect,
-    residual_field, resistor, sensitivity, sensor_offset,
+    gradient, place, residual_field, resistor, sensitivity, sensor_offset,
 };
 use crate::{Axis, Calibration, Document, Error, Quantity};
 
@@ -73,8 +73,8 @@ fn key(path: &str) -> &str {
     path.rsplit('.').next().unwrap_or(path)
 }
 
+/// What stands alone: voltmeter, resistors and gradients of the coils, places of the sensors.
 fn facility(document: &Document) -> Vec<Group> {
-    let Some(facility) = &document.facility else { return Vec::new() };
     let mut found = Vec::new();
     let mut add = |path: String, std: Option<f64>| {
         if let Some(std) = std.filter(|std| *std > 0.0) {
@@ -87,6 +87,11 @@ fn facility(document: &Document) -> Vec<Group> {
             });
         }
     };
+    let placed = document.instrument.as_ref().filter(|instrument| instrument.positions_m.is_some());
+    for sensor in Axis::ALL {
+        (0..3).for_each(|k| add(place(sensor, k), placed.and_then(|instrument| instrument.positions_std_m)));
+    }
+    let Some(facility) = &document.facility else { return found };
     if let Some(voltmeter) = &facility.voltmeter {
         add(VOLTMETER_RELATIVE.into(), voltmeter.relative);
         add(VOLTMETER_ABSOLUTE.into(), voltmeter.absolute_v);
@@ -97,6 +102,7 @@ fn facility(document: &Document) -> Vec<Group> {
             .zip(coil.resistor_ohm)
             .map(|(relative, ohm)| relative * ohm.abs());
         add(resistor(axis), std);
+        add(gradient(axis), coil.gradient_nt_per_m_a.as_ref().and_then(Quantity::std));
     }
     found
 }

@@ -110,7 +110,7 @@ pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
                 }
                 _ => (
                     "theodolite",
-                    json!({"phi_x_rad": 1e-5, "theta_x_rad": 0, "phi_y_rad": 0.1, "theta_y_rad": 7}),
+                    json!({"phi_x_rad": [1e-5, 2e-5], "theta_x_rad": 0, "phi_y_rad": 0.1, "theta_y_rad": 7}),
                 ),
             };
             conditions.insert(key.into(), to);

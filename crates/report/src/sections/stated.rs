@@ -1,6 +1,6 @@
 //! What the document states beforehand: instrument, facility, reference conditions.
 
-use common::{Axis, Document, Noise, NoiseOfSensors};
+use common::{Axis, Document, Noise, NoiseOfSensors, Quantity};
 
 use crate::{Section, Table};
 
@@ -37,12 +37,21 @@ pub fn section(document: &Document) -> Option<Section> {
                 "",
             );
             state(&format!("largest field of coil {axis}"), coil.max_nt, "nT");
-            state(&format!("gradient of coil {axis}"), coil.gradient_nt_per_m_a, "nT/(m A)");
+            state(
+                &format!("gradient of coil {axis}"),
+                coil.gradient_nt_per_m_a.as_ref().map(Quantity::value),
+                "nT/(m A)",
+            );
         }
         let voltmeter = facility.voltmeter.as_ref();
         state("voltmeter, standard uncertainty", voltmeter.and_then(|v| v.absolute_v), "V");
         state("voltmeter, relative standard uncertainty", voltmeter.and_then(|v| v.relative), "");
         state("theodolite, standard uncertainty of a reading", facility.theodolite_arcsec, "arcsec");
+        state(
+            "theodolite, standard uncertainty that the readings of a setting share",
+            facility.theodolite_shared_arcsec,
+            "arcsec",
+        );
         state("scalar reference, standard uncertainty", facility.reference_std_nt, "nT");
         state(
             "field left by nulling, standard uncertainty of a component",

@@ -1,5 +1,5 @@
 use common::number::{bare, vector};
-use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, procedure};
+use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, TheodoliteAngle, procedure};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
 use physics::frames::{self, ARCSEC};
@@ -35,6 +35,9 @@ pub struct AxesProcedure {
     /// Write the theodolites' angles, not the matrix.
     #[serde(default)]
     pub theodolite_angles: bool,
+    /// Readings of each of the theodolites' angles in an orientation; more than one is written as angles only.
+    #[serde(default = "one")]
+    pub theodolite_readings: usize,
     /// How far the fixture may miss its nominal orientation (standard deviation), arcmin.
     #[serde(default)]
     pub fixture_std_arcmin: f64,
@@ -90,6 +93,12 @@ impl Sequence for AxesProcedure {
         let path_of = |key: &str| format!("{path}.{key}");
         positive(path, "drive_nt", self.drive_nt)?;
         positive(path, "repeats", self.repeats as f64)?;
+        positive(path, "theodolite_readings", self.theodolite_readings as f64)?;
+        if self.theodolite_readings > 1 && !self.theodolite_angles {
+            let found = format!("{} beside orientations as matrices", self.theodolite_readings);
+            let expected = "1, or \"theodolite_angles\": true, by which each reading is written";
+            return Err(Error::document(path_of("theodolite_readings"), found, expected));
+        }
         deviation(path, "fixture_std_arcmin", self.fixture_std_arcmin)?;
         if self.drives.is_empty() {
             return Err(Error::document(path_of("drives"), "an empty list", "at least one drive"));
@@ -138,8 +147,7 @@ impl Sequence for AxesProcedure {
                 reads: Reads::Sensors(sensors.clone()),
                 ..Planned::new(procedure::AXES_ORIENTATION, id, path.into(), conditions, rows, &Axis::ALL)
             };
-            let turn =
-                || Rows::new(format!("block to orientation {}", index + 1), bench.timing().orientation_s);
+            let turn = || self.turn(bench, index + 1);
             let Some(ac) = &self.ac else {
                 let mut rows = turn();
                 for drive in &drives {
@@ -190,16 +198,32 @@ impl AxesProcedure {
         let mut stream = Stream::new(bench.plan.seed, &format!("{id}/theodolite"));
         let mut vector = |std: f64| bench.random(&mut stream, std);
         let fixture = frames::small_rotation(&vector(self.fixture_std_arcmin * 60.0 * ARCSEC));
-        let arcsec = bench.plan.facility.as_ref().and_then(|f| f.theodolite_arcsec).unwrap_or(0.0);
-        let sigma = arcsec * ARCSEC;
         let rotation = nominal * fixture;
         if self.theodolite_angles {
-            let errors = [vector(sigma), vector(sigma)];
-            let angles = theodolite(&fixture, nominal, errors);
+            let facility = bench.plan.facility.as_ref();
+            let own = facility.and_then(|facility| facility.theodolite_arcsec).unwrap_or(0.0) * ARCSEC;
+            let mut errors: Vec<[f64; 4]> = (0..self.theodolite_readings)
+                .map(|_| {
+                    let [x, y] = [vector(own), vector(own)];
+                    [x.x, x.y, y.x, y.y]
+                })
+                .collect();
+            let shared = facility.and_then(|facility| facility.theodolite_shared_arcsec).unwrap_or(0.0);
+            let mut stream = Stream::new(bench.plan.seed, &format!("{id}/theodolite/shared"));
+            let shared: [f64; 4] = std::array::from_fn(|_| stream.normal() * shared * ARCSEC);
+            errors.iter_mut().for_each(|errors| errors.iter_mut().zip(shared).for_each(|(e, s)| *e += s));
+            let angles = theodolite(&fixture, nominal, &errors);
             return (rotation, Conditions { theodolite: Some(angles), ..Conditions::default() });
         }
-        let seen = frames::small_rotation(&vector(sigma)) * rotation;
+        let seen = frames::small_rotation(&vector(bench.theodolite_arcsec() * ARCSEC)) * rotation;
         (rotation, Conditions { orientation: Some(frames::rows(&seen)), ..Conditions::default() })
+    }
+
+    /// Turning the block, with the first reading of the theodolites, and reading them again.
+    fn turn(&self, bench: &Bench<'_>, number: usize) -> Rows {
+        let timing = bench.timing();
+        let again = (self.theodolite_readings - 1) as f64 * timing.theodolite_s;
+        Rows::new(format!("block to orientation {number}"), timing.orientation_s + again)
     }
 
     fn rotations(&self, path: &str) -> Result<Vec<Matrix3<f64>>, Error> {
@@ -242,13 +266,25 @@ impl AxesProcedure {
     }
 }
 
-/// What two theodolites read of the faces F, each angle with its error (NASA eq. 7 and 8).
-fn theodolite(faces: &Matrix3<f64>, nominal: Matrix3<f64>, errors: [Vector3<f64>; 2]) -> Theodolite {
+/// What two theodolites read of the faces F: φx, θx, φy, θy, each reading with its error (NASA eq. 7 and 8).
+fn theodolite(faces: &Matrix3<f64>, nominal: Matrix3<f64>, errors: &[[f64; 4]]) -> Theodolite {
+    let angles = [
+        faces[(0, 1)].atan2(faces[(0, 0)]),
+        faces[(0, 2)].acos(),
+        (-faces[(1, 0)]).atan2(faces[(1, 1)]),
+        faces[(1, 2)].acos(),
+    ];
+    let read = |which: usize| match errors {
+        [once] => TheodoliteAngle::Once(angles[which] + once[which]),
+        several => {
+            TheodoliteAngle::Repeated(several.iter().map(|errors| angles[which] + errors[which]).collect())
+        }
+    };
     Theodolite {
-        phi_x_rad: faces[(0, 1)].atan2(faces[(0, 0)]) + errors[0].x,
-        theta_x_rad: faces[(0, 2)].acos() + errors[0].y,
-        phi_y_rad: (-faces[(1, 0)]).atan2(faces[(1, 1)]) + errors[1].x,
-        theta_y_rad: faces[(1, 2)].acos() + errors[1].y,
+        phi_x_rad: read(0),
+        theta_x_rad: read(1),
+        phi_y_rad: read(2),
+        theta_y_rad: read(3),
         nominal_rotation: Some(frames::rows(&nominal)),
         extra: Default::default(),
     }

@@ -60,6 +60,7 @@ fn declared(name: &str) -> i32 {
         | "reference_std_nt"
         | "residual_field_std_nt"
         | "theodolite_arcsec"
+        | "theodolite_shared_arcsec"
         | "std_arcsec"
         | "absolute_v"
         | "relative"

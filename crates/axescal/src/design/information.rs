@@ -1,0 +1,208 @@
+//! What the readings in one orientation say, by the same derivatives as the fit.
+
+use common::Axis;
+use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
+use physics::Unit;
+use physics::frames::Orientation;
+
+use crate::unknowns::Unknown;
+use crate::{
+    AxesProblem, AxesState, Freedom, NoiseSource, Observation, Observations, OrientationGroup, Together,
+};
+
+/// Turns of the six directions.
+pub const TURNS: usize = 12;
+/// These, the scales of sensors and coils, the residual field and the offsets.
+pub const ALL: usize = 24;
+
+/// Information on all that orientations have in common.
+pub type Information = SMatrix<f64, ALL, ALL>;
+
+/// Readings in one orientation.
+#[derive(Clone, Debug)]
+pub struct Readings {
+    /// Field along each coil for each drive, in order, nT.
+    pub drives_nt: Vec<Vector3<f64>>,
+    /// Covariance of each sensor's readings of them, nT².
+    pub covariance: [DMatrix<f64>; 3],
+    /// What one standard uncertainty of each coil's gradient makes at each sensor in an orientation of the block: the share of the drive
+    /// for each metre, and the places of the sensors in SEN, m.
+    pub gradient_per_m: [f64; 3],
+    /// See there.
+    pub positions_m: [Vector3<f64>; 3],
+}
+
+/// Jᵀ V⁻¹ J with J by what is common, by the turns of this orientation, and by the gradients of the coils.
+#[derive(Clone, Debug)]
+pub struct Pieces {
+    common: Information,
+    both: SMatrix<f64, ALL, 3>,
+    own: Matrix3<f64>,
+    gradients: SMatrix<f64, ALL, 3>,
+    own_gradients: Matrix3<f64>,
+}
+
+/// What orientations say, and how the gradients of the coils push it.
+#[derive(Clone, Debug)]
+pub struct Said {
+    /// Information on all that is common.
+    pub information: Information,
+    /// Jᵀ V⁻¹ times what one standard uncertainty of each coil's gradient adds to the readings.
+    pub gradients: SMatrix<f64, ALL, 3>,
+}
+
+impl Said {
+    /// Nothing yet.
+    pub fn nothing() -> Self {
+        Self { information: Information::zeros(), gradients: SMatrix::zeros() }
+    }
+
+    /// Adds another orientation.
+    pub fn add(&mut self, other: &Self) {
+        self.information += other.information;
+        self.gradients += other.gradients;
+    }
+}
+
+impl Pieces {
+    /// Of an orientation with nominal axes; `turns` is L with L Lᵀ = covariance of its small rotation, for theodolites that err by 1 rad.
+    pub fn of(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Self {
+        let Derivatives { jacobian, common, own, gradients } = Derivatives::of(rotation, turns, readings);
+        let rows = gradients.nrows();
+        let product =
+            |a: usize, b: usize| (0..rows).map(|row| jacobian[(row, a)] * jacobian[(row, b)]).sum::<f64>();
+        let pushed = |a: usize, coil: usize| {
+            (0..rows).map(|row| jacobian[(row, a)] * gradients[(row, coil)]).sum::<f64>()
+        };
+        Self {
+            common: Information::from_fn(|i, j| product(common[i], common[j])),
+            both: SMatrix::from_fn(|i, j| product(common[i], own[j])),
+            own: Matrix3::from_fn(|i, j| product(own[i], own[j])),
+            gradients: SMatrix::from_fn(|i, coil| pushed(common[i], coil)),
+            own_gradients: Matrix3::from_fn(|i, coil| pushed(own[i], coil)),
+        }
+    }
+
+    /// What it says where the theodolites err by `std_rad`: A − B (1/s² + C)⁻¹ Bᵀ.
+    pub fn said(&self, std_rad: f64) -> Said {
+        let own = self.own + Matrix3::identity() / (std_rad * std_rad);
+        match own.try_inverse().filter(|_| std_rad > 0.0) {
+            Some(inverse) => Said {
+                information: self.common - self.both * inverse * self.both.transpose(),
+                gradients: self.gradients - self.both * inverse * self.own_gradients,
+            },
+            None => Said { information: self.common, gradients: self.gradients },
+        }
+    }
+}
+
+/// Derivatives of the readings in one orientation with nominal axes, whitened by their noise.
+pub struct Derivatives {
+    /// By everything.
+    pub jacobian: DMatrix<f64>,
+    /// The columns of what is common, in the order of [`Information`].
+    pub common: Vec<usize>,
+    /// The columns of the turns of this orientation.
+    pub own: Vec<usize>,
+    /// What one standard uncertainty of each coil's gradient adds.
+    pub gradients: DMatrix<f64>,
+}
+
+impl Derivatives {
+    /// Rows sensor by sensor, drive by drive.
+    pub fn of(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Self {
+        let observations = observations(rotation, turns, readings);
+        // Everything moves; what is known of it beforehand comes in elsewhere.
+        let freedom = Freedom {
+            known_coils: None,
+            sensor_scale: [Some(f64::INFINITY); 3],
+            coil_scale: [Some(f64::INFINITY); 3],
+            orientations: true,
+            residual_field: Some([f64::INFINITY; 3]),
+            offsets: [Some(f64::INFINITY); 3],
+        };
+        let problem = AxesProblem::new(&observations, &freedom, 1.0);
+        let state = AxesState::new(Matrix3::identity(), Matrix3::identity(), 1);
+        let (_, jacobian) = estimate::linearised(&problem, &state);
+        let place = |unknown: Unknown| problem.meaning().iter().position(|meaning| *meaning == unknown);
+        let places = |unknowns: Vec<Unknown>| -> Vec<usize> {
+            unknowns.into_iter().map(|unknown| place(unknown).expect("everything moves")).collect()
+        };
+        let mut gradients = DMatrix::zeros(observations.readings.len(), 3);
+        for coil in 0..3 {
+            let mut column: Vec<f64> = observations
+                .readings
+                .iter()
+                .map(|reading| {
+                    let sensor = reading.sensor.index();
+                    // m·R (3 n (n·p) − p) B g/2 with m = 1, n = 1 and p = Rᵀ place.
+                    let place = &readings.positions_m[sensor];
+                    let coil_sen = rotation.column(coil);
+                    let seen = 0.5 * (3.0 * coil_sen[sensor] * coil_sen.dot(place) - place[sensor]);
+                    seen * readings.gradient_per_m[coil] * reading.drive_nt[coil] / reading.std_nt
+                })
+                .collect();
+            problem.whiten(&mut column);
+            gradients.column_mut(coil).copy_from_slice(&column);
+        }
+        Self {
+            jacobian: DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| jacobian[(i, j)]),
+            common: places(unknowns()),
+            own: places((0..3).map(|k| Unknown::Correction(0, k)).collect()),
+            gradients,
+        }
+    }
+}
+
+/// What is common, in the order of [`Information`].
+pub fn unknowns() -> Vec<Unknown> {
+    let each = |of: fn(Axis, usize) -> Unknown| {
+        Axis::ALL.into_iter().flat_map(move |axis| [of(axis, 0), of(axis, 1)])
+    };
+    each(Unknown::Sensor)
+        .chain(each(Unknown::Coil))
+        .chain(Axis::ALL.map(Unknown::SensorScale))
+        .chain(Axis::ALL.map(Unknown::CoilScale))
+        .chain((0..3).map(Unknown::ResidualField))
+        .chain(Axis::ALL.map(Unknown::Offset))
+        .collect()
+}
+
+fn observations(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Observations {
+    let of = |sensor: Axis, row: usize| Observation {
+        orientation: 0,
+        recording: 0,
+        row,
+        sensor,
+        drive_nt: readings.drives_nt[row],
+        value_nt: 0.0,
+        std_nt: readings.covariance[sensor.index()][(row, row)].sqrt(),
+        ambient_nt: Vector3::zeros(),
+        constant: true,
+    };
+    let count = readings.drives_nt.len();
+    let together = |sensor: Axis| Together {
+        recording: 0,
+        sensor,
+        rows: (0..count).collect(),
+        covariance: readings.covariance[sensor.index()].clone(),
+    };
+    Observations {
+        orientations: vec![OrientationGroup {
+            orientation: Orientation { rotation: *rotation, uncertainty: *turns, moved_rad: 0.0 },
+            recordings: Vec::new(),
+        }],
+        readings: Axis::ALL
+            .into_iter()
+            .flat_map(|sensor| (0..count).map(move |row| (sensor, row)))
+            .map(|(sensor, row)| of(sensor, row))
+            .collect(),
+        together: Axis::ALL.map(together).into(),
+        noise: NoiseSource::Declared,
+        unit: Unit::Nanotesla,
+        sensors: Axis::ALL.into(),
+        coils: Axis::ALL.into(),
+        phases: Vec::new(),
+        findings: Vec::new(),
+    }
+}

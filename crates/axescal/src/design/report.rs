@@ -1,0 +1,288 @@
+//! A design as it is written and said.
+
+use common::number::{bare, counted, figures, significant};
+use common::{Matrix3x3, OneOrEach};
+use nalgebra::Matrix3;
+use physics::frames::ARCSEC;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::fmt::Write;
+
+use super::basis;
+use super::given::{Given, Setting, listed};
+use super::least::{BOTH, SENSORS, Search, Target, block};
+use super::limits::{Limit, More, limits, more};
+use super::radius::{Reach, axes};
+use crate::Error;
+
+/// Targets of the table beside the one that is asked for, arcsec.
+const TABLE_ARCSEC: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Request {
+    /// Error of a direction, arcsec.
+    pub target_arcsec: f64,
+    /// Probability with which it is to be kept, for each direction.
+    pub confidence: f64,
+    /// Whether the coils' directions count as well.
+    pub coils: bool,
+}
+
+/// The recordings of the least time, what they reach, and what limits it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// What was asked for.
+    #[serde(flatten)]
+    pub request: Request,
+    /// What is recorded.
+    pub recordings: Recorded,
+    /// Time at the facility, h.
+    pub hours: Hours,
+    /// What they reach.
+    pub predicted: Predicted,
+    /// What makes the error of the direction that errs most.
+    pub limits: Vec<Limit>,
+    /// What more would give.
+    pub more: Vec<More>,
+    /// What other targets cost.
+    pub table: Vec<Cost>,
+    /// What the facility and the instrument err by.
+    pub given: Given,
+    /// The part of a plan for simulate that makes these recordings.
+    pub procedure: Value,
+}
+
+/// What is recorded for the directions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Recorded {
+    /// Settings of the block.
+    pub settings: usize,
+    /// The orientation of each, R (GEO -> SEN).
+    pub orientations: Vec<Matrix3x3>,
+    /// What is done in each.
+    #[serde(flatten)]
+    pub setting: Setting,
+    /// Drives in each.
+    pub drives: usize,
+    /// Largest field of each coil, nT.
+    pub drive_nt: [f64; 3],
+}
+
+/// Time at the facility, h.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Hours {
+    /// Turning the block, with the first reading of the theodolites.
+    pub orientations: f64,
+    /// Reading the theodolites again.
+    pub theodolites: f64,
+    /// Drives.
+    pub drives: f64,
+    /// Levels of temperature.
+    pub temperatures: f64,
+    /// All of it.
+    pub total: f64,
+}
+
+impl Hours {
+    fn of([orientations, theodolites, drives, temperatures]: [f64; 4]) -> Self {
+        let total = orientations + theodolites + drives + temperatures;
+        Self { orientations, theodolites, drives, temperatures, total }
+    }
+}
+
+/// Errors of the directions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Predicted {
+    /// Of the sensors.
+    pub sensors: Directions,
+    /// Of the coils.
+    pub coils: Directions,
+    /// The largest that counts: within this with the probability that was asked for, arcsec.
+    pub worst_arcsec: f64,
+}
+
+/// Errors of three directions.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Directions {
+    /// Largest standard deviation over all ways it may turn, arcsec: what axescal will state.
+    pub std_arcsec: OneOrEach,
+    /// It stays within this with the probability that was asked for, arcsec.
+    pub within_arcsec: OneOrEach,
+}
+
+/// What a target costs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// The target, arcsec.
+    pub target_arcsec: f64,
+    /// Time at the facility, h; absent where it is out of reach.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hours: Option<f64>,
+    /// Settings of the block.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub settings: Option<usize>,
+    /// What is done in each.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub setting: Option<Setting>,
+}
+
+/// Finds the recordings of the least time that reach a target.
+///
+/// # Errors
+///
+/// A target that is out of reach of the most recordings that are tried, with what limits it.
+pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Result<Plan, Error> {
+    let target = |arcsec: f64| Target {
+        arcsec,
+        reach: Reach::new(request.confidence),
+        turns: if request.coils { BOTH } else { SENSORS },
+    };
+    let search = Search::new(given, candidates);
+    let asked = target(request.target_arcsec);
+    let recordings = search.least(&asked).map_err(|best| out_of_reach(request, best))?;
+    let covariance = search.covariance(&recordings).ok_or_else(|| out_of_reach(request, f64::INFINITY))?;
+    let each = |first: usize, of: &dyn Fn([[f64; 2]; 2]) -> f64| {
+        OneOrEach::Each(
+            common::Axis::ALL
+                .into_iter()
+                .map(|axis| (axis, of(block(&covariance, first + 2 * axis.index())) / ARCSEC))
+                .collect(),
+        )
+    };
+    let directions = |first: usize| Directions {
+        std_arcsec: each(first, &|block| axes(block)[0]),
+        within_arcsec: each(first, &|block| asked.reach.of(block)),
+    };
+    let mut targets: Vec<f64> = TABLE_ARCSEC.into_iter().chain([request.target_arcsec]).collect();
+    targets.sort_by(|a, b| b.total_cmp(a));
+    targets.dedup();
+    let cost = |arcsec: f64| {
+        let found = search.least(&target(arcsec)).ok();
+        Cost {
+            target_arcsec: arcsec,
+            hours: found.as_ref().map(|found| found.hours(given).iter().sum()),
+            settings: found.as_ref().map(|found| found.orientations.len()),
+            setting: found.map(|found| found.setting),
+        }
+    };
+    let rotations: Vec<Matrix3<f64>> = recordings.orientations.iter().map(|one| candidates[*one]).collect();
+    Ok(Plan {
+        request,
+        recordings: Recorded {
+            settings: recordings.orientations.len(),
+            orientations: listed(&rotations),
+            setting: recordings.setting,
+            drives: given.drives(&recordings.setting).len(),
+            drive_nt: given.coil_nt,
+        },
+        hours: Hours::of(recordings.hours(given)),
+        predicted: Predicted {
+            sensors: directions(0),
+            coils: directions(SENSORS),
+            worst_arcsec: asked.worst_arcsec(Some(&covariance)),
+        },
+        limits: limits(&search, &recordings, &asked),
+        more: more(&search, &recordings, &asked),
+        table: targets.into_iter().map(cost).collect(),
+        given: given.clone(),
+        procedure: basis::procedure(given, candidates, &recordings),
+    })
+}
+
+fn out_of_reach(request: Request, best: f64) -> Error {
+    let of = if request.coils { "sensors and coils" } else { "the sensors" };
+    let reached = if best.is_finite() {
+        format!("the most recordings that are tried reach {}\"", significant(best, 3))
+    } else {
+        "the orientations do not determine the directions; their turns must be about at least two different axes".into()
+    };
+    Error::RankShort(format!(
+        "{}\" for {of} with a probability of {} is out of reach: {reached}. Ask for less (--target-arcsec), or state better theodolites, \
+         a stronger drive or less noise",
+        bare(request.target_arcsec),
+        bare(request.confidence)
+    ))
+}
+
+/// The design in a few lines for people.
+pub fn words(plan: &Plan) -> String {
+    let Plan { request, recordings, hours, predicted, .. } = plan;
+    let mut text = format!(
+        "axescal design: each sensor{} within {}\" with a probability of {}: {} h at the facility\n",
+        if request.coils { " and coil" } else { "" },
+        bare(request.target_arcsec),
+        bare(request.confidence),
+        significant(hours.total, 3)
+    );
+    let Setting { theodolite_readings, cycles, weakest_coil, readings } = recordings.setting;
+    let of_weakest = if weakest_coil > 1 {
+        let weakest = common::Axis::ALL[plan.given.weakest()];
+        format!(" ({} of them of coil {weakest})", 2 * weakest_coil * cycles)
+    } else {
+        String::new()
+    };
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "  {} of the block; in each {}, {}{of_weakest}, {}",
+        counted(recordings.settings, "setting"),
+        counted(theodolite_readings, "theodolite reading"),
+        counted(recordings.drives, "drive"),
+        if readings == 1 { "each read once".to_string() } else { format!("each read {readings} times") },
+    );
+    let mut items = vec![
+        format!("block {}", significant(hours.orientations, 3)),
+        format!("theodolites again {}", significant(hours.theodolites, 3)),
+        format!("drives {}", significant(hours.drives, 3)),
+    ];
+    if hours.temperatures > 0.0 {
+        items.push(format!("temperatures {}", significant(hours.temperatures, 3)));
+    }
+    let _ = writeln!(text, "  hours: {}", items.join(", "));
+    for (kind, directions) in [("sensors", &predicted.sensors), ("coils", &predicted.coils)] {
+        let each: Vec<String> = common::Axis::ALL
+            .into_iter()
+            .map(|axis| {
+                let of = |all: &OneOrEach| all.get(axis).unwrap_or(0.0);
+                format!(
+                    "{axis} {}\" (σ {}\")",
+                    figures(of(&directions.within_arcsec), 3),
+                    figures(of(&directions.std_arcsec), 2)
+                )
+            })
+            .collect();
+        let _ = writeln!(text, "  {kind} within: {}", each.join(", "));
+    }
+    let shares: Vec<String> = plan
+        .limits
+        .iter()
+        .filter(|limit| limit.share >= 0.005)
+        .map(|limit| format!("{} {} %", limit.source, significant(100.0 * limit.share, 2)))
+        .collect();
+    let _ = writeln!(text, "  limited by: {}", shares.join(", "));
+    for More { change, worst_arcsec, hours } in &plan.more {
+        let cost = if *hours == 0.0 { String::new() } else { format!(", {} h more", significant(*hours, 2)) };
+        let _ = writeln!(text, "  {change}: {}\"{cost}", figures(*worst_arcsec, 3));
+    }
+    let _ = writeln!(text, "  target arcsec  hours  settings  theodolite readings  drives' readings");
+    for cost in &plan.table {
+        let (hours, settings) = match (cost.hours, cost.settings) {
+            (Some(hours), Some(settings)) => (significant(hours, 3), settings.to_string()),
+            _ => ("out of reach".into(), String::new()),
+        };
+        let Some(setting) = cost.setting else {
+            let _ = writeln!(text, "  {:>13}  {hours}", bare(cost.target_arcsec));
+            continue;
+        };
+        let drives = plan.given.drives(&setting).len() * setting.readings;
+        let mark = if cost.target_arcsec == request.target_arcsec { " <- chosen" } else { "" };
+        let _ = writeln!(
+            text,
+            "  {:>13}  {hours:>5}  {settings:>8}  {:>19}  {drives:>16}{mark}",
+            bare(cost.target_arcsec),
+            setting.theodolite_readings
+        );
+    }
+    text
+}
