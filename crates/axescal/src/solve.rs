@@ -268,9 +268,7 @@ fn estimated(
 
 /// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its covariance.
 fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<AxesState>, Error> {
-    let mut residual = vec![0.0; problem.rows()];
-    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
-    problem.linearise(&fit.state, &mut residual, jacobian.as_mut());
+    let (residual, jacobian) = estimate::linearised(problem, &fit.state);
     let svd = estimate::Svd::of(jacobian.as_ref(), Iteration::default().rank_tolerance)?;
     let cost = residual.iter().map(|r| r * r).sum();
     Ok(Fit { residual, jacobian, svd, cost, ..fit })

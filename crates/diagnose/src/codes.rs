@@ -1,6 +1,7 @@
 //! What repeats along a sensor's own reading: codes that differ in width, and codes that are coarse.
 
 use common::Axis;
+use estimate::sine::{Series, Strongest, strongest};
 use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
@@ -8,7 +9,6 @@ use crate::Error;
 use crate::channel::Reader;
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one, looks_along};
-use crate::matched::{power_along, power_at, sharpened};
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 
@@ -16,8 +16,6 @@ use crate::what::named;
 const CELLS: usize = 1 << 21;
 /// Cells in the shortest period.
 const FINE: f64 = 4.0;
-/// Frequencies between neighbours of the grid, to either side of the strongest.
-const FINER: i32 = 16;
 /// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
 const WIDTHS: i32 = 32;
 /// Least amplitude of the sine in the error of coarse codes, over their width: without noise it is 1/π.
@@ -62,17 +60,14 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     }
     let cell = shortest / FINE;
     let points = ((2.0 * range / cell).ceil() as usize).next_power_of_two();
-    let grid = 1.0 / (points as f64 * cell);
-    let power = power_along(&x, &y, cell, points);
-    let (from, to) = ((1.0 / longest / grid).ceil() as usize, (1.0 / shortest / grid).floor() as usize);
-    let Some(strongest) = (from..=to.min(power.len() - 1)).max_by(|a, b| power[*a].total_cmp(&power[*b]))
-    else {
+    let series = [Series { x, y: &y, weight: 2.0 / length }];
+    let Some(found) = strongest(&series, cell, points, (1.0 / longest, 1.0 / shortest)) else {
         return Ok(Vec::new());
     };
-    let (frequency, most) = sharpened(strongest as f64 * grid, grid, FINER, |f| power_at(&x, &y, f));
+    let Strongest { frequency, power, band } = found;
     // Three sensors are gone through.
-    let looks = 3.0 * looks_along(&x, (to - from + 1) as f64 * grid, 2.0 * most / length);
-    if at_least_one(rest.p(2.0 * most / length, 2), looks) > 0.5 {
+    let looks = 3.0 * looks_along(&series[0].x, band, power);
+    if at_least_one(rest.p(power, 2), looks) > 0.5 {
         return Ok(Vec::new());
     }
     let period = 1.0 / frequency;

@@ -10,67 +10,21 @@ mod settle;
 pub use settle::settled_in_time;
 
 use common::Axis;
-use estimate::stats::{chi_squared_quantile, median};
+use estimate::events::{Departures, Product};
 use physics::{EffectInstance, Kind, Parameter, Role};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
 use crate::channel::{Channel, Reader};
-use crate::fit::{Fit, Fitter, orthonormal, square};
+use crate::fit::{Fit, Fitter, columns, orthonormal};
 use crate::level::{Rest, at_least_one};
-use crate::matched::correlate;
 use crate::model::Column;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 
-/// A departure of which the base model leaves less than this share is not looked for.
-const LEFT: f64 = 1e-3;
 /// Jumps are no more than this share of the rows.
 const RARE: f64 = 0.05;
-
-/// A departure of one nT in each row of a channel, against its whitened residual.
-struct Departures {
-    /// The noise's response to one departure.
-    response: Vec<f64>,
-    /// Σ of the whitened residual times the response from each row on.
-    along: Vec<f64>,
-    /// The same with each column of a basis of the base model.
-    within: Vec<Vec<f64>>,
-    /// Robust variance of the whitened residual, at least one (the square of the Birge ratio): an event must be significant against the
-    /// scatter that there is, not against the noise alone.
-    scatter: f64,
-}
-
-impl Departures {
-    fn of(fitter: &Fitter<'_, '_>, fit: &Fit, basis: &faer::Mat<f64>, number: usize) -> Self {
-        let channel = &fitter.model.observed.channels[number];
-        let response = fitter.noise.response(number);
-        let white = &fit.white[channel.range()];
-        let along = correlate(white, &response);
-        let squares: Vec<f64> = white.iter().map(|w| w * w).collect();
-        let scatter = (median(&squares) / chi_squared_quantile(0.5, 1.0)).max(1.0);
-        let within = (0..basis.ncols())
-            .map(|j| correlate(&basis.col_as_slice(j)[channel.range()], &response))
-            .collect();
-        Self { response, along, within, scatter }
-    }
-
-    /// Squared length of a departure in each row, and of one that stays from each row on.
-    fn lengths(&self) -> [Vec<f64>; 2] {
-        let rows = self.along.len();
-        let (mut level, mut single, mut stays) = (0.0, 0.0, 0.0);
-        let (mut one, mut step) = (vec![0.0; rows], vec![0.0; rows]);
-        for i in 0..rows {
-            let response = self.response.get(i).copied().unwrap_or(0.0);
-            level += response;
-            single += response * response;
-            stays += level * level;
-            (one[rows - 1 - i], step[rows - 1 - i]) = (single, stays);
-        }
-        [one, step]
-    }
-}
 
 /// Single readings are looked at together with the strongest from this share of its gain on, and no more of them than that.
 const AS_STRONG: f64 = 0.1;
@@ -89,68 +43,57 @@ struct Best {
     row: usize,
 }
 
+impl Best {
+    fn consider(&mut self, other: Self) {
+        if other.gain > self.gain {
+            *self = other;
+        }
+    }
+}
+
 /// The most striking events of each kind, with the probability of such a one by chance over all rows.
 pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
     let basis = orthonormal(&fit.jacobian)?;
     let observed = &fitter.model.observed;
-    let all: Vec<Departures> = (0..observed.channels.len())
-        .into_par_iter()
-        .map(|number| Departures::of(fitter, fit, &basis, number))
-        .collect();
-    // What a step of a channel's whole recording is: what a step in an earlier recording goes on as.
-    let whole: Vec<(f64, f64, Vec<f64>)> = all
-        .iter()
-        .map(|departures| {
-            let within = departures.within.iter().map(|values| values.iter().sum()).collect();
-            (departures.along.iter().sum(), departures.lengths()[1].first().copied().unwrap_or(0.0), within)
+    let all: Vec<Departures> = observed
+        .channels
+        .par_iter()
+        .enumerate()
+        .map(|(number, channel)| {
+            let own = columns(&basis).map(|column| &column[channel.range()]);
+            Departures::of(&fit.white[channel.range()], fitter.noise.response(number), own)
         })
         .collect();
+    // What a step of a channel's whole recording is: what a step in an earlier recording goes on as.
+    let whole: Vec<Product> = all.iter().map(Departures::whole).collect();
     let beside_jumps = beside_jumps(fitter, fit)?;
     let (mut spike, mut step, mut stays) = (Best::default(), Best::default(), Best::default());
     let mut looks = 0.0;
     let mut singles: Vec<Best> = Vec::new();
     for (number, (channel, departures)) in observed.channels.iter().zip(&all).enumerate() {
-        let [one, lasting] = departures.lengths();
         let rows = channel.rows.len();
-        let timed = observed.runs[channel.run].time_s.is_some() && !matches!(channel.reader, Reader::Scalar);
-        let later: Vec<usize> = later(fitter, number).collect();
-        let mut sum = (0.0, vec![0.0; basis.ncols()]);
-        let mut after = (0.0, 0.0, vec![0.0; basis.ncols()]);
-        for other in &later {
-            after.0 += whole[*other].0;
-            after.1 += whole[*other].1;
-            after.2.iter_mut().zip(&whole[*other].2).for_each(|(a, w)| *a += w);
+        let best = |gains: &[f64], row: usize| Best { gain: gains[row], channel: number, row };
+        let gains = departures.spikes();
+        for row in (0..rows).rev().filter(|row| !beside_jumps[channel.at + row]) {
+            singles.push(best(&gains, row));
+            spike.consider(best(&gains, row));
+            looks += 1.0;
         }
-        for row in (0..rows).rev() {
-            let within = |j: usize| departures.within[j][row];
-            let consider = |best: &mut Best, along: f64, length: f64, inside: f64| {
-                let left = length - inside;
-                let gain = along * along / left;
-                if left > LEFT * length && gain > best.gain {
-                    *best = Best { gain, channel: number, row };
-                }
-            };
-            let inside: f64 = (0..basis.ncols()).map(|j| within(j).powi(2)).sum();
-            if !beside_jumps[channel.at + row] {
-                let mut own = Best::default();
-                consider(&mut own, departures.along[row], one[row], inside);
-                singles.push(own);
-                if own.gain > spike.gain {
-                    spike = own;
-                }
-                looks += 1.0;
-            }
-            sum.0 += departures.along[row];
-            (0..basis.ncols()).for_each(|j| sum.1[j] += within(j));
-            if timed && row >= 2 && row + 2 <= rows {
-                consider(&mut step, sum.0, lasting[row], square(&sum.1));
-                looks += 1.0;
-                if !later.is_empty() {
-                    let inside = sum.1.iter().zip(&after.2).map(|(a, b)| (a + b).powi(2)).sum();
-                    consider(&mut stays, sum.0 + after.0, lasting[row] + after.1, inside);
-                    looks += 1.0;
-                }
-            }
+        if observed.runs[channel.run].time_s.is_none() || matches!(channel.reader, Reader::Scalar) {
+            continue;
+        }
+        let mut search = |most: &mut Best, beyond: &Product| {
+            let gains = departures.steps(beyond);
+            let inner = (2..rows.saturating_sub(1)).rev();
+            looks += inner.len() as f64;
+            inner.for_each(|row| most.consider(best(&gains, row)));
+        };
+        search(&mut step, &Product::default());
+        let later: Vec<usize> = later(fitter, number).collect();
+        if !later.is_empty() {
+            let mut beyond = Product::default();
+            later.iter().for_each(|other| beyond.add(&whole[*other]));
+            search(&mut stays, &beyond);
         }
     }
     let mut found = Vec::new();

@@ -1,6 +1,7 @@
 //! The minimum over base model, effects and columns together, in whitened space.
 
 use common::Document;
+use estimate::gauss_newton::{Control, Damping, Descent, Directions, Minimum, Tolerance};
 use estimate::screen::{Gain, Products, Screen};
 use faer::Mat;
 use physics::EffectInstance;
@@ -11,19 +12,19 @@ use crate::channel::Channel;
 use crate::model::{Model, State};
 use crate::whitening::{NoiseModel, neighbours_std};
 
-/// Most steps.
-const STEPS: usize = 100;
-/// A step that lowers the sum of squares by less than this is the last one.
-const TOLERANCE: f64 = 1e-3;
+/// The iteration. It begins damped: where a field hardly changes, whole steps along directions that hardly show turn sensors by radians, and end
+/// in a minimum that is none. The last step is one that lowers the sum of squares by less than [`TOLERANCE`].
+const ITERATION: Control = Control {
+    most: 100,
+    tolerance: 0.031_622_776_6,
+    damping: Damping { first: 1e-4, least: LIGHTEST, from: LIGHTEST },
+    raise: Tolerance { absolute: 0.0, relative: 0.0 },
+    idle: Some(Tolerance { absolute: 1e-3, relative: 1e-9 }),
+    keep: true,
+};
+const LIGHTEST: f64 = 1e-10;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;
-/// Damping of a step, as a share of the squared length of each column: the least, the most, and from one trial to the next.
-const LIGHTEST: f64 = 1e-10;
-const HEAVIEST: f64 = 1e3;
-const HEAVIER: f64 = 10.0;
-/// The damping that a fit far from its minimum begins with: where a field hardly changes, whole steps along directions that hardly show turn
-/// sensors by radians, and end in a minimum that is none.
-const FIRST: f64 = 1e-4;
 /// Directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -70,13 +71,14 @@ impl Fitter<'_, '_> {
     }
 
     /// Whitened derivatives at a state, with the rows of prior knowledge, those by the unknowns of the base model given.
-    fn jacobian(&self, state: &State, base: &[Vec<f64>]) -> Result<Mat<f64>, Error> {
+    fn jacobian<'c>(&self, state: &State, base: impl Iterator<Item = &'c [f64]>) -> Result<Mat<f64>, Error> {
         let others = self.noise.whiten_all(&self.model.observed, &self.model.other_columns(state)?);
+        let mut columns: Vec<&[f64]> = base.collect();
+        columns.extend(others.iter().map(Vec::as_slice));
         let known = self.model.known(state);
         let rows = self.model.observed.rows;
-        let column = |j: usize| base.get(j).unwrap_or_else(|| &others[j - base.len()]);
-        Ok(Mat::from_fn(rows + known.len(), base.len() + others.len(), |i, j| match i.checked_sub(rows) {
-            None => column(j)[i],
+        Ok(Mat::from_fn(rows + known.len(), columns.len(), |i, j| match i.checked_sub(rows) {
+            None => columns[j][i],
             Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
             Some(_) => 0.0,
         }))
@@ -98,60 +100,45 @@ impl Fitter<'_, '_> {
         self.model.observed.channels.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// The minimum from a state, by damped Gauss-Newton steps (Levenberg and Marquardt): the calibration's turns and scales leave
-    /// directions that hardly show, along which a whole step goes too far.
+    /// The minimum from a state: the calibration's turns and scales leave directions that hardly show, along which a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
-        self.minimum(start, self.base_jacobian(start)?, true)
+        self.minimum(start, None, &ITERATION)
     }
 
     /// The minimum near another fit, whose derivatives by the unknowns of the base model serve to begin with (effects change them by no
     /// more than their own size). Not for effects that hide the field, which take rows out of them.
     pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
-        let rows = self.model.observed.rows;
-        let base = (0..self.model.unknowns.len()).map(|j| fit.jacobian.col_as_slice(j)[..rows].to_vec());
-        self.minimum(start, base.collect(), false)
+        let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
+        self.minimum(start, Some(&fit.jacobian), &Control { damping, ..ITERATION })
     }
 
     /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model, which change little: they are
-    /// kept as long as full steps lower the sum of squares, and the fit ends with a step that does not although they are new. `is_new` says
-    /// whether those given are of the start.
-    fn minimum(&self, start: &State, mut base: Vec<Vec<f64>>, mut is_new: bool) -> Result<Fit, Error> {
-        let mut at = At::of(self, start.clone())?;
-        let mut damping = if is_new { FIRST } else { LIGHTEST };
-        let mut idle = 0;
-        for step in 0.. {
-            let jacobian = self.jacobian(&at.state, &base)?;
-            let damped = Damped::of(&jacobian, &at.white)?;
-            let before = at.cost;
-            while damping <= HEAVIEST {
-                let next = At::of(self, self.model.advance(&at.state, &damped.step(damping)))?;
-                if next.cost.is_finite() && next.cost <= at.cost {
-                    at = next;
-                    break;
-                }
-                damping *= HEAVIER;
-            }
-            let enough = TOLERANCE.max(1e-9 * at.cost);
-            idle = if before - at.cost < enough { idle + 1 } else { 0 };
-            // Of a shape at its bound the linear problem expects a gain that no step reaches.
-            let stands =
-                idle > 1 || (idle == 1 && (damping > HEAVIEST || damped.gain(damping) < 2.0 * enough));
-            if (stands && is_new) || step + 1 == STEPS {
-                return self.with_covariance(at, jacobian);
-            }
-            // Where a step had to be damped, the old derivatives no longer hold.
-            is_new = stands || damping > LIGHTEST;
-            if is_new {
-                base = self.base_jacobian(&at.state)?;
-            }
-            damping = (damping / HEAVIER).clamp(LIGHTEST, HEAVIEST);
-        }
-        Err(Error::Undetermined("no fit settles".into()))
+    /// those that are kept.
+    fn minimum(&self, start: &State, kept: Option<&Mat<f64>>, control: &Control) -> Result<Fit, Error> {
+        let at = At::of(self, start.clone())?;
+        let begin = kept.map(|jacobian| self.linear_with(&at, self.base_of(jacobian))).transpose()?;
+        let Minimum { at, linear, .. } = estimate::minimise(self, at, begin, control)?;
+        self.with_covariance(at, linear.of)
+    }
+
+    /// The columns of the unknowns of the base model.
+    fn base_of<'c>(&self, jacobian: &'c Mat<f64>) -> impl Iterator<Item = &'c [f64]> {
+        let rows = self.model.observed.rows;
+        columns(jacobian).take(self.model.unknowns.len()).map(move |column| &column[..rows])
+    }
+
+    fn linear_with<'c>(
+        &self,
+        at: &At,
+        base: impl Iterator<Item = &'c [f64]>,
+    ) -> Result<Directions<Mat<f64>>, Error> {
+        Ok(Directions::of_products(self.jacobian(&at.state, base)?, &at.white)?)
     }
 
     /// A state as a fit that stands where it is.
     pub fn at(&self, state: &State) -> Result<Fit, Error> {
-        let jacobian = self.jacobian(state, &self.base_jacobian(state)?)?;
+        let base = self.base_jacobian(state)?;
+        let jacobian = self.jacobian(state, base.iter().map(Vec::as_slice))?;
         self.with_covariance(At::of(self, state.clone())?, jacobian)
     }
 
@@ -213,7 +200,7 @@ impl Fitter<'_, '_> {
 }
 
 /// A state with its residual, as it is and whitened, and the sum of squares.
-struct At {
+pub struct At {
     state: State,
     residual: Vec<f64>,
     white: Vec<f64>,
@@ -228,55 +215,24 @@ impl At {
     }
 }
 
-/// A linear problem with its columns scaled to length one, ready for steps of any damping.
-struct Damped {
-    scale: Vec<f64>,
-    directions: Mat<f64>,
-    values: Vec<f64>,
-    along: Vec<f64>,
-}
+impl Descent for Fitter<'_, '_> {
+    type Point = At;
+    type Linear = Directions<Mat<f64>>;
+    type Error = Error;
 
-impl Damped {
-    fn of(jacobian: &Mat<f64>, white: &[f64]) -> Result<Self, Error> {
-        let count = jacobian.ncols();
-        let scale: Vec<f64> = (0..count)
-            .map(|j| match square(jacobian.col_as_slice(j)).sqrt() {
-                length if length > 0.0 && length.is_finite() => 1.0 / length,
-                _ => 0.0,
-            })
-            .collect();
-        let scaled = Mat::from_fn(jacobian.nrows(), count, |i, j| jacobian[(i, j)] * scale[j]);
-        let right = scaled.transpose() * Mat::from_fn(white.len(), 1, |i, _| white[i]);
-        let products = scaled.transpose() * &scaled;
-        let eigen = products.self_adjoint_eigen(faer::Side::Lower).map_err(|error| {
-            let reason = format!("{error:?}");
-            Error::Estimate(estimate::Error::Decomposition { rows: count, columns: count, reason })
-        })?;
-        let directions = eigen.U().to_owned();
-        let values = (0..count).map(|k| eigen.S().column_vector()[k]).collect();
-        let along = directions.transpose() * right;
-        Ok(Self { scale, directions, values, along: (0..count).map(|k| along[(k, 0)]).collect() })
+    fn cost(&self, at: &At) -> f64 {
+        at.cost
     }
 
-    /// Σ over directions that show.
-    fn known(&self) -> impl Iterator<Item = usize> {
-        (0..self.values.len()).filter(|k| self.values[*k] > ROUNDING)
+    fn linear(&self, at: &At, kept: Option<&Self::Linear>) -> Result<Self::Linear, Error> {
+        match kept {
+            Some(kept) => self.linear_with(at, self.base_of(&kept.of)),
+            None => self.linear_with(at, self.base_jacobian(&at.state)?.iter().map(Vec::as_slice)),
+        }
     }
 
-    fn step(&self, damping: f64) -> Vec<f64> {
-        let part = |j: usize| -> f64 {
-            self.known().map(|k| self.directions[(j, k)] * self.along[k] / (self.values[k] + damping)).sum()
-        };
-        (0..self.scale.len()).map(|j| self.scale[j] * part(j)).collect()
-    }
-
-    /// By how much the linear problem's sum of squares falls along a damped step.
-    fn gain(&self, damping: f64) -> f64 {
-        let of = |k: usize| {
-            let moved = self.along[k] / (self.values[k] + damping);
-            moved * (2.0 * self.along[k] - self.values[k] * moved)
-        };
-        self.known().map(of).sum()
+    fn moved(&self, at: &At, step: &[f64]) -> Result<At, Error> {
+        At::of(self, self.model.advance(&at.state, step))
     }
 }
 

@@ -4,13 +4,13 @@
 //! reading.
 
 use common::{Axis, Document};
+use estimate::sine::{power_along, power_at, sharpened};
 use physics::{EffectInstance, Kind};
 use std::f64::consts::TAU;
 
 use crate::channel::Reader;
 use crate::fit::Fit;
 use crate::level::{at_least_one, looks_along};
-use crate::matched::{power_along, power_at, sharpened};
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
@@ -20,8 +20,6 @@ use crate::whitening::{NoiseModel, code_nt};
 const CELLS: usize = 1 << 21;
 /// Cells in the narrowest width.
 const FINE: f64 = 4.0;
-/// Frequencies between neighbours of the grid, to either side of the strongest.
-const FINER: i32 = 64;
 /// Fewest readings that show codes.
 const FEWEST: usize = 30;
 /// Codes count from this share of the noise on.
@@ -109,7 +107,7 @@ fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
     };
     striking
         .filter(could_be)
-        .map(|k| sharpened(k as f64 * grid, grid, FINER, share))
+        .map(|k| sharpened(k as f64 * grid, grid, share))
         .find(|(frequency, share)| {
             let of_noise = (-(TAU * std * frequency).powi(2)).exp();
             1.0 - share < CLOSER * (1.0 - of_noise)

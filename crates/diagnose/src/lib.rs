@@ -31,7 +31,6 @@ mod lattice;
 mod level;
 mod lines;
 mod magnitude;
-mod matched;
 mod model;
 mod moments;
 mod moved;

@@ -3,22 +3,20 @@
 //! `estimate::periodogram` takes lines out of one series whose noise it does not know; here the noise is known, and the sensors count
 //! together. Uneven times go to the nearest half step.
 
+use estimate::sine::{Series, Strongest, strongest};
 use physics::{EffectInstance, Kind};
 
 use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
-use crate::matched::{power_along, power_at, sharpened};
 use crate::proposal::{Addition, Proposal};
 
 /// Fewest readings of a series whose lines are searched.
 const SHORTEST: usize = 24;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
-/// Between neighbours of those, where one is strongest.
-const FINER: i32 = 12;
 /// Periods that the recording must hold.
-const PERIODS: usize = 4;
+const PERIODS: f64 = 4.0;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
 const MAINS_HZ: [f64; 12] =
     [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
@@ -59,26 +57,18 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let step = length / (most - 1) as f64;
         let rank = 2 * channels.len();
         let points = (2 * OVERSAMPLED * most).next_power_of_two();
-        let grid = 1.0 / (points as f64 * 0.5 * step);
-        let series: Vec<(Vec<f64>, &[f64])> = channels
+        let series: Vec<Series<'_>> = channels
             .iter()
-            .map(|channel| (channel.rows.iter().map(|row| time[*row]).collect(), &fit.white[channel.range()]))
+            .map(|channel| Series {
+                x: channel.rows.iter().map(|row| time[*row]).collect(),
+                y: &fit.white[channel.range()],
+                weight: 2.0 / channel.rows.len() as f64,
+            })
             .collect();
-        let mut whole = vec![0.0_f64; points / 2 + 1];
-        for (times, white) in &series {
-            let scale = 2.0 / white.len() as f64;
-            let power = power_along(times, white, 0.5 * step, points);
-            whole.iter_mut().zip(power).for_each(|(sum, power)| *sum += scale * power);
-        }
-        let from = (PERIODS as f64 / length / grid).ceil() as usize;
-        let to = ((0.5 / step / grid).floor() as usize).min(points / 2);
-        let Some(strongest) = (from..=to).max_by(|a, b| whole[*a].total_cmp(&whole[*b])) else { continue };
-        let near = strongest as f64 * grid;
-        let of = |frequency: f64| -> f64 {
-            series.iter().map(|(x, y)| 2.0 * power_at(x, y, frequency) / y.len() as f64).sum()
-        };
-        let (frequency, power) = sharpened(near, grid, FINER, of);
-        looks += looks_along(time, (to.saturating_sub(from) + 1) as f64 * grid, power);
+        let tried = (PERIODS / length, 0.5 / step);
+        let Some(found) = strongest(&series, 0.5 * step, points, tried) else { continue };
+        let Strongest { frequency, power, band } = found;
+        looks += looks_along(time, band, power);
         let p = rest.p(power, rank);
         if best.is_none_or(|(least, .., most)| p < least || (p == least && power > most)) {
             best = Some((p, frequency, number, step, power));

@@ -3,6 +3,7 @@
 mod declared;
 
 use common::{Document, Noise};
+use estimate::events::correlate;
 use estimate::stats::median;
 use noise::{NoiseError, Whitening};
 use rayon::prelude::*;
@@ -10,7 +11,6 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::channel::Channel;
 use crate::fit::{Fit, square};
-use crate::matched::correlate;
 use crate::model::State;
 use crate::observed::Observed;
 use crate::stacked::Stacked;

@@ -2,6 +2,7 @@
 
 use common::{Followed, Quantity};
 use estimate::cosine::{Errors, Projection, weighted};
+use estimate::line_search;
 use estimate::stats::mean;
 use physics::memory::{Before, Signal};
 use std::f64::consts::PI;
@@ -15,7 +16,6 @@ use crate::housekeeping::Housekeeping;
 const MOST: usize = 3;
 /// Steps of the search of a lag between two of these, each of so many lags' logarithms.
 const REFINEMENTS: usize = 12;
-const GOLDEN: f64 = 0.618_033_988_75;
 /// Half the change of ln τ over which the derivative with respect to it is taken.
 const APART: f64 = 0.02;
 /// Lags: none, and from so many steps to this share of the recording by factors.
@@ -239,21 +239,8 @@ fn refined(
     if best == 0.0 {
         return 0.0;
     }
-    let (mut low, mut high) = ((best / FACTOR).ln(), (best * FACTOR).ln());
-    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let mut scores = inner.map(|ln| score(ln.exp()));
-    for _ in 0..REFINEMENTS {
-        if scores[0] > scores[1] {
-            (high, inner[1], scores[1]) = (inner[1], inner[0], scores[0]);
-            inner[0] = high - GOLDEN * (high - low);
-            scores[0] = score(inner[0].exp());
-        } else {
-            (low, inner[0], scores[0]) = (inner[0], inner[1], scores[1]);
-            inner[1] = low + GOLDEN * (high - low);
-            scores[1] = score(inner[1].exp());
-        }
-    }
-    (0.5 * (low + high)).exp()
+    let between = ((best / FACTOR).ln(), (best * FACTOR).ln());
+    line_search::largest(between, REFINEMENTS, |ln| score(ln.exp())).exp()
 }
 
 #[cfg(test)]

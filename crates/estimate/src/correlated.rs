@@ -5,6 +5,7 @@ use faer::{Mat, MatRef, Side};
 use std::sync::Arc;
 
 use crate::Error;
+use crate::gauss_newton::Linear;
 use crate::linear::{self, LinearFit};
 
 /// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹. Block-diagonal: groups of readings that
@@ -78,6 +79,8 @@ pub struct CorrelatedFit {
     pub covariance: Mat<f64>,
     /// y − X β.
     pub residuals: Vec<f64>,
+    /// The largest of X β.
+    pub largest: f64,
     /// The residuals made independent, over their common standard deviation: of the likeliest covariance.
     pub whitened: Vec<f64>,
     /// Σ of the squared whitened residuals over the degrees of freedom: 1 where the covariance is right as it stands.
@@ -90,6 +93,21 @@ pub struct CorrelatedFit {
     pub weights: Vec<f64>,
     /// ln of the restricted likelihood, averaged over the covariances; its zero depends on the design.
     pub log_likelihood: f64,
+}
+
+/// A step of the mean under all covariances. They make no one sum of squares in which it could be damped, so it is shortened.
+impl Linear for CorrelatedFit {
+    fn step(&self, damping: f64) -> Vec<f64> {
+        self.coefficients.iter().map(|coefficient| coefficient / (1.0 + damping)).collect()
+    }
+
+    fn shift(&self, damping: f64) -> f64 {
+        self.largest / (1.0 + damping)
+    }
+
+    fn rank(&self) -> usize {
+        self.rank
+    }
 }
 
 /// Fits y ≈ X β under one of several covariances.
@@ -145,6 +163,7 @@ pub fn fit(
     let likeliest = &fits[best].0;
     let std = factor(likeliest).sqrt();
     Ok(CorrelatedFit {
+        largest: y.iter().zip(&residuals).map(|(y, left)| (y - left).abs()).fold(0.0, f64::max),
         coefficients,
         covariance,
         residuals,

@@ -1,4 +1,9 @@
-//! Steps and spikes in a long even series whose noise has a known spectrum.
+//! Steps and spikes, by matched filters over all rows at once: in a long even series whose noise has a known spectrum ([`Search`]), and in a
+//! whitened residual beside what else is fitted ([`Departures`]).
+
+mod departures;
+
+pub use departures::{Departures, Product, correlate};
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,58 +1,105 @@
-//! Gauss-Newton iteration with an SVD inverse and step halving.
+//! The damped Gauss-Newton iteration that all nonlinear fits share.
+//!
+//! [`minimise`] is the iteration. [`solve`] is the same for problems that hand in dense rows, with steps by the singular value
+//! decomposition; [`Directions`] makes the steps, from rows or from their products.
 
-use faer::{Mat, MatMut};
+mod dense;
+mod directions;
 
-use crate::{Error, Svd};
+pub use dense::{Fit, Options, Problem, linearised, solve};
+pub use directions::Directions;
 
-/// A nonlinear least-squares problem whose state may live on a curved space (a unit sphere, say):
-/// steps are small vectors, and the problem itself says how a state moves along one.
-pub trait Problem {
-    /// The unknowns.
-    type State: Clone;
+/// What an iteration goes down in. A point is a state of the unknowns, which may live on a curved space, with what it leaves of the readings.
+pub trait Descent {
+    /// A state with its residual.
+    type Point;
+    /// The linear problem about a point.
+    type Linear: Linear;
+    /// Why a prediction cannot be made.
+    type Error;
 
-    /// Length of a step.
-    fn unknowns(&self) -> usize;
+    /// The sum of squares at a point.
+    fn cost(&self, at: &Self::Point) -> f64;
 
-    /// Number of rows: readings first, then rows of prior knowledge.
-    fn rows(&self) -> usize;
+    /// The linear problem about a point. Of one that is kept from a point nearby, derivatives that are expensive and change little may be used
+    /// again.
+    fn linear(&self, at: &Self::Point, kept: Option<&Self::Linear>) -> Result<Self::Linear, Self::Error>;
 
-    /// How many of the rows are readings. Priors are never weighed down and never doubtful.
-    fn readings(&self) -> usize {
-        self.rows()
-    }
-
-    /// Residuals (observed − predicted)/σ and the derivative of predicted/σ along each step component.
-    /// Both arrive filled with zeros.
-    fn linearise(&self, state: &Self::State, residual: &mut [f64], jacobian: MatMut<'_, f64>);
-
-    /// The state moved by a step.
-    fn advance(&self, state: &Self::State, step: &[f64]) -> Self::State;
+    /// The point that a step leads to.
+    fn moved(&self, at: &Self::Point, step: &[f64]) -> Result<Self::Point, Self::Error>;
 }
 
-/// Residual and Jacobian of a problem at a state.
-pub fn linearised<P: Problem>(problem: &P, state: &P::State) -> (Vec<f64>, Mat<f64>) {
-    let mut residual = vec![0.0; problem.rows()];
-    let mut jacobian = Mat::zeros(problem.rows(), problem.unknowns());
-    problem.linearise(state, &mut residual, jacobian.as_mut());
-    (residual, jacobian)
+/// A linear least-squares problem.
+pub trait Linear {
+    /// The step of least squares, whole without damping, and the shorter the more.
+    fn step(&self, damping: f64) -> Vec<f64>;
+
+    /// How far that step moves the predictions, in the unit of [`Control::tolerance`].
+    fn shift(&self, damping: f64) -> f64;
+
+    /// How many directions of the unknowns show.
+    fn rank(&self) -> usize;
 }
 
-/// When to stop.
+/// How steps are damped.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
-    /// Most steps.
-    pub max_iterations: usize,
-    /// A step that moves the predictions by less than this many standard deviations (root of the sum
-    /// of squares over all rows) is the last one.
-    pub tolerance: f64,
-    /// Singular values below this share of the largest count as zero.
-    pub rank_tolerance: f64,
+pub struct Damping {
+    /// Of the first step.
+    pub first: f64,
+    /// The least.
+    pub least: f64,
+    /// The least that is tried after a step of damping zero.
+    pub from: f64,
 }
 
-impl Default for Options {
-    fn default() -> Self {
-        Self { max_iterations: 60, tolerance: 1e-7, rank_tolerance: 1e-9 }
+impl Damping {
+    /// None as long as whole steps lead down.
+    pub fn none(from: f64) -> Self {
+        Self { first: 0.0, least: 0.0, from }
     }
+
+    fn heavier(&self, damping: f64) -> f64 {
+        (damping * HEAVIER).max(self.from)
+    }
+
+    fn lighter(&self, damping: f64) -> f64 {
+        let lighter = damping / HEAVIER;
+        if lighter < self.from { self.least } else { lighter }
+    }
+}
+
+/// Of a sum of squares.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolerance {
+    /// In its unit.
+    pub absolute: f64,
+    /// As a share of it.
+    pub relative: f64,
+}
+
+impl Tolerance {
+    fn of(&self, cost: f64) -> f64 {
+        self.absolute + self.relative * cost
+    }
+}
+
+/// How an iteration goes and when it ends.
+#[derive(Clone, Copy, Debug)]
+pub struct Control {
+    /// Most steps.
+    pub most: usize,
+    /// A point from which the step moves the predictions by no more is a minimum.
+    pub tolerance: f64,
+    /// How steps are damped.
+    pub damping: Damping,
+    /// A step may raise the cost by this: what is rounding in it.
+    pub raise: Tolerance,
+    /// So is a point to which two steps lowered the cost by less than this each, and from which the next one would be no shorter than half as long:
+    /// rounding, or an unknown at its bound. None where the cost does not tell that.
+    pub idle: Option<Tolerance>,
+    /// Whether derivatives are expensive. Then linear problems are kept as long as steps need no more than the least damping, a minimum is confirmed by
+    /// a new one, and the step from there is taken as well if it leads down, without yet another.
+    pub keep: bool,
 }
 
 /// One step of the iteration.
@@ -66,106 +113,135 @@ pub struct Step {
     pub rank: usize,
 }
 
-/// The minimum and the linearised problem there.
+/// Where an iteration ended.
 #[derive(Clone, Debug)]
-pub struct Fit<S> {
-    /// The unknowns.
-    pub state: S,
-    /// Weighted residuals at the minimum.
-    pub residual: Vec<f64>,
-    /// Weighted Jacobian of the prediction at the minimum.
-    pub jacobian: Mat<f64>,
-    /// Its decomposition.
-    pub svd: Svd,
-    /// Sum of squared residuals.
-    pub cost: f64,
+pub struct Minimum<P, L> {
+    /// The point.
+    pub at: P,
+    /// The linear problem about it, or about where the step at the end began.
+    pub linear: L,
+    /// The damping of the step that would come next.
+    pub damping: f64,
+    /// How far that step would move the predictions.
+    pub shift: f64,
     /// The steps that led here.
     pub steps: Vec<Step>,
+    /// Whether it is a minimum: not if the steps ran out, or if none led down.
+    pub settled: bool,
 }
 
-impl<S> Fit<S> {
-    /// Rows less rank.
-    pub fn degrees_of_freedom(&self) -> f64 {
-        self.residual.len() as f64 - self.svd.rank() as f64
-    }
-}
+/// From one damping to the next.
+const HEAVIER: f64 = 10.0;
+/// Where a step of this damping does not lead down, none does.
+const HEAVIEST: f64 = 1e3;
+/// A step of this damping is a small part of the whole one.
+const MUCH: f64 = 1.0;
+/// So many steps that lower the cost by next to nothing are enough.
+const IDLE: usize = 2;
+/// A step longer than this share of the one before does not shrink.
+const SHRINKS: f64 = 0.5;
 
-/// Relative rounding of a sum of squares: residuals are differences of readings many times their size.
-const ROUNDING: f64 = 1e-7;
-/// Halvings of a step before it is given up.
-const HALVINGS: usize = 30;
-
-/// Minimises the sum of squares from `start`. Where the problem is short of rank, each step is the
-/// minimum-norm one and the fit says so in its rank; it is for the caller to refuse.
+/// Goes down from a point by steps of least squares, the first of them from a linear problem about it, or from one to `begin` with that holds
+/// derivatives of another point.
 ///
-/// `weights`, one for each reading in 0..=1, multiply the squared residuals.
-pub fn solve<P: Problem>(
-    problem: &P,
-    start: P::State,
-    weights: Option<&[f64]>,
-    options: &Options,
-) -> Result<Fit<P::State>, Error> {
-    let (rows, unknowns) = (problem.rows(), problem.unknowns());
-    if rows == 0 || unknowns == 0 {
-        return Err(Error::TooFew { found: rows, unknowns });
-    }
-    let linearise = |state: &P::State| {
-        let (mut residual, mut jacobian) = linearised(problem, state);
-        for (i, weight) in weights.unwrap_or_default().iter().enumerate() {
-            let root = weight.sqrt();
-            residual[i] *= root;
-            (0..unknowns).for_each(|j| jacobian[(i, j)] *= root);
-        }
-        let cost = residual.iter().map(|r| r * r).sum::<f64>();
-        (residual, jacobian, cost)
+/// A step is damped tenfold until it leads down, and the next one by a tenth (K. Levenberg, Q. Appl. Math. 2 (1944) 164; D. W. Marquardt,
+/// J. SIAM 11 (1963) 431). What damping does is for the linear problem to say: see [`Directions::step`].
+///
+/// # Errors
+///
+/// Those of the problem.
+pub fn minimise<D: Descent>(
+    descent: &D,
+    mut at: D::Point,
+    begin: Option<D::Linear>,
+    control: &Control,
+) -> Result<Minimum<D::Point, D::Linear>, D::Error> {
+    let mut is_new = begin.is_none();
+    let mut linear = match begin {
+        Some(begin) => begin,
+        None => descent.linear(&at, None)?,
     };
-
-    let mut state = start;
-    let (mut residual, mut jacobian, mut cost) = linearise(&state);
+    let mut damping = control.damping.first;
     let mut steps = Vec::new();
-    let mut last_shift = f64::INFINITY;
-    while steps.len() < options.max_iterations {
-        let svd = Svd::of(jacobian.as_ref(), options.rank_tolerance)?;
-        let mut step = svd.solve(&residual);
-        let shift = shift(&jacobian, &step);
-        // Steps that are small and no longer shrink are rounding.
-        let stalled = shift > 0.5 * last_shift && shift * shift <= ROUNDING * (1.0 + cost);
-        if shift <= options.tolerance || stalled {
-            return Ok(Fit { state, residual, jacobian, svd, cost, steps });
-        }
-        last_shift = shift;
-        let mut trial = None;
-        for _ in 0..HALVINGS {
-            let next = problem.advance(&state, &step);
-            let linearised = linearise(&next);
-            if linearised.2 <= cost + ROUNDING * (1.0 + cost) {
-                trial = Some((next, linearised));
-                break;
+    let mut last = Last { shift: f64::INFINITY, idle: 0, damping: 0.0, was_new: false };
+    loop {
+        let cost = descent.cost(&at);
+        let shift = linear.shift(damping);
+        let near = shift <= control.tolerance;
+        let idle = last.idle >= IDLE && shift > SHRINKS * last.shift;
+        if (near && is_new) || (idle && last.was_new) || steps.len() == control.most {
+            // Where steps are damped that much, all of them are short.
+            let settled = (near && is_new) || (idle && last.was_new && last.damping < MUCH);
+            if control.keep {
+                let end = descent.moved(&at, &linear.step(damping))?;
+                at = if descent.cost(&end) <= cost { end } else { at };
             }
-            step.iter_mut().for_each(|s| *s *= 0.5);
+            return Ok(Minimum { at, linear, damping, shift, steps, settled });
         }
-        let Some((next, linearised)) = trial else { break };
-        steps.push(Step { cost, step, rank: svd.rank() });
-        state = next;
-        (residual, jacobian, cost) = linearised;
+        let confirm = (near || idle) && !is_new;
+        let next = if confirm { None } else { down(descent, &at, &linear, &mut damping, control)? };
+        match next {
+            Some((next, step)) => {
+                steps.push(Step { cost, step, rank: linear.rank() });
+                let lowered = cost - descent.cost(&next);
+                let is_idle = control.idle.is_some_and(|idle| lowered < idle.of(cost));
+                last =
+                    Last { shift, idle: if is_idle { last.idle + 1 } else { 0 }, damping, was_new: is_new };
+                at = next;
+                is_new = !control.keep || damping > control.damping.least;
+                linear = descent.linear(&at, Some(&linear).filter(|_| !is_new))?;
+                damping = control.damping.lighter(damping);
+            }
+            None if is_new => return Ok(Minimum { at, linear, damping, shift, steps, settled: false }),
+            None => {
+                (linear, is_new) = (descent.linear(&at, None)?, true);
+                damping = damping.min(control.damping.first.max(control.damping.from));
+            }
+        }
     }
-    Err(Error::NotConverged { iterations: steps.len(), last_shift })
 }
 
-/// ‖J δ‖: how far a step moves the predictions, in standard deviations.
-fn shift(jacobian: &Mat<f64>, step: &[f64]) -> f64 {
-    let mut moved = vec![0.0; jacobian.nrows()];
-    for (j, s) in step.iter().enumerate() {
-        for (m, a) in moved.iter_mut().zip(jacobian.col_as_slice(j)) {
-            *m += a * s;
+/// The last step.
+struct Last {
+    shift: f64,
+    /// How many steps up to it lowered the cost by next to nothing.
+    idle: usize,
+    damping: f64,
+    /// Whether its linear problem was new.
+    was_new: bool,
+}
+
+/// A point that a step led down to, and the step.
+type Lower<D> = (<D as Descent>::Point, Vec<f64>);
+
+/// Where a step leads down to, damped as much as that needs; None where it does not.
+fn down<D: Descent>(
+    descent: &D,
+    at: &D::Point,
+    linear: &D::Linear,
+    damping: &mut f64,
+    control: &Control,
+) -> Result<Option<Lower<D>>, D::Error> {
+    let cost = descent.cost(at);
+    let most = cost + control.raise.of(cost);
+    while *damping <= HEAVIEST {
+        let step = linear.step(*damping);
+        let next = descent.moved(at, &step)?;
+        let reached = descent.cost(&next);
+        if reached.is_finite() && reached <= most {
+            return Ok(Some((next, step)));
         }
+        *damping = control.damping.heavier(*damping);
     }
-    moved.iter().map(|m| m * m).sum::<f64>().sqrt()
+    Ok(None)
 }
 
 #[cfg(test)]
 mod tests {
+    use faer::MatMut;
+
     use super::*;
+    use crate::Error;
 
     /// NIST StRD Misra1a: y = b1 (1 − e^(−b2 x)), lower difficulty; certified to 11 digits.
     struct Misra1a;
@@ -207,6 +283,91 @@ mod tests {
             let variance = fit.cost / fit.degrees_of_freedom();
             let std = (variance * fit.svd.covariance()[(0, 0)]).sqrt();
             assert!((std / 2.707_007_524_1 - 1.0).abs() < 1e-8, "{std}");
+        }
+    }
+
+    /// NIST StRD MGH10: y = b1 e^(b2/(x + b3)), higher difficulty; whole steps overflow.
+    struct Mgh10;
+
+    const RESISTANCE: [f64; 16] = [
+        34780.0, 28610.0, 23650.0, 19630.0, 16370.0, 13720.0, 11540.0, 9744.0, 8261.0, 7030.0, 6005.0,
+        5147.0, 4427.0, 3820.0, 3307.0, 2872.0,
+    ];
+
+    impl Problem for Mgh10 {
+        type State = [f64; 3];
+        fn unknowns(&self) -> usize {
+            3
+        }
+        fn rows(&self) -> usize {
+            RESISTANCE.len()
+        }
+        fn linearise(&self, b: &[f64; 3], residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
+            for (i, y) in RESISTANCE.iter().enumerate() {
+                let place = 50.0 + 5.0 * i as f64 + b[2];
+                let rise = (b[1] / place).exp();
+                residual[i] = y - b[0] * rise;
+                jacobian[(i, 0)] = rise;
+                jacobian[(i, 1)] = b[0] * rise / place;
+                jacobian[(i, 2)] = -b[0] * rise * b[1] / (place * place);
+            }
+        }
+        fn advance(&self, b: &[f64; 3], step: &[f64]) -> [f64; 3] {
+            std::array::from_fn(|i| b[i] + step[i])
+        }
+    }
+
+    const NEARER: [f64; 3] = [0.02, 4000.0, 250.0];
+    const MGH10: [f64; 3] = [5.609_636_471_0e-3, 6.181_346_346_3e3, 3.452_236_346_2e2];
+
+    /// MGH10 with steps by products, the derivatives by b1 kept from step to step.
+    struct Kept;
+
+    struct At {
+        b: [f64; 3],
+        residual: Vec<f64>,
+    }
+
+    impl Descent for Kept {
+        type Point = At;
+        type Linear = Directions<faer::Mat<f64>>;
+        type Error = Error;
+        fn cost(&self, at: &At) -> f64 {
+            at.residual.iter().map(|r| r * r).sum()
+        }
+        fn linear(&self, at: &At, kept: Option<&Self::Linear>) -> Result<Self::Linear, Error> {
+            let (_, mut jacobian) = linearised(&Mgh10, &at.b);
+            if let Some(kept) = kept {
+                jacobian.col_as_slice_mut(0).copy_from_slice(kept.of.col_as_slice(0));
+            }
+            Directions::of_products(jacobian, &at.residual)
+        }
+        fn moved(&self, at: &At, step: &[f64]) -> Result<At, Error> {
+            let b = Mgh10.advance(&at.b, step);
+            Ok(At { b, residual: linearised(&Mgh10, &b).0 })
+        }
+    }
+
+    #[test]
+    fn derivatives_that_are_kept_lead_to_the_same_minimum() {
+        let start = At { b: NEARER, residual: linearised(&Mgh10, &NEARER).0 };
+        let control = Control {
+            most: 1000,
+            tolerance: 1e-6,
+            damping: Damping { first: 1e-4, least: 1e-10, from: 1e-10 },
+            raise: Tolerance { absolute: 0.0, relative: 0.0 },
+            idle: None,
+            keep: true,
+        };
+        let found = minimise(&Kept, start, None, &control).expect("a descent");
+        assert!(found.settled && found.steps.len() < 500);
+        for (found, certified) in found.at.b.iter().zip(MGH10) {
+            assert!((found / certified - 1.0).abs() < 1e-6, "{found}");
+        }
+        // The derivatives by b1 are new.
+        let (_, jacobian) = linearised(&Mgh10, &found.at.b);
+        for (new, found) in jacobian.col_as_slice(0).iter().zip(found.linear.of.col_as_slice(0)) {
+            assert!((found / new - 1.0).abs() < 1e-6, "{found} for {new}");
         }
     }
 }

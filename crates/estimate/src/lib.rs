@@ -18,9 +18,11 @@ pub mod haar;
 pub mod hac;
 pub mod influence;
 pub mod lag;
+pub mod line_search;
 pub mod linear;
 pub mod normality;
 pub mod periodogram;
+mod plans;
 pub mod positive;
 pub mod resample;
 pub mod robust;
@@ -35,7 +37,7 @@ pub mod svd;
 pub mod tsqr;
 pub mod whittle;
 
-pub use gauss_newton::{Fit, Options, Problem, Step, linearised, solve};
+pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};
 pub use svd::Svd;
 
 use thiserror::Error;

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 
+use crate::line_search::{self, Accuracy, halved};
 use crate::{Error, Svd};
 
 /// Most steps of the iteration, and most halvings of one.
@@ -59,13 +60,12 @@ pub(crate) fn minimise(
         }
         let newton = within(likelihood, &theta, &hessian, &gradient, &free)?;
         let down = |step: &Vec<f64>| {
-            let moved = |halvings: i32| {
-                let share = 0.5_f64.powi(halvings);
+            halved(MOST_HALVINGS, |share| {
                 let theta: Vec<f64> =
                     theta.iter().zip(step).map(|(theta, step)| theta + share * step).collect();
-                Found { cost: likelihood.cost(&theta), theta }
-            };
-            (0..MOST_HALVINGS).map(moved).find(|moved| moved.cost < cost)
+                let moved = likelihood.cost(&theta);
+                (moved < cost).then_some(Found { cost: moved, theta })
+            })
         };
         let steps = [newton, scoring];
         let next = steps.iter().filter(|step| gain(step, &gradient) > 0.0).filter_map(down);
@@ -104,25 +104,8 @@ pub(crate) fn upper(
         (low, below, high) = (high, above, 2.0 * high);
         above = beyond(high)?;
     }
-    // Regula falsi after Illinois: an end that stays counts half.
-    let (mut at, mut stayed) = (high, 0);
-    while high - low > BOUND_ACCURACY * high {
-        at = (low * above - high * below) / (above - below);
-        let found = beyond(at)?;
-        if found.abs() < BOUND_ACCURACY {
-            break;
-        }
-        if found > 0.0 {
-            (high, above) = (at, found);
-            below *= if stayed > 0 { 0.5 } else { 1.0 };
-            stayed = 1;
-        } else {
-            (low, below) = (at, found);
-            above *= if stayed < 0 { 0.5 } else { 1.0 };
-            stayed = -1;
-        }
-    }
-    Ok(at)
+    let accuracy = Accuracy { relative: BOUND_ACCURACY, value: BOUND_ACCURACY };
+    line_search::zero((low, below), (high, above), accuracy, beyond)
 }
 
 /// The step −M⁻¹ g among the unknowns `free` that keeps to the limits: what would pass its limit is moved just there,

@@ -1,4 +1,8 @@
-//! Least-squares sine of a known frequency, with the uncertainty that the noise at that frequency gives.
+//! Least-squares sine of a known frequency, with the uncertainty that the noise at that frequency gives; the search of an unknown one.
+
+mod unknown;
+
+pub use unknown::{Series, Strongest, power_along, power_at, sharpened, strongest};
 
 use faer::Mat;
 

@@ -60,13 +60,27 @@ impl Svd {
         &self.sigma
     }
 
+    /// D: the lengths of A's columns, one for a column of zeros.
+    pub fn lengths(&self) -> &[f64] {
+        &self.lengths
+    }
+
+    /// V: the directions of the unknowns that go with the singular values that count.
+    pub fn directions(&self) -> MatRef<'_, f64> {
+        self.v.get(.., ..self.rank)
+    }
+
+    /// Uᵀ b over the values that count.
+    pub fn projections(&self, b: &[f64]) -> impl Iterator<Item = f64> {
+        (0..self.rank).map(move |k| self.u.col_as_slice(k).iter().zip(b).map(|(u, b)| u * b).sum())
+    }
+
     /// Least-squares solution of A x = b, x = D⁻¹ V σ⁻¹ Uᵀ b over the values that count: of all solutions the one with
     /// the least norm in units of 1/D.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.v.nrows()];
-        for k in 0..self.rank {
-            let u = self.u.col_as_slice(k);
-            let projection: f64 = u.iter().zip(b).map(|(u, b)| u * b).sum::<f64>() / self.sigma[k];
+        for (k, projection) in self.projections(b).enumerate() {
+            let projection = projection / self.sigma[k];
             for (x, v) in x.iter_mut().zip(self.v.col_as_slice(k)) {
                 *x += projection * v;
             }

@@ -3,6 +3,7 @@
 use common::uncertainty::{self, By};
 use common::{Axis, FitNoise, Quantity, Uncertainty};
 use estimate::correlated::{self, CorrelatedFit, Scale};
+use estimate::gauss_newton::{Control, Damping, Descent, Minimum, Tolerance};
 use faer::Mat;
 use physics::{Basic, EffectInstance, Parameter};
 
@@ -10,14 +11,16 @@ use crate::Error;
 use crate::readings::Run;
 use crate::shape::{Allowed, Place, Rows, Shape};
 
-/// Most steps of the iteration.
-const STEPS: usize = 30;
-/// A step that moves no prediction by more than this is the last one, nT.
-const TOLERANCE_NT: f64 = 1e-7;
-/// A step may make the fit worse by this under the first of the covariances: it is the mean of those under all.
-const WORSE: f64 = 2.0;
-/// Halvings of a step that makes the fit worse than that.
-const HALVINGS: usize = 12;
+/// The iteration: a step that moves no prediction by more than 1e-7 nT is the last one, and one may make the fit twice as bad under the first
+/// of the covariances, for it is the mean of those under all.
+const ITERATION: Control = Control {
+    most: 30,
+    tolerance: 1e-7,
+    damping: Damping { first: 0.0, least: 0.0, from: 1.0 },
+    raise: Tolerance { absolute: 0.0, relative: 1.0 },
+    idle: None,
+    keep: false,
+};
 
 /// One unknown.
 #[derive(Clone)]
@@ -132,46 +135,57 @@ impl Fit {
 
 /// Where the iteration stands.
 #[derive(Clone)]
-struct State {
+pub struct State {
     basics: Vec<Basic>,
     effects: Vec<EffectInstance>,
     /// Coefficients of the columns, in the order of the unknowns; zero for the others.
     columns: Vec<f64>,
 }
 
+/// A state with its residuals and the derivatives of the predicted field, nT, and its sum of squares under the first covariance.
+pub struct At {
+    state: State,
+    residual: Vec<f64>,
+    design: Mat<f64>,
+    cost: f64,
+}
+
+impl Descent for Problem<'_, '_> {
+    type Point = At;
+    type Linear = CorrelatedFit;
+    type Error = Error;
+
+    fn cost(&self, at: &At) -> f64 {
+        at.cost
+    }
+
+    fn linear(&self, at: &At, _: Option<&CorrelatedFit>) -> Result<CorrelatedFit, Error> {
+        Ok(correlated::fit(at.design.as_ref(), &at.residual, &self.allowed.whitenings, Scale::Fitted)?)
+    }
+
+    fn moved(&self, at: &At, step: &[f64]) -> Result<At, Error> {
+        self.at(self.advance(&at.state, step))
+    }
+}
+
 impl Problem<'_, '_> {
     /// The minimum, by Gauss-Newton steps of generalised least squares.
     pub fn solve(&self) -> Result<Fit, Error> {
-        let mut state = self.first();
-        let cost = |residual: &[f64]| -> f64 {
-            self.allowed.whitenings[0].apply_to(residual).iter().map(|r| r * r).sum()
-        };
-        let (mut residual, mut design) = self.linearise(&state)?;
-        let mut last = cost(&residual);
-        for _ in 0..STEPS {
-            let linear =
-                correlated::fit(design.as_ref(), &residual, &self.allowed.whitenings, Scale::Fitted)?;
-            let moved =
-                (0..residual.len()).map(|i| (residual[i] - linear.residuals[i]).abs()).fold(0.0, f64::max);
-            if moved < TOLERANCE_NT {
-                return self.finish(&state, linear, &design);
-            }
-            let mut step = linear.coefficients.clone();
-            for halving in 0..=HALVINGS {
-                let next = self.advance(&state, &step);
-                let (trial, derivatives) = self.linearise(&next)?;
-                let now = cost(&trial);
-                if now <= WORSE * last || halving == HALVINGS {
-                    (state, residual, design, last) = (next, trial, derivatives, now);
-                    break;
-                }
-                step.iter_mut().for_each(|s| *s *= 0.5);
-            }
+        let Minimum { at, linear, settled, .. } =
+            estimate::minimise(self, self.at(self.first())?, None, &ITERATION)?;
+        if settled {
+            return self.finish(&at.state, linear, &at.design);
         }
         Err(Error::Undetermined(format!(
-            "recording \"{}\": no fit settles within {STEPS} steps; do the drives, or the temperatures, go together?",
-            self.runs[0].context.recording.id
+            "recording \"{}\": no fit settles within {} steps; do the drives, or the temperatures, go together?",
+            self.runs[0].context.recording.id, ITERATION.most
         )))
+    }
+
+    fn at(&self, state: State) -> Result<At, Error> {
+        let (residual, design) = self.linearise(&state)?;
+        let cost = self.allowed.whitenings[0].apply_to(&residual).iter().map(|r| r * r).sum();
+        Ok(At { state, residual, design, cost })
     }
 
     fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {

@@ -1,10 +1,10 @@
 //! Readings that freeze: rows side by side that all depart, as far as the field has moved since the first of them.
 
 use common::Axis;
+use estimate::events::Departures;
 use estimate::stats::median;
 use physics::{EffectInstance, Kind};
 
-use super::Departures;
 use crate::Error;
 use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};

@@ -1,15 +1,15 @@
 //! Passes of vehicles: three shapes on three axes at any moment, of any duration.
 
+use estimate::events::{Departures, correlate};
 use faer::Mat;
 use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
-use super::{Departures, fitted};
+use super::fitted;
 use crate::Error;
 use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter, square};
 use crate::level::{Rest, at_least_one};
-use crate::matched::correlate;
 use crate::proposal::{Addition, Proposal};
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of the recording.

@@ -2,12 +2,12 @@
 
 use common::EnergyShare;
 use estimate::even::{NEAR, Places};
+use estimate::sine::power_along;
 use nalgebra::Vector3;
 
 use super::guilty::Guilty;
 use crate::channel::Channel;
 use crate::covariates;
-use crate::matched::power_along;
 use crate::model::Model;
 use crate::{Error, Outcome};
 

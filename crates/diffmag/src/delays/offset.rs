@@ -1,10 +1,12 @@
 //! Offsets with uncertainties: their mean, and how they scatter.
 
 use common::OffsetScatter;
+use estimate::line_search::{self, Accuracy};
 use estimate::stats;
+use std::convert::Infallible;
 
-/// Halvings in which the variance between offsets is sought.
-const HALVINGS: usize = 60;
+/// To which the variance between offsets is sought.
+const ACCURACY: Accuracy = Accuracy { relative: 1e-12, value: 1e-12 };
 
 /// An offset with its standard uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,18 +38,21 @@ pub fn scatter(offsets: &[Offset]) -> Option<OffsetScatter> {
     };
     // Beyond the range of all offsets Q is below one each.
     let (low, high) = offsets.iter().fold((all.s, all.s), |(low, high), of| (low.min(of.s), high.max(of.s)));
-    let (mut from, mut to) = (0.0, high - low);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (from + to);
-        if q(middle) > freedom { from = middle } else { to = middle }
-    }
-    let alike = q(0.0);
+    let (alike, range) = (q(0.0), high - low);
+    let between_s = if alike > freedom {
+        let beyond = |between: f64| Ok::<_, Infallible>(freedom - q(between));
+        let Ok(zero) =
+            line_search::zero((0.0, freedom - alike), (range, freedom - q(range)), ACCURACY, beyond);
+        zero
+    } else {
+        0.0
+    };
     Some(OffsetScatter {
         count: offsets.len(),
         std_if_same_s: all.std,
         birge_ratio: (alike / freedom).sqrt(),
         p: stats::chi_squared_p(alike, freedom),
-        between_s: if alike > freedom { from } else { 0.0 },
+        between_s,
     })
 }
 

@@ -5,6 +5,7 @@ use super::moments::Moments;
 use super::{Columns, Joint};
 use crate::Error;
 use estimate::cosine::dot;
+use estimate::line_search;
 use estimate::stats::mean;
 
 /// Most rounds.
@@ -12,14 +13,10 @@ const MOST_ROUNDS: usize = 500;
 /// The drift stands when all rounds to come would move it by less than this share of the difference, each of them by as much less
 /// than the one before as the last two.
 const STANDS: f64 = 1e-9;
-/// Most steps of the drift's fit in one round.
-const MOST_STEPS: usize = 30;
 /// A fit of the drift ends when ln τ moves less.
 const ACCURACY: f64 = 1e-10;
 /// A step of less is to a minimum that no sum of squares can tell from where it began.
 const NEAR: f64 = 1e-6;
-/// A step is halved so often.
-const HALVINGS: usize = 12;
 
 /// The drift of least squares for one τ.
 #[derive(Clone, Default)]
@@ -210,26 +207,12 @@ impl Sums {
     }
 
     /// The drift of least squares from a start of τ.
-    fn fit(&self, d: &Difference, start: f64, (low, high): (f64, f64)) -> Shape {
-        let mut best = self.at(d, start);
-        for _ in 0..MOST_STEPS {
-            let mut step = best.step.clamp(-1.0, 1.0);
-            let mut better = None;
-            for _ in 0..HALVINGS {
-                let next = self.at(d, (best.ln_tau + step).clamp(low, high));
-                if next.explained > best.explained || step.abs() < NEAR {
-                    better = Some(next);
-                    break;
-                }
-                step /= 2.0;
-            }
-            let Some(next) = better else { break };
-            let moved = (next.ln_tau - best.ln_tau).abs();
-            best = next;
-            if moved < ACCURACY {
-                break;
-            }
-        }
-        best
+    fn fit(&self, d: &Difference, start: f64, limits: (f64, f64)) -> Shape {
+        let step = |(_, shape): &(f64, Shape)| Some(shape.step);
+        let above = |(before, shape): &(f64, Shape), ln_tau: f64| {
+            let next = self.at(d, ln_tau);
+            (next.explained > shape.explained || (ln_tau - before).abs() < NEAR).then_some(next)
+        };
+        line_search::climb((start, self.at(d, start)), limits, ACCURACY, step, above).1
     }
 }

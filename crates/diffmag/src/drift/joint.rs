@@ -1,19 +1,15 @@
 use common::{JointDrift, Quantity};
 use estimate::cosine::{Errors, Projection, Regression, dot, weighted};
-use estimate::stats;
+use estimate::{line_search, stats};
 use std::f64::consts::PI;
 
 use super::{Beside, Columns, LEVEL, ROUNDS};
 use crate::Error;
 use crate::difference::Noise;
 
-/// Most steps of the refinement.
-const MOST_STEPS: usize = 30;
-/// It ends when ln τ moves less; while the noise is not settled, than the second.
+/// The search of τ ends when ln τ moves less; while the noise is not settled, than the second.
 const ACCURACY: f64 = 1e-7;
 const ROUGH: f64 = 0.02;
-/// A step is halved so often.
-const HALVINGS: i32 = 12;
 
 /// The band that confirms an exponential reaches to so many times 1/(2πτ), where nine tenths of what white noise lets be known of
 /// it are; and it has at least so many coefficients.
@@ -169,33 +165,17 @@ fn refine(
     start: f64,
     accuracy: f64,
 ) -> (f64, f64) {
-    let (low, high) = columns.limits();
     let gain = |ln_tau: f64| {
         let column = columns.transform(&columns.exponential(ln_tau)[0]);
         projection.direction(&column, errors).map_or(0.0, |direction| projection.score(&direction).powi(2))
     };
-    let sizes = |ln_tau: f64| {
-        let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
-        projection.coefficients(&[&plain, &slope], errors)
+    let step = |(ln_tau, _): &(f64, f64)| {
+        let [plain, slope] = columns.exponential(*ln_tau).map(|column| columns.transform(&column));
+        let sizes = projection.coefficients(&[&plain, &slope], errors)?;
+        Some(sizes[1] / sizes[0])
     };
-    let mut ln_tau = start;
-    let mut reached = gain(ln_tau);
-    for _ in 0..MOST_STEPS {
-        let Some(found) = sizes(ln_tau) else { break };
-        let step = (found[1] / found[0]).clamp(-1.0, 1.0);
-        let better = (0..HALVINGS).find_map(|halvings| {
-            let next = (ln_tau + step * 0.5_f64.powi(halvings)).clamp(low, high);
-            let found = gain(next);
-            (found >= reached).then_some((next, found))
-        });
-        let Some((next, found)) = better else { break };
-        let moved = (next - ln_tau).abs();
-        (ln_tau, reached) = (next, found);
-        if moved < accuracy {
-            break;
-        }
-    }
-    (ln_tau, reached)
+    let above = |(_, reached): &(f64, f64), ln_tau: f64| Some(gain(ln_tau)).filter(|found| found >= reached);
+    line_search::climb((start, gain(start)), columns.limits(), accuracy, step, above)
 }
 
 impl Joint {

@@ -1,6 +1,7 @@
 //! Noise and coefficients of greatest restricted likelihood, and how sure they are.
 
 use estimate::haar::power_law_variances;
+use estimate::line_search::halved;
 use estimate::positive::Positive;
 use faer::Mat;
 
@@ -63,10 +64,10 @@ impl Problem<'_> {
                 break;
             }
             let shrink = (0..3).map(|i| LONGEST[i] / step[i].abs()).fold(1.0, f64::min);
-            let better = (0..MOST_HALVINGS).find_map(|halvings| {
-                let share = shrink * 0.5_f64.powi(halvings);
-                let next: [f64; 3] =
-                    std::array::from_fn(|i| (theta[i] + share * step[i]).clamp(limits[i][0], limits[i][1]));
+            let better = halved(MOST_HALVINGS, |share| {
+                let next: [f64; 3] = std::array::from_fn(|i| {
+                    (theta[i] + share * shrink * step[i]).clamp(limits[i][0], limits[i][1])
+                });
                 let found = self.solve(&Noise::of(next)).ok()?;
                 (found.cost < at.cost).then_some((next, found))
             });

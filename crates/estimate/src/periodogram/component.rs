@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use fourier::Complex;
 
 use super::level::Level;
+use crate::line_search::largest;
 
 /// Ordinates on each side of a peak to which a sine is fitted.
 const FITTED: usize = 8;
@@ -75,7 +76,7 @@ impl Component {
         let step = 2.0 * REACH / (TRIED - 1) as f64;
         let tried = (0..TRIED).map(|i| peak as f64 - REACH + step * i as f64);
         let best = tried.max_by(|a, b| explained(*a).0.total_cmp(&explained(*b).0)).unwrap_or(peak as f64);
-        let order = golden(best - step, best + step, |order| explained(order).0);
+        let order = largest((best - step, best + step), SECTIONS, |order| explained(order).0);
         Component { order, half: explained(order).1 }
     }
 
@@ -96,25 +97,6 @@ impl Component {
             power[k] = transform[k].norm_sqr();
         }
     }
-}
-
-/// The argument of the largest value between two, by golden section.
-fn golden(mut low: f64, mut high: f64, value: impl Fn(f64) -> f64) -> f64 {
-    const RATIO: f64 = 0.618_033_988_749_894_8;
-    let (mut left, mut right) = (high - RATIO * (high - low), low + RATIO * (high - low));
-    let (mut at_left, mut at_right) = (value(left), value(right));
-    for _ in 0..SECTIONS {
-        if at_left > at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - RATIO * (high - low);
-            at_left = value(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + RATIO * (high - low);
-            at_right = value(right);
-        }
-    }
-    0.5 * (low + high)
 }
 
 #[cfg(test)]
