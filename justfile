@@ -62,7 +62,8 @@ prove:
     FLUXCAL_CAMPAIGNS=5000 cargo test --release -p axescal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p axescal --test it -- --nocapture design:: gradients::
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
-    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it coverage:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it -- --nocapture coverage:: trend::
+    FLUXCAL_CAMPAIGNS=40 cargo test --release -p report --test it campaigns:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
     FLUXCAL_DAYS=200 cargo test --release -p diffmag --test it steps:: -- --nocapture
     mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days

@@ -39,6 +39,10 @@ pub(crate) fn calibration(calibration: &Calibration) -> Result<(), Error> {
             let path = format!("{path}.temperature");
             covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
         }
+        if let Some(fit) = sensor.noise.as_ref().filter(|fit| !fit.covariance.is_empty()) {
+            let path = format!("{path}.noise");
+            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
+        }
         if let Some(fit) = &sensor.cross_field {
             let path = format!("{path}.cross_field");
             covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;

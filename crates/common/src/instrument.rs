@@ -127,8 +127,8 @@ impl Noise {
     }
 
     /// Rms of one reading in a record of `length_s` seconds sampled each `step_s` seconds, nT:
-    /// √(white² + ∫ A f^-α df) from 1/length to the Nyquist frequency 1/(2 step).
-    /// Without times only the white part is known.
+    /// √(white² + ∫ A f^-α df + r² length/6), the integral from 1/length to the Nyquist frequency 1/(2 step), the last term the
+    /// variance of a random walk about its mean over the record. Without times only the white part is known.
     pub fn rms_nt(&self, length_s: f64, step_s: f64) -> f64 {
         let white = self.white_rms_nt.unwrap_or(0.0);
         let amplitude = self.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
@@ -141,7 +141,9 @@ impl Noise {
         } else {
             amplitude * (high.powf(1.0 - alpha) - low.powf(1.0 - alpha)) / (1.0 - alpha)
         };
-        (white * white + flicker).sqrt()
+        let rate = self.random_walk_nt_per_sqrt_s.unwrap_or(0.0);
+        let walk = if length_s.is_finite() { rate * rate * length_s / 6.0 } else { 0.0 };
+        (white * white + flicker + walk).sqrt()
     }
 }
 
@@ -156,6 +158,10 @@ mod tests {
         let noise = Noise { flicker_nt2_per_hz_at_1hz: Some(amplitude), ..Noise::default() };
         assert!((noise.rms_nt(100.0, 0.05) - 0.026).abs() < 1e-12);
         assert!((noise.rms_nt(1e5, 50.0) - 0.026).abs() < 1e-12);
+        // A random walk of 0.01 nT/√s over 600 s: 0.1 nT about its mean.
+        let walk = Noise { random_walk_nt_per_sqrt_s: Some(0.01), ..Noise::default() };
+        assert!((walk.rms_nt(600.0, 1.0) - 0.1).abs() < 1e-12);
+        assert_eq!(walk.rms_nt(f64::INFINITY, f64::INFINITY), 0.0);
         let steep = Noise { flicker_exponent: Some(1.000_001), ..noise };
         assert!((steep.rms_nt(100.0, 0.05) - 0.026).abs() < 1e-6);
     }

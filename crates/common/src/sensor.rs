@@ -123,7 +123,7 @@ pub struct FitNoise {
     /// Variance of the residuals over what the sensor's own noise promises, where that is measured or declared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variance_factor: Option<f64>,
-    /// Share of flicker noise in the variance of a reading.
+    /// Share of flicker noise and random walk in the variance of a reading.
     pub flicker_share: f64,
     /// Degrees of freedom.
     pub degrees_of_freedom: f64,

@@ -25,6 +25,13 @@ pub struct SensorNoise {
     pub white_below_nt: Option<f64>,
     /// How the white noise of the series compares: `per_reading` (one rms for all), `density` (one density for all), `each`.
     pub white: String,
+    /// Covariance of A, α and the rms of a reading of the fastest series, which move together: where the density is lower at one
+    /// end it is higher at the other. Empty where one of them was not found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covariance: Vec<Vec<f64>>,
+    /// What it runs over: `flicker_nt2_per_hz_at_1hz`, `flicker_exponent`, `series.white_rms_nt`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub covariance_order: Vec<String>,
     /// √P at 1 Hz of the flicker noise, nT/√Hz.
     pub density_at_1hz_nt_per_sqrt_hz: Quantity,
     /// Probability of a worse agreement of the spectrum with this form by chance.

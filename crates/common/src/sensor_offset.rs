@@ -94,7 +94,7 @@ pub struct OffsetDrift {
     /// Probability of such a trend by chance, under noise with memory.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trend_p: Option<f64>,
-    /// From standard uncertainty to 95 % interval.
+    /// From the standard uncertainty of the trend to an interval that holds it in at least 95 %; other quantities have their own.
     pub coverage_factor_95: f64,
     /// The same under each noise alone, `white`, `flicker`, `random_walk`; and by least squares
     /// with the uncertainty of Newey and West, `newey_west`.
@@ -105,7 +105,7 @@ pub struct OffsetDrift {
     /// What follows the sensor's temperature, nT/K, where it was recorded and moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub temperature_nt_per_k: Option<Quantity>,
-    /// Weight of each noise that was allowed for.
+    /// Probability of each noise with memory, `flicker` and `random_walk`.
     pub noise: IndexMap<String, f64>,
     /// What looks wrong, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]

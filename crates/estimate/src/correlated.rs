@@ -7,6 +7,7 @@ use std::sync::Arc;
 use crate::Error;
 use crate::gauss_newton::Linear;
 use crate::linear::{self, LinearFit};
+use crate::mixture::{Component, Mixture};
 
 /// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹. Block-diagonal: groups of readings that
 /// share nothing follow each other.
@@ -16,6 +17,8 @@ pub struct Whitening {
     blocks: Vec<Arc<Llt<f64>>>,
     /// ln |V|.
     log_determinant: f64,
+    /// ln of its probability beforehand, up to a constant.
+    log_prior: f64,
 }
 
 impl Whitening {
@@ -34,7 +37,13 @@ impl Whitening {
             (0..factor.L().nrows()).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum()
         };
         let log_determinant = blocks.iter().map(logarithm).sum();
-        Ok(Self { blocks, log_determinant })
+        Ok(Self { blocks, log_determinant, log_prior: 0.0 })
+    }
+
+    /// The same with a probability beforehand, up to a factor that is common to all.
+    #[must_use]
+    pub fn weighing(self, prior: f64) -> Self {
+        Self { log_prior: prior.ln(), ..self }
     }
 
     /// ln |V|.
@@ -75,7 +84,8 @@ pub enum Scale {
 pub struct CorrelatedFit {
     /// The coefficients.
     pub coefficients: Vec<f64>,
-    /// Their covariance.
+    /// Their covariance; of several models scaled so that a standard uncertainty times Student's factor is the half-width of the
+    /// interval that holds the coefficient with 95 % under all of them together.
     pub covariance: Mat<f64>,
     /// y − X β.
     pub residuals: Vec<f64>,
@@ -89,8 +99,8 @@ pub struct CorrelatedFit {
     pub freedom: f64,
     /// Rank of the design.
     pub rank: usize,
-    /// Weight of each covariance, adding to one.
-    pub weights: Vec<f64>,
+    /// The coefficients under each covariance, with their probabilities, from which intervals are made.
+    pub mixture: Mixture,
     /// ln of the restricted likelihood, averaged over the covariances; its zero depends on the design.
     pub log_likelihood: f64,
 }
@@ -114,10 +124,8 @@ impl Linear for CorrelatedFit {
 ///
 /// For each that is known up to a factor, the factor is s² = r' V⁻¹ r/(n − p). Where there are several they are averaged by
 /// their restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + (n − p) ln r' V⁻¹ r), or with r' V⁻¹ r in place of the last term
-/// where they are known as they stand, all alike beforehand, and what the coefficients differ by
-/// counts in their covariance (Hoeting et al. 1999, Bayesian model averaging, Statist. Sci. 14, 382): an interval does not
-/// rest on the one that happens to be likeliest. With one covariance this is generalised least squares, and Student's t
-/// with n − p degrees of freedom is exact.
+/// where they are known as they stand, times what each weighs beforehand: an interval does not rest on the one that happens to be likeliest.
+/// With one covariance this is generalised least squares, and Student's t with n − p degrees of freedom is exact.
 pub fn fit(
     design: MatRef<'_, f64>,
     y: &[f64],
@@ -125,59 +133,59 @@ pub fn fit(
     scale: Scale,
 ) -> Result<CorrelatedFit, Error> {
     let unknowns = design.ncols();
-    let mut fits: Vec<(LinearFit, f64)> = Vec::new();
+    let mut fits: Vec<LinearFit> = Vec::new();
+    let mut components = Vec::new();
     for whitening in covariances {
         let fit = linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None)?;
-        let misfit = match scale {
-            Scale::Fitted => fit.freedom * fit.sum_of_squares.max(f64::MIN_POSITIVE).ln(),
-            Scale::Known => fit.sum_of_squares,
+        let (misfit, size) = match scale {
+            Scale::Fitted => (
+                fit.freedom * fit.sum_of_squares.max(f64::MIN_POSITIVE).ln(),
+                fit.sum_of_squares / fit.freedom,
+            ),
+            Scale::Known => (fit.sum_of_squares, 1.0),
         };
-        let likelihood = -0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit);
-        fits.push((fit, likelihood));
+        components.push(Component {
+            log_weight: whitening.log_prior
+                - 0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit),
+            coefficients: fit.coefficients.clone(),
+            covariance: Mat::from_fn(unknowns, unknowns, |i, j| size * fit.covariance[(i, j)]),
+        });
+        fits.push(fit);
     }
+    let likelihood = |at: &usize| components[*at].log_weight;
     let best = (0..fits.len())
-        .max_by(|a, b| fits[*a].1.total_cmp(&fits[*b].1))
+        .max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))
         .ok_or(Error::TooFew { found: 0, unknowns })?;
-    let largest = fits[best].1;
-    let relative = |likelihood: f64| if fits.len() == 1 { 1.0 } else { (likelihood - largest).exp() };
-    let sum: f64 = fits.iter().map(|(_, likelihood)| relative(*likelihood)).sum();
-    let weights: Vec<f64> = fits.iter().map(|(_, likelihood)| relative(*likelihood) / sum).collect();
-    let factor = |fit: &LinearFit| fit.sum_of_squares / fit.freedom;
-    let mut coefficients = vec![0.0; unknowns];
-    for ((fit, _), weight) in fits.iter().zip(&weights) {
-        coefficients.iter_mut().zip(&fit.coefficients).for_each(|(mean, value)| *mean += weight * value);
-    }
-    let mut covariance = Mat::zeros(unknowns, unknowns);
-    for ((fit, _), weight) in fits.iter().zip(&weights) {
-        let away = |i: usize| fit.coefficients[i] - coefficients[i];
-        for i in 0..unknowns {
-            for j in 0..unknowns {
-                let size = if scale == Scale::Known { 1.0 } else { factor(fit) };
-                covariance[(i, j)] += weight * (size * fit.covariance[(i, j)] + away(i) * away(j));
-            }
-        }
-    }
+    let largest = likelihood(&best);
+    let sum: f64 = (0..fits.len()).map(|at| (likelihood(&at) - largest).exp()).sum();
+    let freedom = match scale {
+        Scale::Fitted => fits[best].freedom,
+        Scale::Known => f64::INFINITY,
+    };
+    let mixture = Mixture::of(components, freedom);
+    let coefficients = mixture.coefficients();
     let residuals: Vec<f64> = (0..y.len())
         .map(|i| y[i] - (0..unknowns).map(|j| design[(i, j)] * coefficients[j]).sum::<f64>())
         .collect();
-    let likeliest = &fits[best].0;
-    let std = factor(likeliest).sqrt();
+    let likeliest = &fits[best];
+    let variance_factor = likeliest.sum_of_squares / likeliest.freedom;
+    let std = variance_factor.sqrt();
     Ok(CorrelatedFit {
         largest: y.iter().zip(&residuals).map(|(y, left)| (y - left).abs()).fold(0.0, f64::max),
         coefficients,
-        covariance,
+        covariance: mixture.covered_covariance(0.95),
         residuals,
         whitened: likeliest.residuals.iter().map(|r| if std > 0.0 { r / std } else { 0.0 }).collect(),
-        variance_factor: factor(likeliest),
+        variance_factor,
         freedom: likeliest.freedom,
         rank: likeliest.rank,
-        weights,
+        mixture,
         log_likelihood: largest + sum.ln(),
     })
 }
 
 /// ln |C| of a covariance; columns are scaled first, for their units may differ by many powers of ten.
-fn log_determinant(covariance: &Mat<f64>) -> f64 {
+pub(crate) fn log_determinant(covariance: &Mat<f64>) -> f64 {
     let n = covariance.nrows();
     let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
     let scaled = Mat::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
@@ -209,7 +217,7 @@ mod tests {
         assert!((one.variance_factor - plain.sum_of_squares / plain.freedom / 4.0).abs() < 1e-12);
         // The same twice weighs alike and changes nothing.
         let two = fit(design.as_ref(), &y, &[white.clone(), white], Scale::Fitted).expect("a fit");
-        assert!((two.weights[0] - 0.5).abs() < 1e-12);
+        assert!((two.mixture.weights()[0] - 0.5).abs() < 1e-12);
         assert!((two.covariance[(1, 1)] - one.covariance[(1, 1)]).abs() < 1e-15);
     }
 

@@ -20,6 +20,7 @@ pub mod influence;
 pub mod lag;
 pub mod line_search;
 pub mod linear;
+pub mod mixture;
 pub mod normality;
 pub mod periodogram;
 mod plans;
@@ -35,6 +36,7 @@ pub mod spectrum;
 pub mod stats;
 pub mod svd;
 pub mod tsqr;
+pub mod wander;
 pub mod whittle;
 
 pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};

@@ -3,7 +3,7 @@
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
 /// Beyond so many degrees of freedom Student's t is the normal to five digits, and its series no longer converge.
-const NORMAL_FROM: f64 = 1e6;
+pub(crate) const NORMAL_FROM: f64 = 1e6;
 
 /// P(|t| ≥ `t`) for Student's t with `freedom` degrees of freedom; infinite freedom is the normal.
 pub fn two_sided_p(t: f64, freedom: f64) -> f64 {
@@ -46,8 +46,11 @@ pub fn variance_interval(freedom: f64, probability: f64) -> (f64, f64) {
     (factor(0.5 + probability / 2.0), factor(0.5 - probability / 2.0))
 }
 
-/// P(F ≥ `f`) with `above` and `below` degrees of freedom.
+/// P(F ≥ `f`) with `above` and `below` degrees of freedom; with infinitely many below, `above` F is χ².
 pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
+    if below > NORMAL_FROM {
+        return chi_squared_p(above * f, above);
+    }
     FisherSnedecor::new(above, below).map_or(f64::NAN, |law| law.sf(f))
 }
 

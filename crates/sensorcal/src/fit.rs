@@ -192,8 +192,8 @@ impl Problem<'_, '_> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
         let mut by = By::new();
-        let best = (0..linear.weights.len())
-            .max_by(|a, b| linear.weights[*a].total_cmp(&linear.weights[*b]))
+        let best = (0..linear.mixture.weights().len())
+            .max_by(|a, b| linear.mixture.weights()[*a].total_cmp(&linear.mixture.weights()[*b]))
             .unwrap_or(0);
         for known in &self.known {
             // An error of what is known leaves the readings where they are: the unknowns take it up.

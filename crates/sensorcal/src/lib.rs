@@ -24,6 +24,8 @@ mod saturation;
 mod sensitivity;
 mod shape;
 mod temperature;
+mod trend;
+mod wander;
 mod words;
 
 pub use error::Error;

@@ -25,6 +25,8 @@ const LEAST_COUNT: f64 = 1.0;
 const MEASURED: [f64; 2] = [0.1, 0.5];
 /// Below this probability the spectrum does not have the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
+/// What the covariance of the noise runs over.
+const ORDER: [&str; 3] = ["flicker_nt2_per_hz_at_1hz", "flicker_exponent", "series.white_rms_nt"];
 /// Steepest noise that a covariance is made for.
 const STEEPEST: f64 = 2.0;
 
@@ -160,6 +162,10 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
         ..SensorNoise::default()
     };
     (found.white_rms_nt, found.white_below_nt) = white(all, fit);
+    if let Some(covariance) = covariance(all, fit) {
+        found.covariance = covariance.map(Vec::from).into();
+        found.covariance_order = ORDER.map(String::from).into();
+    }
     let slowest = 1.0 / all.iter().map(|one| one.periodogram.length_s).fold(0.0, f64::max);
     let fastest = 0.5 / all.iter().map(|one| one.step_s).fold(f64::INFINITY, f64::min);
     if flicker {
@@ -196,6 +202,19 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
         )
     }));
     found
+}
+
+/// Covariance over [`ORDER`]; None where flicker or white noise was not found.
+fn covariance(all: &[Series<'_>], fit: &WhittleFit) -> Option<[[f64; 3]; 3]> {
+    let fastest = all.len() - 1;
+    let own = if fit.white == White::Each { fastest } else { 0 };
+    let white = fit.white_rms[fastest].value;
+    let of_one = if fit.white == White::Density { 0.5 / all[fastest].step_s } else { 1.0 };
+    // From ln A, α and a white variance.
+    let by = [(0, fit.amplitude.value), (1, 1.0), (2 + own, of_one / (2.0 * white))];
+    let entry = |(i, a): (usize, f64), (j, b): (usize, f64)| a * b * fit.covariance[(i, j)];
+    let seen = fit.amplitude.value > 0.0 && white > 0.0;
+    seen.then(|| by.map(|one| by.map(|other| entry(one, other))))
 }
 
 /// White noise of one reading with rounding taken off, averaged over the series by their readings.

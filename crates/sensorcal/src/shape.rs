@@ -7,8 +7,11 @@ use faer::Mat;
 
 use crate::Error;
 
-/// Variance of flicker noise over that of white noise, where neither is known: white alone, and every proportion in octaves.
-const RATIOS: [f64; 10] = [0.0, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 64.0];
+/// Where no noise is known: the probability beforehand that it is white alone, and the variances of flicker noise over that of white
+/// noise otherwise, alike. What has memory makes the wider intervals: with so much for it they hold in 95 % under flicker noise, and more
+/// often under white noise.
+const WHITE: f64 = 0.05;
+const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
 const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 /// Readings in one fit at most.
@@ -58,14 +61,20 @@ impl Shape {
 
     /// The covariances that are allowed for, over several recordings that share nothing: the times of each, or how many rows
     /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
-    /// top; where it is not known, flicker noise in every proportion.
+    /// top; where it is not known, white noise alone or with flicker noise in every proportion.
     pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
-        let extra: Vec<[f64; 2]> = match (&self.known, place) {
-            (None, _) => RATIOS.iter().map(|ratio| [0.0, *ratio]).collect(),
-            (Some(_), Place::Shield) => vec![[0.0, 0.0]],
+        let extra: Vec<More> = match (&self.known, place) {
+            (None, _) => More::unknown(),
+            (Some(_), Place::Shield) => vec![More::NONE],
             (Some(_), Place::Coils) => {
-                let each = FIELD.iter().flat_map(|e| [[*e, 0.0], [0.5 * e, 0.5 * e], [0.0, *e]]);
-                std::iter::once([0.0, 0.0]).chain(each).collect()
+                let each = FIELD.iter().flat_map(|e| {
+                    [[*e, 0.0], [0.5 * e, 0.5 * e], [0.0, *e]].map(|[white, flicker]| More {
+                        white,
+                        flicker,
+                        ..More::NONE
+                    })
+                });
+                std::iter::once(More::NONE).chain(each).collect()
             }
         };
         let source = match (self.source, place) {
@@ -88,22 +97,22 @@ impl Shape {
             .map(|(rows, time)| {
                 let mut own = covariance(&own, *rows, time.as_deref())?;
                 if mean_variance(&own, *rows) == 0.0 {
-                    // Flicker noise alone, and no times: the readings are as good as independent.
+                    // Noise with memory alone, and no times: the readings are as good as independent.
                     (0..*rows).for_each(|row| own[row * rows + row] = 1.0);
                 }
                 Ok([own, covariance(&flicker, *rows, time.as_deref())?])
             })
             .collect::<Result<_, Error>>()?;
-        for [more_white, more_flicker] in extra {
-            allowed.add(recordings, |number, rows| {
+        for more in extra {
+            allowed.add(recordings, more.probability, |number, rows| {
                 let [own, shape] = &parts[number];
                 let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));
-                let scale = if size > 0.0 { more_flicker * mean / size } else { 0.0 };
+                let scale = if size > 0.0 { more.flicker * mean / size } else { 0.0 };
                 let mut all: Vec<f64> =
                     own.iter().zip(shape).map(|(own, shape)| own + scale * shape).collect();
-                (0..rows).for_each(|row| all[row * rows + row] += more_white * mean);
-                let total = 1.0 + more_white + more_flicker;
-                Ok(Block { covariance: all, flicker_share: 1.0 - (white / mean + more_white) / total })
+                (0..rows).for_each(|row| all[row * rows + row] += more.white * mean);
+                let total = 1.0 + more.white + more.flicker;
+                Ok(Block { covariance: all, memory_share: 1.0 - (white / mean + more.white) / total })
             })?;
         }
         Ok(allowed)
@@ -112,6 +121,26 @@ impl Shape {
     /// Variance of rounding beside known noise; unknown noise has it already.
     fn rounding(&self) -> f64 {
         if self.known.is_some() { self.rounding_nt2 } else { 0.0 }
+    }
+}
+
+/// Noise that is allowed for beside what is known, by its variance over that.
+#[derive(Clone, Copy)]
+struct More {
+    white: f64,
+    flicker: f64,
+    /// Beforehand.
+    probability: f64,
+}
+
+impl More {
+    const NONE: More = More { white: 0.0, flicker: 0.0, probability: 1.0 };
+
+    /// Beside white noise of which nothing is known.
+    fn unknown() -> Vec<Self> {
+        let probability = (1.0 - WHITE) / RATIOS.len() as f64;
+        let flicker = RATIOS.map(|flicker| More { flicker, probability, ..More::NONE });
+        std::iter::once(More { probability: WHITE, ..More::NONE }).chain(flicker).collect()
     }
 }
 
@@ -127,11 +156,11 @@ fn mean_variance(covariance: &[f64], rows: usize) -> f64 {
 pub type Rows = (usize, Option<Vec<f64>>);
 
 /// One covariance over one recording.
-pub struct Block {
+struct Block {
     /// Rows of rows, nT².
     pub covariance: Vec<f64>,
-    /// Share of flicker noise in the variance of a reading.
-    pub flicker_share: f64,
+    /// Share of noise with memory in the variance of a reading.
+    pub memory_share: f64,
 }
 
 /// Covariances that are allowed for.
@@ -139,41 +168,44 @@ pub struct Block {
 pub struct Allowed {
     /// They.
     pub whitenings: Vec<Whitening>,
-    /// For each, the share of flicker noise in the variance of a reading.
-    flicker_shares: Vec<f64>,
+    /// For each, the share of noise with memory in the variance of a reading.
+    memory_shares: Vec<f64>,
     source: String,
     known: bool,
 }
 
 impl Allowed {
-    /// One more: a block for each recording by its number and rows, made sure of by a billionth of its diagonal.
-    pub fn add(
+    /// One more with its probability beforehand: a block for each recording by its number and rows, made sure of by a billionth of
+    /// its diagonal.
+    fn add(
         &mut self,
         recordings: &[Rows],
+        probability: f64,
         block: impl Fn(usize, usize) -> Result<Block, Error>,
     ) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut blocks = Vec::new();
-        let mut flicker_share = 0.0;
+        let mut memory_share = 0.0;
         for (number, (rows, _)) in recordings.iter().enumerate() {
             let one = block(number, *rows)?;
             let sure = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
             blocks.push(Mat::from_fn(*rows, *rows, |i, j| one.covariance[i * rows + j] * sure(i, j)));
-            flicker_share += one.flicker_share * *rows as f64 / total as f64;
+            memory_share += one.memory_share * *rows as f64 / total as f64;
         }
-        self.whitenings.push(Whitening::of(&blocks)?);
-        self.flicker_shares.push(flicker_share);
+        self.whitenings.push(Whitening::of(&blocks)?.weighing(probability));
+        self.memory_shares.push(memory_share);
         Ok(())
     }
 
     /// Those that a fit gave some weight.
     pub fn weighty(&self, fit: &CorrelatedFit) -> Self {
-        self.only(|at| fit.weights[at] >= WEIGHTY)
+        self.only(|at| fit.mixture.weights()[at] >= WEIGHTY)
     }
 
     /// The one that a fit gave most weight.
     pub fn likeliest(&self, fit: &CorrelatedFit) -> Self {
-        let best = (0..fit.weights.len()).max_by(|a, b| fit.weights[*a].total_cmp(&fit.weights[*b]));
+        let best = (0..fit.mixture.weights().len())
+            .max_by(|a, b| fit.mixture.weights()[*a].total_cmp(&fit.mixture.weights()[*b]));
         self.only(|at| Some(at) == best)
     }
 
@@ -186,7 +218,7 @@ impl Allowed {
         let kept: Vec<usize> = (0..self.whitenings.len()).filter(|at| keep(*at)).collect();
         Self {
             whitenings: kept.iter().map(|at| self.whitenings[*at].clone()).collect(),
-            flicker_shares: kept.iter().map(|at| self.flicker_shares[*at]).collect(),
+            memory_shares: kept.iter().map(|at| self.memory_shares[*at]).collect(),
             ..self.clone()
         }
     }
@@ -204,9 +236,9 @@ impl Allowed {
             rms_nt: rms,
             variance_factor: self.whitenings.first().filter(|_| self.known).map(own),
             flicker_share: self
-                .flicker_shares
+                .memory_shares
                 .iter()
-                .zip(&fit.weights)
+                .zip(fit.mixture.weights())
                 .map(|(share, weight)| share * weight)
                 .sum(),
             degrees_of_freedom: fit.freedom,

@@ -128,7 +128,10 @@ pub fn coefficients(
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
-    let extended = departure::extend(&lags.problem, &candidates)?;
+    // A lag that was found explains what noise of the field had to explain without it.
+    let allowed = departure::noise_called_for(&lags.problem, &candidates)?;
+    let lagged = Problem { allowed: &allowed, ..lags.problem.with(lags.problem.unknowns.clone()) };
+    let extended = departure::extend(&lagged, &candidates)?;
     let (levels, each) = levels::at_temperatures(&heated, &shape)?;
     describe(&heated, &lags, &extended.fit, (&levels, &each), &mut found);
     found.departures = extended.departures;

@@ -13,7 +13,8 @@ const BOUND: f64 = 1.645;
 ///
 /// σ² = ∫ P df and ν₀² = ∫ f² P df / σ² over the band, P(f) = A f^-α + 2 w² Δt one-sided, w the white noise of one reading
 /// (rounding included) of the fastest series and Δt its step. ν₀ is how often the noise crosses zero upwards in a second (Rice 1944,
-/// Bell Syst. Tech. J. 23, 282). u(σ g) adds the sizes of the changes by u(A), u(α) and u(w): no correlation makes it larger.
+/// Bell Syst. Tech. J. 23, 282). u²(σ g) = Σ d_i ρ_ij d_j, d_i the changes by u(A), u(α) and u(w) and ρ their correlations. Where the document
+/// does not state these, it is the square of the sum of their sizes: no correlation makes it larger.
 pub fn zero_to_peak(document: &Document, requirement: &Requirement) -> Vec<Shown> {
     let (Some(band), Some(over_s)) = (requirement.band_hz, requirement.over_s) else { return Vec::new() };
     each_sensor(document, |axis| one(document, axis, band, over_s))
@@ -38,7 +39,7 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
         })?;
     let spectrum = Spectrum::of(noise, fastest);
     let value = spectrum.zero_to_peak(band, over_s);
-    let changes = spectrum.moved().map(|moved| (moved.zero_to_peak(band, over_s) - value).abs());
+    let changes = spectrum.moved().map(|moved| moved.zero_to_peak(band, over_s) - value);
     let mut gaps = Vec::new();
     if noise.goodness_p < UNLIKE_BELOW {
         gaps.push(format!(
@@ -74,7 +75,32 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
     } else {
         "no noise was found".into()
     };
-    Ok(Found { of: sensor_name(axis), value, std: changes.iter().sum(), gaps, how })
+    Ok(Found { of: sensor_name(axis), value, std: together(changes, correlation(noise)), gaps, how })
+}
+
+/// Correlations of A, α and w, where the document states their covariance.
+fn correlation(noise: &SensorNoise) -> Option<[[f64; 3]; 3]> {
+    let rows = &noise.covariance;
+    let std = |i: usize| Some(rows.get(i)?.get(i)?.sqrt());
+    let entry = |i: usize, j: usize| {
+        let (own, other) = (std(i)?, std(j)?);
+        let entry = *rows.get(i)?.get(j)?;
+        Some(if i == j { 1.0 } else { entry / (own * other) })
+    };
+    let mut correlation = [[0.0; 3]; 3];
+    for (i, row) in correlation.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            *value = entry(i, j).filter(|value| value.is_finite())?;
+        }
+    }
+    Some(correlation)
+}
+
+/// The standard uncertainty by all changes together.
+fn together(changes: [f64; 3], correlation: Option<[[f64; 3]; 3]>) -> f64 {
+    let Some(correlation) = correlation else { return changes.iter().map(|change| change.abs()).sum() };
+    let row = |i: usize| (0..3).map(|j| changes[i] * correlation[i][j] * changes[j]).sum::<f64>();
+    (0..3).map(row).sum::<f64>().max(0.0).sqrt()
 }
 
 /// Expected largest departure from zero, in either direction, of Gaussian noise of unit rms with n independent chances to
@@ -188,6 +214,22 @@ mod tests {
             println!("{by:+.4} ± {:.4}", chance / 3.0);
             assert!((-chance..0.02 + chance).contains(&by), "{by:+.4}: {case}");
         }
+    }
+
+    #[test]
+    fn changes_that_are_correlated_by_hand() {
+        assert_eq!(together([3.0, -4.0, 0.0], None), 7.0);
+        let with = |rho: f64| Some([[1.0, rho, 0.0], [rho, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        assert_eq!(together([3.0, -4.0, 0.0], with(0.0)), 5.0);
+        assert_eq!(together([3.0, -4.0, 0.0], with(1.0)), 1.0);
+        assert_eq!(together([3.0, -4.0, 0.0], with(-1.0)), 7.0);
+        let mut noise = SensorNoise {
+            covariance: vec![vec![4.0, 3.0, 0.0], vec![3.0, 9.0, 0.0], vec![0.0, 0.0, 1.0]],
+            ..SensorNoise::default()
+        };
+        assert_eq!(correlation(&noise).expect("stated")[0][1], 0.5);
+        noise.covariance.pop();
+        assert_eq!(correlation(&noise), None);
     }
 
     /// Over parameters that move together in any sense, the figure moves by no more than u, and in one sense by u.

@@ -107,15 +107,18 @@ pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
         .trend_nt_per_year
         .as_ref()
         .ok_or("the offsets show no trend: at least five dates of `offset_drift` are needed")?;
-    let widened = normal_std(1.0, drift.coverage_factor_95);
-    let own =
-        trend.std().ok_or("the trend of the offsets has no uncertainty; sensorcal gives one")? * widened;
+    // Each of the quantities that sensorcal finds has its own factor.
+    let widened = |quantity: &Quantity| {
+        let factor = quantity.coverage_factor_95().unwrap_or(drift.coverage_factor_95);
+        quantity.std().map(|std| normal_std(std, factor))
+    };
+    let own = widened(trend).ok_or("the trend of the offsets has no uncertainty; sensorcal gives one")?;
     let mut std = own * years;
     let mut size = trend.value().abs() * years;
     let mut how = format!("{} nT a year", signed(&uncertain(trend.value(), own)));
     if let Some(annual) = drift.annual.as_ref().filter(|annual| annual.p_value < YEARLY_BELOW) {
-        let of = |quantity: &Quantity| quantity.std().unwrap_or(0.0);
-        let own = of(&annual.cosine_nt).max(of(&annual.sine_nt)) * widened;
+        let of = |quantity: &Quantity| widened(quantity).unwrap_or(0.0);
+        let own = of(&annual.cosine_nt).max(of(&annual.sine_nt));
         size += 2.0 * annual.amplitude_nt;
         std = std.hypot(2.0 * own);
         how += &format!(", and {} nT to either side within the year", significant(annual.amplitude_nt, 3));

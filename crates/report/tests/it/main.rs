@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod browser;
+mod campaigns;
 mod certificate;
 mod golden;
 mod help;

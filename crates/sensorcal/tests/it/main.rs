@@ -3,6 +3,7 @@
 mod bad_input;
 mod build;
 mod conditions;
+mod conditions_coverage;
 mod coverage;
 mod golden;
 mod help;
@@ -10,3 +11,4 @@ mod laws;
 mod magsat;
 mod sensitivity;
 mod shield;
+mod trend;

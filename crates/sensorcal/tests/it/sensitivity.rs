@@ -55,6 +55,7 @@ fn each_departure_is_named_where_it_is() {
     }
     for seed in 0..5 {
         let mut document = with(vec![sensitivity(seed, &up_and_down, 0.3, |b| b)]);
+        document["instrument"]["noise"] = json!({"white_rms_nt": 0.3});
         for (row, value) in document["recordings"][0]["columns"]["sensor_x_v"]
             .as_array_mut()
             .expect("a list")

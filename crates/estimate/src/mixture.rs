@@ -1,0 +1,241 @@
+//! Coefficients under several models at once, each model with its probability.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
+
+use crate::{Error, stats};
+
+/// Components with less weight than this change no digit that is printed.
+const NEGLIGIBLE: f64 = 1e-12;
+/// Steps to a half-width at most, and its relative accuracy.
+const MOST_STEPS: usize = 60;
+const ACCURACY: f64 = 1e-10;
+
+/// What one model says.
+#[derive(Clone, Debug)]
+pub struct Component {
+    /// ln of prior times likelihood, up to a constant that is common to all models.
+    pub log_weight: f64,
+    /// Its coefficients.
+    pub coefficients: Vec<f64>,
+    /// Their covariance.
+    pub covariance: Mat<f64>,
+}
+
+/// The posterior Σ w_m t_ν(β_m, C_m): Bayesian model averaging (Hoeting et al. 1999, Statist. Sci. 14, 382).
+///
+/// Intervals are those of the mixture itself. Its standard deviation times one factor would not do: where one model in five makes
+/// a coefficient ten times less certain, the tails hold more than those of a normal distribution of the same variance.
+#[derive(Clone, Debug)]
+pub struct Mixture {
+    components: Vec<Component>,
+    weights: Vec<f64>,
+    freedom: f64,
+}
+
+impl Mixture {
+    /// Of at least one model; ν degrees of freedom in each, infinite for normal distributions.
+    pub fn of(components: Vec<Component>, freedom: f64) -> Self {
+        let largest = components.iter().map(|one| one.log_weight).fold(f64::NEG_INFINITY, f64::max);
+        let relative: Vec<f64> = components.iter().map(|one| (one.log_weight - largest).exp()).collect();
+        let sum: f64 = relative.iter().sum();
+        // Of one model the weight is one, whatever its likelihood.
+        let weights =
+            if relative.len() == 1 { vec![1.0] } else { relative.iter().map(|r| r / sum).collect() };
+        Self { components, weights, freedom }
+    }
+
+    /// Probability of each model.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// ν.
+    pub fn freedom(&self) -> f64 {
+        self.freedom
+    }
+
+    /// Σ w_m β_m.
+    pub fn coefficients(&self) -> Vec<f64> {
+        let unknowns = self.components.first().map_or(0, |one| one.coefficients.len());
+        (0..unknowns).map(|i| self.mean(i)).collect()
+    }
+
+    /// Σ w_m (C_m + (β_m − β)(β_m − β)ᵀ).
+    pub fn covariance(&self) -> Mat<f64> {
+        let mean = self.coefficients();
+        let mut covariance = Mat::zeros(mean.len(), mean.len());
+        for (one, weight) in self.weighty() {
+            let away = |i: usize| one.coefficients[i] - mean[i];
+            for i in 0..mean.len() {
+                for j in 0..mean.len() {
+                    covariance[(i, j)] += weight * (one.covariance[(i, j)] + away(i) * away(j));
+                }
+            }
+        }
+        covariance
+    }
+
+    /// The same, scaled so that every standard deviation times Student's factor is the half-width of the interval that holds its
+    /// coefficient with `probability`.
+    pub fn covered_covariance(&self, probability: f64) -> Mat<f64> {
+        let covariance = self.covariance();
+        if self.weighty().nth(1).is_none() {
+            return covariance;
+        }
+        let single = stats::coverage_factor(probability, self.freedom);
+        let unknowns = covariance.nrows();
+        let wider: Vec<f64> = (0..unknowns).map(|i| self.coverage_factor(i, probability) / single).collect();
+        Mat::from_fn(unknowns, unknowns, |i, j| wider[i] * wider[j] * covariance[(i, j)])
+    }
+
+    /// h/u of one coefficient: β ± h holds it with `probability`, u its standard deviation as in [`Mixture::covariance`]. With one
+    /// model this is Student's factor.
+    pub fn coverage_factor(&self, coefficient: usize, probability: f64) -> f64 {
+        let single = stats::coverage_factor(probability, self.freedom);
+        let mean = self.mean(coefficient);
+        let parts: Vec<Part> = self
+            .weighty()
+            .map(|(one, weight)| Part {
+                weight,
+                away: one.coefficients[coefficient] - mean,
+                std: one.covariance[(coefficient, coefficient)].max(0.0).sqrt(),
+            })
+            .collect();
+        let variance: f64 =
+            parts.iter().map(|part| part.weight * (part.std.powi(2) + part.away.powi(2))).sum();
+        if parts.len() < 2 || variance == 0.0 || parts.iter().any(|part| part.std == 0.0) {
+            return single;
+        }
+        let law = Law::of(self.freedom);
+        let far = |part: &Part| part.away.abs() + single * part.std;
+        let (mut low, mut high) = (0.0, parts.iter().map(far).fold(0.0, f64::max));
+        let mut half = (single * variance.sqrt()).min(high);
+        // Newton's steps, or half the bracket where one would leave it.
+        for _ in 0..MOST_STEPS {
+            let (inside, slope) = parts.iter().fold((0.0, 0.0), |(inside, slope), part| {
+                let [above, below] = [half - part.away, -half - part.away].map(|at| at / part.std);
+                let density = (law.density(above) + law.density(below)) / part.std;
+                let held = law.cdf(above) - law.cdf(below);
+                (inside + part.weight * held, slope + part.weight * density)
+            });
+            if inside < probability {
+                low = half
+            } else {
+                high = half
+            }
+            let newton = half + (probability - inside) / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - half).abs() <= ACCURACY * half {
+                break;
+            }
+            half = next;
+        }
+        half / variance.sqrt()
+    }
+
+    /// Σ w_m p_m, p_m the probability under a model that estimates of some coefficients are so far from zero by chance: F of
+    /// βᵀ C⁻¹ β/k.
+    pub fn p_value(&self, which: &[usize]) -> Result<f64, Error> {
+        let count = which.len();
+        let of = |(one, weight): (&Component, f64)| {
+            let block = Mat::from_fn(count, count, |i, j| one.covariance[(which[i], which[j])]);
+            let values = Mat::from_fn(count, 1, |i, _| one.coefficients[which[i]]);
+            let failed = |reason: String| Error::Decomposition { rows: count, columns: count, reason };
+            let factor = block.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+            let solved = factor.solve(&values);
+            let form: f64 = (0..count).map(|i| values[(i, 0)] * solved[(i, 0)]).sum();
+            Ok(weight * stats::f_p(form / count as f64, count as f64, self.freedom))
+        };
+        self.weighty().map(of).sum()
+    }
+
+    fn mean(&self, coefficient: usize) -> f64 {
+        self.weighty().map(|(one, weight)| weight * one.coefficients[coefficient]).sum()
+    }
+
+    fn weighty(&self) -> impl Iterator<Item = (&Component, f64)> {
+        let all = self.components.iter().zip(self.weights.iter().copied());
+        all.filter(|(_, weight)| *weight > NEGLIGIBLE)
+    }
+}
+
+/// One coefficient under one model: its distance from the mean over all, and its standard deviation.
+struct Part {
+    weight: f64,
+    away: f64,
+    std: f64,
+}
+
+/// The distribution of a coefficient under one model, over its standard deviation.
+enum Law {
+    Normal(Normal),
+    Student(StudentsT),
+}
+
+impl Law {
+    fn of(freedom: f64) -> Self {
+        match StudentsT::new(0.0, 1.0, freedom) {
+            Ok(law) if freedom < stats::NORMAL_FROM => Law::Student(law),
+            _ => Law::Normal(Normal::standard()),
+        }
+    }
+
+    fn cdf(&self, at: f64) -> f64 {
+        match self {
+            Law::Normal(law) => law.cdf(at),
+            Law::Student(law) => law.cdf(at),
+        }
+    }
+
+    fn density(&self, at: f64) -> f64 {
+        match self {
+            Law::Normal(law) => law.pdf(at),
+            Law::Student(law) => law.pdf(at),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn component(weight: f64, value: f64, std: f64) -> Component {
+        Component {
+            log_weight: weight.ln() - 700.0,
+            coefficients: vec![value],
+            covariance: Mat::from_fn(1, 1, |_, _| std * std),
+        }
+    }
+
+    #[test]
+    fn one_model_has_student_s_factor() {
+        let one = Mixture::of(vec![component(0.3, 2.0, 0.5)], 10.0);
+        assert!((one.coverage_factor(0, 0.95) - 2.228_138_85).abs() < 1e-6);
+        assert_eq!((one.coefficients()[0], one.weights()[0]), (2.0, 1.0));
+        // |t| = 4 with ten degrees of freedom: p = 0.002518.
+        assert!((one.p_value(&[0]).expect("p") - 0.002_518).abs() < 1e-6);
+        // The same twice changes nothing.
+        let twice = Mixture::of(vec![component(0.3, 2.0, 0.5), component(0.1, 2.0, 0.5)], 10.0);
+        assert!((twice.coverage_factor(0, 0.95) - 2.228_138_85).abs() < 1e-6);
+        assert!((twice.covariance()[(0, 0)] - 0.25).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_mixture_by_hand() {
+        // ½ N(0, 1) + ½ N(0, 3²): ½ erfc(h/√2) + ½ erfc(h/(3√2)) = 0.05; the variance is 5.
+        let two = Mixture::of(vec![component(0.5, 1.0, 1.0), component(0.5, 1.0, 3.0)], f64::INFINITY);
+        let half = two.coverage_factor(0, 0.95) * 5f64.sqrt();
+        let outside =
+            0.5 * (stats::two_sided_p(half, f64::INFINITY) + stats::two_sided_p(half / 3.0, f64::INFINITY));
+        assert!((outside - 0.05).abs() < 1e-9 && (two.covariance()[(0, 0)] - 5.0).abs() < 1e-12);
+        let covered =
+            two.covered_covariance(0.95)[(0, 0)].sqrt() * stats::coverage_factor(0.95, f64::INFINITY);
+        assert!((covered - half).abs() < 1e-9);
+        // Two values far apart: the interval holds both, and 95 % of all reach into the outer tails of each.
+        let apart = Mixture::of(vec![component(0.5, -10.0, 1.0), component(0.5, 10.0, 1.0)], f64::INFINITY);
+        let half = apart.coverage_factor(0, 0.95) * 101f64.sqrt();
+        assert!((half - 11.644_854).abs() < 1e-6, "{half}");
+    }
+}

@@ -1,0 +1,176 @@
+//! Trend and yearly term of offsets from date to date.
+
+use common::number::{figures, p_value, significant};
+use common::{AnnualTerm, OffsetDrift, Quantity};
+use estimate::mixture::Mixture;
+use estimate::{hac, linear, stats};
+use faer::Mat;
+
+use crate::Error;
+use crate::conditions::Conditions;
+use crate::wander::Wandering;
+
+const DAY_S: f64 = 86_400.0;
+const YEAR_D: f64 = 365.25;
+/// A yearly term needs dates over so much of a year, and so many of them.
+pub const ANNUAL_FROM: (f64, usize) = (0.9, 16);
+/// A temperature that moves by less than this (rms, K) shows no coefficient.
+const TEMPERATURE_FROM_K: f64 = 0.5;
+/// Below this probability a trend, a yearly term or a coefficient is told.
+const TOLD_BELOW: f64 = 0.01;
+/// Above this probability that a random walk is less than the dates' own errors, it is not seen.
+const UNSEEN_ABOVE: f64 = 0.05;
+
+/// One date.
+pub struct Date {
+    /// Its recording.
+    pub recording: String,
+    /// When, s.
+    pub time_s: f64,
+    /// The offset.
+    pub offset: Quantity,
+    /// Mean temperature of the sensor, where it was recorded.
+    pub temperature_c: Option<f64>,
+    /// Variance from scatter, nT².
+    pub scatter_nt2: f64,
+    /// Derivative by each parameter of the known effects of temperature, which were taken off; None where none were.
+    pub by_temperature: Option<Vec<f64>>,
+}
+
+impl Date {
+    /// Days since another date.
+    pub fn days_from(&self, first: &Date) -> f64 {
+        (self.time_s - first.time_s) / DAY_S
+    }
+}
+
+/// What the offsets may follow.
+struct Columns {
+    design: Mat<f64>,
+    annual: Option<usize>,
+    temperature: Option<usize>,
+}
+
+impl Columns {
+    /// 1 and the time in years from its middle; a yearly term where the dates span one; the temperature where it moved and is
+    /// not known already.
+    fn of(dates: &[Date]) -> Self {
+        let times: Vec<f64> = dates.iter().map(|date| date.days_from(&dates[0])).collect();
+        let middle = times.iter().sum::<f64>() / times.len() as f64;
+        let span = times[times.len() - 1] / YEAR_D;
+        let mut columns: Vec<Vec<f64>> =
+            vec![vec![1.0; times.len()], times.iter().map(|t| (t - middle) / YEAR_D).collect()];
+        let annual = (span >= ANNUAL_FROM.0 && dates.len() >= ANNUAL_FROM.1).then(|| {
+            let angle = |t: &f64| std::f64::consts::TAU * t / YEAR_D;
+            columns.push(times.iter().map(|t| angle(t).cos()).collect());
+            columns.push(times.iter().map(|t| angle(t).sin()).collect());
+            columns.len() - 2
+        });
+        let temperatures: Vec<f64> = dates
+            .iter()
+            .filter(|date| date.by_temperature.is_none())
+            .filter_map(|date| date.temperature_c)
+            .collect();
+        let temperature = (temperatures.len() == dates.len() && dates.len() >= 8).then(|| {
+            let mean = temperatures.iter().sum::<f64>() / temperatures.len() as f64;
+            temperatures.iter().map(|t| t - mean).collect::<Vec<f64>>()
+        });
+        let temperature = temperature
+            .filter(|t| t.iter().map(|t| t * t).sum::<f64>() / t.len() as f64 > TEMPERATURE_FROM_K.powi(2))
+            .map(|t| {
+                columns.push(t);
+                columns.len() - 1
+            });
+        let design = Mat::from_fn(times.len(), columns.len(), |i, j| columns[j][i]);
+        Self { design, annual, temperature }
+    }
+}
+
+/// Trend, yearly term and temperature's part, under whatever noise with memory the offsets may have; and the trend under each
+/// noise alone.
+pub fn fit(
+    dates: &[Date],
+    (conditions, common): (&Conditions, &[Vec<f64>]),
+    found: &mut OffsetDrift,
+) -> Result<(), Error> {
+    let columns = Columns::of(dates);
+    let design = columns.design.as_ref();
+    let y: Vec<f64> = dates.iter().map(|date| date.offset.value()).collect();
+    let own: Vec<f64> = dates.iter().map(|date| date.scatter_nt2).collect();
+    let time: Vec<f64> = dates.iter().map(|date| date.time_s - dates[0].time_s).collect();
+    // Errors of the coefficients of temperature move all dates together, and the coefficients here with them.
+    let moved: Vec<Vec<f64>> = common
+        .iter()
+        .map(|column| Ok(linear::fit(design, column, None)?.coefficients))
+        .collect::<Result<_, Error>>()?;
+    let by = |i: usize| -> Vec<f64> { moved.iter().map(|moved| moved[i]).collect() };
+    let unknowns = design.ncols();
+    let shared = Mat::from_fn(unknowns, unknowns, |i, j| conditions.between(&by(i), &by(j)));
+    let wandering = Wandering::of(design, &y, &own, &time, &shared)?;
+    let fit = &wandering.all;
+    let of = |fit: &Mixture, i: usize| {
+        let (values, covariance) = (fit.coefficients(), fit.covariance());
+        Quantity::new(values[i], covariance[(i, i)].sqrt()).covered_by(fit.coverage_factor(i, 0.95))
+    };
+    for (name, alone) in &wandering.alone {
+        found.trend_by_noise_nt_per_year.insert((*name).to_string(), of(alone, 1));
+    }
+    found.trend_by_noise_nt_per_year.insert("newey_west".into(), newey_west(&columns, &y)?);
+    found.noise = wandering.weights.iter().map(|(name, weight)| ((*name).to_string(), *weight)).collect();
+    let p = fit.p_value(&[1])?;
+    found.coverage_factor_95 = fit.coverage_factor(1, 0.95);
+    found.trend_nt_per_year = Some(of(fit, 1));
+    found.trend_p = Some(p);
+    let values = fit.coefficients();
+    let predicted = |row: usize| (0..unknowns).map(|j| design[(row, j)] * values[j]).sum::<f64>();
+    found.dates.residual_nt = (0..y.len()).map(|row| y[row] - predicted(row)).collect();
+    let verdict = if p < TOLD_BELOW { "is real" } else { "is not significant" };
+    let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
+    found.findings.push(format!(
+        "the trend {verdict} under noise with memory ({}); it would be ± {} nT a year under white noise, {} under flicker noise, {} under a random walk",
+        p_value(p),
+        std("white"),
+        std("flicker"),
+        std("random_walk")
+    ));
+    if wandering.unseen > UNSEEN_ABOVE {
+        found.findings.push(format!(
+            "the dates neither show nor exclude a random walk of the offset (by less than {} nT in a year, 95 %): the intervals allow for it, and hold in at least 95 %",
+            significant(wandering.walk_below_nt_per_sqrt_s * (DAY_S * YEAR_D).sqrt(), 2)
+        ));
+    }
+    if let Some(at) = columns.annual {
+        let annual = AnnualTerm {
+            cosine_nt: of(fit, at),
+            sine_nt: of(fit, at + 1),
+            amplitude_nt: values[at].hypot(values[at + 1]),
+            p_value: fit.p_value(&[at, at + 1])?,
+        };
+        if annual.p_value < TOLD_BELOW {
+            found.findings.push(format!(
+                "a yearly term of {} nT is significant ({})",
+                significant(annual.amplitude_nt, 2),
+                p_value(annual.p_value)
+            ));
+        }
+        found.annual = Some(annual);
+    }
+    if let Some(at) = columns.temperature {
+        found.temperature_nt_per_k = Some(of(fit, at));
+        let p = fit.p_value(&[at])?;
+        if p < TOLD_BELOW {
+            found.findings.push(format!("the offset follows the sensor's temperature ({})", p_value(p)));
+        }
+    }
+    Ok(())
+}
+
+/// The least-squares trend with the standard uncertainty of Newey and West, which allows for short memory only.
+fn newey_west(columns: &Columns, y: &[f64]) -> Result<Quantity, Error> {
+    let design = columns.design.as_ref();
+    let fit = linear::fit(design, y, None)?;
+    let columns: Vec<&[f64]> = (0..design.ncols()).map(|j| columns.design.col_as_slice(j)).collect();
+    let robust = hac::newey_west(&columns, &fit.residuals, fit.covariance.as_ref(), hac::lags(y.len()));
+    let factor = stats::coverage_factor(0.95, fit.freedom);
+    Ok(Quantity::new(fit.coefficients[1], robust[(1, 1)].sqrt()).covered_by(factor))
+}
