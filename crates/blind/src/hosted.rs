@@ -46,7 +46,7 @@ impl<'o> Hosted<'o> {
     /// Whether all parameters that are told of it hold; None where the name is not right or the truth has none to hold against.
     pub fn sized(&self) -> Option<bool> {
         let off = &self.outcome.parameters;
-        (!off.is_empty()).then(|| off.iter().all(|off| off.abs() <= HALF_95))
+        (!off.is_empty()).then(|| off.iter().all(|one| one.off.abs() <= HALF_95))
     }
 
     /// Whether readings left out are predicted as before the injection.
@@ -72,7 +72,7 @@ pub fn goals(score: &Score) -> Vec<Goal> {
     let named = |those: &mut dyn Iterator<Item = &Hosted>| Share::of(those, |one| one.named());
     let wrong = |one: &&Hosted| matches!(one.outcome.class, Class::Wrong | Class::WrongSet);
     let right = || all.iter().filter(|one| one.named());
-    let parameters = || right().flat_map(|one| &one.outcome.parameters);
+    let parameters = || right().flat_map(|one| &one.outcome.parameters).filter(|one| !one.at_least);
     let at_least = |what, wanted, found| Goal { what, wanted, at_least: true, found };
     let at_most = |what, wanted, found| Goal { what, wanted, at_least: false, found };
     vec![
@@ -90,7 +90,7 @@ pub fn goals(score: &Score) -> Vec<Goal> {
         at_least(
             "in real recordings, intervals of 95 % of parameters that hold",
             0.93,
-            Share::of(parameters(), |off| off.abs() <= HALF_95),
+            Share::of(parameters(), |one| one.off.abs() <= HALF_95),
         ),
         at_least(
             "in real recordings, named right, and readings left out predicted within 5 % as before the injection",

@@ -1,6 +1,8 @@
 //! Whether printed probabilities hold: of the names given with some probability that share must be right, and intervals of some level must
 //! hold as often.
 
+use std::collections::BTreeMap;
+
 use crate::verdict::Outcome;
 use crate::wilson::Share;
 
@@ -39,10 +41,27 @@ pub fn of_names<'o>(outcomes: impl Iterator<Item = &'o Outcome>) -> Vec<Class> {
     (0..EDGES.len()).map(class).filter(|class| class.right.trials > 0).collect()
 }
 
-/// How often intervals of the parameters hold, level by level.
+/// How often intervals of the parameters hold, level by level; those that are stated as lower bounds apart.
 pub fn of_intervals<'o>(outcomes: impl Iterator<Item = &'o Outcome>) -> Vec<(f64, Share)> {
-    let off: Vec<f64> = outcomes.flat_map(|outcome| outcome.parameters.iter().copied()).collect();
+    let parameters = outcomes.flat_map(|outcome| &outcome.parameters);
+    let off: Vec<f64> = parameters.filter(|one| !one.at_least).map(|one| one.off).collect();
     LEVELS.map(|(level, half)| (level, Share::of(&off, |off| off.abs() <= half))).to_vec()
+}
+
+/// How often intervals of 95 % hold, parameter by parameter, and whether their uncertainties are stated as lower bounds; the farthest of each.
+pub fn by_parameter<'o>(
+    outcomes: impl Iterator<Item = &'o Outcome>,
+) -> BTreeMap<(bool, &'o str), (Share, f64)> {
+    let mut all: BTreeMap<(bool, &str), (Share, f64)> = BTreeMap::new();
+    for one in outcomes.flat_map(|outcome| &outcome.parameters) {
+        let (share, farthest) = all.entry((one.at_least, &one.name)).or_default();
+        share.trials += 1;
+        share.hits += usize::from(one.off.abs() <= HALF_95);
+        if one.off.abs() > farthest.abs() {
+            *farthest = one.off;
+        }
+    }
+    all
 }
 
 /// Mean of −ln of the probability that was given to what is true, over names; None where no name was given. ln 2 is a guess.
@@ -81,6 +100,7 @@ pub fn section<'o>(outcomes: impl Iterator<Item = &'o Outcome> + Clone) -> Strin
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::verdict::Sized;
     use serde_json::json;
 
     fn outcome(names: &[(f64, bool)], parameters: &[f64]) -> Outcome {
@@ -90,18 +110,22 @@ mod tests {
             "baselines": [[], []], "nonce": ""}),
         );
         let outcome = Outcome::of(truth.expect("a truth"), &json!({"diagnosis": [{}]}));
-        Outcome { names: names.to_vec(), parameters: parameters.to_vec(), ..outcome }
+        let parameters =
+            parameters.iter().map(|off| Sized { name: "lag.lag_s".into(), off: *off, at_least: *off > 9.0 });
+        Outcome { names: names.to_vec(), parameters: parameters.collect(), ..outcome }
     }
 
     #[test]
     fn names_fall_in_classes_and_intervals_in_levels() {
-        let all = [outcome(&[(0.95, true), (0.97, false), (1.0, true)], &[0.1, -1.8, 3.0])];
+        let all = [outcome(&[(0.95, true), (0.97, false), (1.0, true)], &[0.1, -1.8, 3.0, 10.0])];
         let classes = of_names(all.iter());
         assert_eq!(classes.len(), 2);
         assert_eq!((classes[0].from, classes[0].right), (0.9, Share { hits: 1, trials: 2 }));
         assert_eq!((classes[1].from, classes[1].right), (0.999, Share { hits: 1, trials: 1 }));
         let held: Vec<usize> = of_intervals(all.iter()).iter().map(|(_, share)| share.hits).collect();
         assert_eq!(held, [1, 1, 2, 2]);
+        let by_name: Vec<_> = by_parameter(all.iter()).into_values().collect();
+        assert_eq!(by_name, [(Share { hits: 2, trials: 3 }, 3.0), (Share { hits: 0, trials: 1 }, 10.0)]);
     }
 
     #[test]

@@ -162,6 +162,10 @@ fn counts(all: &[Counted]) -> String {
         text +=
             &format!("parameters whose {:.0} % interval holds the truth: {}\n", 100.0 * level, share.words());
     }
+    for ((at_least, name), (share, farthest)) in reliability::by_parameter(outcomes()) {
+        let bound = if at_least { ", at least" } else { "" };
+        text += &format!("  {name}{bound}: {}; the farthest is off by {farthest:.1}\n", share.words());
+    }
     for class in reliability::of_names(outcomes()) {
         text += &format!(
             "names with probability {} to {}: right {}\n",

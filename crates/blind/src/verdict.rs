@@ -4,6 +4,8 @@ use concealed::case::{TrueEffect, Truth};
 use serde::Serialize;
 use serde_json::Value;
 
+use crate::reliability::HALF_95;
+
 /// What came of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -51,6 +53,17 @@ impl Class {
     }
 }
 
+/// A parameter of an effect named rightly.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sized {
+    /// The effect and the parameter.
+    pub name: String,
+    /// By how much it is off, in units in which half of the interval of 95 % is [`HALF_95`](crate::reliability::HALF_95).
+    pub off: f64,
+    /// Whether its uncertainty is stated as a lower bound.
+    pub at_least: bool,
+}
+
 /// An answer in short.
 #[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
@@ -66,8 +79,8 @@ pub struct Outcome {
     pub located: Option<bool>,
     /// Of each name that is given: its printed probability, and whether it is right.
     pub names: Vec<(f64, bool)>,
-    /// Of each parameter of effects named rightly: by how much it is off, in standard uncertainties.
-    pub parameters: Vec<f64>,
+    /// Of each parameter of effects named rightly, how it lies to its interval.
+    pub parameters: Vec<Sized>,
     /// Rms before, after, and of readings left out after, nT.
     pub rms_nt: [f64; 3],
 }
@@ -220,22 +233,30 @@ fn names(truth: &Truth, entry: &Value) -> Vec<(f64, bool)> {
     entry["effects"].as_array().into_iter().flatten().filter_map(one).collect()
 }
 
-fn parameters(truth: &Truth, entry: &Value) -> Vec<f64> {
-    let mut off = Vec::new();
+fn parameters(truth: &Truth, entry: &Value) -> Vec<Sized> {
+    let mut all = Vec::new();
     for effect in entry["effects"].as_array().into_iter().flatten() {
         let name = named(effect);
         let Some(own) = truth.effects.iter().find(|own| own.accepted.contains(&name)) else { continue };
         for (parameter, value) in &own.parameters {
             let found = &effect["parameters"][parameter];
-            let (Some(value), Some(found), Some(std)) =
-                (value.as_f64(), found["value"].as_f64(), found["std"].as_f64())
-            else {
-                continue;
-            };
-            off.push((found - value) / std);
+            let Some(off) = value.as_f64().and_then(|value| off(found, value)) else { continue };
+            let name = format!("{}.{parameter}", effect["effect"].as_str().unwrap_or_default());
+            all.push(Sized { name, off, at_least: found["at_least"] == true });
         }
     }
-    off
+    all
+}
+
+/// By how much a quantity is off the truth, half of its interval of 95 % being [`HALF_95`]: as it is stated, else by its coverage factor.
+fn off(found: &Value, truth: f64) -> Option<f64> {
+    let (value, std) = (found["value"].as_f64()?, found["std"].as_f64()?);
+    let end = found["interval_95"][usize::from(truth > value)].as_f64();
+    let half = end.map_or_else(
+        || std * found["coverage_factor_95"].as_f64().unwrap_or(HALF_95),
+        |end| (end - value).abs(),
+    );
+    Some((value - truth) / half * HALF_95)
 }
 
 #[cfg(test)]
@@ -296,7 +317,7 @@ mod tests {
     fn parameters_and_names_are_held_against_the_truth() {
         let entry = json!({"verdict": "explained", "effects": [lag("x")], "where": [{"sensors": ["x"]}]});
         let outcome = Outcome::of(truth(&[&["delay x"]]), &json!({"diagnosis": [entry]}));
-        assert!(outcome.parameters.len() == 1 && (outcome.parameters[0] - 0.1 / 0.06).abs() < 1e-9);
+        assert!(outcome.parameters.len() == 1 && (outcome.parameters[0].off - 0.1 / 0.06).abs() < 1e-9);
         assert_eq!(outcome.names, [(0.97, true)]);
         assert_eq!(outcome.located, Some(true));
     }

@@ -27,6 +27,12 @@ pub enum Quantity {
         #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         coverage_factor_95: Option<f64>,
+        /// The 95 % interval, where it is not as far to either side: of time constants and levels that are known roughly.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        interval_95: Option<[f64; 2]>,
+        /// Whether the standard uncertainty is a lower bound: intervals made of it hold less often than they say.
+        #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+        at_least: bool,
         /// Keys that this version does not know.
         #[serde(flatten)]
         extra: Extra,
@@ -42,17 +48,56 @@ impl Default for Quantity {
 impl Quantity {
     /// A value with a standard uncertainty.
     pub fn new(value: f64, std: f64) -> Self {
-        Quantity::Stated { value, std: Some(std), coverage_factor_95: None, extra: Extra::new() }
+        Quantity::Stated {
+            value,
+            std: Some(std),
+            coverage_factor_95: None,
+            interval_95: None,
+            at_least: false,
+            extra: Extra::new(),
+        }
     }
 
     /// The same with the factor from its standard uncertainty to a 95 % interval.
     #[must_use]
-    pub fn covered_by(self, factor: f64) -> Self {
+    pub fn covered_by(mut self, factor: f64) -> Self {
+        if let Quantity::Stated { coverage_factor_95, .. } = &mut self {
+            *coverage_factor_95 = Some(factor);
+        }
+        self
+    }
+
+    /// The same with its 95 % interval.
+    #[must_use]
+    pub fn within(mut self, interval: [f64; 2]) -> Self {
+        if let Quantity::Stated { interval_95, .. } = &mut self {
+            *interval_95 = Some(interval);
+        }
+        self
+    }
+
+    /// The same with an uncertainty that is a lower bound.
+    #[must_use]
+    pub fn at_least(mut self) -> Self {
+        if let Quantity::Stated { at_least, .. } = &mut self {
+            *at_least = true;
+        }
+        self
+    }
+
+    /// Whether the standard uncertainty is a lower bound.
+    pub fn is_at_least(&self) -> bool {
+        matches!(self, Quantity::Stated { at_least: true, .. })
+    }
+
+    /// The 95 % interval, where it is stated or follows from the coverage factor.
+    pub fn interval_95(&self) -> Option<[f64; 2]> {
         match self {
-            Quantity::Bare(_) => self,
-            Quantity::Stated { value, std, extra, .. } => {
-                Quantity::Stated { value, std, coverage_factor_95: Some(factor), extra }
-            }
+            Quantity::Stated { interval_95: Some(interval), .. } => Some(*interval),
+            _ => self
+                .std()
+                .zip(self.coverage_factor_95())
+                .map(|(std, factor)| [self.value() - factor * std, self.value() + factor * std]),
         }
     }
 
@@ -85,14 +130,16 @@ impl Quantity {
     }
 }
 
-/// As people read it: `0.3085 ± 0.0043`, with `{:+}` `+0.3085 ± 0.0043`; without an uncertainty, or with one of zero, the value alone.
+/// As people read it: `0.3085 ± 0.0043`, with `{:+}` `+0.3085 ± 0.0043`; without an uncertainty, or with one of zero, the value alone; one that
+/// is a lower bound as `0.3085 ± 0.0043 (at least)`.
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self.std() {
             None | Some(0.0) => number::bare(self.value()),
             Some(std) => number::uncertain(self.value(), std),
         };
-        f.write_str(&if f.sign_plus() { number::signed(&text) } else { text })
+        f.write_str(&if f.sign_plus() { number::signed(&text) } else { text })?;
+        if self.is_at_least() { f.write_str(" (at least)") } else { Ok(()) }
     }
 }
 
@@ -138,6 +185,7 @@ mod tests {
             (stated.to_string(), format!("{stated:+}")),
             ("0.3085 ± 0.0043".into(), "+0.3085 ± 0.0043".into())
         );
+        assert_eq!(stated.at_least().to_string(), "0.3085 ± 0.0043 (at least)");
         assert_eq!(
             (Quantity::Bare(-2.5).to_string(), Quantity::new(2.5, 0.0).to_string()),
             ("−2.5".into(), "2.5".into())

@@ -335,14 +335,17 @@ pub fn directions(of: &str) -> Vec<String> {
     (0..9).map(|k| format!("calibration.axes.{of}.matrix[{}][{}]", k % 3, k / 3)).collect()
 }
 
-/// The path of a parameter of an effect of the model, by what the effect is and what it belongs to, not by its place in the list.
+/// The path of a parameter of an effect of the model, by what the effect is and what it belongs to, not by its place in the list. Of two that
+/// happen in one sensor the moments tell which is which.
 pub fn effect(effect: &AdoptedEffect, parameter: &str) -> String {
     let axis = effect.sensor.or(effect.coil).map(|axis| format!(" {axis}")).unwrap_or_default();
     let of = |what: &Option<String>| what.as_ref().map(|name| format!(" {name}")).unwrap_or_default();
     let times =
         [effect.from_s, effect.to_s].map(|time| time.map(|t| format!(" {t}")).unwrap_or_default()).concat();
+    let moment =
+        effect.parameters.get("time_s").map(|time| format!(" at {}", time.value())).unwrap_or_default();
     format!(
-        "model.effects[{}{axis}{}{}{times}].{parameter}",
+        "model.effects[{}{axis}{}{}{times}{moment}].{parameter}",
         effect.effect,
         of(&effect.column),
         of(&effect.recording)

@@ -352,7 +352,7 @@ fn concluded(
     let fitter = Fitter { model, noise: &noise };
     let mut from = origin.counts();
     let departures = names.iter().map(|name| (&name.additions[..], &name.departs[..]));
-    let covariance = form_error::covariance(model, (&fit, &noise), from.0, departures)?;
+    let added = form_error::added(model, (&fit, &noise), from.0, departures)?;
     let held_with = fitter.held_out(&fit)?;
     for name in names {
         let (state, next) = without(&fit.state, from, &name.additions);
@@ -374,7 +374,7 @@ fn concluded(
             lost: name.lost,
         });
     }
-    let fit = Fit { covariance, ..fit };
+    let fit = fit.widened(&added);
     let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
     Ok(Outcome { refused, unnamed, ..outcome })
 }
@@ -401,5 +401,6 @@ fn outcome(
         noise,
         last,
         notes: Vec::new(),
+        parameters: Vec::new(),
     }
 }

@@ -41,6 +41,8 @@ pub struct Fit {
     pub jacobian: Mat<f64>,
     /// Covariance of the unknowns if the noise is as told; infinite variances for what is not determined.
     pub covariance: Mat<f64>,
+    /// What comes on top of the readings' own errors in that: what forms leave, and by how much two ways to fit are apart.
+    pub beyond: Mat<f64>,
     /// Rank.
     pub rank: usize,
     /// Σ of the squared whitened residuals.
@@ -146,7 +148,8 @@ impl Fitter<'_, '_> {
         let At { state, residual, white, cost } = at;
         let all: Vec<usize> = (0..jacobian.ncols()).collect();
         let Gain { covariance, rank, .. } = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
-        Ok(Fit { state, residual, white, jacobian, covariance, rank, cost })
+        let beyond = Mat::zeros(all.len(), all.len());
+        Ok(Fit { state, residual, white, jacobian, covariance, beyond, rank, cost })
     }
 
     /// By how much the sum of squares of a fit falls with an effect as it stands, nothing fitted again.
@@ -196,6 +199,13 @@ impl Fitter<'_, '_> {
         let mut products = Products::of(width);
         blocks.into_iter().for_each(|block| products.join(block));
         products
+    }
+}
+
+impl Fit {
+    /// The same with a covariance on top of its own.
+    pub fn widened(self, added: &Mat<f64>) -> Self {
+        Self { covariance: &self.covariance + added, beyond: &self.beyond + added, ..self }
     }
 }
 
@@ -313,17 +323,36 @@ pub fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &[f64]> {
 
 /// An orthonormal basis of columns.
 pub fn orthonormal(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    let lengths: Vec<f64> = (0..columns.ncols()).map(|j| square(columns.col_as_slice(j)).sqrt()).collect();
-    let kept: Vec<usize> = (0..columns.ncols()).filter(|j| lengths[*j] > 0.0).collect();
-    let scaled = Mat::from_fn(columns.nrows(), kept.len(), |i, j| columns[(i, kept[j])] / lengths[kept[j]]);
+    Ok(columns * root_of_inverse(columns)?)
+}
+
+/// The inverse of JᵀJ along the directions that show; zero across them.
+pub fn inverse(jacobian: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let root = root_of_inverse(jacobian)?;
+    Ok(&root * root.transpose())
+}
+
+/// A root of that.
+fn root_of_inverse(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let count = columns.ncols();
+    let scale: Vec<f64> = (0..count)
+        .map(|j| match square(columns.col_as_slice(j)).sqrt() {
+            length if length > 0.0 => 1.0 / length,
+            _ => 0.0,
+        })
+        .collect();
+    let scaled =
+        Mat::from_fn(
+            columns.nrows(),
+            count,
+            |i, j| if scale[j] > 0.0 { columns[(i, j)] * scale[j] } else { 0.0 },
+        );
     let gram = scaled.transpose() * &scaled;
     let failed = |reason: String| {
-        Error::Estimate(estimate::Error::Decomposition { rows: kept.len(), columns: kept.len(), reason })
+        Error::Estimate(estimate::Error::Decomposition { rows: count, columns: count, reason })
     };
     let eigen = gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-    let values: Vec<f64> = (0..kept.len()).map(|k| eigen.S().column_vector()[k]).collect();
-    let along: Vec<usize> = (0..kept.len()).filter(|k| values[*k] > ROUNDING).collect();
-    let directions =
-        Mat::from_fn(kept.len(), along.len(), |i, k| eigen.U()[(i, along[k])] / values[along[k]].sqrt());
-    Ok(scaled * directions)
+    let values: Vec<f64> = (0..count).map(|k| eigen.S().column_vector()[k]).collect();
+    let along: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();
+    Ok(Mat::from_fn(count, along.len(), |j, k| scale[j] * eigen.U()[(j, along[k])] / values[along[k]].sqrt()))
 }

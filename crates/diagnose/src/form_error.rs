@@ -28,9 +28,9 @@ use crate::whitening::NoiseModel;
 /// From one time constant of a mixture to the next.
 const APART: f64 = 2.5;
 
-/// The covariance of a fit whose effects, from a number on in the order of these additions, may depart from their equations by these
-/// shares, group by group.
-pub fn covariance<'n>(
+/// What comes on top of the covariance of a fit whose effects, from a number on in the order of these additions, may depart from their
+/// equations by these shares, group by group.
+pub fn added<'n>(
     model: &Model<'_>,
     (fit, noise): (&Fit, &NoiseModel),
     from: usize,
@@ -76,10 +76,10 @@ pub fn covariance<'n>(
         }
     }
     if columns.is_empty() {
-        return Ok(fit.covariance.clone());
+        return Ok(Mat::zeros(fit.covariance.nrows(), fit.covariance.ncols()));
     }
     let dense: Vec<Vec<f64>> = columns.iter().map(|column| column.dense(&model.observed)).collect();
-    widened(fit, &noise.whiten_all(&model.observed, &dense), &shares)
+    beyond(fit, &noise.whiten_all(&model.observed, &dense), &shares)
 }
 
 /// The state of a fit with the time constant of an effect longer and shorter: a real relaxation is a mixture of several.
@@ -97,8 +97,8 @@ fn mixture(fit: &Fit, number: usize) -> Vec<State> {
     vec![with(APART), with(1.0 / APART)]
 }
 
-/// The covariance of a fit with whitened departures of these standard deviations beforehand.
-fn widened(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<f64>, Error> {
+/// What whitened departures of these standard deviations beforehand add to the covariance of a fit.
+fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<f64>, Error> {
     let (unknowns, count) = (fit.jacobian.ncols(), departures.len());
     let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     // What nothing determines takes no part in it.
@@ -127,7 +127,7 @@ fn widened(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat
     let mean = factor.solve(&DVector::from_fn(count, |j, _| dot(&beside[j], &fit.white)));
     let squares = factor.inverse() + &mean * mean.transpose();
     let added = &moved * squares * moved.transpose();
-    Ok(Mat::from_fn(unknowns, unknowns, |i, j| fit.covariance[(i, j)] + added[(i, j)]))
+    Ok(Mat::from_fn(unknowns, unknowns, |i, j| added[(i, j)]))
 }
 
 #[cfg(test)]
@@ -155,10 +155,12 @@ mod tests {
             white: vec![0.0; rows],
             covariance: Mat::from_fn(1, 1, |_, _| 1.0 / energy),
             jacobian,
+            beyond: Mat::zeros(1, 1),
             rank: 1,
             cost: 0.0,
         };
-        let found = widened(&fit, std::slice::from_ref(&curve), &[std]).expect("determined")[(0, 0)];
+        let added = beyond(&fit, std::slice::from_ref(&curve), &[std]).expect("determined");
+        let found = fit.widened(&added).covariance[(0, 0)];
         let across: f64 = (0..rows).map(|i| x(i) * curve[i]).sum();
         let left: f64 = curve.iter().map(|c| c * c).sum::<f64>() - across * across / energy;
         let expected = 1.0 / energy + (across / energy).powi(2) / (left + 1.0 / (std * std));

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use crate::channel::Reader;
 use crate::fit::Fit;
 use crate::level::{at_least_one, looks_along};
-use crate::model::Model;
+use crate::model::{Model, State};
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 use crate::whitening::{NoiseModel, code_nt};
@@ -72,6 +72,24 @@ fn of_sensor(
     };
     let (name, addition) = (named(&effect), Addition::Effect(effect));
     Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false })
+}
+
+/// Standard uncertainty of a sensor's width of codes, nT, that of its sensitivity apart: of n readings x whose phases 2πx/q scatter by σ, that of
+/// the frequency 1/q is σ/(2π √(n var x)).
+pub fn width_std(model: &Model<'_>, state: &State, codes: &EffectInstance) -> f64 {
+    let (Some(axis), [width]) = (codes.axis, &codes.parameters[..]) else { return 0.0 };
+    let mut x = Vec::new();
+    for channel in model.observed.channels.iter().filter(|channel| channel.reader == Reader::Sensor(axis)) {
+        let (basic, _) = model.setting(state, channel.run);
+        let sensitivity = basic.sensors[axis.index()].sensitivity;
+        x.extend(channel.readings.iter().map(|reading| reading * sensitivity));
+    }
+    let count = x.len() as f64;
+    let mean = x.iter().sum::<f64>() / count;
+    let squares: f64 = x.iter().map(|x| (x - mean).powi(2)).sum();
+    let share = power_at(&x, &vec![1.0; x.len()], 1.0 / width) / (count * count);
+    let scatter = ((1.0 - share).max(0.0) / share.max(f64::MIN_POSITIVE)).sqrt();
+    width * width * scatter / (TAU * squares.sqrt())
 }
 
 /// The width of which all readings are whole numbers, nT, and the probability of such a one by chance.

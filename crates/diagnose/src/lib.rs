@@ -27,6 +27,7 @@ mod form;
 mod form_error;
 mod generic;
 mod held_out;
+mod joint;
 mod lattice;
 mod level;
 mod lines;
@@ -42,6 +43,7 @@ mod reach;
 mod report;
 mod search;
 mod sets;
+mod sized;
 mod smooth;
 mod stacked;
 mod stands;
@@ -56,7 +58,8 @@ pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
 pub use error::Error;
 pub use words::summary;
 
-use common::{Diagnosis, Document, Verdict};
+use common::{Diagnosis, Document, Quantity, Verdict};
+use indexmap::IndexMap;
 use physics::{Kind, References};
 
 use crate::candidates::Pool;
@@ -142,6 +145,8 @@ struct Outcome {
     last: Look,
     /// What is to be said of the fits.
     notes: Vec<String>,
+    /// Parameters of the effects of the final fit, with their uncertainty.
+    parameters: Vec<IndexMap<String, Quantity>>,
 }
 
 /// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add up.
@@ -229,11 +234,9 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
     }
-    let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
-    let entry = Diagnosis { calibration_moved: moved, ..entry };
-    let entry = Diagnosis { answer: words::answer(&entry), ..entry };
-    if matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained) {
-        adopt::adopt(&mut document, &model, &outcome);
+    outcome.parameters = report::quantities(&model, &outcome);
+    if matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained) {
+        outcome.parameters = adopt::adopt(&mut document, &model, &outcome)?;
         physics::state_references(&mut document, &References::of(&original));
     } else if options.refit {
         // Beside names that are open, without any of them.
@@ -242,8 +245,11 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         } else {
             (&outcome.base, &outcome.first)
         };
-        adopt::calibration(&mut document, &model, (fit, look.rest.scale()));
+        adopt::calibration(&mut document, &model, (fit, &look.rest))?;
     }
+    let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
+    let entry = Diagnosis { calibration_moved: moved, ..entry };
+    let entry = Diagnosis { answer: words::answer(&entry), ..entry };
     document.diagnosis = Some(vec![entry]);
     Ok(document)
 }

@@ -20,7 +20,7 @@ use crate::search::Searcher;
 use crate::what::{What, named};
 use crate::{Error, Found, Options, Outcome, experiment, moved};
 
-pub use effects::effect_quantities;
+pub use effects::quantities;
 
 /// The entry of a document.
 pub fn report(

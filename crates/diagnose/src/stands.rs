@@ -87,15 +87,15 @@ fn least(
     }
     let (plain, _) = settled_white(document, model, &weighted.state)?;
     let at = Fitter { model, noise }.at(&plain.state)?;
-    Ok(Fit { covariance: apart(model, weighted, &plain), ..at })
+    let as_weighted = Fit { covariance: weighted.covariance.clone(), beyond: weighted.beyond.clone(), ..at };
+    Ok(as_weighted.widened(&apart(model, weighted, &plain)))
 }
 
-/// The covariance of a weighted fit, with by how much least squares are off it.
+/// By how much least squares are off a weighted fit, as what comes on top of its covariance.
 fn apart(model: &Model<'_>, weighted: &Fit, plain: &Fit) -> Mat<f64> {
     let [from, to] = [weighted, plain].map(|fit| unknowns(model, &fit.state));
     let off: Vec<f64> = to.iter().zip(&from).map(|(to, from)| to - from).collect();
-    let covariance = &weighted.covariance;
-    Mat::from_fn(covariance.nrows(), covariance.ncols(), |i, j| covariance[(i, j)] + off[i] * off[j])
+    Mat::from_fn(off.len(), off.len(), |i, j| off[i] * off[j])
 }
 
 /// The unknowns of a state in the order of a fit's columns, shapes by their logarithm.

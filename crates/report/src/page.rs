@@ -179,6 +179,7 @@ impl From<f64> for Cell {
 impl From<&Quantity> for Cell {
     fn from(quantity: &Quantity) -> Self {
         match quantity.std() {
+            Some(_) if quantity.is_at_least() => Cell::Text(quantity.to_string()),
             Some(std) => Cell::Uncertain { value: quantity.value(), std },
             None => Cell::Number(quantity.value()),
         }

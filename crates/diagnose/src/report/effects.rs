@@ -1,18 +1,24 @@
 //! The effects that explain, with their parameters and the evidence.
 
-use common::{ExplainedEffect, ListedEffect, Quantity, Rival};
+use common::{ExplainedEffect, ListedEffect, Quantity, Rival, Verdict};
 use estimate::screen::Screen;
 use indexmap::IndexMap;
-use physics::{EffectInstance, Role};
+use physics::{EffectInstance, Kind, Role};
 use std::ops::Range;
 
 use super::residuals::floor;
 use crate::covariates::on_coil;
 use crate::dependence;
 use crate::fit::Fitter;
+use crate::lattice;
 use crate::model::{Column, Model};
 use crate::proposal::Addition;
+use crate::sized;
 use crate::{Error, Found, Outcome};
+
+/// A variance that rests on what is assumed of an effect's departures from its equation by more than this share is a lower bound: no recording
+/// bounds those.
+const BY_FORMS: f64 = 0.5;
 
 /// Where something that was found stands in the final state: the numbers of its effects, and of its columns.
 pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Range<usize>) {
@@ -25,23 +31,39 @@ pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Rang
     (first[0]..first[0] + count(own, true), first[1]..first[1] + count(own, false))
 }
 
-/// Parameters of an effect of the final state with their uncertainty.
-pub fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) -> IndexMap<String, Quantity> {
+/// Parameters of the effects of the final state with their uncertainty.
+pub fn quantities(model: &Model<'_>, outcome: &Outcome) -> Vec<IndexMap<String, Quantity>> {
+    (0..outcome.fit.state.effects.len()).map(|effect| effect_quantities(model, outcome, effect)).collect()
+}
+
+fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) -> IndexMap<String, Quantity> {
     let state = &outcome.fit.state;
     let free = model.free(state);
-    let scale = outcome.last.rest.scale();
+    let rest = &outcome.last.rest;
+    // Something is left that no model has, or another name is as good.
+    let open = matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Ambiguous);
     let instance = &state.effects[effect];
     let parameters = instance.kind.parameters().iter().zip(&instance.parameters).enumerate();
     parameters
         .map(|(number, (info, value))| {
             let at = free.iter().position(|(e, p)| (*e, *p) == (effect, number));
-            let variance = at.map_or(0.0, |at| {
+            let fitted = |at: usize| {
                 let at = model.unknowns.len() + at;
-                outcome.fit.covariance[(at, at)] * scale
-            });
-            let factor = if info.role == Role::Shape { *value } else { 1.0 };
-            let std = Some(variance.sqrt() * factor).filter(|std| std.is_finite());
-            (info.name.to_string(), std.map_or(Quantity::Bare(*value), |std| Quantity::new(*value, std)))
+                let factor = if info.role == Role::Shape { *value } else { 1.0 };
+                (outcome.fit.covariance[(at, at)] * rest.scale()).sqrt() * factor
+            };
+            // The moment of a step or a spike is that of a row, and has no uncertainty that follows from a fit.
+            let std = match instance.kind {
+                Kind::Quantisation => lattice::width_std(model, state, instance),
+                _ => at.map_or(0.0, fitted),
+            };
+            let quantity = sized::quantity(*value, std, rest.known + rest.freedom, Some(info));
+            let of_forms = |at: usize| {
+                let at = model.unknowns.len() + at;
+                outcome.fit.beyond[(at, at)] > BY_FORMS * outcome.fit.covariance[(at, at)]
+            };
+            let at_least = open || at.is_some_and(of_forms);
+            (info.name.to_string(), if at_least { quantity.at_least() } else { quantity })
         })
         .collect()
 }
@@ -99,7 +121,7 @@ pub(super) fn explained(
                 describe(&mut effect, instance);
                 effect.list.push(ListedEffect {
                     recording: instance.recording.clone(),
-                    parameters: effect_quantities(model, outcome, at),
+                    parameters: outcome.parameters[at].clone(),
                 });
             }
             for place in columns {

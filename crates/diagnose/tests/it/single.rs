@@ -8,7 +8,7 @@ use diagnose::Options;
 use serde_json::{Value, json};
 
 /// Every effect of the catalogue that a calibration does not hold already, on a recording that shows it.
-fn cases() -> Vec<(Scene, Value)> {
+pub fn cases() -> Vec<(Scene, Value)> {
     let one = |effect: &str, sensor: &str, parameters: Value| json!({"effect": effect, "sensor": sensor, "parameters": parameters});
     let coil = |effect: &str, coil: &str, parameters: Value| json!({"effect": effect, "coil": coil, "parameters": parameters});
     let all = |effect: &str, parameters: Value| json!({"effect": effect, "parameters": parameters});
