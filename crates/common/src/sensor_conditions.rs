@@ -133,7 +133,7 @@ pub struct CrossFieldFit {
     pub levels: CrossFieldLevels,
     /// By how much each sensor points towards the coil across it; it belongs to the axes.
     pub misalignments: Vec<Misalignment>,
-    /// What the two-pass correction does to readings that were not in its fit.
+    /// What the correction does to readings that were not in its fit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub held_out: Option<HeldOut>,
     /// Noise of the fit.
@@ -186,10 +186,17 @@ pub struct Misalignment {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct HeldOut {
-    /// First pass: constants found without field across.
+    /// With the constants and the lean alone.
     pub before_nt: f64,
-    /// Second pass: corrected for the field across.
+    /// Corrected for the field across as it was applied.
     pub after_nt: f64,
+    /// Corrected in the report's first pass, for the field across as the sensors read it with their constants alone; absent
+    /// where a recording does not have the readings of all three.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub first_pass_nt: Option<f64>,
+    /// Corrected in the second pass, for the field across as the readings corrected in the first one give it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub second_pass_nt: Option<f64>,
     /// Readings.
     pub readings: usize,
 }

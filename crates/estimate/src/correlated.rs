@@ -1,7 +1,8 @@
 //! Linear least squares of readings whose errors are correlated (generalised least squares).
 
 use faer::linalg::solvers::Llt;
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatMut, MatRef, Side};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
@@ -9,12 +10,38 @@ use crate::gauss_newton::Linear;
 use crate::linear::{self, LinearFit};
 use crate::mixture::{Component, Mixture};
 
-/// A covariance V = L Lᵀ of readings, and with it the way to independent ones: L⁻¹. Block-diagonal: groups of readings that
-/// share nothing follow each other.
+/// What makes the readings of one group independent: L⁻¹, for their covariance V = L Lᵀ.
+pub trait Root: std::fmt::Debug + Send + Sync {
+    /// How many readings.
+    fn rows(&self) -> usize;
+
+    /// ln |V|.
+    fn log_determinant(&self) -> f64;
+
+    /// Puts L⁻¹ of each column in its place.
+    fn whiten(&self, columns: MatMut<'_, f64>);
+}
+
+impl Root for Llt<f64> {
+    fn rows(&self) -> usize {
+        self.L().nrows()
+    }
+
+    fn log_determinant(&self) -> f64 {
+        (0..self.rows()).map(|i| 2.0 * self.L()[(i, i)].ln()).sum()
+    }
+
+    fn whiten(&self, columns: MatMut<'_, f64>) {
+        self.L().solve_lower_triangular_in_place(columns);
+    }
+}
+
+/// The way from correlated readings to independent ones. Groups of readings that share nothing follow each other.
 #[derive(Clone, Debug)]
 pub struct Whitening {
-    /// L of each block.
-    blocks: Vec<Arc<Llt<f64>>>,
+    groups: Vec<Arc<dyn Root>>,
+    /// A factor of each group's standard deviations.
+    scales: Vec<f64>,
     /// ln |V|.
     log_determinant: f64,
     /// ln of its probability beforehand, up to a constant.
@@ -24,20 +51,29 @@ pub struct Whitening {
 impl Whitening {
     /// Of the covariance of each group of readings, which must be positive definite.
     pub fn of(covariances: &[Mat<f64>]) -> Result<Self, Error> {
-        let blocks: Vec<Arc<Llt<f64>>> = covariances
-            .iter()
-            .map(|covariance| {
-                let rows = covariance.nrows();
-                let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
-                let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-                Ok(Arc::new(factor))
-            })
-            .collect::<Result<_, Error>>()?;
-        let logarithm = |factor: &Arc<Llt<f64>>| -> f64 {
-            (0..factor.L().nrows()).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum()
-        };
-        let log_determinant = blocks.iter().map(logarithm).sum();
-        Ok(Self { blocks, log_determinant, log_prior: 0.0 })
+        let groups = covariances.iter().map(|covariance| {
+            let rows = covariance.nrows();
+            let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
+            let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+            Ok(Arc::new(factor) as Arc<dyn Root>)
+        });
+        Ok(Self::by(groups.collect::<Result<_, Error>>()?))
+    }
+
+    /// By what makes each group of readings independent.
+    pub fn by(groups: Vec<Arc<dyn Root>>) -> Self {
+        let log_determinant = groups.iter().map(|group| group.log_determinant()).sum();
+        Self { scales: vec![1.0; groups.len()], groups, log_determinant, log_prior: 0.0 }
+    }
+
+    /// The same with the standard deviations of each group times a factor.
+    pub fn scaled(&self, scales: &[f64]) -> Self {
+        let mut scaled = self.clone();
+        for ((group, own), scale) in self.groups.iter().zip(&mut scaled.scales).zip(scales) {
+            *own *= scale;
+            scaled.log_determinant += 2.0 * group.rows() as f64 * scale.ln();
+        }
+        scaled
     }
 
     /// The same with a probability beforehand, up to a factor that is common to all.
@@ -55,9 +91,11 @@ impl Whitening {
     pub fn apply(&self, matrix: MatRef<'_, f64>) -> Mat<f64> {
         let mut white = matrix.to_owned();
         let mut from = 0;
-        for factor in &self.blocks {
-            let rows = factor.L().nrows();
-            factor.L().solve_lower_triangular_in_place(white.as_mut().subrows_mut(from, rows));
+        for (group, scale) in self.groups.iter().zip(&self.scales) {
+            let rows = group.rows();
+            let mut part = white.as_mut().subrows_mut(from, rows);
+            group.whiten(part.as_mut());
+            part.col_iter_mut().flat_map(|column| column.iter_mut()).for_each(|value| *value /= scale);
             from += rows;
         }
         white
@@ -133,9 +171,7 @@ pub fn fit(
     scale: Scale,
 ) -> Result<CorrelatedFit, Error> {
     let unknowns = design.ncols();
-    let mut fits: Vec<LinearFit> = Vec::new();
-    let mut components = Vec::new();
-    for whitening in covariances {
+    let under = |whitening: &Whitening| -> Result<(LinearFit, Component), Error> {
         let fit = linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None)?;
         let (misfit, size) = match scale {
             Scale::Fitted => (
@@ -144,14 +180,17 @@ pub fn fit(
             ),
             Scale::Known => (fit.sum_of_squares, 1.0),
         };
-        components.push(Component {
+        let component = Component {
             log_weight: whitening.log_prior
                 - 0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit),
             coefficients: fit.coefficients.clone(),
             covariance: Mat::from_fn(unknowns, unknowns, |i, j| size * fit.covariance[(i, j)]),
-        });
-        fits.push(fit);
-    }
+        };
+        Ok((fit, component))
+    };
+    let both: Vec<(LinearFit, Component)> =
+        covariances.par_iter().map(under).collect::<Result<_, Error>>()?;
+    let (fits, components): (Vec<LinearFit>, Vec<Component>) = both.into_iter().unzip();
     let likelihood = |at: &usize| components[*at].log_weight;
     let best = (0..fits.len())
         .max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))

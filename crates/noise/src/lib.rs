@@ -15,7 +15,7 @@ mod power_law;
 mod stream;
 mod whitening;
 
-pub use covariance::covariance;
+pub use covariance::{covariance, mean_variance};
 pub use flicker::{Process, SLOWEST};
 pub use means::covariance_of_means;
 pub use power_law::{power_law, random_walk};

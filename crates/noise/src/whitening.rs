@@ -46,32 +46,57 @@ impl Whitening {
     /// Without times, or where all are one, only white noise counts. Refused are exponents outside 0 … 2, times out of order, a
     /// longest period that is none or of more than 10¹² steps, and a noise of zero.
     pub fn of(noise: &Noise, time_s: Option<&[f64]>, rows: usize, oldest_s: f64) -> Result<Self, NoiseError> {
-        let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if amplitude > 0.0 && !(0.0..=2.0).contains(&exponent) {
-            return Err(NoiseError::Exponent(exponent));
+        Self::of_sum(std::slice::from_ref(noise), time_s, rows, oldest_s)
+    }
+
+    /// Of the sum of several independent noises, otherwise as [`Whitening::of`].
+    pub fn of_sum(
+        noises: &[Noise],
+        time_s: Option<&[f64]>,
+        rows: usize,
+        oldest_s: f64,
+    ) -> Result<Self, NoiseError> {
+        let flicker = |noise: &Noise| {
+            (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0))
+        };
+        let flickers: Vec<(f64, f64)> = noises.iter().map(flicker).filter(|(size, _)| *size > 0.0).collect();
+        if let Some((_, exponent)) = flickers.iter().find(|(_, exponent)| !(0.0..=2.0).contains(exponent)) {
+            return Err(NoiseError::Exponent(*exponent));
         }
+        let squares = |of: fn(&Noise) -> Option<f64>| -> f64 {
+            noises.iter().map(|noise| of(noise).unwrap_or(0.0).powi(2)).sum()
+        };
+        let walk = squares(|noise| noise.random_walk_nt_per_sqrt_s);
         let mut whitening = Self {
             rows,
             steps_s: Arc::default(),
             processes: Arc::default(),
             walk: 0.0,
-            white: noise.white_rms_nt.unwrap_or(0.0).powi(2),
+            white: squares(|noise| noise.white_rms_nt),
             level: None,
             gains: Arc::default(),
         };
-        let walk = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0).powi(2);
-        let times = time_s.filter(|time| time.len() == rows && rows > 1 && amplitude + walk > 0.0);
+        let memory = walk > 0.0 || !flickers.is_empty();
+        let times = time_s.filter(|time| time.len() == rows && rows > 1 && memory);
         if let Some((mut steps, typical)) = times.map(steps).transpose()?.filter(|(_, step)| *step > 0.0) {
-            if amplitude > 0.0 {
-                let count = oldest_s / typical;
-                if !(count > 0.0 && count <= MOST_STEPS) {
-                    return Err(NoiseError::Length(oldest_s, typical));
-                }
-                let (processes, white) = flicker::sum(amplitude, exponent, typical, oldest_s);
-                whitening.processes = processes.into();
-                whitening.white += white;
+            let count = oldest_s / typical;
+            let possible = flickers.is_empty() || (count > 0.0 && count <= MOST_STEPS);
+            if !possible {
+                return Err(NoiseError::Length(oldest_s, typical));
             }
+            let mut processes: Vec<Process> = Vec::new();
+            for (amplitude, exponent) in flickers {
+                let (sum, white) = flicker::sum(amplitude, exponent, typical, oldest_s);
+                whitening.white += white;
+                for one in sum {
+                    // The corners depend on the steps and the longest period alone.
+                    match processes.iter_mut().find(|other| other.rate_per_s == one.rate_per_s) {
+                        Some(other) => other.variance_nt2 += one.variance_nt2,
+                        None => processes.push(one),
+                    }
+                }
+            }
+            whitening.processes = processes.into();
             whitening.walk = walk;
             for step in &mut steps {
                 if (*step - typical).abs() <= EVEN * typical {
@@ -83,6 +108,11 @@ impl Whitening {
             whitening.steps_s = steps.into();
         }
         if whitening.white > 0.0 { Ok(whitening) } else { Err(NoiseError::Nothing) }
+    }
+
+    /// How many readings it whitens.
+    pub fn rows(&self) -> usize {
+        self.rows
     }
 
     /// The same noise where the mean of the readings is known besides: it is zero within a standard uncertainty.

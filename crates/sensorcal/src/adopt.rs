@@ -1,11 +1,12 @@
 //! What was found, as effects of the catalogue in the document's model.
 
-use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity};
+use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalibration};
 use indexmap::IndexMap;
 use physics::Kind;
 
 use crate::Found;
 use crate::departure::FOUND_BELOW;
+use crate::effects::likely_size;
 
 /// Who put an effect into the model: on a second run it is replaced.
 const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
@@ -32,7 +33,8 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
         let parameter = kind.parameters()[0].name.to_string();
         effects.push(one(*kind, sensor, [(parameter, size.clone())].into_iter().collect()));
     }
-    if let Some(cross) = &found.calibration.cross_field {
+    let matters = across_matters(&found.calibration);
+    if let Some(cross) = found.calibration.cross_field.as_ref().filter(|_| matters) {
         effects.extend(across(cross, sensor));
     }
     let mine =
@@ -67,19 +69,22 @@ pub fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> 
     }
 }
 
-/// The effects of fields across, where they are significant; a parameter that was not seen is zero.
+/// Whether fields across change a sensor.
+pub fn across_matters(calibration: &SensorCalibration) -> bool {
+    let test = calibration.cross_field.as_ref().and_then(|cross| cross.significance);
+    test.is_some_and(|test| test.p_value < FOUND_BELOW)
+}
+
+/// The effects of fields across; a parameter that was not seen is zero, give or take what the others make likely.
 fn across(cross: &CrossFieldFit, sensor: Axis) -> Vec<AdoptedEffect> {
-    if cross.significance.is_none_or(|test| test.p_value >= FOUND_BELOW) {
-        return Vec::new();
-    }
     [(Kind::CrossField, &cross.offset), (Kind::CrossFieldSensitivity, &cross.sensitivity)]
         .into_iter()
         .filter(|(_, found)| !found.is_empty())
         .map(|(kind, found)| {
             let all = kind.parameters().iter();
-            // What was not seen is zero, give or take the largest that was.
-            let most = found.values().map(|size| size.value().abs()).fold(0.0, f64::max);
-            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, most));
+            let sizes = found.values().map(|size| (size.value(), size.std().unwrap_or(0.0)));
+            let likely = likely_size(sizes, cross.noise.degrees_of_freedom);
+            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, likely));
             one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
         })
         .collect()

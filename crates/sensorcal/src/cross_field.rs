@@ -5,38 +5,42 @@
 //! `cross_field`) or goes with the field along (`cross_field_sensitivity`) is the sensor's own.
 
 use common::number::p_value;
+use common::uncertainty::{self, Block};
 use common::{
-    Axis, CrossFieldFit, CrossFieldLevels, Document, Error as Fault, FTest, HeldOut, Misalignment, Quantity,
-    TestResult, procedure,
+    Axis, CrossFieldFit, CrossFieldLevels, Document, Error as Fault, FTest, FitNoise, Quantity, TestResult,
+    procedure,
 };
 use estimate::stats;
 use faer::Mat;
 use physics::Kind;
 
 use crate::Error;
+use crate::adopt;
 use crate::conditions::Conditions;
-use crate::departure::{self, Candidate, FOUND_BELOW, used, visible_share};
+use crate::departure::{self, Candidate, FOUND_BELOW};
+use crate::effects::{self, FULL_NT, Sought, sought};
 use crate::fit::{self, Fit, Problem, Unknown};
+use crate::leaning::{ACROSS, Across};
 use crate::levels;
+use crate::passes::{self, LeftOut};
 use crate::readings::{Run, code_width, runs};
-use crate::shape::Shape;
+use crate::shape::{Place, Shape};
+use crate::sides::Sides;
+use crate::sizes::Sized;
 
-/// A field across that moves by less than this share of the field along is none.
-const ACROSS: f64 = 0.01;
-/// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside the others,
-/// cannot be told.
-const VISIBLE: f64 = 0.2;
-/// Fields count in units of the catalogue's reference field.
-const FULL_NT: f64 = 50_000.0;
-/// Parts into which readings are dealt out to be left out one after the other.
-const FOLDS: usize = 3;
-const ARCSEC: f64 = std::f64::consts::PI / 648_000.0;
+/// A level has so many readings at least.
+const LEVEL: usize = 3;
+/// Fields across that are levels, and not a field that moves on its way, at most.
+const MOST_LEVELS: usize = 100;
 
-/// One parameter that is sought.
-struct Sought {
-    kind: Kind,
-    number: usize,
-    column: Vec<Vec<f64>>,
+/// What was found of a sensor.
+pub struct Found {
+    /// For the document.
+    pub fit: CrossFieldFit,
+    /// The parameters as they were estimated.
+    pub block: Block,
+    /// Readings that were left out of a fit, one after the other.
+    pub left_out: Vec<LeftOut>,
 }
 
 /// Coefficients of a sensor; None without a recording.
@@ -45,13 +49,13 @@ pub fn coefficients(
     sensor: Axis,
     noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
-    axes_std_deg: f64,
-) -> Result<Option<CrossFieldFit>, Error> {
+    sides: &Sides,
+) -> Result<Option<Found>, Error> {
     let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
     if runs.is_empty() {
         return Ok(None);
     }
-    let across = across(&runs)?;
+    let across = Across::of(&runs)?;
     let mut found = CrossFieldFit {
         recordings: runs.iter().map(|run| run.context.recording.id.clone()).collect(),
         ..CrossFieldFit::default()
@@ -66,125 +70,80 @@ pub fn coefficients(
     let (effects, known) = conditions.effects_in(&runs);
     let mut knowns = fit::coils(document, &runs)?;
     knowns.extend(known);
-    let mut unknowns = misalignments(&runs, &across);
-    let turned = unknowns.len();
-    unknowns.extend(levels::own_constants(&runs, sensor));
-    let allowed = fit::noise(&runs, &shape)?;
+    let mut unknowns = across.unknowns(&runs);
+    unknowns.extend(levels::polynomial(&runs));
+    let place = if across.held.is_empty() { Place::Coils } else { Place::Levels };
+    let allowed = fit::noise_in(&runs, &shape, place)?;
     let base = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
     let without = base.solve()?;
-    let (sought, unseen) = sought(&runs, &without.design)?;
+    let directions = sides.solve(&across.cosines(&runs, &without))?;
+    let sided = effects::turned(&runs, &directions.eta, |_| 0.0);
+    let (sought, unseen) = sought(&sided, &without.design)?;
     let mut unknowns = base.unknowns.clone();
     unknowns.extend(sought.iter().map(|one| Unknown::Column(one.column.clone())));
     let problem = Problem { unknowns, ..base };
-    let candidates = [squared(&runs, &across)];
+    let candidates = [squared(&runs, &across.coils)];
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
+    let same = departure::extend(&problem, &candidates)?;
+    let weighty = allowed.weighty(&same.fit.linear);
+    let sized = Sized::of(&weighty, &same.fit, runs.iter().map(|run| run.rows.len()).collect())?;
+    let problem = Problem { allowed: &sized.allowed, ..problem };
     let extended = departure::extend(&problem, &candidates)?;
     let fit = &extended.fit;
     let first = without.values.len();
-    let count = sought.len();
-    let mut covariance: Vec<Vec<f64>> =
-        (0..count).map(|i| (0..count).map(|j| fit.covariance(first + i, first + j)).collect()).collect();
-    unknown_axes(document, &runs, &problem, (&sought, &unseen), fit, axes_std_deg, &mut covariance)?;
+    let places: Vec<usize> = (first..first + sought.len()).collect();
+    let errors = effects::unknown(&sided, &directions, (&sought, &unseen), fit, first)?;
+    let own = own_covariance(&problem, fit, &places, &errors)?;
     for (at, one) in sought.iter().enumerate() {
-        let info = &one.kind.parameters()[one.number];
-        let quantity = Quantity::new(fit.values[first + at], covariance[at][at].sqrt());
+        let variance = own[at][at] + fit.common[(first + at, first + at)];
+        let quantity = Quantity::new(fit.values[first + at], variance.sqrt());
         let (name, group) = match one.kind {
             Kind::CrossField => ("offset", &mut found.offset),
             _ => ("sensitivity", &mut found.sensitivity),
         };
-        group.insert(info.name.into(), quantity);
-        found.covariance_order.push(format!("{name}.{}", info.name));
+        group.insert(one.name().into(), quantity);
+        found.covariance_order.push(format!("{name}.{}", one.name()));
     }
-    found.covariance = covariance;
-    found.departures = extended.departures;
-    found.noise = fit.noise.clone();
-    found.significance = Some(significance(fit, first, count));
-    found.misalignments = named(&runs, &across, fit, turned);
-    levels_of(&runs, &across, &shape, &problem, turned, &mut found)?;
-    found.held_out = held_out(&problem, first, &shape)?;
-    findings(sensor, &unseen, &runs, &mut found, conditions);
-    Ok(Some(found))
-}
-
-/// The coils across the sensor that were driven in each run.
-fn across(runs: &[Run<'_>]) -> Result<Vec<Vec<Axis>>, Error> {
-    runs.iter()
-        .map(|run| {
-            let size = |coil: Axis| {
-                let of = || run.rows.iter().map(|row| run.coil_nt(coil, *row));
-                of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min)
-            };
-            let along = size(run.coil);
-            let mut coils: Vec<Axis> = Vec::new();
-            for coil in Axis::ALL {
-                let apart = coils.iter().all(|other| !together(run, coil, *other));
-                if coil != run.coil && size(coil) > ACROSS * along && apart {
-                    coils.push(coil);
-                }
-            }
-            if coils.is_empty() {
-                let found = format!("no field across sensor {} that changes", run.sensor);
-                let expected = "drive on a coil across the sensor, zero and both signs in one recording, with one setting of the sensor";
-                return Err(Fault::document(format!("{}.columns", run.path), found, expected).into());
-            }
-            Ok(coils)
-        })
-        .collect()
-}
-
-/// Whether two coils are driven in proportion: a lean towards the one cannot be told from one towards the other.
-fn together(run: &Run<'_>, coil: Axis, other: Axis) -> bool {
-    let column = |coil: Axis| -> Vec<f64> { run.rows.iter().map(|row| run.coil_nt(coil, *row)).collect() };
-    let (one, two) = (column(coil), column(other));
-    let with = Mat::from_fn(one.len(), 2, |i, j| if j == 0 { 1.0 } else { two[i] });
-    visible_share(&with, &one) < ACROSS
-}
-
-fn series(runs: &[Run<'_>], only: usize, value: &dyn Fn(&Run<'_>, usize) -> f64) -> Vec<Vec<f64>> {
-    let of = |(number, run): (usize, &Run<'_>)| -> Vec<f64> {
-        (0..run.context.rows).map(|row| if number == only { value(run, row) } else { 0.0 }).collect()
+    let total = |i: usize, j: usize| own[i][j] + fit.common[(first + i, first + j)];
+    found.covariance = (0..places.len()).map(|i| (0..places.len()).map(|j| total(i, j)).collect()).collect();
+    let (freedom, factor) = sized.freedom(fit, &places)?;
+    let parameters = sought
+        .iter()
+        .map(|one| uncertainty::effect(&adopt::one(one.kind, sensor, Default::default()), one.name()));
+    let block = Block {
+        name: format!("sensor {sensor}: scatter with fields across"),
+        degrees_of_freedom: freedom,
+        parameters: parameters.collect(),
+        covariance: own,
+        by: fit.by(&places),
     };
-    runs.iter().enumerate().map(of).collect()
+    found.departures = extended.departures;
+    found.noise = FitNoise { degrees_of_freedom: freedom, coverage_factor_95: factor, ..fit.noise.clone() };
+    found.significance = Some(significance(fit, (first, places.len()), freedom));
+    found.misalignments = across.named(&runs, fit);
+    levels_of(&runs, &across, &shape, &problem, &mut found)?;
+    let (held_out, left_out) = passes::left_out(&problem, (&sought, first), (&shape, place))?.unzip();
+    found.held_out = held_out;
+    findings(sensor, &unseen, &runs, &mut found, conditions);
+    Ok(Some(Found { fit: found, block, left_out: left_out.unwrap_or_default() }))
 }
 
-/// How far the sensor leans towards each coil across it, rad: one for each run and coil.
-fn misalignments(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Vec<Unknown> {
-    let pairs =
-        across.iter().enumerate().flat_map(|(number, coils)| coils.iter().map(move |coil| (number, *coil)));
-    pairs
-        .map(|(number, coil)| Unknown::Column(series(runs, number, &|run, row| run.coil_nt(coil, row))))
-        .collect()
-}
-
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| value.abs().max(most))
-}
-
-/// The parameters of the catalogue's effects that these recordings can tell apart, and those that they cannot.
-fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>), Error> {
-    let (mut seen, mut unseen): (Vec<Sought>, Vec<Sought>) = (Vec::new(), Vec::new());
-    for kind in [Kind::CrossField, Kind::CrossFieldSensitivity] {
-        let sizes = (0..kind.parameters().len())
-            .map(|number| Ok(largest(&used(runs, &Candidate::effect(kind, number, runs)?.column))));
-        let most = sizes.collect::<Result<Vec<f64>, Error>>()?.into_iter().fold(0.0, f64::max);
-        for number in 0..kind.parameters().len() {
-            let column = Candidate::effect(kind, number, runs)?.column;
-            let others: Vec<Vec<f64>> = seen.iter().map(|one| used(runs, &one.column)).collect();
-            let beside = Mat::from_fn(design.nrows(), design.ncols() + others.len(), |i, j| {
-                if j < design.ncols() { design[(i, j)] } else { others[j - design.ncols()][i] }
-            });
-            let values = used(runs, &column);
-            let size = largest(&values);
-            let one = Sought { kind, number, column };
-            if size > VISIBLE * most && visible_share(&beside, &values) > VISIBLE {
-                seen.push(one);
-            } else {
-                unseen.push(one);
-            }
-        }
-    }
-    Ok((seen, unseen))
+/// Covariance of some unknowns from scatter and from errors that add columns to the readings.
+fn own_covariance(
+    problem: &Problem<'_, '_>,
+    fit: &Fit,
+    places: &[usize],
+    errors: &[Vec<f64>],
+) -> Result<Vec<Vec<f64>>, Error> {
+    let shifts = errors
+        .iter()
+        .map(|error| problem.taken_up(&fit.design, &fit.linear, error))
+        .collect::<Result<Vec<Vec<f64>>, Error>>()?;
+    let entry = |i: usize, j: usize| {
+        fit.scatter[(i, j)] + shifts.iter().map(|shift| shift[i] * shift[j]).sum::<f64>()
+    };
+    Ok(places.iter().map(|i| places.iter().map(|j| entry(*i, *j)).collect()).collect())
 }
 
 /// B u²: the sensitivity's even dependence on the field across, which the catalogue does not have.
@@ -205,92 +164,23 @@ fn squared(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Candidate {
     }
 }
 
-/// Adds what is not known of the directions: parameters that cannot be told are taken as zero, give or take the largest that
-/// was found; without measured axes the fields across may be turned about the sensor by `axes_std_deg`.
-fn unknown_axes(
-    document: &Document,
-    runs: &[Run<'_>],
-    problem: &Problem<'_, '_>,
-    (sought, unseen): (&[Sought], &[Sought]),
-    fit: &Fit,
-    axes_std_deg: f64,
-    covariance: &mut [Vec<f64>],
-) -> Result<(), Error> {
-    let first = problem.unknowns.len() - sought.len();
-    let size = |kind: Kind| {
-        let of = sought.iter().enumerate().filter(|(_, one)| one.kind == kind);
-        of.map(|(at, _)| fit.values[first + at].abs()).fold(0.0, f64::max)
-    };
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let known = axes.is_some_and(|axes| {
-        let given = |part: &Option<common::AxesDirections>| part.as_ref().is_some_and(|p| p.matrix.is_some());
-        given(&axes.sensors) && given(&axes.coils)
-    });
-    let turn = if known { 0.0 } else { axes_std_deg.to_radians() };
-    let mut add = |column: Vec<Vec<f64>>, std: f64| -> Result<(), Error> {
-        let shift = estimate::linear::fit(fit.design.as_ref(), &used(runs, &column), None)?.coefficients;
-        for (i, row) in covariance.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate() {
-                *value += std * std * shift[first + i] * shift[first + j];
-            }
-        }
-        Ok(())
-    };
-    for one in unseen {
-        add(one.column.clone(), size(one.kind))?;
-    }
-    if turn > 0.0 {
-        // A turn by ρ brings ρ u² of the mixed term and ρ (u² − v²) mixes, of the size of what was found.
-        for (number, _) in runs.iter().enumerate() {
-            let square = series(runs, number, &|run, row| {
-                let others = Axis::ALL.into_iter().filter(|coil| *coil != run.coil);
-                others.map(|coil| (run.coil_nt(coil, row) / FULL_NT).powi(2)).sum()
-            });
-            add(square, turn * size(Kind::CrossField))?;
-            let along: Vec<Vec<f64>> = runs.iter().map(crate::sensitivity::along).collect();
-            let product = series(runs, number, &|run, row| {
-                let others = Axis::ALL.into_iter().filter(|coil| *coil != run.coil);
-                along[number][row] / FULL_NT
-                    * others.map(|coil| run.coil_nt(coil, row) / FULL_NT).sum::<f64>()
-            });
-            add(product, turn * size(Kind::CrossFieldSensitivity))?;
-        }
-    }
-    Ok(())
-}
-
 /// χ² of all the parameters together.
-fn significance(fit: &Fit, first: usize, count: usize) -> TestResult {
+fn significance(fit: &Fit, (first, count): (usize, usize), freedom: f64) -> TestResult {
     let block = Mat::from_fn(count, count, |i, j| fit.scatter[(first + i, first + j)]);
     let values = Mat::from_fn(count, 1, |i, _| fit.values[first + i]);
     let form = estimate::correlated::Whitening::of(std::slice::from_ref(&block))
         .map(|white| white.apply(values.as_ref()).squared_norm_l2())
         .unwrap_or(0.0);
     let f = form / count as f64;
-    TestResult { statistic: f, p_value: stats::f_p(f, count as f64, fit.linear.freedom) }
-}
-
-fn named(runs: &[Run<'_>], across: &[Vec<Axis>], fit: &Fit, turned: usize) -> Vec<Misalignment> {
-    let pairs =
-        across.iter().enumerate().flat_map(|(number, coils)| coils.iter().map(move |coil| (number, *coil)));
-    pairs
-        .take(turned)
-        .enumerate()
-        .map(|(at, (number, coil))| Misalignment {
-            recording: runs[number].context.recording.id.clone(),
-            coil: coil.to_string(),
-            angle_arcsec: Quantity::new(fit.values[at] / ARCSEC, fit.covariance(at, at).sqrt() / ARCSEC),
-        })
-        .collect()
+    TestResult { statistic: f, p_value: stats::f_p(f, count as f64, freedom) }
 }
 
 /// k and O at each field across, and whether they differ beyond a lean of the sensor.
 fn levels_of(
     runs: &[Run<'_>],
-    across: &[Vec<Axis>],
+    across: &Across,
     shape: &Shape,
     problem: &Problem<'_, '_>,
-    turned: usize,
     found: &mut CrossFieldFit,
 ) -> Result<(), Error> {
     let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
@@ -298,7 +188,10 @@ fn levels_of(
     for (number, run) in runs.iter().enumerate() {
         let from = groups.len();
         for row in &run.rows {
-            let at: Vec<f64> = across[number].iter().map(|coil| run.coil_nt(*coil, *row)).collect();
+            if groups.len() > MOST_LEVELS {
+                return Ok(());
+            }
+            let at: Vec<f64> = across.coils[number].iter().map(|coil| run.coil_nt(*coil, *row)).collect();
             let same = |other: &Vec<f64>| at.iter().zip(other).all(|(a, b)| (a - b).abs() < ACROSS * FULL_NT);
             match fields[from..].iter().position(same) {
                 Some(group) => groups[from + group].1.push(*row),
@@ -309,7 +202,7 @@ fn levels_of(
             }
         }
     }
-    if groups.iter().any(|(_, rows)| rows.len() < 3) {
+    if groups.iter().any(|(_, rows)| rows.len() < LEVEL) {
         return Ok(());
     }
     let (constants, _) = levels::constants(runs, &groups, shape)?;
@@ -318,7 +211,7 @@ fn levels_of(
         let largest =
             (0..field.len()).max_by(|a, b| field[*a].abs().total_cmp(&field[*b].abs())).unwrap_or(0);
         columns.recording.push(*number);
-        columns.coil.push(across[*number][largest].to_string());
+        columns.coil.push(across.coils[*number][largest].to_string());
         columns.across_nt.push(field[largest]);
         columns.sensitivity.push(k.0);
         columns.sensitivity_std.push(k.1);
@@ -328,15 +221,8 @@ fn levels_of(
     found.levels = columns;
     // Own k and O for every field across, against a lean alone.
     let lean = problem.with(problem.unknowns[..problem.unknowns.len() - count(found)].to_vec()).solve()?;
-    let mut unknowns = polynomial(problem, turned, found);
-    for (number, rows) in &groups {
-        let along: Vec<Vec<f64>> = runs.iter().map(crate::sensitivity::along).collect();
-        unknowns
-            .push(Unknown::Column(series(runs, *number, &|_, row| f64::from(u8::from(rows.contains(&row))))));
-        unknowns.push(Unknown::Column(series(runs, *number, &|_, row| {
-            if rows.contains(&row) { along[*number][row] } else { 0.0 }
-        })));
-    }
+    let mut unknowns = levels::polynomial(runs);
+    unknowns.extend(levels::lines(runs, &groups));
     let full = problem.with(unknowns).solve()?;
     let above = lean.linear.freedom - full.linear.freedom;
     if above >= 1.0 && full.linear.freedom >= 1.0 {
@@ -352,54 +238,6 @@ fn count(found: &CrossFieldFit) -> usize {
     found.offset.len() + found.sensitivity.len()
 }
 
-/// The columns of the sensor's polynomial alone: a lean is in the constants of each field.
-fn polynomial(problem: &Problem<'_, '_>, turned: usize, found: &CrossFieldFit) -> Vec<Unknown> {
-    let end = problem.unknowns.len() - count(found);
-    let columns = problem.unknowns[..end].iter().enumerate();
-    columns
-        .filter(|(at, unknown)| *at >= turned && matches!(unknown, Unknown::Column(_)))
-        .map(|(_, unknown)| unknown.clone())
-        .collect()
-}
-
-/// Rms of readings that were left out: with the constants and the lean alone, and corrected for the field across.
-fn held_out(problem: &Problem<'_, '_>, first: usize, shape: &Shape) -> Result<Option<HeldOut>, Error> {
-    let mut sums = [0.0; 2];
-    let mut readings = 0;
-    for fold in 0..FOLDS {
-        let mut kept: Vec<Run<'_>> = problem.runs.to_vec();
-        for run in &mut kept {
-            run.rows = run
-                .rows
-                .iter()
-                .copied()
-                .enumerate()
-                .filter(|(i, _)| i % FOLDS != fold)
-                .map(|(_, r)| r)
-                .collect();
-        }
-        let allowed = fit::noise(&kept, shape)?;
-        for (which, unknowns) in [&problem.unknowns[..first], &problem.unknowns[..]].into_iter().enumerate() {
-            let reduced = Problem {
-                runs: &kept,
-                effects: problem.effects.clone(),
-                unknowns: unknowns.to_vec(),
-                known: Vec::new(),
-                allowed: &allowed,
-            };
-            let Ok(fit) = reduced.solve() else { return Ok(None) };
-            if fit.linear.rank < unknowns.len() {
-                return Ok(None);
-            }
-            let missed = reduced.missed(&fit, problem.runs, &|i| i % FOLDS == fold)?;
-            sums[which] += missed.iter().map(|r| r * r).sum::<f64>();
-            readings += if which == 0 { missed.len() } else { 0 };
-        }
-    }
-    let rms = sums.map(|sum| (sum / readings as f64).sqrt());
-    Ok((readings > 0).then_some(HeldOut { before_nt: rms[0], after_nt: rms[1], readings }))
-}
-
 fn findings(
     sensor: Axis,
     unseen: &[Sought],
@@ -407,10 +245,8 @@ fn findings(
     found: &mut CrossFieldFit,
     conditions: &Conditions,
 ) {
-    let missing: Vec<String> = unseen
-        .iter()
-        .map(|one| format!("{}.{}", one.kind.name(), one.kind.parameters()[one.number].name))
-        .collect();
+    let missing: Vec<String> =
+        unseen.iter().map(|one| format!("{}.{}", one.kind.name(), one.name())).collect();
     if !missing.is_empty() {
         let more = if missing.len() == 1 && missing[0].ends_with("mixed_nt") {
             "it needs both fields across at once"

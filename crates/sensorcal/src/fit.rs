@@ -58,8 +58,13 @@ pub struct Problem<'a, 'b> {
 
 /// The noise that is allowed for in runs in a coil.
 pub fn noise(runs: &[Run<'_>], shape: &Shape) -> Result<Allowed, Error> {
+    noise_in(runs, shape, Place::Coils)
+}
+
+/// The same in a place.
+pub fn noise_in(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, Error> {
     let rows: Vec<Rows> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
-    shape.allowed(&rows, Place::Coils)
+    shape.allowed(&rows, place)
 }
 
 impl<'a, 'b> Problem<'a, 'b> {
@@ -192,17 +197,13 @@ impl Problem<'_, '_> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
         let mut by = By::new();
-        let best = (0..linear.mixture.weights().len())
-            .max_by(|a, b| linear.mixture.weights()[*a].total_cmp(&linear.mixture.weights()[*b]))
-            .unwrap_or(0);
         for known in &self.known {
             // An error of what is known leaves the readings where they are: the unknowns take it up.
             let shifts = self
                 .derivatives(state, &known.parameters)?
                 .iter()
                 .map(|column| {
-                    let one = &self.allowed.whitenings[best..=best];
-                    let taken = correlated::fit(design.as_ref(), column, one, Scale::Fitted)?.coefficients;
+                    let taken = self.taken_up(design, &linear, column)?;
                     Ok(taken.iter().map(|shift| -shift).collect())
                 })
                 .collect::<Result<Vec<Vec<f64>>, Error>>()?;
@@ -231,6 +232,17 @@ impl Problem<'_, '_> {
             noise: self.allowed.describe(&linear),
             linear,
         })
+    }
+
+    /// How the unknowns of a fit take up what is added to its readings, under the likeliest covariance.
+    pub fn taken_up(
+        &self,
+        design: &Mat<f64>,
+        linear: &CorrelatedFit,
+        added: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let one = self.allowed.likeliest(linear);
+        Ok(correlated::fit(design.as_ref(), added, &one.whitenings, Scale::Fitted)?.coefficients)
     }
 
     /// Residuals and derivatives of the predicted field, nT, over the used rows of all runs.
@@ -274,13 +286,8 @@ impl Problem<'_, '_> {
         Ok((residual, design))
     }
 
-    /// What a fit misses readings by that it did not see: those of `runs` whose number in their run is asked for, nT.
-    pub fn missed(
-        &self,
-        fit: &Fit,
-        runs: &[Run<'_>],
-        asked: &dyn Fn(usize) -> bool,
-    ) -> Result<Vec<f64>, Error> {
+    /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the problem with other rows.
+    pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>, Error> {
         let mut state = self.first();
         let step: Vec<f64> =
             (0..self.unknowns.len()).map(|at| fit.values[at] - self.value(&state, at)).collect();
@@ -289,7 +296,7 @@ impl Problem<'_, '_> {
         for (number, run) in runs.iter().enumerate() {
             let k = state.basics[number].sensors[run.sensor.index()].sensitivity;
             let (prediction, _) = self.predict(&state, number, &[])?;
-            for (_, row) in run.rows.iter().enumerate().filter(|(i, _)| asked(*i)) {
+            for row in &run.rows {
                 let columns =
                     self.unknowns.iter().zip(&state.columns).map(|(unknown, coefficient)| match unknown {
                         Unknown::Column(series) => {

@@ -4,6 +4,7 @@ use common::{Axis, Quantity, TemperatureLevels};
 use faer::Mat;
 use indexmap::IndexMap;
 use physics::Parameter;
+use std::collections::HashSet;
 
 use crate::Error;
 use crate::departure::noise_called_for;
@@ -132,6 +133,24 @@ fn spread(run: &Run<'_>, values: &[f64]) -> f64 {
 /// k and O, each with its standard uncertainty.
 type Constants = ((f64, f64), (f64, f64));
 
+/// A line for each group of rows: the field along the sensor, and one.
+pub fn lines(runs: &[Run<'_>], groups: &[(usize, Vec<usize>)]) -> Vec<Unknown> {
+    let fields: Vec<Vec<f64>> = runs.iter().map(along).collect();
+    let series = |(number, rows): &(usize, Vec<usize>), value: &dyn Fn(usize) -> f64| -> Unknown {
+        let one = |at: usize| {
+            let mut column = vec![0.0; runs[at].context.rows];
+            if at == *number {
+                rows.iter().for_each(|row| column[*row] = value(*row));
+            }
+            column
+        };
+        Unknown::Column((0..runs.len()).map(one).collect())
+    };
+    let both =
+        |group: &(usize, Vec<usize>)| [series(group, &|row| fields[group.0][row]), series(group, &|_| 1.0)];
+    groups.iter().flat_map(both).collect()
+}
+
 /// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
 /// groups have a line for each run.
 pub fn constants(
@@ -141,25 +160,14 @@ pub fn constants(
 ) -> Result<(Vec<Constants>, Fit), Error> {
     let mut reduced: Vec<Run<'_>> = runs.to_vec();
     for (number, run) in reduced.iter_mut().enumerate() {
-        run.rows.retain(|row| groups.iter().any(|(of, rows)| *of == number && rows.contains(row)));
+        let grouped: HashSet<usize> = groups
+            .iter()
+            .filter(|(of, _)| *of == number)
+            .flat_map(|(_, rows)| rows.iter().copied())
+            .collect();
+        run.rows.retain(|row| grouped.contains(row));
     }
-    let fields: Vec<Vec<f64>> = runs.iter().map(along).collect();
-    let series = |group: &(usize, Vec<usize>), value: &dyn Fn(usize) -> f64| -> Vec<Vec<f64>> {
-        let (number, rows) = group;
-        let one = |at: usize| {
-            let mut column = vec![0.0; runs[at].context.rows];
-            if at == *number {
-                rows.iter().for_each(|row| column[*row] = value(*row));
-            }
-            column
-        };
-        (0..runs.len()).map(one).collect()
-    };
-    let mut unknowns = Vec::new();
-    for group in groups {
-        unknowns.push(Unknown::Column(series(group, &|row| fields[group.0][row])));
-        unknowns.push(Unknown::Column(series(group, &|_| 1.0)));
-    }
+    let mut unknowns = lines(runs, groups);
     unknowns.extend(polynomial(runs));
     let allowed = fit::noise(&reduced, shape)?;
     let problem =

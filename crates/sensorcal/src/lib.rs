@@ -13,16 +13,21 @@ mod conditions;
 mod cross_field;
 mod departure;
 mod drift;
+mod effects;
 mod error;
 mod fit;
 mod lag;
+mod leaning;
 mod levels;
 mod noise;
+mod passes;
 mod readings;
 mod reversal;
 mod saturation;
 mod sensitivity;
 mod shape;
+mod sides;
+mod sizes;
 mod temperature;
 mod trend;
 mod wander;
@@ -31,15 +36,17 @@ mod words;
 pub use error::Error;
 pub use words::summary;
 
-use common::uncertainty;
+use common::uncertainty::{self, Block};
 use common::{Axis, Document, Quantity, SensorCalibration, Uncertainty, procedure};
 use physics::{EffectInstance, References, Unit};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
+use crate::passes::LeftOut;
 use crate::reversal::Turned;
 use crate::sensitivity::Constants;
 use crate::shape::Shape;
+use crate::sides::Sides;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,6 +84,10 @@ struct Found {
     constants: Option<Constants>,
     /// The offset by reversals, by what its uncertainty comes from.
     turned: Option<Turned>,
+    /// The parameters of fields across as they were estimated.
+    across: Option<Block>,
+    /// Readings with fields across that were left out of a fit.
+    left_out: Vec<LeftOut>,
 }
 
 /// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to `model.effects`; a
@@ -85,8 +96,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if !document.recordings.iter().any(|recording| MINE.contains(&recording.procedure.as_str())) {
         return Err(Error::Nothing);
     }
-    let found: Vec<Found> =
-        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, options)).collect::<Result<_, Error>>()?;
+    let sides = Sides::of(&document, options.axes_std_deg);
+    let mut found: Vec<Found> =
+        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, &sides)).collect::<Result<_, Error>>()?;
+    in_passes(&document, &mut found, &sides)?;
     let references = References::of(&document);
     let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
     let mut joint = Uncertainty::of(&document)?;
@@ -104,6 +117,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         }
         adopt::adopt(&mut document, sensor, &found);
         if let Some(block) = found.conditions.block.take() {
+            joint.put(block).map_err(Error::Undetermined)?;
+        }
+        if let Some(block) = found.across.take().filter(|_| adopt::across_matters(&found.calibration)) {
             joint.put(block).map_err(Error::Undetermined)?;
         }
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
@@ -127,11 +143,41 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     }
     state(&mut document, &joint);
     document.calibration.get_or_insert_default().uncertainty = Some(joint);
-    // With what is stated of the fields across.
+    // With what is stated of fields across that were not seen.
     let joint = Uncertainty::of(&document)?;
     let kept = (!joint.sources.is_empty()).then_some(joint);
     document.calibration.get_or_insert_default().uncertainty = kept;
     Ok(document)
+}
+
+/// Scores the correction for fields across in two passes where all three sensors were read.
+fn in_passes(document: &Document, found: &mut [Found], sides: &Sides) -> Result<(), Error> {
+    if found.iter().all(|found| found.left_out.is_empty()) {
+        return Ok(());
+    }
+    let mu = sides.solve(&[])?.mu;
+    let units = Axis::ALL.map(|sensor| {
+        readings::runs(document, procedure::CROSS_FIELD, sensor).ok()?.first().map(|run| run.context.unit)
+    });
+    for sensor in Axis::ALL {
+        let Some(unit) = units[sensor.index()] else { continue };
+        let sensors = Axis::ALL.map(|axis| {
+            let of = &found[axis.index()];
+            passes::corrected(
+                document,
+                (axis, unit),
+                of.constants.as_ref(),
+                of.calibration.cross_field.as_deref(),
+            )
+        });
+        let of = &mut found[sensor.index()];
+        let passes = passes::score(document, sensor, &of.left_out, (&sensors, &mu))?;
+        let held_out = of.calibration.cross_field.as_mut().and_then(|fit| fit.held_out.as_mut());
+        if let (Some([first, second]), Some(held_out)) = (passes, held_out) {
+            (held_out.first_pass_nt, held_out.second_pass_nt) = (Some(first), Some(second));
+        }
+    }
+    Ok(())
 }
 
 /// Gives the effects that were found the uncertainties that the sources say.
@@ -154,7 +200,7 @@ fn shield(calibration: &SensorCalibration) -> Option<f64> {
 }
 
 /// All six procedures on one sensor.
-fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Error> {
+fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<Found, Error> {
     let first = |unit: Unit| first_sensitivity(document, sensor, unit);
     let noise = noise::analyse(document, sensor, &first)?;
     let shape = |code_nt: f64| Shape::of(document, sensor, noise.as_ref(), code_nt);
@@ -169,7 +215,11 @@ fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Er
     };
     let (reversal, turned) = reversal::offset(document, sensor, &k, &shape, &conditions)?.unzip();
     let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
-    let cross_field = cross_field::coefficients(document, sensor, &shape, &conditions, options.axes_std_deg)?;
+    let across = cross_field::coefficients(document, sensor, &shape, &conditions, sides)?;
+    let (cross_field, across, left_out) = match across {
+        Some(found) => (Some(found.fit), Some(found.block), found.left_out),
+        None => (None, None, Vec::new()),
+    };
     let calibration = SensorCalibration {
         sensitivity: constants.as_ref().map(|found| Box::new(found.fit.clone())),
         reversal: reversal.map(Box::new),
@@ -179,7 +229,7 @@ fn one(document: &Document, sensor: Axis, options: &Options) -> Result<Found, Er
         cross_field: cross_field.map(Box::new),
         ..SensorCalibration::default()
     };
-    Ok(Found { calibration, conditions, constants, turned })
+    Ok(Found { calibration, conditions, constants, turned, across, left_out })
 }
 
 /// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through the recordings in a

@@ -1,9 +1,10 @@
 //! The noise on which the intervals of a fit rest.
 
 use common::{Axis, Document, FitNoise, Noise, SensorNoise};
-use estimate::correlated::{CorrelatedFit, Whitening};
+use estimate::correlated::{CorrelatedFit, Root, Whitening};
 use estimate::stats;
-use faer::Mat;
+use faer::{Mat, MatMut};
+use std::sync::Arc;
 
 use crate::Error;
 
@@ -14,8 +15,10 @@ const WHITE: f64 = 0.05;
 const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
 const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
-/// Readings in one fit at most.
-const MOST_ROWS: usize = 4000;
+/// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of processes, in one pass.
+const FULL: usize = 2000;
+/// Variance of a recording's own level over that of its readings' noise, where several recordings share their constants.
+const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
 /// Covariances that weigh less than this are left out of further fits.
 const WEIGHTY: f64 = 1e-3;
 
@@ -24,6 +27,8 @@ const WEIGHTY: f64 = 1e-3;
 pub enum Place {
     /// In the field of a coil, which has a noise of its own.
     Coils,
+    /// The same in several recordings that share their constants, so that each may have a level of its own.
+    Levels,
     /// In a shield.
     Shield,
 }
@@ -63,10 +68,15 @@ impl Shape {
     /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
     /// top; where it is not known, white noise alone or with flicker noise in every proportion.
     pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
+        self.allowed_beyond(FULL, recordings, place)
+    }
+
+    /// The same with full matrices for so many readings.
+    fn allowed_beyond(&self, full: usize, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
         let extra: Vec<More> = match (&self.known, place) {
             (None, _) => More::unknown(),
             (Some(_), Place::Shield) => vec![More::NONE],
-            (Some(_), Place::Coils) => {
+            (Some(_), Place::Coils | Place::Levels) => {
                 let each = FIELD.iter().flat_map(|e| {
                     [[*e, 0.0], [0.5 * e, 0.5 * e], [0.0, *e]].map(|[white, flicker]| More {
                         white,
@@ -79,19 +89,19 @@ impl Shape {
         };
         let source = match (self.source, place) {
             ("residuals", _) | (_, Place::Shield) => self.source.to_string(),
-            (source, Place::Coils) => format!("{source}, with that of the field"),
+            (source, _) => format!("{source}, with that of the field"),
         };
         let mut allowed = Allowed { source, known: self.known.is_some(), ..Allowed::default() };
-        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
-        if total > MOST_ROWS {
-            return Err(Error::Undetermined(format!(
-                "{total} readings in one fit; its covariance is a full matrix, and {MOST_ROWS} are the limit: record fewer, or leave some out"
-            )));
-        }
         let white = self.known.as_ref().map_or(1.0, |noise| noise.white_rms_nt.unwrap_or(0.0).powi(2))
             + self.rounding();
         let own = Noise { white_rms_nt: Some(white.sqrt()), ..self.known.clone().unwrap_or_default() };
         let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
+        if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > full {
+            for more in extra {
+                allowed.add_long(recordings, [&own, &flicker], more)?;
+            }
+            return Ok(allowed);
+        }
         let parts: Vec<[Vec<f64>; 2]> = recordings
             .iter()
             .map(|(rows, time)| {
@@ -103,15 +113,18 @@ impl Shape {
                 Ok([own, covariance(&flicker, *rows, time.as_deref())?])
             })
             .collect::<Result<_, Error>>()?;
-        for more in extra {
+        let levels = if place == Place::Levels { &LEVELS[..] } else { &LEVELS[..1] };
+        let each = levels.iter().flat_map(|level| extra.iter().map(move |more| (*more, *level)));
+        for (more, level) in each {
             allowed.add(recordings, more.probability, |number, rows| {
                 let [own, shape] = &parts[number];
                 let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));
                 let scale = if size > 0.0 { more.flicker * mean / size } else { 0.0 };
-                let mut all: Vec<f64> =
-                    own.iter().zip(shape).map(|(own, shape)| own + scale * shape).collect();
-                (0..rows).for_each(|row| all[row * rows + row] += more.white * mean);
                 let total = 1.0 + more.white + more.flicker;
+                let level = level * mean * total;
+                let mut all: Vec<f64> =
+                    own.iter().zip(shape).map(|(own, shape)| own + scale * shape + level).collect();
+                (0..rows).for_each(|row| all[row * rows + row] += more.white * mean);
                 Ok(Block { covariance: all, memory_share: 1.0 - (white / mean + more.white) / total })
             })?;
         }
@@ -163,6 +176,27 @@ struct Block {
     pub memory_share: f64,
 }
 
+/// Noise with memory as a sum of processes, by which readings are whitened in one pass.
+#[derive(Debug)]
+struct InOnePass(noise::Whitening);
+
+impl Root for InOnePass {
+    fn rows(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn log_determinant(&self) -> f64 {
+        self.0.log_determinant()
+    }
+
+    fn whiten(&self, columns: MatMut<'_, f64>) {
+        let each = columns.col_iter_mut().map(|column| {
+            column.try_as_col_major_mut().expect("columns of a matrix lie in one piece").as_slice_mut()
+        });
+        self.0.whiten_all(&mut each.collect::<Vec<&mut [f64]>>());
+    }
+}
+
 /// Covariances that are allowed for.
 #[derive(Clone, Default)]
 pub struct Allowed {
@@ -197,16 +231,78 @@ impl Allowed {
         Ok(())
     }
 
+    /// One more for long recordings, in one pass over the readings: a noise, and white noise and flicker noise besides, each with its
+    /// variance over that of the noise.
+    fn add_long(
+        &mut self,
+        recordings: &[Rows],
+        [own, flicker]: [&Noise; 2],
+        more: More,
+    ) -> Result<(), Error> {
+        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
+        let mut groups: Vec<Arc<dyn Root>> = Vec::new();
+        let mut memory_share = 0.0;
+        for (rows, time) in recordings {
+            let time = time.as_deref();
+            let length_s = time.map_or(0.0, |time| time[time.len() - 1] - time[0]);
+            let sum = |noises: &[Noise]| {
+                noise::Whitening::of_sum(noises, time, *rows, length_s)
+                    .map_err(|error| Error::Undetermined(error.to_string()))
+            };
+            let mut own = own.clone();
+            if own.white_rms_nt == Some(0.0) && length_s == 0.0 {
+                // Flicker noise alone, and no times: the readings are as good as independent.
+                own.white_rms_nt = Some(1.0);
+            }
+            let white = own.white_rms_nt.unwrap_or(0.0).powi(2);
+            let mean = sum(std::slice::from_ref(&own))?.variance_nt2();
+            own.white_rms_nt = Some((white + more.white * mean).sqrt());
+            let mut noises = vec![own];
+            if more.flicker > 0.0 && length_s > 0.0 {
+                let size = sum(std::slice::from_ref(flicker))?.variance_nt2();
+                let amplitude = more.flicker * mean / size;
+                noises.push(Noise { flicker_nt2_per_hz_at_1hz: Some(amplitude), ..Noise::default() });
+            }
+            // As in the full matrix, noise with memory has no mean over its recording: what is slower belongs to the offset.
+            let whitening = sum(&noises)?;
+            let level: f64 = noises
+                .iter()
+                .map(|noise| noise::mean_variance(noise, *rows, time))
+                .sum::<Result<f64, _>>()
+                .map_err(|error| Error::Undetermined(error.to_string()))?;
+            let levelled = !whitening.is_white() && level > 0.0;
+            let whitening = if levelled { whitening.with_level(level.sqrt()) } else { whitening };
+            groups.push(Arc::new(InOnePass(whitening)));
+            let share = 1.0 - (white / mean + more.white) / (1.0 + more.white + more.flicker);
+            memory_share += share * *rows as f64 / total as f64;
+        }
+        self.whitenings.push(Whitening::by(groups).weighing(more.probability));
+        self.memory_shares.push(memory_share);
+        Ok(())
+    }
+
     /// Those that a fit gave some weight.
     pub fn weighty(&self, fit: &CorrelatedFit) -> Self {
         self.only(|at| fit.mixture.weights()[at] >= WEIGHTY)
     }
 
+    /// The number of the one that a fit gave most weight.
+    pub fn best(&self, fit: &CorrelatedFit) -> usize {
+        (0..fit.mixture.weights().len())
+            .max_by(|a, b| fit.mixture.weights()[*a].total_cmp(&fit.mixture.weights()[*b]))
+            .unwrap_or(0)
+    }
+
     /// The one that a fit gave most weight.
     pub fn likeliest(&self, fit: &CorrelatedFit) -> Self {
-        let best = (0..fit.mixture.weights().len())
-            .max_by(|a, b| fit.mixture.weights()[*a].total_cmp(&fit.mixture.weights()[*b]));
-        self.only(|at| Some(at) == best)
+        let best = self.best(fit);
+        self.only(|at| at == best)
+    }
+
+    /// Each with its standard deviations in each recording times a factor.
+    pub fn scaled(&self, scales: &[Vec<f64>]) -> Self {
+        let whitenings = self.whitenings.iter().zip(scales).map(|(white, scales)| white.scaled(scales));
+        Self { whitenings: whitenings.collect(), ..self.clone() }
     }
 
     /// The sensor's own noise alone, where it is known.
@@ -243,6 +339,53 @@ impl Allowed {
                 .sum(),
             degrees_of_freedom: fit.freedom,
             coverage_factor_95: stats::coverage_factor(0.95, fit.freedom),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use estimate::correlated::{self, Scale};
+
+    /// A sweep up and down with noise of its own kind: what both mechanisms make of it.
+    fn both(noise: &str, time: &[f64]) -> [CorrelatedFit; 2] {
+        let noise: Noise = serde_json::from_str(noise).expect("a noise");
+        let rows = time.len();
+        let shape = Shape { known: Some(noise.clone()), source: "declared", rounding_nt2: 0.0 };
+        let design = Mat::from_fn(rows, 3, |i, j| (2.0 * (i % 11) as f64 / 10.0 - 1.0).powi(j as i32));
+        let y = noise::series(&noise, 7, "readings", rows, Some(time)).expect("noise");
+        [usize::MAX, 0].map(|full| {
+            let recordings = [(rows, Some(time.to_vec()))];
+            let allowed = shape.allowed_beyond(full, &recordings, Place::Coils).expect("covariances");
+            correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted).expect("a fit")
+        })
+    }
+
+    #[test]
+    fn one_pass_agrees_with_full_matrices() {
+        let even: Vec<f64> = (0..800).map(|i| 11.0 * f64::from(i)).collect();
+        let uneven: Vec<f64> = (0..800).map(|i| 11.0 * f64::from(i) + 600.0 * f64::from(i / 11)).collect();
+        for noise in [
+            r#"{"white_rms_nt": 0.1}"#,
+            r#"{"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.002}"#,
+            r#"{"white_rms_nt": 0.02, "flicker_nt2_per_hz_at_1hz": 0.01, "flicker_exponent": 0.9}"#,
+        ] {
+            for time in [&even, &uneven] {
+                let [full, pass] = both(noise, time);
+                // At uneven times the full matrix has flicker noise read off an even grid by straight lines, which is smaller.
+                let within = if time == &even { 0.01 } else { 0.2 };
+                for at in 0..3 {
+                    let [a, b] = [&full, &pass].map(|fit| fit.covariance[(at, at)].sqrt());
+                    let apart = (full.coefficients[at] - pass.coefficients[at]).abs() / a;
+                    println!(
+                        "{noise}, {} s: coefficient {at}: {:.4} as uncertain, {apart:.4} apart",
+                        time[799],
+                        b / a
+                    );
+                    assert!((b / a - 1.0).abs() < within && apart < 0.2, "{noise}: {at}: {} {apart}", b / a);
+                }
+            }
         }
     }
 }

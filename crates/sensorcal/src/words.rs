@@ -147,8 +147,11 @@ fn cross_line(cross: &CrossFieldFit) -> String {
     let scale = cross.sensitivity.iter().map(|(name, size)| format!("sensitivity {name} {size:+}"));
     let all: Vec<String> = each.chain(scale).collect();
     let gain = cross.held_out.map_or(String::new(), |held| {
-        let [before, after] = [held.before_nt, held.after_nt].map(|nt| significant(nt, 3));
-        format!("; held-out rms {before} → {after} nT")
+        let passes = [held.first_pass_nt, held.second_pass_nt].into_iter().flatten().collect::<Vec<f64>>();
+        let after = if passes.is_empty() { vec![held.after_nt] } else { passes };
+        let all: Vec<String> =
+            [held.before_nt].into_iter().chain(after).map(|nt| significant(nt, 3)).collect();
+        format!("; held-out rms {} nT", all.join(" → "))
     });
     format!("  50000 nT across: {}{gain}", all.join(", "))
 }

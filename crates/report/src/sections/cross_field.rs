@@ -22,7 +22,9 @@ pub fn section(document: &Document) -> Option<Section> {
             ("difference, p", ""),
             ("effect, p", ""),
             ("rms before", "nT"),
-            ("rms after", "nT"),
+            ("corrected as applied", "nT"),
+            ("first pass", "nT"),
+            ("second pass", "nT"),
             ("readings", ""),
         ],
     );
@@ -49,6 +51,8 @@ pub fn section(document: &Document) -> Option<Section> {
             fit.significance.map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
             held_out.map(|held_out| Cell::Figures(held_out.before_nt, 3)).into(),
             held_out.map(|held_out| Cell::Figures(held_out.after_nt, 3)).into(),
+            held_out.and_then(|held_out| held_out.first_pass_nt).map(|nt| Cell::Figures(nt, 3)).into(),
+            held_out.and_then(|held_out| held_out.second_pass_nt).map(|nt| Cell::Figures(nt, 3)).into(),
             held_out.map(|held_out| held_out.readings).into(),
         ]);
         for one in &fit.misalignments {

@@ -30,6 +30,9 @@ pub struct CrossFieldProcedure {
     /// both sides at once, which alone shows the mixed term.
     #[serde(default)]
     pub quarter_turns: f64,
+    /// Whether the other sensors of the block are read as well: with them the fields across are known without the drive.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub all_sensors: bool,
     /// Fields across, nT.
     #[serde(default = "report")]
     pub levels_nt: Vec<f64>,
@@ -111,10 +114,11 @@ impl Sequence for CrossFieldProcedure {
                 let mut coils = [coil, across];
                 coils.sort();
                 let kind = procedure::CROSS_FIELD;
+                let read = if self.all_sensors { bench.sensors(&None, path)? } else { vec![sensor] };
                 planned.push(Planned {
                     rotation,
                     nominal,
-                    reads: Reads::Sensors(vec![sensor]),
+                    reads: Reads::Sensors(read),
                     ..Planned::new(kind, id, path.into(), conditions, rows, &coils)
                 });
             }
