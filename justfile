@@ -64,6 +64,7 @@ prove:
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p coilcal -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it -- --nocapture coverage:: trend::
     FLUXCAL_CAMPAIGNS=40 cargo test --release -p report --test it campaigns:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p scalarcal --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
     FLUXCAL_DAYS=200 cargo test --release -p diffmag --test it steps:: -- --nocapture
     mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days
@@ -78,7 +79,7 @@ prove:
 
 # All programs with man pages and bash completions, below ~/.local or PREFIX
 install prefix="$HOME/.local":
-    for program in simulate ingest series coilcal sensorcal axescal diffmag diagnose correct report; do \
+    for program in simulate ingest series coilcal sensorcal axescal scalarcal diffmag diagnose correct report; do \
         cargo install --locked --profile dist --path crates/$program --root {{prefix}} --target-dir target && \
         {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
         mkdir -p {{prefix}}/share/bash-completion/completions && \

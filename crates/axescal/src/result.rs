@@ -4,6 +4,7 @@ use common::{
     AxesCalibration, AxesFit, AxesReadings, Axis, Document, DoubtfulReading, IterationStep,
     OrientationResult, PerAxis, Quantity,
 };
+use faer::Mat;
 use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
 
@@ -25,6 +26,7 @@ pub fn describe(
         directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
     let coil_turns =
         directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
+    let covariance = |map: &Mat<f64>| directions::rows(&(map * &solution.covariance * map.transpose()));
     let mut findings = observations.findings.clone();
     findings.extend(solution.findings.iter().cloned());
     let constants = constants(solution, observations, &mut findings);
@@ -33,18 +35,8 @@ pub fn describe(
         .then(|| pair::compare(observations, solution))
         .transpose()?;
     Ok(AxesCalibration {
-        sensors: Some(directions::directions(
-            &observations.sensors,
-            &state.mu,
-            &sensor_turns,
-            &solution.covariance,
-        )),
-        coils: Some(directions::directions(
-            &observations.coils,
-            &state.eta,
-            &coil_turns,
-            &solution.covariance,
-        )),
+        sensors: Some(physics::directions(&observations.sensors, &state.mu, covariance(&sensor_turns))),
+        coils: Some(physics::directions(&observations.coils, &state.eta, covariance(&coil_turns))),
         cross_covariance: Some(directions::rows(
             &(&sensor_turns * &solution.covariance * coil_turns.transpose()),
         )),

@@ -6,7 +6,8 @@ use serde_json::value::RawValue;
 
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
-    GradientCoil, NullingCalibration, PerAxis, Quantity, SensorCalibration, Uncertainty, document, to_text,
+    GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, Uncertainty,
+    document, to_text,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -31,6 +32,9 @@ pub struct Calibration {
     /// One magnetometer against another, by diffmag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub differential: Option<DifferentialCalibration>,
+    /// The sensors by the magnitude of the field, by scalarcal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scalar: Option<Box<ScalarCalibration>>,
     /// The joint uncertainty of all that is calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,

@@ -25,6 +25,7 @@ pub mod number;
 mod quantity;
 pub mod range;
 mod recording;
+mod scalar;
 #[cfg(feature = "schema")]
 pub mod schema;
 mod sensor;
@@ -72,6 +73,10 @@ pub use nulling::{
 };
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Recording, Theodolite, TheodoliteAngle, procedure};
+pub use scalar::{
+    AgainstKnown, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter, ScalarStability,
+    ScalarWindow, WeakestDirection,
+};
 pub use sensor::{
     FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration,
     TestResult,

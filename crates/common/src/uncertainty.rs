@@ -147,7 +147,7 @@ impl Uncertainty {
     }
 
     /// Forgets what is known of parameters.
-    fn forget(&mut self, parameters: &[String]) {
+    pub fn forget(&mut self, parameters: &[String]) {
         for source in &mut self.sources {
             source.moves.retain(|path, _| !parameters.contains(path));
         }

@@ -70,13 +70,13 @@ fn standardised<P: Problem>(problem: &P, fit: &Fit<P::State>, weights: &[f64]) -
 }
 
 /// Derivative of ψ(z) = z (1 − (z/c)²)²: (1 − (z/c)²)(1 − 5 (z/c)²) within c, 0 beyond.
-fn slope(z: f64) -> f64 {
+pub fn slope(z: f64) -> f64 {
     let square = (z / TUNING).powi(2);
     if square >= 1.0 { 0.0 } else { (1.0 - square) * (1.0 - 5.0 * square) }
 }
 
 /// (1 − (z/c)²)² within c, 0 beyond.
-fn bisquare(z: f64) -> f64 {
+pub fn bisquare(z: f64) -> f64 {
     let ratio = z / TUNING;
     if ratio.abs() >= 1.0 { 0.0 } else { (1.0 - ratio * ratio).powi(2) }
 }

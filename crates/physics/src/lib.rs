@@ -14,6 +14,7 @@
 mod catalogue;
 mod chain;
 mod context;
+mod directions;
 mod effect;
 mod effects;
 mod error;
@@ -27,6 +28,7 @@ mod setting;
 pub use catalogue::{Kind, adopt, state_references};
 pub use chain::{LeftOut, Parameter, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
+pub use directions::directions;
 pub use effect::{
     About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings, Within,
 };

@@ -50,9 +50,18 @@ fn stands_in(shown: &str, printed: &str) -> bool {
 fn runs(page: &str) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    for other in
-        ["simulate", "ingest", "series", "coilcal", "sensorcal", "diffmag", "diagnose", "correct", "report"]
-    {
+    for other in [
+        "simulate",
+        "ingest",
+        "series",
+        "coilcal",
+        "sensorcal",
+        "scalarcal",
+        "diffmag",
+        "diagnose",
+        "correct",
+        "report",
+    ] {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
     let folder = tempfile::tempdir().expect("a folder");
@@ -97,6 +106,7 @@ pages! {
     coilcal: "docs/coilcal.md",
     sensorcal: "docs/sensorcal.md",
     axescal: "docs/axescal.md",
+    scalarcal: "docs/scalarcal.md",
     diffmag: "docs/diffmag.md",
     diagnose: "docs/diagnose.md",
     correct: "docs/correct.md",

@@ -1,0 +1,235 @@
+//! Effects of the catalogue that are fitted together with the sensors, and those of the model, which are taken off.
+
+use common::{Axis, Document, Error as Fault};
+use nalgebra::{Matrix3, Vector3};
+use physics::{
+    Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, Within,
+    predict, predict_with_jacobian,
+};
+
+use crate::design::Scales;
+use crate::model::Parameter;
+use crate::read::Series;
+use crate::{Error, Options};
+
+/// Columns are one where they differ by less than this share.
+const SAME: f64 = 1e-9;
+
+/// The effects that are fitted: one instance for each sensor or housekeeping column.
+///
+/// # Errors
+///
+/// An effect with a time constant, a level or a moment, or one that does not act on the sensors; no column for it to follow.
+pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstance>, Error> {
+    let mut all = Vec::new();
+    for kind in &options.with {
+        let about = kind.about();
+        let linear = about.parameters.iter().all(|parameter| parameter.role == Role::Amplitude);
+        if !linear || about.stage < Stage::Block || !about.invertible {
+            return Err(Fault::Request(format!(
+                "--with {}: {} is not proportional to its parameters at the sensors, and cannot be fitted by the magnitude; run \
+                 diagnose on the result, which searches for it",
+                about.name, about.title
+            ))
+            .into());
+        }
+        let of = |axis: Option<Axis>, column: Option<String>| EffectInstance {
+            kind: *kind,
+            axis,
+            column,
+            recording: None,
+            within: Within::default(),
+            parameters: vec![0.0; about.parameters.len()],
+        };
+        match about.acts {
+            Acts::OneSensor => all.extend(Axis::ALL.map(|axis| of(Some(axis), None))),
+            Acts::WithColumn => {
+                let columns = columns(document, *kind);
+                if columns.is_empty() {
+                    let needs = about.needs.join(", ");
+                    return Err(Fault::Request(format!(
+                        "--with {}: it needs {needs}, and no recording has it",
+                        about.name
+                    ))
+                    .into());
+                }
+                all.extend(columns.into_iter().map(|column| of(None, Some(column))));
+            }
+            _ => all.push(of(None, None)),
+        }
+    }
+    Ok(all)
+}
+
+/// The housekeeping columns that an effect can follow, by the ending of their names.
+fn columns(document: &Document, kind: Kind) -> Vec<String> {
+    let ending = if kind == Kind::StrayCurrent { "_a" } else { "_hz" };
+    let mut names: Vec<String> = Vec::new();
+    for recording in &document.recordings {
+        let mine =
+            recording.columns.keys().filter(|name| name.ends_with(ending) && !name.starts_with("coil_"));
+        names.extend(mine.filter(|name| !names.contains(name)).cloned().collect::<Vec<_>>());
+    }
+    names
+}
+
+/// Parameters of effects, and for each recording the columns that they follow, nT.
+pub struct Following {
+    /// One for each parameter of each effect.
+    pub parameters: Vec<Parameter>,
+    /// What one unit of the state is in the unit of the parameter.
+    pub units: Vec<f64>,
+    /// Columns, each with an rms of the typical magnitude.
+    pub columns: Vec<Vec<Vec<f64>>>,
+}
+
+/// What effects add, by how the chain's readings move with their parameters where the field is what the sensors read by `basic`.
+pub fn following(
+    document: &Document,
+    series: &[Series],
+    scales: &Scales,
+    basic: &Basic,
+    effects: &[EffectInstance],
+) -> Result<Following, Error> {
+    let numbers: Vec<[usize; 2]> = effects
+        .iter()
+        .enumerate()
+        .flat_map(|(number, effect)| (0..effect.parameters.len()).map(move |parameter| [number, parameter]))
+        .collect();
+    let derivatives: Vec<Derivative> =
+        numbers.iter().map(|[effect, parameter]| Derivative::Effect(*effect, *parameter)).collect();
+    // contributions[recording][parameter][sensor][row], nT for one unit of the parameter.
+    let mut contributions: Vec<Vec<[Vec<f64>; 3]>> = Vec::new();
+    for one in series {
+        let (setting, sensors) = setting(document, one, basic)?;
+        let refused = |source| Error::Physics { path: one.path(), source };
+        let (_, moved) = predict_with_jacobian(&setting.basic, effects, &setting.context, &derivatives)
+            .map_err(refused)?;
+        // What is read too much by e makes the output larger by e/k.
+        let of = |along: &[Vector3<f64>]| -> [Vec<f64>; 3] {
+            std::array::from_fn(|axis| one.rows.iter().map(|row| along[*row][axis] * sensors[axis]).collect())
+        };
+        contributions.push(moved.iter().map(|prediction| of(&prediction.readings)).collect());
+    }
+    let mut found =
+        Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); series.len()] };
+    let rows: f64 = series.iter().map(|one| one.len() as f64).sum();
+    for (place, number) in numbers.iter().enumerate() {
+        let rms: [f64; 3] = std::array::from_fn(|axis| {
+            let squares = contributions.iter().flat_map(|one| &one[place][axis]).map(|value| value * value);
+            (squares.sum::<f64>() / rows).sqrt()
+        });
+        let largest = rms.iter().copied().fold(0.0, f64::max);
+        if largest <= 0.0 {
+            let kind = effects[number[0]].kind;
+            let name = kind.parameters()[number[1]].name;
+            let message = format!(
+                "{}.{name} changes no reading of these recordings: what it follows does not vary",
+                kind.name()
+            );
+            return Err(Error::Undetermined(message));
+        }
+        let unit = scales.magnitude_nt / largest;
+        let follows = std::array::from_fn(|axis| {
+            if rms[axis] <= SAME * largest {
+                return None;
+            }
+            let to_rms = scales.magnitude_nt / rms[axis];
+            let column: Vec<Vec<f64>> = contributions
+                .iter()
+                .map(|one| one[place][axis].iter().map(|value| value * to_rms).collect())
+                .collect();
+            let (number, sign) = shared(&mut found.columns, column, scales.magnitude_nt);
+            Some((number, sign * rms[axis] / largest))
+        });
+        let follows = follows.map(|one| one.map(|(column, factor)| (crate::terms::ONE + 1 + column, factor)));
+        let one = &effects[number[0]];
+        let of = one.axis.map(|axis| format!(" of {axis}")).unwrap_or_default();
+        let column = one.column.as_ref().map(|column| format!(" ({column})")).unwrap_or_default();
+        let name = format!("{}.{}{of}{column}", one.kind.name(), one.kind.parameters()[number[1]].name);
+        found.parameters.push(Parameter::Effect { number: *number, follows, name });
+        found.units.push(unit);
+    }
+    Ok(found)
+}
+
+/// The number of a column among those that are there already, and its sign; a new one is added.
+fn shared(columns: &mut [Vec<Vec<f64>>], column: Vec<Vec<f64>>, size: f64) -> (usize, f64) {
+    let count = columns[0].len();
+    for number in 0..count {
+        for sign in [1.0, -1.0] {
+            let same = columns.iter().zip(&column).all(|(have, new)| {
+                have[number].iter().zip(new).all(|(a, b)| (a - sign * b).abs() <= SAME * size)
+            });
+            if same {
+                return (number, sign);
+            }
+        }
+    }
+    columns.iter_mut().zip(column).for_each(|(all, new)| all.push(new));
+    (count, 1.0)
+}
+
+/// A recording in the field that its sensors read by a chain, which holds in SEN; and the sensitivities.
+fn setting<'a>(
+    document: &'a Document,
+    series: &Series,
+    basic: &Basic,
+) -> Result<(Setting<'a>, [f64; 3]), Error> {
+    let recording = &document.recordings[series.index];
+    let refused = |source| Error::Physics { path: series.path(), source };
+    let mut setting = Setting::of(document, recording, References::of(document)).map_err(refused)?;
+    let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let rows = setting.context.rows;
+    let mut field = vec![Vector3::repeat(f64::NAN); rows];
+    for (place, row) in series.rows.iter().enumerate() {
+        let along = Vector3::from_fn(|axis, _| {
+            basic.sensors[axis].sensitivity * series.readings[axis][place] + basic.sensors[axis].offset_nt
+        });
+        field[*row] = setting.context.rotation(*row).transpose() * (unmix * along);
+    }
+    // Rows without readings have the field of the row before: what remembers goes on.
+    let mut before = field.iter().find(|field| field.x.is_finite()).copied().unwrap_or_else(Vector3::zeros);
+    for field in &mut field {
+        if !field.x.is_finite() {
+            *field = before;
+        }
+        before = *field;
+    }
+    setting.context.ambient_nt = field;
+    setting.context.in_coils = false;
+    setting.basic = basic.clone();
+    Ok((setting, basic.sensors.map(|sensor| sensor.sensitivity)))
+}
+
+/// The readings without what the effects of the model add, at the field that they mean by a chain.
+pub fn taken_off(
+    document: &Document,
+    series: &[Series],
+    basic: &Basic,
+    effects: &[EffectInstance],
+) -> Result<Vec<Series>, Error> {
+    let mut all = series.to_vec();
+    for (one, with) in all.iter_mut().zip(series) {
+        let (setting, _) = setting(document, with, basic)?;
+        let acting: Vec<EffectInstance> = effects
+            .iter()
+            .filter(|effect| {
+                effect.acts(setting.context.recording) && effect.kind.about().stage >= Stage::Block
+            })
+            .cloned()
+            .collect();
+        if acting.is_empty() {
+            continue;
+        }
+        let refused = |source| Error::Physics { path: with.path(), source };
+        let plain = predict(&setting.basic, &[], &setting.context).map_err(refused)?;
+        let full = predict(&setting.basic, &acting, &setting.context).map_err(refused)?;
+        for axis in 0..3 {
+            for (place, row) in with.rows.iter().enumerate() {
+                one.readings[axis][place] -= full.readings[*row][axis] - plain.readings[*row][axis];
+            }
+        }
+    }
+    Ok(all)
+}

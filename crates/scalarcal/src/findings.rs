@@ -1,0 +1,70 @@
+//! What looks wrong, in sentences.
+
+use common::number::{counted, p_value, significant};
+use common::{AgainstKnown, ReferenceOffset, ScalarStability};
+
+use crate::model::Parameter;
+use crate::read::Source;
+use crate::result::told;
+use crate::solve::Solved;
+
+/// Sensitivities that differ by more than this factor have an odd one among them.
+const UNLIKE: f64 = 3.0;
+/// Cosines between axes above this are hardly those of three sensors at right angles.
+const OBLIQUE: f64 = 0.5;
+
+/// Sentences about a calibration.
+pub fn of(
+    solved: &Solved,
+    reference: Option<&ReferenceOffset>,
+    beforehand: Option<&AgainstKnown>,
+    stability: Option<&ScalarStability>,
+) -> Vec<String> {
+    let mut all = Vec::new();
+    if let Some(reference) = reference.filter(|reference| told(reference.p_value) && !reference.fitted) {
+        all.push(format!(
+            "the reference reads {:+} nT too much ({}), or something else does not grow with the field: a constant error of the \
+             reference goes into the sensitivities. --reference-offset fits it",
+            reference.offset_nt,
+            p_value(reference.p_value)
+        ));
+    }
+    if let Some(test) = beforehand.filter(|test| told(test.p_value)) {
+        all.push(format!(
+            "the readings contradict what was known of the sensors beforehand (χ² = {} with {} degrees of freedom, {}): the \
+             sensors have changed, the body has a field, or the reference is wrong",
+            significant(test.chi_squared, 3),
+            test.degrees_of_freedom,
+            p_value(test.p_value)
+        ));
+    }
+    if let Some(test) = stability.filter(|test| told(test.p_value)) {
+        all.push(format!(
+            "the calibration does not hold over the time: {} differ from it (F test, {}); look at `stability.windows`, and at \
+             temperatures and currents (--with)",
+            counted(test.windows.len(), "part"),
+            p_value(test.p_value)
+        ));
+    }
+    if solved.model.place(&Parameter::Magnitude).is_some() && solved.sources == [Source::Constant] {
+        all.push(
+            "the magnitude of the field is not known, so that the sensitivities are known relative to each other only: their mean is held at \
+             the nominal one"
+                .into(),
+        );
+    }
+    let state = &solved.found.state;
+    let sizes: Vec<f64> = (0..3).map(|axis| (state[axis] * solved.scales.sensitivity[axis]).abs()).collect();
+    let (low, high) =
+        (sizes.iter().copied().fold(f64::INFINITY, f64::min), sizes.iter().copied().fold(0.0, f64::max));
+    if high > UNLIKE * low {
+        all.push(format!(
+            "sensitivities differ by a factor of {}: is a sensor in another range, or disturbed?",
+            significant(high / low, 2)
+        ));
+    }
+    if state[6..9].iter().any(|cosine| cosine.abs() > OBLIQUE) {
+        all.push("axes are far from right angles: were two channels mixed up, or is one sensor a combination of others?".into());
+    }
+    all
+}

@@ -1,0 +1,184 @@
+//! The calibration of least squares from the factors of the products.
+
+use estimate::{Options, Svd, solve};
+use faer::{Mat, Side};
+
+use crate::Error;
+use crate::factor::Factor;
+use crate::model::{Model, Problem, State};
+use crate::terms::{ONE, added_by_noise};
+
+/// Rounds in which the noise that is taken off, the size of the residuals and the parameters settle.
+const ROUNDS: usize = 4;
+/// Noise may be at most this share of what the products show in a direction.
+const NOISE_ALONE: f64 = 1.0 - 1e-6;
+/// A direction of the products below this share of the largest is not there.
+const ABSENT: f64 = 1e-14;
+/// Singular values below this share of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-9;
+
+/// The rows, and how they err. Variances are over the square of the typical magnitude.
+pub struct Sums<'a> {
+    /// Products of the rows as they are.
+    pub plain: &'a Factor,
+    /// Variance of the noise along a sensor; None: as the residuals scatter, less that of the reference.
+    pub sensor: Option<f64>,
+    /// The same of the reference.
+    pub reference: f64,
+    /// What is held because no reading shows it.
+    pub held: &'a Known,
+}
+
+/// Independent combinations of the parameters that are known beforehand: weights over the standard deviation, and the value over it.
+pub type Known = Vec<(Vec<f64>, f64)>;
+
+/// A calibration with its covariance.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// The parameters.
+    pub state: State,
+    /// Their covariance.
+    pub covariance: Mat<f64>,
+    /// What the readings alone say: the whitened derivatives of the residuals as a factor of them, with what is held.
+    pub jacobian: Mat<f64>,
+    /// The decomposition of that.
+    pub seen: Svd,
+    /// Variance of a residual about the fit.
+    pub variance: f64,
+    /// Variance of the noise along a sensor that was allowed for.
+    pub sensor: f64,
+    /// Variance of the noise of the reference that was allowed for.
+    pub reference: f64,
+    /// Rows less parameters.
+    pub freedom: f64,
+}
+
+/// Fits from the best of the starts. The least squares of the products as they were read are biased by the noise in them, which
+/// [`added_by_noise`] gives and [`without`] takes off.
+///
+/// # Errors
+///
+/// [`Error::Undetermined`] without more rows than parameters, [`Error::Estimate`] where there is no minimum.
+pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> Result<Found, Error> {
+    let count = model.parameters.len();
+    let freedom = sums.plain.rows() as f64 - count as f64;
+    if freedom < 1.0 {
+        let rows = sums.plain.rows();
+        return Err(Error::Undetermined(format!(
+            "{rows} whole rows for {count} parameters; expected more rows than parameters"
+        )));
+    }
+    let upper = sums.plain.upper();
+    let mut failed = Error::Undetermined("there is no calibration to begin with".into());
+    let mut best: Option<Found> = None;
+    for start in starts {
+        match round(model, sums, known, &upper, (start, freedom)) {
+            Ok(found) if best.as_ref().is_none_or(|best| found.variance < best.variance) => {
+                best = Some(found)
+            }
+            Ok(_) => {}
+            Err(error) => failed = error,
+        }
+    }
+    let mut found = best.ok_or(failed)?;
+    for _ in 1..ROUNDS {
+        found = round(model, sums, known, &upper, (&found.state, freedom))?;
+    }
+    Ok(found)
+}
+
+/// Least squares with noise and scale as they are at the start.
+fn round(
+    model: &Model,
+    sums: &Sums<'_>,
+    known: &Known,
+    upper: &Mat<f64>,
+    (start, freedom): (&State, f64),
+) -> Result<Found, Error> {
+    let scatter = |state: &State| variance(model, upper, state, freedom);
+    let variance = scatter(start).max(f64::MIN_POSITIVE);
+    let sensor = sums.sensor.unwrap_or((variance - sums.reference).max(0.0));
+    let adjusted = adjusted(model, start, sums, sensor, upper) * faer::Scale(1.0 / variance.sqrt());
+    let all: Known = sums.held.iter().chain(known).cloned().collect();
+    let problem = Problem { model, upper: &adjusted, known: &all };
+    let options = Options { rank_tolerance: RANK_TOLERANCE, ..Options::default() };
+    let fit = solve(&problem, start.clone(), None, &options)?;
+    let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.len()).to_owned();
+    let seen = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
+    let variance = scatter(&fit.state);
+    Ok(Found {
+        covariance: fit.svd.covariance(),
+        state: fit.state,
+        jacobian,
+        seen,
+        variance,
+        sensor,
+        reference: sums.reference,
+        freedom,
+    })
+}
+
+/// The factor of the products without what noise adds to it.
+fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &Mat<f64>) -> Mat<f64> {
+    let mut noise = vec![0.0; model.terms.columns() + 1];
+    (0..3).for_each(|axis| noise[axis] = sensor / state[axis].powi(2));
+    noise[model.terms.columns()] = sums.reference;
+    let one = model.terms.place(ONE, ONE).expect("a product without F");
+    let moments =
+        |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| sums.plain.product(place, one));
+    without(upper, &added_by_noise(&model.terms, &noise, moments))
+}
+
+/// Variance of the residuals of a state: r is the row of products times their coefficients.
+pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) -> f64 {
+    let Some(coefficients) = model.coefficients(state) else { return f64::INFINITY };
+    let rows = upper.nrows();
+    let squares = (0..rows).map(|i| (i..rows).map(|k| upper[(i, k)] * coefficients[k]).sum::<f64>().powi(2));
+    squares.sum::<f64>() / freedom
+}
+
+/// A factor of UᵀU − C: with U = Q Σ Vᵀ it is (1 − K)^½ Σ Vᵀ, K = Σ⁻¹ Vᵀ C V Σ⁻¹. Where C is small K is, and
+/// no digits are lost, as they would be in the difference itself.
+fn without(upper: &Mat<f64>, added: &[Vec<f64>]) -> Mat<f64> {
+    let count = upper.nrows();
+    let Ok(svd) = upper.svd() else { return upper.clone() };
+    let (sigma, v) = (svd.S().column_vector(), svd.V());
+    let largest = sigma.iter().copied().fold(0.0, f64::max);
+    let there: Vec<usize> = (0..count).filter(|k| sigma[*k] > ABSENT * largest).collect();
+    let turned = |k: usize| -> Vec<f64> {
+        (0..count).map(|i| (0..count).map(|j| added[i][j] * v[(j, k)]).sum()).collect()
+    };
+    let turned: Vec<Vec<f64>> = there.iter().map(|k| turned(*k)).collect();
+    let share = Mat::from_fn(there.len(), there.len(), |a, b| {
+        let between: f64 = (0..count).map(|i| v[(i, there[a])] * turned[b][i]).sum();
+        between / (sigma[there[a]] * sigma[there[b]])
+    });
+    let Ok(own) = share.self_adjoint_eigen(Side::Lower) else { return upper.clone() };
+    let (values, vectors) = (own.S().column_vector(), own.U());
+    Mat::from_fn(count, count, |a, j| {
+        if a >= there.len() {
+            return 0.0;
+        }
+        let left = (1.0 - values[a].min(NOISE_ALONE)).sqrt();
+        let row = (0..there.len()).map(|b| vectors[(b, a)] * sigma[there[b]] * v[(j, there[b])]);
+        left * row.sum::<f64>()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_noise_adds_is_taken_off_a_factor() {
+        let upper = Mat::from_fn(3, 3, |i, j| if i <= j { 1.0 + (2 * i + j) as f64 } else { 0.0 });
+        let added = [vec![0.1, 0.02, 0.0], vec![0.02, 0.3, 0.01], vec![0.0, 0.01, 0.2]];
+        let found = without(&upper, &added);
+        let (square, expected) = (found.transpose() * &found, upper.transpose() * &upper);
+        for i in 0..3 {
+            for j in 0..3 {
+                assert!((square[(i, j)] - expected[(i, j)] + added[i][j]).abs() < 1e-12);
+            }
+        }
+    }
+}

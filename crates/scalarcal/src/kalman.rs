@@ -1,0 +1,153 @@
+//! Kalman filter of rows that read the noise of three sensors, each with memory of its own, by factors that change from row to row.
+
+use common::Noise;
+use noise::{Process, Whitening};
+
+/// Sensors, each with noise of its own.
+pub const SENSORS: usize = 3;
+/// Longest period of noise with memory, in lengths of a recording: it did not begin with it.
+const OLDEST: f64 = 8.0;
+
+/// Noise of one form: A/σ² and α, σ the white noise of a residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Form {
+    /// A over the variance of the white noise, 1/Hz at 1 Hz.
+    pub ratio: f64,
+    /// α.
+    pub exponent: f64,
+}
+
+/// White noise.
+pub const WHITE: Form = Form { ratio: 0.0, exponent: 1.0 };
+
+/// The processes of one sensor for σ = 1, and the white part that goes with them.
+pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
+    if form.ratio <= 0.0 {
+        return Some((Vec::new(), 0.0));
+    }
+    let noise = Noise {
+        flicker_nt2_per_hz_at_1hz: Some(form.ratio),
+        flicker_exponent: Some(form.exponent),
+        ..Noise::default()
+    };
+    let length = time.last()? - time.first()?;
+    let whitening = Whitening::of(&noise, Some(time), time.len(), OLDEST * length).ok()?;
+    Some((whitening.processes().to_vec(), whitening.white_nt2()))
+}
+
+/// Covariance of the states of all sensors' processes given the rows before, and the gain of the last row.
+pub struct Filter<'a> {
+    processes: &'a [Process],
+    covariance: Vec<f64>,
+    /// What the last innovation adds to each state.
+    pub gain: Vec<f64>,
+}
+
+impl<'a> Filter<'a> {
+    /// At the beginning.
+    pub fn new(processes: &'a [Process]) -> Self {
+        let states = SENSORS * processes.len();
+        let mut covariance = vec![0.0; states * states];
+        for state in 0..states {
+            covariance[state * (states + 1)] = processes[state % processes.len()].variance_nt2;
+        }
+        Self { processes, covariance, gain: vec![0.0; states] }
+    }
+
+    /// What time leaves of each state; None where none passes.
+    pub fn wait(&mut self, step_s: f64) -> Option<Vec<f64>> {
+        let states = self.gain.len();
+        if step_s <= 0.0 || states == 0 {
+            return None;
+        }
+        let one: Vec<f64> =
+            self.processes.iter().map(|process| (-process.rate_per_s * step_s).exp()).collect();
+        let kept: Vec<f64> = (0..states).map(|state| one[state % one.len()]).collect();
+        for i in 0..states {
+            let row = &mut self.covariance[i * states..(i + 1) * states];
+            row.iter_mut().zip(&kept).for_each(|(value, other)| *value *= kept[i] * other);
+            row[i] += self.processes[i % one.len()].variance_nt2 * (1.0 - kept[i] * kept[i]);
+        }
+        Some(kept)
+    }
+
+    /// Takes a row that reads the sensors by these factors; gives the variance of its innovation.
+    pub fn read(&mut self, along: &[f64; SENSORS], white: f64) -> f64 {
+        let states = self.gain.len();
+        let each = self.processes.len();
+        let mut variance = white;
+        for i in 0..states {
+            let row = &self.covariance[i * states..(i + 1) * states];
+            self.gain[i] = (0..SENSORS)
+                .map(|axis| along[axis] * row[axis * each..(axis + 1) * each].iter().sum::<f64>())
+                .sum();
+            variance += along[i / each.max(1)] * self.gain[i];
+        }
+        // Negative weights of processes leave the sum positive; rounding may not.
+        let variance = variance.max(1e-6 * white);
+        for i in 0..states {
+            let share = self.gain[i] / variance;
+            let row = &mut self.covariance[i * states..(i + 1) * states];
+            row.iter_mut().zip(&self.gain).for_each(|(value, gain)| *value -= share * gain);
+        }
+        self.gain.iter_mut().for_each(|gain| *gain /= variance);
+        variance
+    }
+
+    /// What a row reads of the states.
+    pub fn predicted(&self, along: &[f64; SENSORS], estimate: &[f64]) -> f64 {
+        let each = self.processes.len();
+        (0..SENSORS)
+            .map(|axis| along[axis] * estimate[axis * each..(axis + 1) * each].iter().sum::<f64>())
+            .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use faer::{Mat, Side};
+
+    /// Innovations and determinant against Cholesky's factor of the covariance itself.
+    #[test]
+    fn the_filter_whitens_by_the_covariance() {
+        let rows = 40;
+        let along: Vec<[f64; 3]> = (0..rows)
+            .map(|t| [0, 1, 2].map(|axis| (0.7 * f64::from(t) + 2.0 * f64::from(axis)).sin()))
+            .collect();
+        let time: Vec<f64> = (0..rows).map(|t| f64::from(t) + 0.2 * f64::from(t % 3)).collect();
+        for exponent in [0.7, 1.0, 1.5] {
+            let (processes, white) = processes(&time, Form { ratio: 3.0, exponent }).expect("processes");
+            let covariance = Mat::from_fn(rows as usize, rows as usize, |i, j| {
+                let lag = (time[i] - time[j]).abs();
+                let own: f64 = processes
+                    .iter()
+                    .map(|process| process.variance_nt2 * (-process.rate_per_s * lag).exp())
+                    .sum();
+                let together: f64 = (0..3).map(|axis| along[i][axis] * along[j][axis]).sum();
+                own * together + if i == j { 1.0 + white } else { 0.0 }
+            });
+            let lower = covariance.llt(Side::Lower).expect("positive");
+            let series: Vec<f64> = (0..rows).map(|t| (1.3 * f64::from(t)).cos()).collect();
+            let mut filter = Filter::new(&processes);
+            let mut estimate = vec![0.0; 3 * processes.len()];
+            let mut before = time[0];
+            let mut white_series = Vec::new();
+            for (t, reading) in series.iter().enumerate() {
+                if let Some(kept) = filter.wait(time[t] - before) {
+                    estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
+                }
+                before = time[t];
+                let variance = filter.read(&along[t], 1.0 + white);
+                let innovation = reading - filter.predicted(&along[t], &estimate);
+                estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
+                white_series.push(innovation / variance.sqrt());
+                assert!((variance.sqrt() / lower.L()[(t, t)] - 1.0).abs() < 1e-9, "{t}");
+            }
+            for (t, reading) in series.iter().enumerate() {
+                let product: f64 = (0..=t).map(|k| lower.L()[(t, k)] * white_series[k]).sum();
+                assert!((product - reading).abs() < 1e-9, "{t}");
+            }
+        }
+    }
+}

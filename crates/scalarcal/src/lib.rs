@@ -1,0 +1,61 @@
+//! Calibration of a vector magnetometer without a facility: by the magnitude of the field while the sensors are turned in it.
+//!
+//! Nine parameters make the output V_i of each sensor the field along its axis, B_i = k_i V_i + O_i, and give the angles between the axes.
+//! The magnitude of the vector, |B|² = bᵀ (μᵀμ)⁻¹ b, is held against a scalar magnetometer, a model of the field, or a
+//! constant. A turn of all sensors together does not change it: SEN is then the frame in which the sensors are nearest to where the document has them.
+//!
+//! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000) 120–132.
+
+mod checks;
+mod design;
+mod effects;
+mod error;
+mod factor;
+mod findings;
+mod fit;
+mod kalman;
+mod known;
+mod linear;
+mod model;
+mod noise;
+mod options;
+mod read;
+mod result;
+mod robust;
+mod solve;
+mod stability;
+mod start;
+mod terms;
+mod weakest;
+mod words;
+
+pub use error::Error;
+pub use options::Options;
+pub use words::summary;
+
+use common::{Document, Error as Fault};
+
+/// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what stands behind them to
+/// `calibration.scalar`, and effects that were fitted to `model.effects`.
+///
+/// # Errors
+///
+/// No recording that can be used; rotations that do not determine the calibration, in words; a second run with --known on recordings from which
+/// what is known was found.
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    let gathered = joined::gathered(&document)?;
+    let ((mut solved, detail), told) = match gathered {
+        Some(gathered) => (solve::solve(&gathered.document, options)?, gathered.told),
+        None => (solve::solve(&document, options)?, Vec::new()),
+    };
+    if options.known && result::earlier(&document, &solved) {
+        let found = "a calibration by scalarcal from the same recordings";
+        let expected = "one from elsewhere: with --known each reading would count twice; take the document as it was before";
+        return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
+    }
+    solved.told.splice(0..0, told);
+    result::adopt(&mut document, &solved, Some(&detail), options)?;
+    let references = physics::References::of(&document);
+    physics::state_references(&mut document, &references);
+    Ok(document)
+}

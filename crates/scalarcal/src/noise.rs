@@ -1,0 +1,269 @@
+//! Noise with memory of the sensors.
+//!
+//! A sensor's noise e_i shows in the residual |B| − F as u_i e_i, u_i = ∂|B|/∂b_i, which changes as the sensors are turned. So noise that is slow in a
+//! sensor looks white in the residual, and still makes the sensor's offset uncertain. A Kalman filter whitens the rows under
+//!
+//! ```text
+//! residual(t) = Σ_i u_i(t) Σ_j x_ij(t) + white,
+//! ```
+//!
+//! x_ij Ornstein–Uhlenbeck processes whose sum has the density A f^-α, alike and independent for the three sensors. Which A and α, the readings say
+//! by restricted likelihood; the models that are allowed for are averaged by it, white noise among them.
+
+use common::Noise;
+use estimate::Svd;
+use rayon::prelude::*;
+
+use crate::design::Rows;
+use crate::factor::{BLOCK, Factor};
+use crate::fit::{Found, Known};
+use crate::kalman::{Filter, Form, SENSORS, WHITE, processes};
+use crate::linear::{Linear, Mixture, RANK_TOLERANCE};
+use crate::model::Model;
+
+/// Exponents that are allowed for.
+const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.5];
+/// Flicker noise at 1/(10 steps) over white noise, in density, from one to the next.
+const RATIO_STEP: f64 = 4.0;
+/// Steps of the ratio on either side of one.
+const RATIOS: i32 = 4;
+/// Rows that are filtered one by one; of longer recordings groups of rows are, over which noise with memory stands still.
+const FILTERED: usize = 8192;
+/// Fewer rows than these say nothing of memory.
+const LEAST: usize = 64;
+/// Where the derivatives by the offsets stand in a row, behind the residual: they are u.
+const ALONG: usize = 4;
+/// Odds beforehand that noise is white where none is declared, against all other forms together.
+const ODDS: f64 = 9.0;
+/// A model of less weight than this does not count.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// Rows that are filtered at one time: residual and derivatives, row by row.
+struct Group {
+    time_s: f64,
+    rows: Vec<Vec<f64>>,
+}
+
+/// Recordings as rows of residual and derivatives about a fit, over the typical magnitude.
+pub struct Groups {
+    recordings: Vec<Vec<Group>>,
+    /// Columns of a row.
+    columns: usize,
+    /// Rows before they were grouped.
+    rows: f64,
+}
+
+/// What a form makes of the rows.
+struct Filtered {
+    form: Form,
+    factor: Factor,
+    /// Variance σ² of the white noise, over the square of the typical magnitude.
+    variance: f64,
+    log_likelihood: f64,
+}
+
+impl Groups {
+    /// The rows of recordings about a fit; None for a few rows, and without times in order where there must be some.
+    ///
+    /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) with φ the sensors' share of the noise: at what was read,
+    /// they would be correlated with the residual. What noise adds to the residual in second order, (σ² tr G⁻¹ − σ_F²)/2F, is taken off.
+    /// So the estimate is without bias in second order.
+    ///
+    /// Source: J. M. G. Merayo et al., Meas. Sci. Technol. 11 (2000) 120–132, for the second-order term.
+    pub fn of(rows: &Rows<'_>, model: &Model, found: &Found, timed: bool) -> Option<Self> {
+        let all: usize = rows.series.iter().map(|one| one.len()).sum();
+        if all < LEAST {
+            return None;
+        }
+        let state = &found.state;
+        let (slopes, coefficients) = (model.slopes(state)?, model.coefficients(state)?);
+        let inverse = crate::model::cosines(state).try_inverse()?;
+        let added = 0.5 * (found.sensor * inverse.trace() - found.reference);
+        let share = if found.sensor > 0.0 { found.sensor / (found.sensor + found.reference) } else { 0.0 };
+        let count = model.parameters.len();
+        let row = |z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
+            model.terms.fill(z, products);
+            let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
+            let (own, _) = model.read(state, z);
+            (0..SENSORS).for_each(|axis| z[axis] -= share * residual * own[axis] / state[axis]);
+            model.terms.fill(z, products);
+            let derivative =
+                |j: usize| products.iter().enumerate().map(|(k, value)| value * slopes[(k, j)]).sum();
+            // Observed less predicted: what is to be explained is −r.
+            std::iter::once(added / z[model.terms.columns()] - residual)
+                .chain((0..count).map(derivative))
+                .collect()
+        };
+        // As many rows of factors as rows could be.
+        let each = if all <= FILTERED { 1 } else { (all * (count + 1)).div_ceil(FILTERED) };
+        let of = |number: usize| -> Option<Vec<Group>> {
+            let series = &rows.series[number];
+            let time = series.time_s.as_deref();
+            let mut groups = Vec::new();
+            for from in (0..series.len()).step_by(each) {
+                let to = (from + each).min(series.len());
+                let time_s = time.map_or(0.0, |time| 0.5 * (time[from] + time[to - 1]));
+                groups.push(Group { time_s, rows: rows.compressed(model, number, from..to, &row) });
+            }
+            let ordered = time.is_some() && groups.windows(2).all(|pair| pair[1].time_s >= pair[0].time_s);
+            (ordered || !timed).then_some(groups)
+        };
+        let recordings: Vec<Vec<Group>> =
+            (0..rows.series.len()).into_par_iter().map(of).collect::<Option<_>>()?;
+        Some(Self { recordings, columns: count + 1, rows: all as f64 })
+    }
+
+    /// The usual time from one group to the next, s.
+    fn step_s(&self) -> Option<f64> {
+        let mut steps: Vec<f64> = self
+            .recordings
+            .iter()
+            .flat_map(|groups| groups.windows(2).map(|pair| pair[1].time_s - pair[0].time_s))
+            .filter(|step| *step > 0.0)
+            .collect();
+        (!steps.is_empty()).then(|| estimate::stats::median_of(&mut steps))
+    }
+
+    /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of their covariance (σ = 1).
+    fn whitened(&self, form: Form) -> Option<(Factor, f64)> {
+        let parts: Vec<(Factor, f64)> = self
+            .recordings
+            .par_iter()
+            .filter(|groups| !groups.is_empty())
+            .map(|groups| whitened(groups, self.columns, form))
+            .collect::<Option<_>>()?;
+        let mut all = Factor::new(self.columns);
+        let mut logarithm = 0.0;
+        for (factor, part) in &parts {
+            all.merge(factor);
+            logarithm += part;
+        }
+        Some((all, logarithm))
+    }
+
+    /// The rows whitened by a form of noise with the variance σ² of its white part.
+    pub fn linear(&self, form: Form, variance: f64) -> Option<Linear> {
+        let (factor, _) = self.whitened(form)?;
+        Some(Linear::of(&factor, variance))
+    }
+
+    /// Averages a fit over the forms of noise, or takes the declared one: estimates by their weights, and the covariance within and between the forms. Gives the heaviest form with
+    /// its noise, nT; None where nothing was done.
+    ///
+    /// # Errors
+    ///
+    /// [`crate::Error::Estimate`] where a decomposition fails.
+    pub fn average(
+        &self,
+        found: &mut Found,
+        (held, known): (&Known, &Known),
+        (declared, magnitude_nt): (Option<Form>, f64),
+    ) -> Result<Option<(Form, Noise)>, crate::Error> {
+        let Some(step) = self.step_s() else { return Ok(None) };
+        let mut forms = vec![declared.unwrap_or(WHITE)];
+        for exponent in EXPONENTS.into_iter().filter(|_| declared.is_none()) {
+            // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps.
+            let equal = 2.0 * step * (0.1 / step).powf(exponent);
+            forms.extend((-RATIOS..=RATIOS).map(|k| Form { ratio: equal * RATIO_STEP.powi(k), exponent }));
+        }
+        let filtered: Vec<Filtered> = forms
+            .par_iter()
+            .filter_map(|form| {
+                let (factor, logarithm) = self.whitened(*form)?;
+                let linear = Linear::of(&factor, 1.0);
+                let (variance, log_likelihood) = restricted(&linear, held, self.rows, logarithm)?;
+                Some(Filtered { form: *form, factor, variance, log_likelihood })
+            })
+            .collect();
+        let prior = |form: Form| if form == WHITE { ODDS } else { 1.0 / (forms.len() - 1) as f64 };
+        let best = filtered.iter().map(|one| one.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
+        let weight = |one: &Filtered| prior(one.form) * (one.log_likelihood - best).exp();
+        let total: f64 = filtered.iter().map(weight).sum();
+        let Some(heaviest) = filtered.iter().max_by(|a, b| weight(a).total_cmp(&weight(b))) else {
+            return Ok(None);
+        };
+        let all: Known = held.iter().chain(known).cloned().collect();
+        let (mut joint, mut alone) = (Mixture::default(), Mixture::default());
+        for one in filtered.iter().filter(|one| weight(one) > NEGLIGIBLE * total) {
+            let linear = Linear::of(&one.factor, one.variance);
+            joint.add(weight(one) / total, &linear, &all, &found.state)?;
+            alone.add(weight(one) / total, &linear, held, &found.state)?;
+        }
+        let (step, covariance) = joint.result();
+        found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
+        found.covariance = covariance;
+        found.jacobian = if alone.full {
+            alone.root()
+        } else {
+            Linear::of(&heaviest.factor, heaviest.variance).with(held, &found.state).jacobian
+        };
+        found.seen = Svd::of(found.jacobian.as_ref(), RANK_TOLERANCE)?;
+        let sigma = heaviest.variance.sqrt() * magnitude_nt;
+        let flicker = heaviest.form.ratio * sigma * sigma;
+        let noise = Noise {
+            white_rms_nt: Some(sigma),
+            flicker_nt2_per_hz_at_1hz: (flicker > 0.0).then_some(flicker),
+            flicker_exponent: (flicker > 0.0).then_some(heaviest.form.exponent),
+            ..Noise::default()
+        };
+        Ok(Some((heaviest.form, noise)))
+    }
+}
+
+/// σ² and the restricted log likelihood, σ at its best: −½ ((n − p) ln σ² + ln |V| + ln |JᵀV⁻¹J|).
+fn restricted(linear: &Linear, held: &Known, rows: f64, logarithm: f64) -> Option<(f64, f64)> {
+    // What is held is held where it stands.
+    let zero = vec![0.0; linear.jacobian.ncols()];
+    let fixed: Known = held.iter().map(|(weights, _)| (weights.clone(), 0.0)).collect();
+    let Linear { jacobian, right } = linear.with(&fixed, &zero);
+    let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?;
+    let step = svd.solve(&right);
+    let left: f64 = (0..right.len())
+        .map(|i| (right[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>()).powi(2))
+        .sum();
+    let freedom = rows - svd.rank() as f64;
+    let variance = left / freedom;
+    // ln |JᵀJ| over what is seen; the lengths of the columns are in it.
+    let lengths: f64 =
+        (0..jacobian.ncols()).map(|j| jacobian.col(j).norm_l2().max(f64::MIN_POSITIVE).ln()).sum();
+    let seen: f64 = svd.sigma()[..svd.rank()].iter().map(|sigma| sigma.ln()).sum();
+    let log_likelihood = -0.5 * (freedom * variance.ln() + logarithm) - lengths - seen;
+    log_likelihood.is_finite().then_some((variance, log_likelihood))
+}
+
+/// The rows of one recording whitened.
+fn whitened(groups: &[Group], columns: usize, form: Form) -> Option<(Factor, f64)> {
+    let (processes, white) = processes(&groups.iter().map(|group| group.time_s).collect::<Vec<_>>(), form)?;
+    let mut filter = Filter::new(&processes);
+    let mut estimates = vec![vec![0.0; SENSORS * processes.len()]; columns];
+    let mut factor = Factor::new(columns);
+    let mut block = vec![Vec::with_capacity(BLOCK); columns];
+    let mut logarithm = 0.0;
+    let mut before = groups.first()?.time_s;
+    for group in groups {
+        if let Some(kept) = filter.wait(group.time_s - before) {
+            for estimate in &mut estimates {
+                estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
+            }
+        }
+        before = group.time_s;
+        for row in &group.rows {
+            let along: [f64; SENSORS] = std::array::from_fn(|axis| row[ALONG + axis]);
+            let variance = filter.read(&along, 1.0 + white);
+            logarithm += variance.ln();
+            let deviation = variance.sqrt();
+            for ((estimate, value), column) in estimates.iter_mut().zip(row).zip(&mut block) {
+                let innovation = value - filter.predicted(&along, estimate);
+                estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
+                column.push(innovation / deviation);
+            }
+            if block[0].len() == BLOCK {
+                factor.push(&block, BLOCK);
+                block.iter_mut().for_each(Vec::clear);
+            }
+        }
+    }
+    let left = block[0].len();
+    factor.push(&block, left);
+    Some((factor, logarithm))
+}

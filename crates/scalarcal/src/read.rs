@@ -1,0 +1,254 @@
+//! The recordings that scalarcal uses: readings of the three sensors with the magnitude of the field.
+
+use common::number::{counted, quoted, significant};
+use common::{Axis, Document, Error as Fault, Quantity, Recording, procedure};
+use estimate::stats::median_of;
+use physics::Unit;
+
+use crate::{Error, Options};
+
+/// The condition that states a constant magnitude.
+pub const MAGNITUDE: &str = "magnitude_nt";
+/// Magnitudes outside these limits are hardly a field in nT, nT.
+const PLAUSIBLE: [f64; 2] = [1e3, 1e7];
+/// Readings in nT and a reference whose ratio is outside these limits are in different units.
+const ALIKE: f64 = 5.0;
+
+/// Where the magnitude comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Source {
+    /// `reference_nt`: a scalar magnetometer.
+    Scalar,
+    /// `ambient_{x,y,z}_nt`: a model of the field, or an observatory.
+    Ambient,
+    /// `conditions.magnitude_nt`.
+    Stated,
+    /// Constant and not known.
+    Constant,
+}
+
+impl Source {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Source::Scalar => "a scalar magnetometer (reference_nt)",
+            Source::Ambient => "the magnitude of the known field (ambient_*_nt)",
+            Source::Stated => "the stated magnitude (conditions.magnitude_nt)",
+            Source::Constant => "a constant magnitude that is not known",
+        }
+    }
+}
+
+/// One recording, rows with all readings alone.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Place in the document.
+    pub index: usize,
+    /// Its id.
+    pub id: String,
+    /// Times of the rows, s; None where there are none.
+    pub time_s: Option<Vec<f64>>,
+    /// The rows of the recording that are used.
+    pub rows: Vec<usize>,
+    /// Outputs of the sensors x, y, z.
+    pub readings: [Vec<f64>; 3],
+    /// The magnitude of the field, nT; one where it is not known.
+    pub magnitude_nt: Vec<f64>,
+    /// Where that comes from.
+    pub source: Source,
+    /// Rows that lack a reading.
+    pub missing: usize,
+}
+
+impl Series {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// JSON path of the recording.
+    pub fn path(&self) -> String {
+        format!("recordings[{}]", self.index)
+    }
+}
+
+/// The unit of the readings, and the recordings.
+///
+/// # Errors
+///
+/// No recording with sensors and a magnitude; a sensor that does not move; a reference in another unit; readings in V and in nT.
+pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
+    let mut all = Vec::new();
+    let mut units = Vec::new();
+    let mut without = None;
+    for (index, recording) in document.recordings.iter().enumerate() {
+        if recording.procedure != procedure::FREE_RUN || driven(recording) {
+            continue;
+        }
+        let Some(unit) = unit_of(recording) else { continue };
+        recording.at_hand(&format!("recordings[{index}]"))?;
+        match series(recording, index, unit, options)? {
+            Some(one) => {
+                units.push((unit, index));
+                all.push(one);
+            }
+            None => without = without.or(Some((index, &recording.id))),
+        }
+    }
+    let Some((unit, first)) = units.first().copied() else {
+        let Some((index, id)) = without else {
+            let expected = format!(
+                "a recording of procedure `{}` with `sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`) and `reference_nt`",
+                procedure::FREE_RUN
+            );
+            return Err(Fault::document("recordings", "none that scalarcal can use", expected).into());
+        };
+        let expected = format!(
+            "`reference_nt` (a scalar magnetometer), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or \
+             --constant-magnitude where the field did not change"
+        );
+        let found = format!("no magnitude of the field beside the readings of \"{id}\"");
+        return Err(Fault::document(format!("recordings[{index}].columns"), found, expected).into());
+    };
+    if let Some((other, index)) = units.iter().find(|(other, _)| *other != unit) {
+        let found =
+            format!("readings in {} where recordings[{first}] has them in {}", other.suffix(), unit.suffix());
+        return Err(
+            Fault::document(format!("recordings[{index}].columns"), found, "one unit throughout").into()
+        );
+    }
+    for series in &all {
+        check(series, unit, document)?;
+    }
+    Ok((unit, all))
+}
+
+/// Whether the field is made by coils.
+fn driven(recording: &Recording) -> bool {
+    recording.columns.keys().any(|name| name.starts_with("coil_") && !name.ends_with("_c"))
+}
+
+/// The unit in which all three sensors are read.
+fn unit_of(recording: &Recording) -> Option<Unit> {
+    let all = |unit: &Unit| {
+        Axis::ALL.iter().all(|axis| recording.axis_column("sensor", *axis, unit.suffix()).is_some())
+    };
+    [Unit::Volt, Unit::Nanotesla].into_iter().find(all)
+}
+
+fn series(
+    recording: &Recording,
+    index: usize,
+    unit: Unit,
+    options: &Options,
+) -> Result<Option<Series>, Error> {
+    let Some((source, magnitude)) = magnitude(recording, index, options)? else { return Ok(None) };
+    let columns =
+        Axis::ALL.map(|axis| recording.axis_column("sensor", axis, unit.suffix()).unwrap_or_default());
+    let time = recording.column("time_s");
+    let whole = |row: &usize| {
+        columns.iter().all(|column| column[*row].is_finite())
+            && magnitude[*row].is_finite()
+            && time.is_none_or(|time| time[*row].is_finite())
+    };
+    let rows: Vec<usize> = (0..recording.rows()).filter(whole).collect();
+    let of = |column: &[f64]| rows.iter().map(|row| column[*row]).collect::<Vec<f64>>();
+    Ok(Some(Series {
+        index,
+        id: recording.id.clone(),
+        time_s: time.map(of),
+        readings: columns.map(of),
+        magnitude_nt: of(&magnitude),
+        source,
+        missing: recording.rows() - rows.len(),
+        rows,
+    }))
+}
+
+/// The magnitude of each row, nT.
+fn magnitude(
+    recording: &Recording,
+    index: usize,
+    options: &Options,
+) -> Result<Option<(Source, Vec<f64>)>, Error> {
+    if let Some(reference) = recording.column("reference_nt") {
+        return Ok(Some((Source::Scalar, reference.to_vec())));
+    }
+    let ambient = Axis::ALL.map(|axis| {
+        let name = format!("ambient_{axis}_nt");
+        let throughout = recording.conditions.extra.get(&name).and_then(serde_json::Value::as_f64);
+        recording.column(&name).map(<[f64]>::to_vec).or(throughout.map(|value| vec![value; recording.rows()]))
+    });
+    if let [Some(x), Some(y), Some(z)] = ambient {
+        let length = |row: usize| x[row].hypot(y[row]).hypot(z[row]);
+        return Ok(Some((Source::Ambient, (0..recording.rows()).map(length).collect())));
+    }
+    if let Some(stated) = recording.conditions.extra.get(MAGNITUDE) {
+        let quantity = serde_json::from_value::<Quantity>(stated.clone());
+        let value = quantity.ok().map(|quantity| quantity.value()).filter(|value| *value > 0.0);
+        let Some(value) = value else {
+            let path = format!("recordings[{index}].conditions.{MAGNITUDE}");
+            let expected = "a positive number, or {\"value\": number, \"std\": number}";
+            return Err(Fault::document(path, stated.to_string(), expected).into());
+        };
+        return Ok(Some((Source::Stated, vec![value; recording.rows()])));
+    }
+    Ok(options.constant_magnitude.then(|| (Source::Constant, vec![1.0; recording.rows()])))
+}
+
+/// Sensors that move, and a reference in nT.
+fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> {
+    let path = series.path();
+    if series.rows.is_empty() {
+        let found =
+            format!("no row of \"{}\" in which all three sensors and the reference were read", series.id);
+        return Err(Fault::document(format!("{path}.columns"), found, "rows without a null").into());
+    }
+    for (axis, readings) in Axis::ALL.iter().zip(&series.readings) {
+        if readings.len() > 1 && readings.iter().all(|reading| *reading == readings[0]) {
+            let found =
+                format!("the reading {} in all {}", quoted(readings[0]), counted(readings.len(), "row"));
+            let expected = format!("a sensor that is turned; is {axis} connected, or did the logger freeze?");
+            let column = format!("{path}.columns.sensor_{axis}_{}", unit.suffix());
+            return Err(Fault::document(column, found, expected).into());
+        }
+    }
+    for (a, b) in [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)] {
+        if series.len() > 1 && series.readings[a.index()] == series.readings[b.index()] {
+            let found = format!("the readings of sensor_{a}_{}", unit.suffix());
+            let column = format!("{path}.columns.sensor_{b}_{}", unit.suffix());
+            return Err(Fault::document(column, found, "readings of its own; was a column copied?").into());
+        }
+    }
+    if series.source == Source::Constant {
+        return Ok(());
+    }
+    let magnitude = median_of(&mut series.magnitude_nt.clone());
+    let column = match series.source {
+        Source::Scalar => format!("{path}.columns.reference_nt"),
+        Source::Ambient => format!("{path}.columns.ambient_x_nt"),
+        _ => format!("{path}.conditions.{MAGNITUDE}"),
+    };
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
+    let mut lengths: Vec<f64> = (0..series.len())
+        .map(|row| series.readings.iter().map(|reading| reading[row].powi(2)).sum::<f64>().sqrt())
+        .collect();
+    let read = scale.map(|scale| scale * median_of(&mut lengths));
+    let unlike = read.filter(|read| !(1.0 / ALIKE..=ALIKE).contains(&(read / magnitude)));
+    if (PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&magnitude) && unlike.is_none() {
+        return Ok(());
+    }
+    let other = unlike.unwrap_or(5e4) / magnitude;
+    let unit = [("µT", 1e3), ("mG", 1e2), ("G", 1e5), ("T", 1e9), ("pT", 1e-3)]
+        .into_iter()
+        .find(|(_, factor)| (1.0 / ALIKE..=ALIKE).contains(&(other / factor)));
+    let beside =
+        unlike.map(|read| format!(" beside readings of {} nT", significant(read, 4))).unwrap_or_default();
+    let found = format!("a magnitude of {} in the median{beside}", significant(magnitude, 4));
+    let expected = match unit {
+        Some((unit, _)) => format!("nT; is it in {unit}?"),
+        None => "both in nT; is one of them in another unit, or a sensitivity wrong?".into(),
+    };
+    Err(Fault::document(column, found, expected).into())
+}

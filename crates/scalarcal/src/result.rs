@@ -1,0 +1,408 @@
+//! The calibration, written to the document.
+
+use common::uncertainty::{self, Block};
+use common::{
+    AdoptedEffect, AgainstKnown, Axis, Document, FieldDirections, Quantity, ReferenceOffset,
+    ScalarCalibration, ScalarParameter, Uncertainty,
+};
+use estimate::{Svd, stats};
+use faer::Mat;
+use nalgebra::Matrix3;
+use physics::Unit;
+use physics::frames::ARCSEC;
+
+use crate::fit::Known;
+use crate::kalman::WHITE;
+use crate::linear::Linear;
+use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
+use crate::noise::Groups;
+use crate::read::Source;
+use crate::solve::{Detail, Solved};
+use crate::weakest::{self, frame};
+use crate::{Error, Options, checks, findings, stability, start};
+
+/// Who put an effect into the model: on a second run it is replaced.
+const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
+/// What has a smaller probability by chance is said.
+const TOLD_BELOW: f64 = 0.001;
+/// Step of the derivative of μ by a cosine.
+const STEP: f64 = 1e-6;
+/// Takes the calibration into the document.
+pub fn adopt(
+    document: &mut Document,
+    solved: &Solved,
+    detail: Option<&Detail>,
+    options: &Options,
+) -> Result<(), Error> {
+    let scalar = describe(document, solved, detail, options)?;
+    let joint = joint(document, solved, options)?;
+    let (state, scales) = (&solved.found.state, &solved.scales);
+    let factor = stats::coverage_factor(0.95, solved.found.freedom);
+    let suffix = solved.unit.suffix();
+    let calibration = document.calibration.get_or_insert_default();
+    let sensors = calibration.sensors.get_or_insert_default();
+    for axis in Axis::ALL {
+        let k = axis.index();
+        let paths = [uncertainty::sensitivity(axis, suffix), uncertainty::sensor_offset(axis)];
+        let values = [state[k] * scales.sensitivity[k], state[3 + k] * scales.magnitude_nt];
+        let quantity =
+            |which: usize| Quantity::new(values[which], joint.std(&paths[which])).covered_by(factor);
+        let sensor = sensors.entry(axis).get_or_insert_default();
+        match solved.unit {
+            Unit::Volt => sensor.sensitivity_nt_per_v = Some(quantity(0)),
+            Unit::Nanotesla => sensor.sensitivity_nt_per_nt = Some(quantity(0)),
+        }
+        sensor.offset_nt = Some(quantity(1));
+        sensor.covariance = Some(joint.covariance(&paths));
+        sensor.covariance_order = Some(vec![format!("sensitivity_nt_per_{suffix}"), "offset_nt".into()]);
+    }
+    let axes = calibration.axes.get_or_insert_default();
+    let extra = axes.sensors.take().map(|before| before.extra).unwrap_or_default();
+    let mut directions =
+        physics::directions(&Axis::ALL, &solved.mu, joint.covariance(&uncertainty::directions("sensors")));
+    directions.extra = extra;
+    axes.sensors = Some(directions);
+    // The offsets are whole now.
+    axes.offsets_nt = None;
+    axes.cross_covariance = None;
+    calibration.uncertainty = Some(joint);
+    calibration.scalar = Some(Box::new(scalar));
+    model(document, solved);
+    Ok(())
+}
+
+/// The effects that were fitted, in the model.
+fn model(document: &mut Document, solved: &Solved) {
+    let found = instances(solved);
+    let mine = |one: &AdoptedEffect| one.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1);
+    let same = |one: &AdoptedEffect, other: &AdoptedEffect| {
+        (&one.effect, one.sensor, &one.column) == (&other.effect, other.sensor, &other.column)
+    };
+    if found.is_empty() && document.model.is_none() {
+        return;
+    }
+    let all = &mut document.model.get_or_insert_default().effects;
+    all.retain(|one| !mine(one) && !found.iter().any(|(other, _)| same(one, other)));
+    all.extend(found.into_iter().map(|(effect, _)| effect));
+}
+
+/// The effects as documents have them, each with the places of its parameters in the state.
+fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<usize>)> {
+    let Solved { model, found, units, effects, .. } = solved;
+    let of = |(number, effect): (usize, &physics::EffectInstance)| {
+        let mut parameters = indexmap::IndexMap::new();
+        let mut places = Vec::new();
+        for (parameter, info) in effect.kind.parameters().iter().enumerate() {
+            let mine = |one: &Parameter| matches!(one, Parameter::Effect { number: own, .. } if *own == [number, parameter]);
+            let place = model.parameters.iter().position(mine).expect("every parameter is fitted");
+            let unit = units[place - NINE];
+            let std = found.covariance[(place, place)].max(0.0).sqrt() * unit;
+            parameters.insert(info.name.to_string(), Quantity::new(found.state[place] * unit, std));
+            places.push(place);
+        }
+        let effect = AdoptedEffect {
+            effect: effect.kind.name().into(),
+            sensor: effect.axis,
+            coil: None,
+            column: effect.column.clone(),
+            recording: None,
+            from_s: None,
+            to_s: None,
+            parameters,
+            extra: [(FOUND_BY.0.to_string(), FOUND_BY.1.into())].into_iter().collect(),
+        };
+        (effect, places)
+    };
+    effects.iter().enumerate().map(of).collect()
+}
+
+/// The joint uncertainty with the parameters that were found.
+fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Uncertainty, Error> {
+    let Solved { model, found, scales, units, .. } = solved;
+    let count = model.parameters.len();
+    let suffix = solved.unit.suffix();
+    let single = |place: usize, factor: f64| {
+        let mut row = vec![0.0; count];
+        row[place] = factor;
+        row
+    };
+    let mut parameters = Vec::new();
+    let mut rows = Vec::new();
+    for axis in Axis::ALL {
+        let k = axis.index();
+        parameters.push(uncertainty::sensitivity(axis, suffix));
+        rows.push(single(k, scales.sensitivity[k]));
+        parameters.push(uncertainty::sensor_offset(axis));
+        rows.push(single(3 + k, scales.magnitude_nt));
+    }
+    parameters.extend(uncertainty::directions("sensors"));
+    rows.extend(cosines_by(&found.state, &solved.mu, count));
+    for (effect, places) in instances(solved) {
+        for (name, place) in effect.parameters.keys().zip(places) {
+            parameters.push(uncertainty::effect(&effect, name));
+            rows.push(single(place, units[place - NINE]));
+        }
+    }
+    let map = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
+    // What is known beforehand moves the parameters by C Wᵀ W.
+    let known: &Known = if options.known { &solved.beforehand.rows } else { &Vec::new() };
+    let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
+    let gain = &found.covariance * weights.transpose() * &weights;
+    let own = &found.covariance - &gain * &found.covariance;
+    let covariance = &map * own * map.transpose();
+    let moved = |nine: &[f64]| -> Vec<f64> {
+        let state: Vec<f64> = (0..count).map(|i| (0..NINE).map(|j| gain[(i, j)] * nine[j]).sum()).collect();
+        rows.iter().map(|row| row.iter().zip(&state).map(|(a, b)| a * b).sum()).collect()
+    };
+    let by = if options.known {
+        solved.beforehand.by.iter().map(|(path, nine)| (path.clone(), moved(nine))).collect()
+    } else {
+        Vec::new()
+    };
+    let size = covariance.nrows();
+    let symmetric = |i: usize, j: usize| 0.5 * (covariance[(i, j)] + covariance[(j, i)]);
+    let mut joint = Uncertainty::of(document)?;
+    let added: Vec<String> = Axis::ALL.into_iter().map(uncertainty::added_offset).collect();
+    joint
+        .put(Block {
+            name: "scalar: readings and reference".into(),
+            degrees_of_freedom: found.freedom,
+            parameters,
+            covariance: (0..size).map(|i| (0..size).map(|j| symmetric(i, j)).collect()).collect(),
+            by,
+        })
+        .map_err(|wrong| Error::Undetermined(format!("the covariance of the calibration is {wrong}")))?;
+    joint.forget(&added);
+    Ok(joint)
+}
+
+/// Derivatives of the nine elements of μ, column by column, by the state.
+fn cosines_by(state: &State, mu: &Matrix3<f64>, count: usize) -> Vec<Vec<f64>> {
+    let mut rows = vec![vec![0.0; count]; 9];
+    for pair in 0..PAIRS.len() {
+        let moved = |by: f64| {
+            let mut state = state.clone();
+            state[6 + pair] += by;
+            frame(&state, mu)
+        };
+        let slope = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
+        for (k, row) in rows.iter_mut().enumerate() {
+            row[6 + pair] = slope[(k % 3, k / 3)];
+        }
+    }
+    rows
+}
+
+/// What is said of the calibration.
+fn describe(
+    document: &Document,
+    solved: &Solved,
+    detail: Option<&Detail>,
+    options: &Options,
+) -> Result<ScalarCalibration, Error> {
+    let Solved { model, found, scales, .. } = solved;
+    let earlier = earlier(document, solved);
+    let reference_offset = reference_offset(solved, detail)?;
+    let beforehand = if earlier { None } else { against_known(solved, options) };
+    let mut scalar = ScalarCalibration {
+        recordings: solved.recordings.clone(),
+        rows: solved.rows,
+        missing: solved.missing,
+        left_out: solved.left_out.iter().cloned().collect(),
+        method: "magnitude".into(),
+        reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
+        rms_nt: (found.variance * found.freedom / solved.rows as f64).sqrt() * scales.magnitude_nt,
+        noise: solved.noise.clone(),
+        sensor_noise_nt: found.sensor.sqrt() * scales.magnitude_nt,
+        reference_noise_nt: found.reference.sqrt() * scales.magnitude_nt,
+        parameters: parameters(solved),
+        rank: found.seen.rank(),
+        findings: solved.told.clone(),
+        ..ScalarCalibration::default()
+    };
+    if let Some(detail) = detail {
+        let rows = detail.rows(*scales);
+        let directions = weakest::directions(&rows, model, &found.state, &solved.mu);
+        let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
+        let of = (fields.as_slice(), scales.magnitude_nt);
+        scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
+        scalar.stability = stability::of(solved, detail)?;
+        scalar.directions = Some(FieldDirections {
+            unit: fields.iter().map(|field| field.normalize().into()).collect(),
+            residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
+        });
+        scalar.findings.extend(checks::repeated(&detail.series));
+        if !options.robust {
+            scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
+        }
+        let known = solved.unit == Unit::Nanotesla || start::is_stated(document);
+        if known && !earlier && solved.sources != [Source::Constant] {
+            let mut state = model.nominal();
+            state[..NINE].copy_from_slice(&start::stated(document, solved.unit, scales));
+            let all = rows.residuals(model, &state);
+            let squares: f64 = all.iter().flatten().map(|value| value * value).sum();
+            scalar.rms_before_nt = Some((squares / solved.rows as f64).sqrt());
+        }
+    }
+    scalar.findings.extend(findings::of(
+        solved,
+        reference_offset.as_ref(),
+        beforehand.as_ref(),
+        scalar.stability.as_ref(),
+    ));
+    Ok(ScalarCalibration { reference_offset, beforehand, ..scalar })
+}
+
+/// Whether the calibration of the document was found from the same recordings.
+pub fn earlier(document: &Document, solved: &Solved) -> bool {
+    let before = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
+    before.is_some_and(|before| solved.recordings.iter().any(|id| before.recordings.contains(id)))
+}
+
+/// Every parameter in its unit.
+fn parameters(solved: &Solved) -> Vec<ScalarParameter> {
+    let Solved { model, found, .. } = solved;
+    let count = model.parameters.len();
+    let information = found.jacobian.transpose() * &found.jacobian;
+    let alone = (found.seen.rank() == count).then(|| found.seen.covariance());
+    let mut with = information;
+    for (weights, _) in &solved.beforehand.rows {
+        for i in 0..count {
+            (0..count).for_each(|j| with[(i, j)] += weights[i] * weights[j]);
+        }
+    }
+    let with = (!solved.beforehand.rows.is_empty())
+        .then(|| Svd::of(with.as_ref(), 1e-15).ok())
+        .flatten()
+        .filter(|svd| svd.rank() == count)
+        .map(|svd| (0..count).map(|k| svd.solve(&unit(k, count))[k].max(0.0).sqrt()).collect::<Vec<f64>>());
+    (0..count)
+        .map(|place| {
+            let (name, of, value, scale) = described(solved, place);
+            let std = |variance: f64| variance.max(0.0).sqrt() * scale;
+            ScalarParameter {
+                name,
+                unit: of,
+                value,
+                std: std(found.covariance[(place, place)]),
+                std_alone: alone
+                    .as_ref()
+                    .map(|alone| std(alone[(place, place)]))
+                    .filter(|std| std.is_finite()),
+                std_with_known: with.as_ref().map(|with| with[place] * scale),
+            }
+        })
+        .collect()
+}
+
+fn unit(place: usize, count: usize) -> Vec<f64> {
+    (0..count).map(|k| if k == place { 1.0 } else { 0.0 }).collect()
+}
+
+/// Name, unit, value and what a unit of the state is in that unit.
+pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
+    let Solved { model, found, scales, .. } = solved;
+    let value = found.state[place];
+    let linear = |name: String, unit: &str, scale: f64| (name, unit.to_string(), value * scale, scale);
+    match &model.parameters[place] {
+        Parameter::Sensitivity(axis) => {
+            let unit = if solved.unit == Unit::Volt { "nT/V" } else { "nT/nT" };
+            linear(format!("sensitivity of {}", AXES[*axis]), unit, scales.sensitivity[*axis])
+        }
+        Parameter::Offset(axis) => linear(format!("offset of {}", AXES[*axis]), "nT", scales.magnitude_nt),
+        Parameter::Cosine(pair) => {
+            let [a, b] = PAIRS[*pair];
+            let scale = 1.0 / (1.0 - value * value).max(1e-12).sqrt() / ARCSEC;
+            let name = format!("{}{} off a right angle", AXES[a], AXES[b]);
+            (name, "arcsec".into(), value.clamp(-1.0, 1.0).asin() / ARCSEC, scale)
+        }
+        Parameter::Effect { name, .. } => linear(name.clone(), "", solved.units[place - NINE]),
+        Parameter::ReferenceOffset => linear("offset of the reference".into(), "nT", scales.magnitude_nt),
+        Parameter::Magnitude => linear("magnitude of the field".into(), "nT", scales.magnitude_nt),
+    }
+}
+
+/// What the reference reads too much, as one more unknown beside all others.
+fn reference_offset(solved: &Solved, detail: Option<&Detail>) -> Result<Option<ReferenceOffset>, Error> {
+    let Solved { model, found, scales, known, .. } = solved;
+    let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
+    if !read || model.place(&Parameter::Magnitude).is_some() {
+        return Ok(None);
+    }
+    let of = |value: f64, variance: f64, fitted: bool| {
+        let std = variance.max(0.0).sqrt();
+        let p_value = stats::two_sided_p(value / std, found.freedom);
+        ReferenceOffset {
+            offset_nt: Quantity::new(value * scales.magnitude_nt, std * scales.magnitude_nt),
+            p_value,
+            fitted,
+        }
+    };
+    if let Some(place) = model.place(&Parameter::ReferenceOffset) {
+        return Ok(Some(of(found.state[place], found.covariance[(place, place)], true)));
+    }
+    let Some(detail) = detail else { return Ok(None) };
+    let mut parameters = model.parameters.clone();
+    parameters.push(Parameter::ReferenceOffset);
+    let model = Model { terms: model.terms.clone(), parameters };
+    let last = found.state.len();
+    let mut beside = found.clone();
+    beside.state.push(0.0);
+    let variance = (solved.noise.white_rms_nt.unwrap_or(0.0) / scales.magnitude_nt).powi(2);
+    let linear = Groups::of(&detail.rows(*scales), &model, &beside, solved.form != WHITE)
+        .and_then(|groups| groups.linear(solved.form, variance));
+    let Some(Linear { jacobian, right }) = linear.map(|linear| linear.with(known, &found.state)) else {
+        return Ok(None);
+    };
+    let svd = Svd::of(jacobian.as_ref(), 1e-9)?;
+    if svd.rank() <= last {
+        return Ok(None);
+    }
+    let (step, covariance) = (svd.solve(&right), svd.covariance());
+    Ok(Some(of(step[last], covariance[(last, last)], false))
+        .filter(|found| found.offset_nt.value().is_finite()))
+}
+
+/// The readings alone against what was known beforehand.
+fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
+    let Solved { model, found, beforehand, .. } = solved;
+    let (known, count) = (&beforehand.rows, model.parameters.len());
+    if known.is_empty() || found.seen.rank() < count {
+        return None;
+    }
+    let alone = found.seen.covariance();
+    let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
+    let off = |state: &[f64]| -> Vec<f64> {
+        known
+            .iter()
+            .map(|(weights, value)| value - weights.iter().zip(state).map(|(a, b)| a * b).sum::<f64>())
+            .collect()
+    };
+    let mut residual = off(&found.state);
+    if options.known {
+        // At the joint minimum the readings pull as much as what is known does: Jᵀr = −Wᵀρ.
+        let pull: Vec<f64> =
+            (0..count).map(|j| (0..known.len()).map(|i| weights[(i, j)] * residual[i]).sum()).collect();
+        let state: Vec<f64> = (0..count)
+            .map(|i| found.state[i] - (0..count).map(|j| alone[(i, j)] * pull[j]).sum::<f64>())
+            .collect();
+        residual = off(&state);
+    }
+    let mut covariance = &weights * alone * weights.transpose();
+    (0..known.len()).for_each(|k| covariance[(k, k)] += 1.0);
+    let svd = Svd::of(covariance.as_ref(), 1e-14).ok()?;
+    let chi_squared: f64 = svd.solve(&residual).iter().zip(&residual).map(|(a, b)| a * b).sum();
+    let degrees_of_freedom = known.len() as f64;
+    let p_value = stats::chi_squared_p(chi_squared, degrees_of_freedom);
+    (chi_squared >= 0.0).then_some(AgainstKnown {
+        chi_squared,
+        degrees_of_freedom,
+        p_value,
+        used: options.known,
+    })
+}
+
+/// Whether a probability is so small that it is said.
+pub fn told(p_value: f64) -> bool {
+    p_value < TOLD_BELOW
+}

@@ -1,0 +1,150 @@
+//! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least squares.
+
+use common::Document;
+use estimate::Svd;
+use faer::Mat;
+use nalgebra::{Matrix3, Vector3};
+use physics::{Basic, Unit};
+
+use crate::Error;
+use crate::design::Scales;
+use crate::factor::Factor;
+use crate::model::{Model, NINE, PAIRS, State};
+use crate::read::{Series, Source};
+use crate::terms::ONE;
+
+/// Singular values of the linear fit below this share of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-10;
+/// The ellipsoid's axes differ by less than this factor.
+const MOST_UNLIKE: f64 = 1e3;
+
+/// The units: the mean magnitude, and the sensitivities as they are stated, or such that the largest swing of a sensor is one.
+pub fn scales(document: &Document, unit: Unit, series: &[Series]) -> Scales {
+    let known = series.iter().filter(|one| one.source != Source::Constant);
+    let (sum, count) = known
+        .flat_map(|one| &one.magnitude_nt)
+        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    let stated = Basic::of(document, unit).sensors.map(|sensor| sensor.sensitivity);
+    let swing = (0..3)
+        .map(|axis| {
+            let all = || series.iter().flat_map(|one| &one.readings[axis]).copied();
+            0.5 * (all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min))
+        })
+        .fold(0.0, f64::max);
+    let is_stated = unit == Unit::Nanotesla || is_stated(document);
+    let magnitude_nt = match (count > 0.0, is_stated) {
+        (true, _) => sum / count,
+        (false, true) => swing * stated.iter().map(|value| value.abs()).fold(0.0, f64::max),
+        (false, false) => 1.0,
+    };
+    let nominal = magnitude_nt / swing.max(f64::MIN_POSITIVE);
+    Scales { magnitude_nt, sensitivity: if is_stated { stated } else { [nominal; 3] } }
+}
+
+/// Whether the document says what the sensors' sensitivities are, in nT/V.
+pub fn is_stated(document: &Document) -> bool {
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    let of = |calibration: &common::Calibration| {
+        common::Axis::ALL
+            .iter()
+            .all(|axis| calibration.sensor(*axis).is_some_and(|sensor| sensor.sensitivity_nt_per_v.is_some()))
+    };
+    nominal.is_some() || document.calibration.as_ref().is_some_and(of)
+}
+
+/// The states to begin from, the nine parameters of each followed by the others' neutral values.
+pub fn starts(
+    document: &Document,
+    unit: Unit,
+    scales: &Scales,
+    model: &Model,
+    factor: &Factor,
+) -> Result<Vec<State>, Error> {
+    let stated = stated(document, unit, scales);
+    let ellipsoid = ellipsoid(model, factor)?;
+    let nominal = model.nominal();
+    let with = |nine: [f64; NINE]| {
+        let mut state = nominal.clone();
+        state[..NINE].copy_from_slice(&nine);
+        state
+    };
+    Ok(std::iter::once(with(stated)).chain(ellipsoid.map(with)).collect())
+}
+
+/// The nine parameters as the document states them; nominal where it does not.
+pub fn stated(document: &Document, unit: Unit, scales: &Scales) -> [f64; NINE] {
+    let basic = Basic::found(document, unit);
+    let mut nine = [0.0; NINE];
+    for axis in 0..3 {
+        let sensor = basic.sensors[axis];
+        let unset = unit == Unit::Volt && !is_stated(document);
+        nine[axis] = if unset { 1.0 } else { sensor.sensitivity / scales.sensitivity[axis] };
+        nine[3 + axis] = sensor.offset_nt / scales.magnitude_nt;
+    }
+    for (place, [a, b]) in PAIRS.iter().enumerate() {
+        nine[6 + place] = basic.mu.column(*a).dot(&basic.mu.column(*b));
+    }
+    nine
+}
+
+/// The ellipsoid vᵀAv + bᵀv + c = m² F² with trace A = 3 by linear least squares, in the nine parameters; None where the form is
+/// that of no ellipsoid. Where the magnitude does not vary c and m² are one unknown, which the solution of least norm shares out.
+fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Error> {
+    let upper = factor.upper();
+    let place = |f: usize, g: usize| model.terms.place(f, g).expect("a product without F");
+    let last = model.terms.count() - 1;
+    let rows = upper.nrows();
+    let column = |of: usize| move |upper: &Mat<f64>, i: usize| upper[(i, of)];
+    let trace = place(0, 0);
+    let others = [
+        place(1, 1),
+        place(2, 2),
+        place(0, 1),
+        place(0, 2),
+        place(1, 2),
+        place(0, ONE),
+        place(1, ONE),
+        place(2, ONE),
+        place(ONE, ONE),
+        last,
+    ];
+    let design = Mat::from_fn(rows, others.len(), |i, j| {
+        let own = column(others[j])(&upper, i);
+        if j < 2 { own - column(trace)(&upper, i) } else { own }
+    });
+    let right: Vec<f64> = (0..rows).map(|i| -3.0 * upper[(i, trace)]).collect();
+    let x = Svd::of(design.as_ref(), RANK_TOLERANCE)?.solve(&right);
+    let form = Matrix3::new(
+        3.0 - x[0] - x[1],
+        0.5 * x[2],
+        0.5 * x[3],
+        0.5 * x[2],
+        x[0],
+        0.5 * x[4],
+        0.5 * x[3],
+        0.5 * x[4],
+        x[1],
+    );
+    let own = form.symmetric_eigenvalues();
+    if own.min().is_nan() || own.min() <= own.max() / MOST_UNLIKE {
+        return Ok(None);
+    }
+    let Some(inverse) = form.try_inverse() else { return Ok(None) };
+    let centre = -0.5 * inverse * Vector3::new(x[5], x[6], x[7]);
+    // The typical magnitude is one.
+    let size = centre.dot(&(form * centre)) - x[8] - x[9];
+    if size.is_nan() || size <= 0.0 {
+        return Ok(None);
+    }
+    let inverse = inverse * size;
+    let k: [f64; 3] = std::array::from_fn(|axis| 1.0 / inverse[(axis, axis)].sqrt());
+    let mut nine = [0.0; NINE];
+    for axis in 0..3 {
+        nine[axis] = k[axis];
+        nine[3 + axis] = -k[axis] * centre[axis];
+    }
+    for (place, [a, b]) in PAIRS.iter().enumerate() {
+        nine[6 + place] = k[*a] * inverse[(*a, *b)] * k[*b];
+    }
+    Ok(nine.iter().all(|value| value.is_finite()).then_some(nine))
+}

@@ -1,0 +1,198 @@
+//! What the rotations show least, and the rotation that would show it.
+
+use common::WeakestDirection;
+use common::number::{significant, vector};
+use faer::{Mat, Side};
+use indexmap::IndexMap;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use crate::design::Rows;
+use crate::model::{AXES, Model, State, cosines};
+use crate::terms::ONE;
+
+/// Rows that stand for all when further rotations are tried.
+const SAMPLE: usize = 400;
+/// Parameters with a smaller share of the weakest combination, of the largest one, are not named.
+const NAMED: f64 = 0.3;
+/// A combination that is uncertain by more than this share of the magnitude is not determined: the fit is not linear over it.
+pub const UNDETERMINED: f64 = 0.1;
+/// Directions lie on a cone where they scatter about it by less than this share of how they scatter along it.
+const ON_A_CONE: f64 = 0.02;
+const ANGLES_DEG: [f64; 2] = [90.0, 45.0];
+
+/// The direction of the field in SEN in some of the rows.
+pub fn directions(
+    rows: &Rows<'_>,
+    model: &Model,
+    state: &State,
+    mu: &Matrix3<f64>,
+) -> Vec<(usize, usize, Vector3<f64>)> {
+    let all: Vec<(usize, usize)> = rows
+        .series
+        .iter()
+        .enumerate()
+        .flat_map(|(number, series)| (0..series.len()).map(move |row| (number, row)))
+        .collect();
+    let step = all.len().div_ceil(SAMPLE).max(1);
+    let unmix = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let mut z = vec![0.0; model.terms.columns() + 1];
+    all.iter()
+        .step_by(step)
+        .map(|(number, row)| {
+            rows.fill(*number, *row, &mut z);
+            let (own, _) = model.read(state, &z);
+            (*number, *row, unmix * Vector3::from(own))
+        })
+        .collect()
+}
+
+/// The weakest combination of the parameters by what the readings alone say; `jacobian` is a factor of the whitened derivatives.
+pub fn weakest(
+    model: &Model,
+    state: &State,
+    jacobian: &Mat<f64>,
+    (directions, magnitude_nt): (&[Vector3<f64>], f64),
+    mu: &Matrix3<f64>,
+) -> Option<WeakestDirection> {
+    let information = jacobian.transpose() * jacobian;
+    let (value, weakest) = least(&information)?;
+    let largest = weakest.iter().map(|share| share.abs()).fold(0.0, f64::max);
+    let mut named: Vec<(String, f64)> = weakest
+        .iter()
+        .enumerate()
+        .filter(|(_, share)| share.abs() >= NAMED * largest)
+        .map(|(place, share)| (model.parameters[place].name(), share / largest))
+        .collect();
+    named.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let std = (value > 0.0).then(|| magnitude_nt / value.sqrt());
+    // The readings again, with the block turned.
+    // Offsets: what is held is of others.
+    let trace = |matrix: &Mat<f64>| (3..6).map(|k| matrix[(k, k)]).sum::<f64>();
+    let weight = trace(&information) / trace(&information_of(model, state, directions, mu)?);
+    let mut best: Option<(f64, f64, String)> = None;
+    for angle in ANGLES_DEG {
+        for (axis, name) in AXES.iter().enumerate() {
+            let turn = Rotation3::from_axis_angle(&Vector3::ith_axis(axis), angle.to_radians());
+            let turned: Vec<Vector3<f64>> = directions.iter().map(|field| turn * field).collect();
+            let more = information_of(model, state, &turned, mu)?;
+            let total = &information + more * faer::Scale(weight);
+            let Some((after, _)) = least(&total) else { continue };
+            let inverse = variance_along(&total, &weakest);
+            if best.as_ref().is_none_or(|(before, ..)| after > *before * 1.1) {
+                let words = format!("turned by {angle}° about its {name} axis");
+                best = Some((after, inverse.sqrt() * magnitude_nt, words));
+            }
+        }
+    }
+    let about = cone(directions);
+    let list: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
+    let together = if list.len() > 1 {
+        format!("{} cannot be told apart well", join(&list))
+    } else {
+        format!("{} is shown least", list.first().copied().unwrap_or("the calibration"))
+    };
+    let words = match about {
+        Some(axis) => format!("rotated only about {axis}: {together}"),
+        None => together,
+    };
+    let (_, after, how) = best?;
+    let remedy = format!(
+        "record the same rotations once more with the block {how}: the combination is then known to {} nT",
+        significant(after, 2)
+    );
+    Some(WeakestDirection {
+        shares: named.into_iter().collect::<IndexMap<_, _>>(),
+        std_nt: std.filter(|std| std.is_finite()),
+        words,
+        remedy,
+        std_after_nt: Some(after).filter(|after| after.is_finite()),
+    })
+}
+
+/// The smallest eigenvalue of an information matrix, and its vector.
+pub fn least(information: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
+    let own = information.self_adjoint_eigen(Side::Lower).ok()?;
+    let values = own.S().column_vector();
+    let place = (0..values.nrows()).min_by(|a, b| values[*a].total_cmp(&values[*b]))?;
+    let largest = values.iter().copied().fold(0.0, f64::max);
+    let value = if values[place] > 1e-15 * largest { values[place] } else { 0.0 };
+    Some((value, (0..values.nrows()).map(|i| own.U()[(i, place)]).collect()))
+}
+
+/// vᵀ I⁻¹ v.
+fn variance_along(information: &Mat<f64>, vector: &[f64]) -> f64 {
+    let Ok(own) = information.self_adjoint_eigen(Side::Lower) else { return f64::INFINITY };
+    (0..vector.len())
+        .map(|k| {
+            let share: f64 = (0..vector.len()).map(|i| own.U()[(i, k)] * vector[i]).sum();
+            share * share / own.S()[k].max(f64::MIN_POSITIVE)
+        })
+        .sum()
+}
+
+/// Derivatives of |B| by the parameters at some fields, unweighted, as their information; effects do not act there.
+fn information_of(
+    model: &Model,
+    state: &State,
+    fields: &[Vector3<f64>],
+    mu: &Matrix3<f64>,
+) -> Option<Mat<f64>> {
+    let slopes = model.slopes(state)?;
+    let columns = model.terms.columns();
+    let (mut z, mut products) = (vec![0.0; columns + 1], vec![0.0; model.terms.count()]);
+    let mut information = Mat::zeros(slopes.ncols(), slopes.ncols());
+    for field in fields {
+        for axis in 0..3 {
+            z[axis] = (mu.column(axis).dot(field) - state[3 + axis]) / state[axis];
+        }
+        z[ONE] = 1.0;
+        z[columns] = field.norm();
+        model.terms.fill(&z, &mut products);
+        let row: Vec<f64> = (0..slopes.ncols())
+            .map(|j| (0..products.len()).map(|k| products[k] * slopes[(k, j)]).sum())
+            .collect();
+        for i in 0..row.len() {
+            (0..row.len()).for_each(|j| information[(i, j)] += row[i] * row[j]);
+        }
+    }
+    Some(information)
+}
+
+/// The axis about which directions turn, where they lie on a cone about it.
+pub fn cone(directions: &[Vector3<f64>]) -> Option<String> {
+    let units: Vec<Vector3<f64>> = directions.iter().map(Vector3::normalize).collect();
+    let mean = units.iter().sum::<Vector3<f64>>() / units.len() as f64;
+    let scatter: Matrix3<f64> = units.iter().map(|unit| (unit - mean) * (unit - mean).transpose()).sum();
+    let own = scatter.symmetric_eigen();
+    let place = own.eigenvalues.imin();
+    let mut others: Vec<f64> = own.eigenvalues.iter().copied().collect();
+    others.sort_by(f64::total_cmp);
+    if others[0] > ON_A_CONE * others[1] || others[1] <= 0.0 {
+        return None;
+    }
+    let axis: Vector3<f64> = own.eigenvectors.column(place).into_owned();
+    let nearest = axis.iamax();
+    Some(if axis[nearest].abs() > 0.985 {
+        AXES[nearest].to_string()
+    } else {
+        format!("the direction {} of SEN", vector(axis.into(), 0.01))
+    })
+}
+
+fn join(list: &[&str]) -> String {
+    match list {
+        [] => String::new(),
+        [one] => (*one).to_string(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
+}
+
+/// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude does not show, the one that is
+/// nearest to `like`.
+pub fn frame(state: &State, like: &Matrix3<f64>) -> Matrix3<f64> {
+    let own = cosines(state);
+    // Cholesky's factor has unit vectors with these cosines as its columns.
+    let Some(factor) = own.cholesky() else { return *like };
+    let columns = factor.l().transpose();
+    Rotation3::from_matrix(&(like * columns.transpose())).into_inner() * columns
+}

@@ -1,0 +1,168 @@
+//! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b − O)/k.
+
+use common::{Axis, Column, Document, Facility, Instrument, Recording, procedure};
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use noise::Stream;
+
+/// How the sensors are turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Turns {
+    /// Any direction, one after the other at random.
+    Any,
+    /// Slowly over the sphere, on a spiral.
+    Slow,
+    /// About z in steps, tilted a little by hand.
+    Poor,
+    /// Exactly about z.
+    AboutZ,
+}
+
+/// What is true, and how it is recorded.
+#[derive(Clone, Debug)]
+pub struct Campaign {
+    pub rows: usize,
+    pub turns: Turns,
+    /// Noise of each sensor, nT: white, and flicker at 1 Hz (nT²/Hz).
+    pub white_nt: f64,
+    pub flicker: f64,
+    pub reference_nt: f64,
+    /// What the reference reads too much, nT.
+    pub bias_nt: f64,
+    /// Share by which the magnitude varies.
+    pub varies: f64,
+    pub sensitivity: [f64; 3],
+    pub offset_nt: [f64; 3],
+    /// Angles xy, yz, xz off a right angle, rad.
+    pub angles: [f64; 3],
+    /// nT/K of each sensor.
+    pub per_k: [f64; 3],
+}
+
+pub const MAGNITUDE_NT: f64 = 48_000.0;
+
+impl Default for Campaign {
+    fn default() -> Self {
+        Self {
+            rows: 600,
+            turns: Turns::Any,
+            white_nt: 0.5,
+            flicker: 0.0,
+            reference_nt: 0.1,
+            bias_nt: 0.0,
+            varies: 0.05,
+            sensitivity: [6412.8, 6380.8, 6406.4],
+            offset_nt: [12.0, -8.0, 4.0],
+            angles: [0.0087, -0.0052, 0.0035],
+            per_k: [0.0; 3],
+        }
+    }
+}
+
+impl Campaign {
+    /// μ with x along x and y in the plane of x and y.
+    pub fn mu(&self) -> Matrix3<f64> {
+        let [xy, yz, xz] = self.angles.map(f64::sin);
+        let y = (1.0 - xy * xy).sqrt();
+        let across = (yz - xz * xy) / y;
+        Matrix3::new(1.0, xy, xz, 0.0, y, across, 0.0, 0.0, (1.0 - xz * xz - across * across).sqrt())
+    }
+
+    /// The field in SEN in each row.
+    fn fields(&self, stream: &mut Stream) -> Vec<Vector3<f64>> {
+        let rows = self.rows as f64;
+        (0..self.rows)
+            .map(|row| {
+                let part = (row as f64 + 0.5) / rows;
+                let direction = match self.turns {
+                    Turns::Any => Vector3::from_fn(|_, _| stream.normal()).normalize(),
+                    Turns::Slow => {
+                        let (height, angle) = (1.0 - 2.0 * part, 40.0 * std::f64::consts::PI * part);
+                        let across = (1.0 - height * height).sqrt();
+                        Vector3::new(across * angle.cos(), across * angle.sin(), height)
+                    }
+                    Turns::Poor | Turns::AboutZ => {
+                        let angle = 24.0 * std::f64::consts::PI * part;
+                        let tilt = if self.turns == Turns::Poor { 0.2 * (7.3 * angle).sin() } else { 0.0 };
+                        let level = Vector3::new(0.5 * angle.cos(), 0.5 * angle.sin(), 0.75_f64.sqrt());
+                        Rotation3::from_axis_angle(&Vector3::x_axis(), tilt) * level
+                    }
+                };
+                let wave = (part * 2.0 * std::f64::consts::PI * 7.0).sin();
+                direction * MAGNITUDE_NT * (1.0 + self.varies * wave)
+            })
+            .collect()
+    }
+
+    /// The document.
+    pub fn document(&self, seed: u64) -> Document {
+        let mut stream = Stream::new(seed, "turns");
+        let fields = self.fields(&mut stream);
+        let mu = self.mu();
+        let temperature: Vec<f64> =
+            (0..self.rows).map(|row| 20.0 + 10.0 * (0.004 * row as f64).sin()).collect();
+        let mut columns: Vec<(String, Vec<f64>)> =
+            vec![("time_s".into(), (0..self.rows).map(|row| row as f64).collect())];
+        for axis in 0..3 {
+            let name = ["x", "y", "z"][axis];
+            let mut noise = Stream::new(seed, name);
+            // Cut out of a longer series: the noise did not begin with the recording.
+            let slow = if self.flicker > 0.0 {
+                noise::power_law(&mut noise, 64 * self.rows, 1.0, self.flicker, 1.0)
+            } else {
+                vec![0.0; self.rows]
+            };
+            let volts = fields.iter().enumerate().map(|(row, field)| {
+                let along = mu.column(axis).dot(field)
+                    + self.white_nt * noise.normal()
+                    + slow[row]
+                    + self.per_k[axis] * (temperature[row] - 20.0);
+                (along - self.offset_nt[axis]) / self.sensitivity[axis]
+            });
+            columns.push((format!("sensor_{name}_v"), volts.collect()));
+        }
+        let mut noise = Stream::new(seed, "reference");
+        let reference =
+            fields.iter().map(|field| field.norm() + self.bias_nt + self.reference_nt * noise.normal());
+        columns.push(("reference_nt".into(), reference.collect()));
+        columns.push(("sensor_temperature_c".into(), temperature));
+        Document {
+            fluxcal: common::FORMAT_VERSION,
+            instrument: Some(Instrument {
+                nominal_sensitivity_nt_per_v: Some(6400.0),
+                ..Instrument::default()
+            }),
+            facility: Some(Facility { reference_std_nt: Some(self.reference_nt), ..Facility::default() }),
+            recordings: vec![Recording {
+                id: "turned".into(),
+                procedure: procedure::FREE_RUN.into(),
+                columns: columns.into_iter().map(|(name, values)| (name, Column::from(values))).collect(),
+                ..Recording::default()
+            }],
+            ..Document::default()
+        }
+    }
+
+    /// The nine true parameters, in the order in which they are written: sensitivities, offsets, angles (arcsec).
+    pub fn truth(&self) -> [f64; 9] {
+        let arcsec = self.angles.map(|angle| angle.to_degrees() * 3600.0);
+        std::array::from_fn(|k| [self.sensitivity, self.offset_nt, arcsec][k / 3][k % 3])
+    }
+}
+
+/// The parameters that were found, in the same order: value, standard uncertainty.
+pub fn found(document: &Document) -> Vec<(f64, f64)> {
+    let scalar = document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration");
+    scalar.parameters.iter().map(|parameter| (parameter.value, parameter.std)).collect()
+}
+
+/// The sensitivities and offsets of the document itself.
+pub fn constants(document: &Document) -> Vec<f64> {
+    let sensors = document.calibration.as_ref().and_then(|c| c.sensors.as_ref()).expect("sensors");
+    Axis::ALL
+        .iter()
+        .flat_map(|axis| {
+            let sensor = sensors.get(*axis).expect("a sensor");
+            [&sensor.sensitivity_nt_per_v, &sensor.offset_nt].map(|one| one.as_ref().expect("found").value())
+        })
+        .collect()
+}
