@@ -19,6 +19,8 @@ use crate::{Error, Options, checks, noise, robust, start, weakest};
 const ROUNDS: usize = 3;
 /// Relative standard uncertainty with which a scale that nothing shows is held.
 const HELD: f64 = 1e-9;
+/// A parameter is not determined that is so many times as uncertain as the mean residual: what is small and not in the model decides it then.
+const MOST_WEAK: f64 = 1000.0;
 /// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum without.
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
 
@@ -300,9 +302,11 @@ fn held(
 fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(), Error> {
     let covariance = &solved.found.covariance;
     let worst = (0..9).map(|k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    // A mean of all rows has the uncertainty s/√n.
+    let most = MOST_WEAK * (solved.found.variance / solved.rows as f64).sqrt();
     let full = solved.found.seen.rank() >= solved.model.parameters.len() || options.known;
     let magnitude = solved.model.place(&Parameter::Magnitude).is_some();
-    if worst.is_finite() && worst <= UNDETERMINED && (full || magnitude) {
+    if worst.is_finite() && worst <= UNDETERMINED.min(most) && (full || magnitude) {
         return Ok(());
     }
     let rows = detail.rows(solved.scales);
