@@ -136,6 +136,8 @@ const HEAVIER: f64 = 10.0;
 const HEAVIEST: f64 = 1e3;
 /// A step of this damping is a small part of the whole one.
 const MUCH: f64 = 1.0;
+/// Where no step leads down, a whole step of so many tolerances is rounding: residuals of readings without noise are nothing else.
+const ROUNDED: f64 = 1e4;
 /// So many steps that lower the cost by next to nothing are enough.
 const IDLE: usize = 2;
 /// A step longer than this share of the one before does not shrink.
@@ -192,7 +194,10 @@ pub fn minimise<D: Descent>(
                 linear = descent.linear(&at, Some(&linear).filter(|_| !is_new))?;
                 damping = control.damping.lighter(damping);
             }
-            None if is_new => return Ok(Minimum { at, linear, damping, shift, steps, settled: false }),
+            None if is_new => {
+                let settled = shift <= ROUNDED * control.tolerance;
+                return Ok(Minimum { at, linear, damping, shift, steps, settled });
+            }
             None => {
                 (linear, is_new) = (descent.linear(&at, None)?, true);
                 damping = damping.min(control.damping.first.max(control.damping.from));
