@@ -21,6 +21,7 @@ mod noise;
 mod nulling;
 mod recordings;
 mod residuals;
+mod scalar;
 mod sensors;
 mod stated;
 mod temperature;
@@ -36,7 +37,7 @@ use crate::{Item, Page, Section, certificate};
 type Part = fn(&Document) -> Option<Section>;
 
 /// The parts in the order of the page.
-const PARTS: [Part; 16] = [
+const PARTS: [Part; 17] = [
     stated::section,
     coils::section,
     gradient::section,
@@ -47,6 +48,7 @@ const PARTS: [Part; 16] = [
     temperature::section,
     cross_field::section,
     axes::section,
+    scalar::section,
     differential::section,
     diagnosis::section,
     model::section,

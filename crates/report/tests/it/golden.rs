@@ -10,6 +10,7 @@ fn golden() {
     as_text("coilcal/every-procedure");
     as_text("sensorcal/small");
     as_text("axescal/table-4");
+    as_text("scalarcal/meadow");
     as_text("diffmag/turned-pair");
     as_text("diagnose/warm");
     as_text("correct/flight");

@@ -1,0 +1,127 @@
+//! The sensors calibrated by the magnitude of the field.
+
+use common::{Document, FieldDirections, Quantity, ScalarCalibration, ScalarStability};
+
+use crate::plot::{Dimension, Mark, Plot, Series};
+use crate::{Cell, Section, Table, number};
+
+/// Offsets stand behind the three sensitivities.
+const OFFSETS: usize = 3;
+const SENSORS: [&str; 3] = ["x", "y", "z"];
+
+/// The section; None where scalarcal did not run.
+pub fn section(document: &Document) -> Option<Section> {
+    let scalar = document.calibration.as_ref()?.scalar.as_ref()?;
+    let mut section = Section::new("scalar", "Sensors by the magnitude of the field");
+    section.say(format!(
+        "{} rows against {}: the residual |B| − F has an rms of {} nT{}.",
+        scalar.rows,
+        scalar.reference,
+        number::figures(scalar.rms_nt, 3),
+        scalar
+            .rms_before_nt
+            .map(|rms| format!(", with the calibration as it was stated {} nT", number::figures(rms, 3)))
+            .unwrap_or_default()
+    ));
+    section.warnings.extend(scalar.findings.iter().cloned());
+    parameters(&mut section, scalar);
+    if let Some(weakest) = &scalar.weakest {
+        section.say(format!("Shown least: {}. To show it, {}.", weakest.words, weakest.remedy));
+    }
+    if let Some(directions) = &scalar.directions {
+        section.plot(hemisphere(directions, 1.0));
+        section.plot(hemisphere(directions, -1.0));
+        section.plot(by_height(directions));
+    }
+    if let Some(stability) = scalar.stability.as_ref().filter(|stability| stability.windows.len() > 1) {
+        section.plot(offsets(scalar, stability));
+    }
+    Some(section)
+}
+
+fn parameters(section: &mut Section, scalar: &ScalarCalibration) {
+    let mut table = Table::new(
+        "Parameters",
+        [
+            ("parameter", ""),
+            ("value", ""),
+            ("unit", ""),
+            ("by the readings alone", ""),
+            ("with what was known", ""),
+        ],
+    );
+    for parameter in &scalar.parameters {
+        let std =
+            |std: Option<f64>| std.map_or(Cell::Text("not determined".into()), |std| Cell::Figures(std, 2));
+        let known = parameter.std_with_known.map_or(Cell::Empty, |std| Cell::Figures(std, 2));
+        table.row([
+            parameter.name.as_str().into(),
+            (&Quantity::new(parameter.value, parameter.std)).into(),
+            parameter.unit.as_str().into(),
+            std(parameter.std_alone),
+            known,
+        ]);
+    }
+    section.table(table);
+}
+
+/// Directions of the field on one side of the plane of x and y, in Lambert's equal-area projection about ±z.
+fn hemisphere(directions: &FieldDirections, side: f64) -> Plot {
+    let name = if side > 0.0 { "above" } else { "below" };
+    let mut plot = Plot::new(
+        format!("scalar-directions-{name}"),
+        format!("Directions of the field in SEN, z {name}"),
+        Dimension::linear("x", ""),
+        Dimension::linear("y", ""),
+    )
+    .note("Lambert's equal-area projection: the pole is in the middle, the plane of x and y lies at √2.");
+    plot.map = true;
+    let place = |unit: &[f64; 3]| {
+        let across = unit[0].hypot(unit[1]);
+        let radius = (2.0 * (1.0 - unit[2].abs())).max(0.0).sqrt();
+        if across > 0.0 { [radius * unit[0] / across, radius * unit[1] / across] } else { [0.0, 0.0] }
+    };
+    let mine = directions.unit.iter().filter(|unit| unit[2] * side >= 0.0);
+    let (x, y): (Vec<f64>, Vec<f64>) = mine.map(place).map(|[x, y]| (x, y)).unzip();
+    plot.push(Series::new("field", Mark::Points, 0, &x, &y));
+    let edge: Vec<f64> = (0..=72).map(|k| f64::from(k) * 5.0_f64.to_radians()).collect();
+    let circle =
+        |of: fn(f64) -> f64| edge.iter().map(|angle| 2.0_f64.sqrt() * of(*angle)).collect::<Vec<f64>>();
+    plot.push(Series::new("plane of x and y", Mark::Line, 4, &circle(f64::cos), &circle(f64::sin)));
+    plot
+}
+
+/// The residual against each component of the direction: what bends with one is not in the model.
+fn by_height(directions: &FieldDirections) -> Plot {
+    let mut plot = Plot::new(
+        "scalar-residual",
+        "Residual against the direction of the field",
+        Dimension::linear("component of the unit vector in SEN", ""),
+        Dimension::linear("|B| − F", "nT"),
+    );
+    for (axis, name) in SENSORS.iter().enumerate() {
+        let component: Vec<f64> = directions.unit.iter().map(|unit| unit[axis]).collect();
+        plot.push(Series::new(*name, Mark::Points, axis, &component, &directions.residual_nt));
+    }
+    plot
+}
+
+/// Offsets in parts of the time, less those of all.
+fn offsets(scalar: &ScalarCalibration, stability: &ScalarStability) -> Plot {
+    let mut plot = Plot::new(
+        "scalar-stability",
+        "Offsets in parts of the time, less those of all",
+        Dimension::linear("middle of the part", "s"),
+        Dimension::linear("offset", "nT"),
+    );
+    for (axis, name) in SENSORS.iter().enumerate() {
+        let place = OFFSETS + axis;
+        let all = scalar.parameters.get(place).map_or(0.0, |parameter| parameter.value);
+        let whole = || stability.windows.iter().filter(|window| place < window.values.len());
+        let time: Vec<f64> = whole().map(|window| 0.5 * (window.from_s + window.to_s)).collect();
+        let value: Vec<f64> = whole().map(|window| window.values[place] - all).collect();
+        let std: Vec<f64> = whole().map(|window| window.std[place]).collect();
+        plot.push(Series::new(*name, Mark::Points, axis, &time, &value).with_std(&std));
+    }
+    plot
+}
