@@ -136,7 +136,7 @@ const HEAVIER: f64 = 10.0;
 const HEAVIEST: f64 = 1e3;
 /// A step of this damping is a small part of the whole one.
 const MUCH: f64 = 1.0;
-/// Where no step leads down, a whole step of so many tolerances is rounding: residuals of readings without noise are nothing else.
+/// Where no step leads down, or none without much damping, a whole step of so many tolerances is rounding: residuals of readings without noise are nothing else.
 const ROUNDED: f64 = 1e4;
 /// So many steps that lower the cost by next to nothing are enough.
 const IDLE: usize = 2;
@@ -173,7 +173,8 @@ pub fn minimise<D: Descent>(
         let idle = last.idle >= IDLE && shift > SHRINKS * last.shift;
         if (near && is_new) || (idle && last.was_new) || steps.len() == control.most {
             // Where steps are damped that much, all of them are short.
-            let settled = (near && is_new) || (idle && last.was_new && last.damping < MUCH);
+            let rounded = || last.damping < MUCH || linear.shift(0.0) <= ROUNDED * control.tolerance;
+            let settled = (near && is_new) || (idle && last.was_new && rounded());
             if control.keep {
                 let end = descent.moved(&at, &linear.step(damping))?;
                 at = if descent.cost(&end) <= cost { end } else { at };
@@ -195,7 +196,7 @@ pub fn minimise<D: Descent>(
                 damping = control.damping.lighter(damping);
             }
             None if is_new => {
-                let settled = shift <= ROUNDED * control.tolerance;
+                let settled = linear.shift(0.0) <= ROUNDED * control.tolerance;
                 return Ok(Minimum { at, linear, damping, shift, steps, settled });
             }
             None => {
