@@ -44,41 +44,6 @@ pub fn covariance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<
     Ok(all)
 }
 
-/// Variance of the mean of the readings under [`covariance`], nT², without the matrix: Σ P(f_k)/(nΔt) |W(f_k)|² over the
-/// Fourier frequencies of the grid, W the transform of what each of its points weighs in the mean.
-pub fn mean_variance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<f64, NoiseError> {
-    let count = rows as f64;
-    let mut variance = noise.white_rms_nt.unwrap_or(0.0).powi(2) / count;
-    let Some(time) = time_s.filter(|time| time.len() == rows && rows > 1) else { return Ok(variance) };
-    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
-    if amplitude > 0.0 {
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if !(0.0..=2.0).contains(&exponent) {
-            return Err(NoiseError::Exponent(exponent));
-        }
-        let grid = Grid::of(time)?;
-        let mut weights = vec![0.0; grid.points];
-        for (row, t) in time.iter().enumerate() {
-            let (point, share) = grid.place(row, *t, time[0]);
-            weights[point] += (1.0 - share) / count;
-            if let Some(next) = weights.get_mut(point + 1).filter(|_| share > 0.0) {
-                *next += share / count;
-            }
-        }
-        let mut transformed = vec![Complex::new(0.0, 0.0); grid.points / 2 + 1];
-        let transform = fourier::forward(grid.points);
-        transform.process(&mut weights, &mut transformed).expect("buffers of the plan's lengths");
-        let powers = powers(grid.points, grid.step_s, amplitude, exponent);
-        for (k, (power, weight)) in powers.iter().zip(&transformed).enumerate() {
-            let times = if 2 * k == grid.points { 1.0 } else { 2.0 };
-            variance += times * power * weight.norm_sqr();
-        }
-    }
-    let rate = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0);
-    let walked = time.iter().enumerate().map(|(row, t)| (2 * (rows - row) - 1) as f64 * (t - time[0]));
-    Ok(variance + rate * rate * walked.sum::<f64>() / (count * count))
-}
-
 /// Covariance of two readings off the grid: each is a straight line between two of its points.
 fn between(lags: &[f64], (i, a): (usize, f64), (j, b): (usize, f64)) -> f64 {
     let lag = |i: usize, j: usize| lags.get(i.abs_diff(j)).copied().unwrap_or(0.0);
@@ -109,7 +74,7 @@ fn autocovariance(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> 
 
 /// The variance at each Fourier frequency of an even grid, on one side of the spectrum: a transform counts each frequency twice but the
 /// Nyquist frequency once, which stands for half a cell. None at zero.
-fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
+pub(crate) fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
     let resolution = 1.0 / (points as f64 * step_s);
     let power = |k: usize| match k {
         0 => 0.0,
@@ -122,21 +87,6 @@ fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64>
 mod tests {
     use super::*;
     use crate::series;
-
-    #[test]
-    fn the_mean_has_the_variance_of_the_matrix() {
-        let noise: Noise = serde_json::from_str(
-            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
-        )
-        .expect("a noise");
-        for time in [vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], vec![0.0, 1.0, 2.0, 3.5, 4.0, 9.2, 10.0]] {
-            let rows = time.len();
-            let all = covariance(&noise, rows, Some(&time)).expect("a covariance");
-            let expected = all.iter().sum::<f64>() / (rows * rows) as f64;
-            let found = mean_variance(&noise, rows, Some(&time)).expect("a variance");
-            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-        }
-    }
 
     #[test]
     fn it_is_the_covariance_of_what_is_drawn() {

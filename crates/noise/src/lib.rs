@@ -15,9 +15,9 @@ mod power_law;
 mod stream;
 mod whitening;
 
-pub use covariance::{covariance, mean_variance};
+pub use covariance::covariance;
 pub use flicker::{Process, SLOWEST};
-pub use means::covariance_of_means;
+pub use means::{covariance_of_means, mean_variance};
 pub use power_law::{power_law, random_walk};
 pub use stream::Stream;
 pub use whitening::Whitening;

@@ -3,6 +3,7 @@ use std::ops::Range;
 use common::Noise;
 use fourier::Complex;
 
+use crate::covariance::powers;
 use crate::{Grid, NoiseError};
 
 /// Covariance of means of readings under a declared noise, of exactly the process that [`crate::series`] draws from: rows of rows, nT².
@@ -44,8 +45,9 @@ pub fn covariance_of_means(
                 for row in rows {
                     let (point, share) = grid.place(*row, time[*row], time[0]);
                     weights[point] += (1.0 - share) / rows.len() as f64;
-                    if share > 0.0 {
-                        weights[point + 1] += share / rows.len() as f64;
+                    // Rounding may leave a share of a point behind the last one.
+                    if let Some(next) = weights.get_mut(point + 1).filter(|_| share > 0.0) {
+                        *next += share / rows.len() as f64;
                     }
                 }
                 let mut spectrum = vec![Complex::new(0.0, 0.0); grid.points / 2 + 1];
@@ -53,17 +55,11 @@ pub fn covariance_of_means(
                 spectrum
             })
             .collect();
-        let resolution = 1.0 / (grid.points as f64 * grid.step_s);
-        let power: Vec<f64> = (0..=grid.points / 2)
-            .map(|k| {
-                // There is nothing at none; the Nyquist frequency stands for half a cell.
-                let cell = if 2 * k == grid.points { 0.5 } else { 1.0 };
-                if k == 0 {
-                    return 0.0;
-                }
-                cell * amplitude * (k as f64 * resolution).powf(-exponent) * resolution
-            })
-            .collect();
+        // One side of the spectrum: each frequency counts twice but the Nyquist frequency once.
+        let mut power = powers(grid.points, grid.step_s, amplitude, exponent);
+        for (k, power) in power.iter_mut().enumerate() {
+            *power *= if 2 * k == grid.points { 1.0 } else { 2.0 };
+        }
         for a in 0..many {
             for b in 0..=a {
                 let both = spectra[a].iter().zip(&spectra[b]).zip(&power);
@@ -95,10 +91,36 @@ pub fn covariance_of_means(
     Ok(all)
 }
 
+/// Variance of the mean of all readings, nT².
+///
+/// # Errors
+///
+/// As [`crate::series`].
+pub fn mean_variance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<f64, NoiseError> {
+    let whole = 0..rows;
+    let time = time_s.filter(|time| time.len() == rows);
+    Ok(covariance_of_means(noise, time, std::slice::from_ref(&whole), |_| true)?[0])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::covariance;
+
+    #[test]
+    fn the_mean_has_the_variance_of_the_matrix() {
+        let noise: Noise = serde_json::from_str(
+            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
+        )
+        .expect("a noise");
+        for time in [vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], vec![0.0, 1.0, 2.0, 3.5, 4.0, 9.2, 10.0]] {
+            let rows = time.len();
+            let all = covariance(&noise, rows, Some(&time)).expect("a covariance");
+            let expected = all.iter().sum::<f64>() / (rows * rows) as f64;
+            let found = mean_variance(&noise, rows, Some(&time)).expect("a variance");
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        }
+    }
 
     #[test]
     fn it_is_that_of_the_readings_taken_together() {

@@ -7,15 +7,13 @@ use physics::{Kind, frames};
 use crate::Error;
 use crate::departure::{Candidate, used, visible_share};
 use crate::fit::Fit;
-use crate::readings::Run;
+use crate::readings::{FULL_NT, Run};
 use crate::sides::Directions;
 use faer::Mat;
 
 /// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside the others,
 /// cannot be told.
 const VISIBLE: f64 = 0.2;
-/// Fields count in units of the catalogue's reference field.
-pub const FULL_NT: f64 = 50_000.0;
 /// The effects.
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
 
@@ -86,8 +84,8 @@ pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<S
     Ok((seen, unseen))
 }
 
-/// How large a parameter is likely to be that could not be told: the squares of the others of its effect, each averaged over being
-/// there and not, with the odds of the Bayesian information criterion, √n exp(−z²/2) against it. Their sum is divided by one
+/// Prior standard deviation of a parameter that is not identifiable: from the squares of the others of its effect, each weighted by the probability
+/// that it is not zero, with the odds of the Bayesian information criterion, √n exp(−z²/2) against it. Their sum is divided by one
 /// less than their number, for so few say little of their common size: of two normal values the mean square is too small for
 /// a third one in more than half of all cases.
 pub fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {

@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use crate::Error;
 use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::Run;
+use crate::readings::{FULL_NT, Run};
 use crate::sensitivity::along;
 use crate::shape::Shape;
 use crate::temperature::{Heated, Part};
@@ -18,8 +18,6 @@ use crate::temperature::{Heated, Part};
 const SAME_K: f64 = 0.5;
 /// Different fields along the sensor from which its polynomial can be fitted.
 const POLYNOMIAL_FROM: usize = 6;
-/// Fields count in units of the catalogue's reference field.
-const FULL_NT: f64 = 50_000.0;
 
 /// k and O of each run, and, where there are fields enough, the quadratic and cubic terms of the sensor.
 pub fn own_constants(runs: &[Run<'_>], sensor: Axis) -> Vec<Unknown> {
@@ -152,7 +150,7 @@ pub fn lines(runs: &[Run<'_>], groups: &[(usize, Vec<usize>)]) -> Vec<Unknown> {
 }
 
 /// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
-/// groups have a line for each run.
+/// groups are left out.
 pub fn constants(
     runs: &[Run<'_>],
     groups: &[(usize, Vec<usize>)],

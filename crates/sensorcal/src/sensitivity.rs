@@ -14,12 +14,10 @@ use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::{Run, code_width, first_sensitivity, runs};
+use crate::readings::{FULL_NT, Run, code_width, first_sensitivity, runs};
 use crate::saturation;
 use crate::shape::Shape;
 
-/// Fields count in units of the catalogue's reference field.
-const FULL_NT: f64 = 50_000.0;
 /// Polynomials are tried up to this order.
 const ORDERS: usize = 5;
 

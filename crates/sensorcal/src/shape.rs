@@ -200,7 +200,7 @@ impl Root for InOnePass {
 /// Covariances that are allowed for.
 #[derive(Clone, Default)]
 pub struct Allowed {
-    /// They.
+    /// One whitening for each covariance.
     pub whitenings: Vec<Whitening>,
     /// For each, the share of noise with memory in the variance of a reading.
     memory_shares: Vec<f64>,
@@ -244,7 +244,7 @@ impl Allowed {
         let mut memory_share = 0.0;
         for (rows, time) in recordings {
             let time = time.as_deref();
-            let length_s = time.map_or(0.0, |time| time[time.len() - 1] - time[0]);
+            let length_s = time.and_then(|time| Some(time.last()? - time.first()?)).unwrap_or(0.0);
             let sum = |noises: &[Noise]| {
                 noise::Whitening::of_sum(noises, time, *rows, length_s)
                     .map_err(|error| Error::Undetermined(error.to_string()))
@@ -273,7 +273,13 @@ impl Allowed {
             let levelled = !whitening.is_white() && level > 0.0;
             let whitening = if levelled { whitening.with_level(level.sqrt()) } else { whitening };
             groups.push(Arc::new(InOnePass(whitening)));
-            let share = 1.0 - (white / mean + more.white) / (1.0 + more.white + more.flicker);
+            // About the mean of the recording, as `mean` is.
+            let alone = white * (1.0 - 1.0 / (*rows as f64).max(1.0));
+            let share = if mean > 0.0 {
+                1.0 - (alone / mean + more.white) / (1.0 + more.white + more.flicker)
+            } else {
+                0.0
+            };
             memory_share += share * *rows as f64 / total as f64;
         }
         self.whitenings.push(Whitening::by(groups).weighing(more.probability));

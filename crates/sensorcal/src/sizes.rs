@@ -7,7 +7,7 @@ use crate::Error;
 use crate::fit::Fit;
 use crate::shape::Allowed;
 
-/// The size that all recordings have in common counts beside a recording's own as so many readings.
+/// Prior degrees of freedom of the common variance, towards which the variance of each recording is shrunk.
 const COMMON: f64 = 4.0;
 /// Rounds in which sizes and fit settle.
 const ROUNDS: usize = 6;

@@ -16,7 +16,7 @@ const YEAR_D: f64 = 365.25;
 pub const ANNUAL_FROM: (f64, usize) = (0.9, 16);
 /// A temperature that moves by less than this (rms, K) shows no coefficient.
 const TEMPERATURE_FROM_K: f64 = 0.5;
-/// Below this probability a trend, a yearly term or a coefficient is told.
+/// Below this probability a trend, a yearly term or a coefficient is claimed.
 const TOLD_BELOW: f64 = 0.01;
 /// Above this probability that a random walk is less than the dates' own errors, it is not seen.
 const UNSEEN_ABOVE: f64 = 0.05;

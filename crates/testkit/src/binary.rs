@@ -1,3 +1,4 @@
+use common::Document;
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -35,6 +36,17 @@ pub fn run(program: &str, arguments: &[&str], input: &str) -> Run {
 pub fn run_in(program: &str, folder: &Path, arguments: &[&str]) -> Run {
     let output = Command::new(program).args(arguments).current_dir(folder).output();
     Run::of(output.unwrap_or_else(|error| panic!("{program}: {error}")))
+}
+
+/// The document that programs make of another, one after the other; `beside` is a program in whose folder they are.
+pub fn stages(beside: &str, programs: &[&str], document: &Document) -> Document {
+    let folder = Path::new(beside).parent().expect("a folder");
+    programs.iter().fold(document.clone(), |document, program| {
+        let program = folder.join(program);
+        let run = run(program.to_str().expect("UTF-8"), &["-q"], &common::to_text(&document));
+        assert!(run.code == 0, "{}", run.stderr);
+        Document::parse(&run.stdout).expect("a document")
+    })
 }
 
 impl Run {

@@ -15,8 +15,8 @@ pub mod programs;
 mod words;
 
 pub use beside::beside;
-pub use binary::{Run, run, run_in};
-pub use coverage::{agrees, campaigns, number, some};
+pub use binary::{Run, run, run_in, stages};
+pub use coverage::{agrees, campaigns, number, some, within};
 pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};

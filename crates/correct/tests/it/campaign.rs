@@ -8,9 +8,6 @@ use correct::Options;
 use physics::{References, Setting};
 use rayon::prelude::*;
 use serde_json::Value;
-use std::io::Write;
-use std::path::Path;
-use std::process::{Command, Stdio};
 
 const FIELDS: usize = 400;
 const LARGEST_NT: f64 = 64_000.0;
@@ -76,23 +73,7 @@ fn planned(plan: &str, seed: u64) -> (Document, Value) {
 
 /// The document that the programs make of another, one after the other.
 pub fn stages(programs: &[&str], document: &Document) -> Document {
-    let folder = Path::new(env!("CARGO_BIN_EXE_correct")).parent().expect("a folder");
-    programs.iter().fold(document.clone(), |document, program| {
-        let mut run = Command::new(folder.join(program))
-            .arg("-q")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("a program");
-        let text = common::to_text(&document);
-        let mut stdin = run.stdin.take().expect("its input");
-        let writer = std::thread::spawn(move || stdin.write_all(text.as_bytes()));
-        let run = run.wait_with_output().expect("its output");
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-        writer.join().expect("written").expect("read");
-        Document::parse(&String::from_utf8_lossy(&run.stdout)).expect("a document")
-    })
+    testkit::stages(env!("CARGO_BIN_EXE_correct"), programs, document)
 }
 
 /// What the true instrument reads, rounded to codes.

@@ -5,9 +5,6 @@ use common::{Axis, Document};
 use report::certificate::{self, Kind, Spec};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::io::Write;
-use std::path::Path;
-use std::process::{Command, Stdio};
 
 /// The plan with another seed, less what no requirement here rests on; the truth.
 fn campaign(seed: u64) -> (Document, Value) {
@@ -30,23 +27,7 @@ fn campaign(seed: u64) -> (Document, Value) {
 
 /// The document that the programs beside this one make of another.
 fn calibrated(document: &Document) -> Document {
-    let folder = Path::new(env!("CARGO_BIN_EXE_report")).parent().expect("a folder");
-    ["coilcal", "sensorcal", "axescal"].iter().fold(document.clone(), |document, program| {
-        let mut run = Command::new(folder.join(program))
-            .arg("-q")
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("a program");
-        let text = common::to_text(&document);
-        let mut stdin = run.stdin.take().expect("its input");
-        let writer = std::thread::spawn(move || stdin.write_all(text.as_bytes()));
-        let run = run.wait_with_output().expect("its output");
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-        writer.join().expect("written").expect("read");
-        Document::parse(&String::from_utf8_lossy(&run.stdout)).expect("a document")
-    })
+    testkit::stages(env!("CARGO_BIN_EXE_report"), &["coilcal", "sensorcal", "axescal"], document)
 }
 
 /// A document with what is true in the place of what was found.
@@ -128,13 +109,11 @@ fn certificates_hold_over_campaigns() {
     }
     let mut outside = Vec::new();
     for (title, held) in &held {
-        let tried = held.len() as f64;
-        let share = held.iter().filter(|held| **held).count() as f64 / tried;
-        println!("{title}: {:.1} % of {tried}", 100.0 * share);
-        let slack = if tried < 1000.0 { 3.0 * (0.95 * 0.05 / tried).sqrt() } else { 0.0 };
+        let (inside, tried) = (held.iter().filter(|held| **held).count(), held.len());
+        println!("{title}: {inside} of {tried}");
         let most = if ["angles", "offset in a year"].contains(&title.as_str()) { 1.0 } else { 0.97 };
-        if !(0.93 - slack..=most + slack).contains(&share) {
-            outside.push(format!("{title}: {share:.3}"));
+        if !testkit::within(inside, tried, [0.93, most]) {
+            outside.push(format!("{title}: {inside} of {tried}"));
         }
     }
     assert_eq!(held.values().map(Vec::len).sum::<usize>(), 4 * Axis::ALL.len() * count as usize);

@@ -49,11 +49,10 @@ fn sensor(document: &Document, axis: Axis) -> &SensorCalibration {
 /// Asserts that a share is within 93 to `most`, widened by three standard deviations of the binomial for fewer than 1 000.
 #[track_caller]
 fn within(name: &str, held: &[bool], most: f64) {
-    let count = held.len() as f64;
-    let share = held.iter().filter(|held| **held).count() as f64 / count;
-    println!("{name}: {:.1} % of {count}", 100.0 * share);
-    let slack = if count < 1000.0 { 3.0 * (0.95 * 0.05 / count).sqrt() } else { 0.0 };
-    assert!((0.93 - slack..=most + slack).contains(&share), "{name}: {share:.3} of {count}");
+    let inside = held.iter().filter(|held| **held).count();
+    let share = inside as f64 / held.len() as f64;
+    println!("{name}: {:.1} % of {}", 100.0 * share, held.len());
+    assert!(testkit::within(inside, held.len(), [0.93, most]), "{name}: {share:.3} of {}", held.len());
 }
 
 #[test]

@@ -206,10 +206,8 @@ fn covers(setting: &Setting) {
     for (name, (covered, tried)) in shares {
         let share = covered as f64 / tried as f64;
         println!("{}: {name}: {:.1} % of {tried}", setting.name, 100.0 * share);
-        // 93 to 97 %, widened by three standard deviations of the binomial for fewer campaigns than 1 000.
-        let slack = if tried < 1000 { 3.0 * (0.95 * 0.05 / tried as f64).sqrt() } else { 0.0 };
-        let [low, high] = if AT_LEAST.contains(&name) { [0.93, 1.0] } else { [0.93, 0.97] };
-        if !(low - slack..=high + slack).contains(&share) {
+        let band = if AT_LEAST.contains(&name) { [0.93, 1.0] } else { [0.93, 0.97] };
+        if !testkit::within(covered as usize, tried as usize, band) {
             outside.push(format!("{name}: {share:.3}"));
         }
     }

@@ -5,7 +5,7 @@ use serde_json::json;
 use crate::build::{K, sensitivity, sensor, with};
 
 fn rows() -> usize {
-    std::env::var("FLUXCAL_ROWS").ok().and_then(|rows| rows.parse().ok()).unwrap_or(5_000)
+    testkit::number("FLUXCAL_ROWS").map_or(5_000, |rows| rows as usize)
 }
 
 #[test]

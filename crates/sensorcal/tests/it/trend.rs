@@ -30,7 +30,7 @@ fn drift(wander: &Value, seed: u64) -> OffsetDrift {
 }
 
 /// Share of the campaigns in which the intervals of trend, cosine and sine hold zero.
-fn covered(wander: &Value) -> [f64; 3] {
+fn covered(wander: &Value) -> [usize; 3] {
     let count = testkit::campaigns(40);
     let held = |seed: u64| {
         let drift = drift(wander, seed);
@@ -38,11 +38,11 @@ fn covered(wander: &Value) -> [f64; 3] {
         let trend = drift.trend_nt_per_year.expect("a trend");
         [trend, annual.cosine_nt, annual.sine_nt].map(|quantity| {
             let half = quantity.coverage_factor_95().expect("a factor") * quantity.std().expect("a std");
-            f64::from(u8::from(quantity.value().abs() <= half))
+            quantity.value().abs() <= half
         })
     };
-    let all: Vec<[f64; 3]> = (0..count).into_par_iter().map(held).collect();
-    [0, 1, 2].map(|which| all.iter().map(|held| held[which]).sum::<f64>() / count as f64)
+    let all: Vec<[bool; 3]> = (0..count).into_par_iter().map(held).collect();
+    [0, 1, 2].map(|which| all.iter().filter(|held| held[which]).count())
 }
 
 /// The interval says "at least": 93 % or more whatever the wander is, and no more than 97 % where a random walk is seen.
@@ -64,14 +64,13 @@ fn trend_and_year_cover_whatever_wanders() {
         ("a random walk of 16", walk(16.0), 0.97),
         ("a random walk of 256", walk(256.0), 0.97),
     ];
-    let count = testkit::campaigns(40) as f64;
-    let slack = if count < 1000.0 { 3.0 * (0.95 * 0.05 / count).sqrt() } else { 0.0 };
+    let count = testkit::campaigns(40) as usize;
     let mut outside = Vec::new();
     for (name, wander, most) in cases {
-        let shares = covered(&wander);
-        println!("{name}: trend, cosine, sine {shares:.3?}");
-        if shares.iter().any(|share| !(0.93 - slack..=most + slack).contains(share)) {
-            outside.push(format!("{name}: {shares:.3?}"));
+        let held = covered(&wander);
+        println!("{name}: trend, cosine, sine {held:?} of {count}");
+        if held.iter().any(|held| !testkit::within(*held, count, [0.93, most])) {
+            outside.push(format!("{name}: {held:?} of {count}"));
         }
     }
     assert!(outside.is_empty(), "{}", outside.join("; "));
