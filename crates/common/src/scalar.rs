@@ -21,8 +21,6 @@ pub struct ScalarCalibration {
     /// Rows that were left out, by the reason.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub left_out: IndexMap<String, u64>,
-    /// `magnitude` (nine parameters) or `vector` (twelve, by a known field and the attitude).
-    pub method: String,
     /// Where the field comes from, in words.
     pub reference: String,
     /// Rms of the residual |B| − F after the fit, nT.

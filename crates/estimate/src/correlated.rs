@@ -36,7 +36,7 @@ impl Root for Llt<f64> {
     }
 }
 
-/// The way from correlated readings to independent ones. Groups of readings that share nothing follow each other.
+/// Whitening transform of correlated readings, block by block: groups of readings that share nothing follow each other.
 #[derive(Clone, Debug)]
 pub struct Whitening {
     groups: Vec<Arc<dyn Root>>,

@@ -94,7 +94,7 @@ pub struct Control {
     pub damping: Damping,
     /// A step may raise the cost by this: what is rounding in it.
     pub raise: Tolerance,
-    /// So is a point to which two steps lowered the cost by less than this each, and from which the next one would be no shorter than half as long:
+    /// Also a minimum: a point reached by two steps that each lowered the cost by less than this, when the next step is more than half as long. That is
     /// rounding, or an unknown at its bound. None where the cost does not tell that.
     pub idle: Option<Tolerance>,
     /// Whether derivatives are expensive. Then linear problems are kept as long as steps need no more than the least damping, a minimum is confirmed by
@@ -136,7 +136,8 @@ const HEAVIER: f64 = 10.0;
 const HEAVIEST: f64 = 1e3;
 /// A step of this damping is a small part of the whole one.
 const MUCH: f64 = 1.0;
-/// Where no step leads down, or none without much damping, a whole step of so many tolerances is rounding: residuals of readings without noise are nothing else.
+/// If no step, or only a heavily damped one, lowers the cost, the point has converged when the undamped step is below this many tolerances: residuals of
+/// readings without noise are rounding.
 const ROUNDED: f64 = 1e4;
 /// So many steps that lower the cost by next to nothing are enough.
 const IDLE: usize = 2;

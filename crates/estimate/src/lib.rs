@@ -35,6 +35,7 @@ pub mod spectral;
 pub mod spectrum;
 pub mod stats;
 pub mod svd;
+pub mod triangle;
 pub mod tsqr;
 pub mod wander;
 pub mod whittle;

@@ -51,11 +51,6 @@ impl Mixture {
         &self.weights
     }
 
-    /// ν.
-    pub fn freedom(&self) -> f64 {
-        self.freedom
-    }
-
     /// Σ w_m β_m.
     pub fn coefficients(&self) -> Vec<f64> {
         let unknowns = self.components.first().map_or(0, |one| one.coefficients.len());

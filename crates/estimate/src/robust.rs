@@ -38,8 +38,8 @@ pub fn solve_robust<P: Problem>(
     let mut scale = 1.0;
     for _ in 0..ROUNDS {
         let standardised = standardised(problem, &fit, &weights);
-        let absolute: Vec<f64> = standardised.iter().map(|r| r.abs()).collect();
-        let median = stats::median(&absolute) / MEDIAN_ABSOLUTE_NORMAL;
+        let mut absolute: Vec<f64> = standardised.iter().map(|r| r.abs()).collect();
+        let median = scale_of(&mut absolute);
         let s = if known_scale { median.max(1.0) } else { median };
         if s <= 0.0 {
             break;
@@ -60,6 +60,11 @@ pub fn solve_robust<P: Problem>(
     Ok(RobustFit { fit, weights, scale })
 }
 
+/// Standard deviation of normal numbers by the median of their sizes.
+pub fn scale_of(sizes: &mut [f64]) -> f64 {
+    stats::median_of(sizes) / MEDIAN_ABSOLUTE_NORMAL
+}
+
 /// Residuals without their weights, corrected for leverage.
 fn standardised<P: Problem>(problem: &P, fit: &Fit<P::State>, weights: &[f64]) -> Vec<f64> {
     let (residual, _) = linearised(problem, &fit.state);
@@ -70,7 +75,7 @@ fn standardised<P: Problem>(problem: &P, fit: &Fit<P::State>, weights: &[f64]) -
 }
 
 /// Derivative of ψ(z) = z (1 − (z/c)²)²: (1 − (z/c)²)(1 − 5 (z/c)²) within c, 0 beyond.
-pub fn slope(z: f64) -> f64 {
+fn slope(z: f64) -> f64 {
     let square = (z / TUNING).powi(2);
     if square >= 1.0 { 0.0 } else { (1.0 - square) * (1.0 - 5.0 * square) }
 }

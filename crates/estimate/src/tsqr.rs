@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::exact::Sum;
+use crate::triangle::Triangle;
 
 /// What a column leaves of itself beside the others counts as nothing below this share of it.
 const DEPENDENT: f64 = 1e-13;
@@ -23,8 +24,7 @@ const DEPENDENT: f64 = 1e-13;
 pub struct Tsqr {
     count: u64,
     sums: Vec<Sum>,
-    /// Rows of the upper triangle, each from its diagonal on.
-    factor: Vec<Vec<f64>>,
+    factor: Triangle,
 }
 
 /// Some columns on others, with a constant.
@@ -45,8 +45,7 @@ pub struct Regression {
 impl Tsqr {
     /// No rows of so many columns.
     pub fn new(columns: usize) -> Self {
-        let factor = (0..columns).map(|i| vec![0.0; columns - i]).collect();
-        Self { count: 0, sums: vec![Sum::default(); columns], factor }
+        Self { count: 0, sums: vec![Sum::default(); columns], factor: Triangle::new(columns) }
     }
 
     /// Rows taken.
@@ -56,8 +55,7 @@ impl Tsqr {
 
     /// Whether the parts fit each other, after reading them from outside.
     pub fn is_whole(&self, columns: usize) -> bool {
-        let lengths = self.factor.iter().enumerate().all(|(i, row)| row.len() + i == columns);
-        self.sums.len() == columns && self.factor.len() == columns && lengths
+        self.sums.len() == columns && self.factor.is_whole(columns)
     }
 
     /// Mean of a column.
@@ -87,15 +85,11 @@ impl Tsqr {
             sums.push(sum);
         }
         let head = self.between(rows as u64, &sums);
-        let above = width + 1;
-        let mut stack = Mat::zeros(above + rows, width);
-        for (j, column) in columns.iter().enumerate() {
-            let stacked = stack.col_as_slice_mut(j);
-            (0..=j).for_each(|i| stacked[i] = self.factor[i][j - i]);
-            stacked[width] = head[j];
-            stacked[above..].iter_mut().zip(*column).for_each(|(to, from)| *to = from - means[j]);
-        }
-        self.take(stack, rows as u64, &sums);
+        self.factor.take(1 + rows, |j, below| {
+            below[0] = head[j];
+            below[1..].iter_mut().zip(columns[j]).for_each(|(to, from)| *to = from - means[j]);
+        });
+        self.add(rows as u64, &sums);
     }
 
     /// Takes what another factor has taken.
@@ -103,23 +97,12 @@ impl Tsqr {
         if other.count == 0 {
             return;
         }
-        let width = self.sums.len();
         let head = self.between(other.count, &other.sums);
-        let stack = Mat::from_fn(2 * width + 1, width, |i, j| match i {
-            i if i < width => {
-                if i <= j {
-                    self.factor[i][j - i]
-                } else {
-                    0.0
-                }
-            }
-            i if i == width => head[j],
-            i => {
-                let i = i - width - 1;
-                if i <= j { other.factor[i][j - i] } else { 0.0 }
-            }
+        self.factor.take(1 + other.sums.len(), |j, below| {
+            below[0] = head[j];
+            (0..=j).for_each(|i| below[1 + i] = other.factor.at(i, j));
         });
-        self.take(stack, other.count, &other.sums);
+        self.add(other.count, &other.sums);
     }
 
     /// The row that stands for the distance of two means.
@@ -132,15 +115,7 @@ impl Tsqr {
         self.sums.iter().zip(sums).map(|(a, b)| weight * b.over(there).less(a.over(here))).collect()
     }
 
-    fn take(&mut self, stack: Mat<f64>, count: u64, sums: &[Sum]) {
-        let qr = stack.qr();
-        let upper = qr.thin_R();
-        let width = self.sums.len();
-        for i in 0..width {
-            for j in i..width {
-                self.factor[i][j - i] = upper[(i, j)];
-            }
-        }
+    fn add(&mut self, count: u64, sums: &[Sum]) {
         self.count += count;
         self.sums.iter_mut().zip(sums).for_each(|(to, from)| to.add_sum(*from));
     }
@@ -157,9 +132,7 @@ impl Tsqr {
             return Err(Error::TooFew { found: self.count as usize, unknowns: known + 1 });
         }
         let chosen: Vec<usize> = predictors.iter().chain(responses).copied().collect();
-        let columns = Mat::from_fn(width, chosen.len(), |i, j| {
-            if i <= chosen[j] { self.factor[i][chosen[j] - i] } else { 0.0 }
-        });
+        let columns = Mat::from_fn(width, chosen.len(), |i, j| self.factor.at(i, chosen[j]));
         let qr = columns.qr();
         let upper = qr.thin_R();
         for k in 0..known {

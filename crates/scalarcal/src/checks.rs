@@ -2,7 +2,8 @@
 
 use common::Axis;
 use common::number::{counted, significant};
-use estimate::stats::{median_of, two_sided_p};
+use estimate::robust::scale_of;
+use estimate::stats::two_sided_p;
 
 use crate::read::Series;
 
@@ -12,8 +13,6 @@ const PILED_UP: usize = 5;
 const LEAST: usize = 5;
 /// Rows are disturbed that are as far from the rest with this probability by chance, among all of them.
 const DISTURBED: f64 = 0.01;
-/// Standard deviation of normal numbers over the median of their sizes.
-const NORMAL: f64 = 1.4826;
 
 /// Leaves out rows in which an output stands at the end of its range; gives how many by sensor.
 pub fn without_saturated(series: &mut [Series]) -> Vec<(Axis, usize)> {
@@ -90,7 +89,7 @@ pub fn repeated(series: &[Series]) -> Option<String> {
 pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
     let mut sizes: Vec<f64> = residuals.iter().flatten().map(|value| value.abs()).collect();
     let count = sizes.len();
-    let scale = NORMAL * median_of(&mut sizes);
+    let scale = scale_of(&mut sizes);
     if scale <= 0.0 || scale.is_nan() {
         return None;
     }

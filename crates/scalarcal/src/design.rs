@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::factor::{BLOCK, Factor};
+use crate::factor::{BLOCK, Factor, Filling};
 use crate::model::{Model, State};
 use crate::read::Series;
 use crate::terms::{ONE, Terms};
@@ -71,28 +71,18 @@ impl Rows<'_> {
     /// The factor of all rows.
     pub fn factor(&self, terms: &Terms) -> Factor {
         let of = |(number, from, to): &(usize, usize, usize)| {
-            let mut factor = Factor::new(terms.count());
-            let mut columns = vec![vec![0.0; BLOCK]; terms.count()];
+            let mut filling = Filling::new(terms.count());
             let (mut z, mut products) = (vec![0.0; terms.columns() + 1], vec![0.0; terms.count()]);
-            for first in (*from..*to).step_by(BLOCK) {
-                let rows = BLOCK.min(to - first);
-                for row in 0..rows {
-                    self.fill(*number, first + row, &mut z);
-                    terms.fill(&z, &mut products);
-                    let weight = self.root_weight(*number, first + row);
-                    columns
-                        .iter_mut()
-                        .zip(&products)
-                        .for_each(|(column, value)| column[row] = weight * value);
-                }
-                factor.push(&columns, rows);
+            for row in *from..*to {
+                self.fill(*number, row, &mut z);
+                terms.fill(&z, &mut products);
+                let weight = self.root_weight(*number, row);
+                filling.row(products.iter().map(|value| weight * value));
             }
-            factor
+            filling.finish()
         };
         let parts: Vec<Factor> = self.chunks().par_iter().map(of).collect();
-        let mut all = Factor::new(terms.count());
-        parts.iter().for_each(|part| all.merge(part));
-        all
+        Factor::joined(terms.count(), &parts)
     }
 
     /// What `row` makes of the columns z of some rows of a recording; of more rows than that has columns their factor, row by row.
@@ -114,18 +104,9 @@ impl Rows<'_> {
         if rows.len() <= count {
             return std::iter::once(first).chain((rows.start + 1..rows.end).map(of)).collect();
         }
-        let mut factor = Factor::new(count);
-        let mut columns = vec![Vec::with_capacity(BLOCK); count];
-        for place in rows {
-            columns.iter_mut().zip(of(place)).for_each(|(column, value)| column.push(value));
-            if columns[0].len() == BLOCK {
-                factor.push(&columns, BLOCK);
-                columns.iter_mut().for_each(Vec::clear);
-            }
-        }
-        let left = columns[0].len();
-        factor.push(&columns, left);
-        let upper = factor.upper();
+        let mut filling = Filling::new(count);
+        rows.for_each(|place| filling.row(of(place)));
+        let upper = filling.finish().upper();
         (0..count).map(|i| (0..count).map(|j| upper[(i, j)]).collect()).collect()
     }
 

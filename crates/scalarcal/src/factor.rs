@@ -1,25 +1,32 @@
-//! The triangular factor of the rows that were taken.
+//! The triangular factor of the rows that were taken, and how many they are.
 
+use estimate::triangle::Triangle;
 use faer::Mat;
-use serde::{Deserialize, Serialize};
 
 /// Rows of one factorisation.
 pub const BLOCK: usize = 512;
 
-/// U upper triangular with UᵀU = DᵀD for all rows D that were taken: square-root information. Two factors are joined by
-/// stacking them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(expecting = "an object")]
+/// All that rows say of the columns' products.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Factor {
     rows: u64,
-    /// Rows of the upper triangle, each from its diagonal on.
-    upper: Vec<Vec<f64>>,
+    triangle: Triangle,
 }
 
 impl Factor {
     /// No rows of so many columns.
     pub fn new(columns: usize) -> Self {
-        Self { rows: 0, upper: (0..columns).map(|row| vec![0.0; columns - row]).collect() }
+        Self { rows: 0, triangle: Triangle::new(columns) }
+    }
+
+    /// Of parts, in their order.
+    pub fn joined<'a>(columns: usize, parts: impl IntoIterator<Item = &'a Self>) -> Self {
+        let mut all = Self::new(columns);
+        for part in parts.into_iter().filter(|part| part.rows > 0) {
+            all.triangle.take(columns, |j, below| (0..=j).for_each(|i| below[i] = part.triangle.at(i, j)));
+            all.rows += part.rows;
+        }
+        all
     }
 
     /// Rows taken.
@@ -29,51 +36,47 @@ impl Factor {
 
     /// U as a matrix.
     pub fn upper(&self) -> Mat<f64> {
-        let columns = self.upper.len();
-        Mat::from_fn(columns, columns, |i, j| if i <= j { self.upper[i][j - i] } else { 0.0 })
+        self.triangle.upper()
     }
 
     /// UᵀU between two columns.
     pub fn product(&self, a: usize, b: usize) -> f64 {
-        (0..=a.min(b)).map(|row| self.upper[row][a - row] * self.upper[row][b - row]).sum()
+        self.triangle.product(a, b)
+    }
+}
+
+/// Takes rows one by one into a factor, a block at a time.
+pub struct Filling {
+    factor: Factor,
+    block: Vec<Vec<f64>>,
+}
+
+impl Filling {
+    /// No rows of so many columns.
+    pub fn new(columns: usize) -> Self {
+        Self { factor: Factor::new(columns), block: vec![Vec::with_capacity(BLOCK); columns] }
     }
 
-    /// Takes the first `rows` rows of a block; each column is a slice of at least that length.
-    pub fn push(&mut self, columns: &[Vec<f64>], rows: usize) {
-        if rows == 0 {
-            return;
+    /// Takes a row.
+    pub fn row(&mut self, values: impl IntoIterator<Item = f64>) {
+        self.block.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        if self.block[0].len() == BLOCK {
+            self.flush();
         }
-        let above = self.upper.len();
-        let mut stack = Mat::zeros(above + rows, above);
-        for (j, column) in columns.iter().enumerate() {
-            let stacked = stack.col_as_slice_mut(j);
-            (0..=j).for_each(|i| stacked[i] = self.upper[i][j - i]);
-            stacked[above..].copy_from_slice(&column[..rows]);
-        }
-        self.take(&stack, rows as u64);
     }
 
-    /// Takes what another factor has taken.
-    pub fn merge(&mut self, other: &Self) {
-        let columns = self.upper.len();
-        if other.rows == 0 {
-            return;
+    fn flush(&mut self) {
+        let rows = self.block[0].len();
+        if rows > 0 {
+            self.factor.triangle.take(rows, |j, below| below.copy_from_slice(&self.block[j]));
+            self.factor.rows += rows as u64;
+            self.block.iter_mut().for_each(Vec::clear);
         }
-        let stack = Mat::from_fn(2 * columns, columns, |i, j| {
-            let (of, row) = if i < columns { (&*self, i) } else { (other, i - columns) };
-            if row <= j { of.upper[row][j - row] } else { 0.0 }
-        });
-        self.take(&stack, other.rows);
     }
 
-    fn take(&mut self, stack: &Mat<f64>, rows: u64) {
-        let qr = stack.qr();
-        let upper = qr.thin_R();
-        for (i, row) in self.upper.iter_mut().enumerate() {
-            // The sign of a row is free; a positive diagonal makes the factor unique.
-            let sign = if upper[(i, i)] < 0.0 { -1.0 } else { 1.0 };
-            row.iter_mut().enumerate().for_each(|(k, value)| *value = sign * upper[(i, i + k)]);
-        }
-        self.rows += rows;
+    /// The factor of all rows.
+    pub fn finish(mut self) -> Factor {
+        self.flush();
+        self.factor
     }
 }

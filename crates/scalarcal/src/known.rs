@@ -1,4 +1,4 @@
-//! What is known of the sensors beforehand, as rows of the fit, and how the parameters then err with it.
+//! What is known of the sensors beforehand, as rows of the fit, and how its errors enter the parameters.
 
 use common::uncertainty::{self, By};
 use common::{Axis, Document, Uncertainty};

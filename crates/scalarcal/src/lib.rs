@@ -54,7 +54,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
     }
     solved.told.splice(0..0, told);
-    result::adopt(&mut document, &solved, Some(&detail), options)?;
+    result::adopt(&mut document, &solved, &detail, options)?;
     let references = physics::References::of(&document);
     physics::state_references(&mut document, &references);
     Ok(document)

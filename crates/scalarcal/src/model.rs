@@ -172,7 +172,7 @@ impl Model {
         Some(slopes)
     }
 
-    /// Magnitude of the field, b and B of a row: |B| and what each sensor reads along its axis, over the typical magnitude.
+    /// What each sensor reads along its axis, and |B|, over the typical magnitude.
     pub fn read(&self, state: &State, z: &[f64]) -> ([f64; 3], f64) {
         let along = self.along(state);
         let own: [f64; 3] =

@@ -15,7 +15,7 @@ use estimate::Svd;
 use rayon::prelude::*;
 
 use crate::design::Rows;
-use crate::factor::{BLOCK, Factor};
+use crate::factor::{Factor, Filling};
 use crate::fit::{Found, Known};
 use crate::kalman::{Filter, Form, SENSORS, WHITE, processes};
 use crate::linear::{Linear, Mixture, RANK_TOLERANCE};
@@ -65,8 +65,8 @@ struct Filtered {
 impl Groups {
     /// The rows of recordings about a fit; None for a few rows, and without times in order where there must be some.
     ///
-    /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) with φ the sensors' share of the noise: at what was read,
-    /// they would be correlated with the residual. What noise adds to the residual in second order, (σ² tr G⁻¹ − σ_F²)/2F, is taken off.
+    /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) and F̂ = F + (1 − φ) r with φ the sensors' share of the noise: at
+    /// what was read, they would be correlated with the residual. What noise adds to the residual in second order, (σ² tr G⁻¹ − σ_F²)/2F, is taken off.
     /// So the estimate is without bias in second order.
     ///
     /// Source: J. M. G. Merayo et al., Meas. Sci. Technol. 11 (2000) 120–132, for the second-order term.
@@ -86,6 +86,9 @@ impl Groups {
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
             let (own, _) = model.read(state, z);
             (0..SENSORS).for_each(|axis| z[axis] -= share * residual * own[axis] / state[axis]);
+            let read = z[model.terms.columns()];
+            z[model.terms.columns()] += (1.0 - share) * residual;
+            let residual = residual * read / z[model.terms.columns()];
             model.terms.fill(z, products);
             let derivative =
                 |j: usize| products.iter().enumerate().map(|(k, value)| value * slopes[(k, j)]).sum();
@@ -132,13 +135,8 @@ impl Groups {
             .filter(|groups| !groups.is_empty())
             .map(|groups| whitened(groups, self.columns, form))
             .collect::<Option<_>>()?;
-        let mut all = Factor::new(self.columns);
-        let mut logarithm = 0.0;
-        for (factor, part) in &parts {
-            all.merge(factor);
-            logarithm += part;
-        }
-        Some((all, logarithm))
+        let logarithm = parts.iter().map(|(_, logarithm)| logarithm).sum();
+        Some((Factor::joined(self.columns, parts.iter().map(|(factor, _)| factor)), logarithm))
     }
 
     /// The rows whitened by a form of noise with the variance σ² of its white part.
@@ -175,7 +173,9 @@ impl Groups {
                 Some(Filtered { form: *form, factor, variance, log_likelihood })
             })
             .collect();
-        let prior = |form: Form| if form == WHITE { ODDS } else { 1.0 / (forms.len() - 1) as f64 };
+        let prior = |form: Form| {
+            if Some(form) == forms.first().copied() { ODDS } else { 1.0 / (forms.len() - 1) as f64 }
+        };
         let best = filtered.iter().map(|one| one.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
         let weight = |one: &Filtered| prior(one.form) * (one.log_likelihood - best).exp();
         let total: f64 = filtered.iter().map(weight).sum();
@@ -236,8 +236,7 @@ fn whitened(groups: &[Group], columns: usize, form: Form) -> Option<(Factor, f64
     let (processes, white) = processes(&groups.iter().map(|group| group.time_s).collect::<Vec<_>>(), form)?;
     let mut filter = Filter::new(&processes);
     let mut estimates = vec![vec![0.0; SENSORS * processes.len()]; columns];
-    let mut factor = Factor::new(columns);
-    let mut block = vec![Vec::with_capacity(BLOCK); columns];
+    let mut filling = Filling::new(columns);
     let mut logarithm = 0.0;
     let mut before = groups.first()?.time_s;
     for group in groups {
@@ -252,18 +251,12 @@ fn whitened(groups: &[Group], columns: usize, form: Form) -> Option<(Factor, f64
             let variance = filter.read(&along, 1.0 + white);
             logarithm += variance.ln();
             let deviation = variance.sqrt();
-            for ((estimate, value), column) in estimates.iter_mut().zip(row).zip(&mut block) {
+            filling.row(estimates.iter_mut().zip(row).map(|(estimate, value)| {
                 let innovation = value - filter.predicted(&along, estimate);
                 estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
-                column.push(innovation / deviation);
-            }
-            if block[0].len() == BLOCK {
-                factor.push(&block, BLOCK);
-                block.iter_mut().for_each(Vec::clear);
-            }
+                innovation / deviation
+            }));
         }
     }
-    let left = block[0].len();
-    factor.push(&block, left);
-    Some((factor, logarithm))
+    Some((filling.finish(), logarithm))
 }

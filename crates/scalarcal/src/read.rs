@@ -149,6 +149,7 @@ fn series(
     let whole = |row: &usize| {
         columns.iter().all(|column| column[*row].is_finite())
             && magnitude[*row].is_finite()
+            && magnitude[*row] > 0.0
             && time.is_none_or(|time| time[*row].is_finite())
     };
     let rows: Vec<usize> = (0..recording.rows()).filter(whole).collect();

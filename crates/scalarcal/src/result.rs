@@ -21,8 +21,11 @@ use crate::solve::{Detail, Solved};
 use crate::weakest::{self, frame};
 use crate::{Error, Options, checks, findings, stability, start};
 
-/// Who put an effect into the model: on a second run it is replaced.
+/// Who put an effect into the model.
 const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
+/// A constant error of the reference is asked for where the magnitude varies by so many times the residuals: less is noise of the reference in part,
+/// and biases what follows it.
+const VARIES: f64 = 10.0;
 /// What has a smaller probability by chance is said.
 const TOLD_BELOW: f64 = 0.001;
 /// Step of the derivative of μ by a cosine.
@@ -31,7 +34,7 @@ const STEP: f64 = 1e-6;
 pub fn adopt(
     document: &mut Document,
     solved: &Solved,
-    detail: Option<&Detail>,
+    detail: &Detail,
     options: &Options,
 ) -> Result<(), Error> {
     let scalar = describe(document, solved, detail, options)?;
@@ -74,15 +77,15 @@ pub fn adopt(
 /// The effects that were fitted, in the model.
 fn model(document: &mut Document, solved: &Solved) {
     let found = instances(solved);
-    let mine = |one: &AdoptedEffect| one.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1);
-    let same = |one: &AdoptedEffect, other: &AdoptedEffect| {
-        (&one.effect, one.sensor, &one.column) == (&other.effect, other.sensor, &other.column)
+    // As the fit took them off: those of other recordings and times stay.
+    let of = |one: &AdoptedEffect| {
+        (one.effect.clone(), one.sensor, one.column.clone(), one.recording.clone(), one.from_s, one.to_s)
     };
     if found.is_empty() && document.model.is_none() {
         return;
     }
     let all = &mut document.model.get_or_insert_default().effects;
-    all.retain(|one| !mine(one) && !found.iter().any(|(other, _)| same(one, other)));
+    all.retain(|one| !found.iter().any(|(other, _)| of(one) == of(other)));
     all.extend(found.into_iter().map(|(effect, _)| effect));
 }
 
@@ -197,7 +200,7 @@ fn cosines_by(state: &State, mu: &Matrix3<f64>, count: usize) -> Vec<Vec<f64>> {
 fn describe(
     document: &Document,
     solved: &Solved,
-    detail: Option<&Detail>,
+    detail: &Detail,
     options: &Options,
 ) -> Result<ScalarCalibration, Error> {
     let Solved { model, found, scales, .. } = solved;
@@ -209,40 +212,35 @@ fn describe(
         rows: solved.rows,
         missing: solved.missing,
         left_out: solved.left_out.iter().cloned().collect(),
-        method: "magnitude".into(),
         reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
-        rms_nt: (found.variance * found.freedom / solved.rows as f64).sqrt() * scales.magnitude_nt,
+        rms_nt: rms(&detail.residuals),
         noise: solved.noise.clone(),
         sensor_noise_nt: found.sensor.sqrt() * scales.magnitude_nt,
         reference_noise_nt: found.reference.sqrt() * scales.magnitude_nt,
-        parameters: parameters(solved),
+        parameters: parameters(solved, earlier),
         rank: found.seen.rank(),
         findings: solved.told.clone(),
         ..ScalarCalibration::default()
     };
-    if let Some(detail) = detail {
-        let rows = detail.rows(*scales);
-        let directions = weakest::directions(&rows, model, &found.state, &solved.mu);
-        let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
-        let of = (fields.as_slice(), scales.magnitude_nt);
-        scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
-        scalar.stability = stability::of(solved, detail)?;
-        scalar.directions = Some(FieldDirections {
-            unit: fields.iter().map(|field| field.normalize().into()).collect(),
-            residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
-        });
-        scalar.findings.extend(checks::repeated(&detail.series));
-        if !options.robust {
-            scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
-        }
-        let known = solved.unit == Unit::Nanotesla || start::is_stated(document);
-        if known && !earlier && solved.sources != [Source::Constant] {
-            let mut state = model.nominal();
-            state[..NINE].copy_from_slice(&start::stated(document, solved.unit, scales));
-            let all = rows.residuals(model, &state);
-            let squares: f64 = all.iter().flatten().map(|value| value * value).sum();
-            scalar.rms_before_nt = Some((squares / solved.rows as f64).sqrt());
-        }
+    let rows = detail.rows(*scales);
+    let directions = weakest::directions(&rows, model, &found.state, &solved.mu);
+    let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
+    let of = (fields.as_slice(), scales.magnitude_nt);
+    scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
+    scalar.stability = stability::of(solved, detail)?;
+    scalar.directions = Some(FieldDirections {
+        unit: fields.iter().map(|field| field.normalize().into()).collect(),
+        residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
+    });
+    scalar.findings.extend(checks::repeated(&detail.series));
+    if !options.robust {
+        scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
+    }
+    if start::is_stated(document, solved.unit) && !earlier && solved.sources != [Source::Constant] {
+        let mut state = model.nominal();
+        state[..NINE].copy_from_slice(&start::stated(document, solved.unit, scales));
+        let all = rows.residuals(model, &state);
+        scalar.rms_before_nt = Some(rms(&all));
     }
     scalar.findings.extend(findings::of(
         solved,
@@ -253,14 +251,24 @@ fn describe(
     Ok(ScalarCalibration { reference_offset, beforehand, ..scalar })
 }
 
-/// Whether the calibration of the document was found from the same recordings.
+fn rms(residuals: &[Vec<f64>]) -> f64 {
+    let all: Vec<f64> = residuals.iter().flatten().map(|value| value * value).collect();
+    (all.iter().sum::<f64>() / all.len() as f64).sqrt()
+}
+
+/// Whether the calibration of the document was found from some of the same recordings; those that are joined keep their ids.
 pub fn earlier(document: &Document, solved: &Solved) -> bool {
     let before = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
-    before.is_some_and(|before| solved.recordings.iter().any(|id| before.recordings.contains(id)))
+    let single =
+        |ids: &[String]| ids.iter().flat_map(|id| id.split(" + ")).map(str::to_string).collect::<Vec<_>>();
+    before.is_some_and(|before| {
+        let earlier = single(&before.recordings);
+        single(&solved.recordings).iter().any(|id| earlier.contains(id))
+    })
 }
 
 /// Every parameter in its unit.
-fn parameters(solved: &Solved) -> Vec<ScalarParameter> {
+fn parameters(solved: &Solved, earlier: bool) -> Vec<ScalarParameter> {
     let Solved { model, found, .. } = solved;
     let count = model.parameters.len();
     let information = found.jacobian.transpose() * &found.jacobian;
@@ -271,7 +279,7 @@ fn parameters(solved: &Solved) -> Vec<ScalarParameter> {
             (0..count).for_each(|j| with[(i, j)] += weights[i] * weights[j]);
         }
     }
-    let with = (!solved.beforehand.rows.is_empty())
+    let with = (!earlier && !solved.beforehand.rows.is_empty())
         .then(|| Svd::of(with.as_ref(), 1e-15).ok())
         .flatten()
         .filter(|svd| svd.rank() == count)
@@ -323,10 +331,20 @@ pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
 }
 
 /// What the reference reads too much, as one more unknown beside all others.
-fn reference_offset(solved: &Solved, detail: Option<&Detail>) -> Result<Option<ReferenceOffset>, Error> {
+fn reference_offset(solved: &Solved, detail: &Detail) -> Result<Option<ReferenceOffset>, Error> {
     let Solved { model, found, scales, known, .. } = solved;
     let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
     if !read || model.place(&Parameter::Magnitude).is_some() {
+        return Ok(None);
+    }
+    // In a field that hardly varies a constant error of the reference is one of all sensitivities.
+    let magnitudes: Vec<f64> =
+        detail.series.iter().flat_map(|one| one.magnitude_nt.iter().copied()).collect();
+    let mean = stats::mean(&magnitudes);
+    let varies =
+        stats::mean(&magnitudes.iter().map(|value| (value - mean).powi(2)).collect::<Vec<f64>>()).sqrt();
+    let fitted = model.place(&Parameter::ReferenceOffset).is_some();
+    if !fitted && varies < VARIES * found.variance.sqrt() * scales.magnitude_nt {
         return Ok(None);
     }
     let of = |value: f64, variance: f64, fitted: bool| {
@@ -341,7 +359,6 @@ fn reference_offset(solved: &Solved, detail: Option<&Detail>) -> Result<Option<R
     if let Some(place) = model.place(&Parameter::ReferenceOffset) {
         return Ok(Some(of(found.state[place], found.covariance[(place, place)], true)));
     }
-    let Some(detail) = detail else { return Ok(None) };
     let mut parameters = model.parameters.clone();
     parameters.push(Parameter::ReferenceOffset);
     let model = Model { terms: model.terms.clone(), parameters };

@@ -2,6 +2,7 @@
 
 use common::number::counted;
 use common::{Axis, Document, Noise};
+use faer::Mat;
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
 
@@ -10,7 +11,8 @@ use crate::effects::{Following, asked, following, taken_off};
 use crate::fit::{Found, Known, Sums, fit};
 use crate::kalman::{Form, WHITE};
 use crate::known::{Beforehand, beforehand};
-use crate::model::{Model, Parameter, State};
+use crate::linear::RANK_TOLERANCE;
+use crate::model::{Model, NINE, Parameter, State};
 use crate::read::{Series, Source, read};
 use crate::weakest::{UNDETERMINED, frame};
 use crate::{Error, Options, checks, noise, robust, start, weakest};
@@ -19,7 +21,7 @@ use crate::{Error, Options, checks, noise, robust, start, weakest};
 const ROUNDS: usize = 3;
 /// Relative standard uncertainty with which a scale that nothing shows is held.
 const HELD: f64 = 1e-9;
-/// A parameter is not determined that is so many times as uncertain as the mean residual: what is small and not in the model decides it then.
+/// A parameter more than this many times as uncertain as the mean residual counts as undetermined: small unmodelled effects would decide it.
 const MOST_WEAK: f64 = 1000.0;
 /// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum without.
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
@@ -95,17 +97,27 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         .collect();
     unlike(&mut series, &mut told);
     series.retain(|one| one.len() > 0);
-    let scales = start::scales(document, unit, &series);
     let constant = series.iter().all(|one| one.source == Source::Constant);
+    if constant && !start::is_stated(document, unit) {
+        let expected = "`instrument.nominal_sensitivity_nt_per_v`, or `conditions.magnitude_nt`: one of the two gives the field its scale";
+        let found = "neither a sensitivity nor a magnitude, with --constant-magnitude";
+        return Err(common::Error::document("instrument", found, expected).into());
+    }
+    if constant && series.len() > 1 {
+        told.push(format!("one magnitude is assumed for all {}", counted(series.len(), "recording")));
+    }
+    let scales = start::scales(document, unit, &series);
     if constant {
         series.iter_mut().for_each(|one| one.magnitude_nt.fill(scales.magnitude_nt));
     }
     let effects = asked(document, options)?;
-    let adopted =
+    let mut adopted =
         physics::adopt(document).map_err(|source| Error::Physics { path: "model".into(), source })?;
-    let stated = stated_magnitude(document, &series);
+    // What is fitted anew is not taken off.
+    adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
+    let stated = stated_magnitude(document, &series)?;
     let reference = reference_variance(document, &series, &scales);
-    let sensor = sensor_variance(document, &scales);
+    let sensor = sensor_variance(document, unit, &scales);
     let like = Basic::found(document, unit).mu;
 
     let more = |following: &Following| {
@@ -122,11 +134,11 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let none = Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); raw.len()] };
     let mut current = raw.clone();
     let mut follow = none;
-    let mut state: Option<(Model, State)> = None;
+    let mut last: Option<(Model, Beforehand, Found)> = None;
     let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
-        if let Some((_, state)) = &state {
-            let basic = basic(state, &scales, &like);
+        if let Some((.., found)) = &last {
+            let basic = basic(&found.state, &scales, &like);
             current = taken_off(document, &raw, &basic, &adopted)?;
             follow = following(document, &current, &scales, &basic, &effects)?;
         }
@@ -136,49 +148,42 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         let plain = rows.factor(&model.terms);
         let beforehand = beforehand(document, unit, &scales, &model)?;
         let held = held(&model, &beforehand, options, (constant, stated));
-        let known = used(&beforehand, options);
-        let starts = match &state {
-            Some((_, before)) => {
+        let starts = match &last {
+            Some((.., before)) => {
                 let mut neutral = model.nominal();
-                neutral[..9].copy_from_slice(&before[..9]);
+                neutral[..NINE].copy_from_slice(&before.state[..NINE]);
                 vec![neutral]
             }
             None => start::starts(document, unit, &scales, &model, &plain)?,
         };
         let sums = Sums { plain: &plain, sensor, reference, held: &held };
-        let found = fit(&model, &sums, &known, &starts).map_err(|error| {
+        let found = fit(&model, &sums, &used(&beforehand, options), &starts).map_err(|error| {
             short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
         })?;
-        state = Some((model, found.state));
+        last = Some((model, beforehand, found));
     }
-    let (model, state) = state.ok_or_else(|| Error::Undetermined("no rows".into()))?;
-
-    let before = beforehand(document, unit, &scales, &model)?;
-    let held = held(&model, &before, options, (constant, stated));
-    let known = used(&before, options);
-    let mut rows = Rows { series: &current, scales, follows: follow.columns.clone(), weights: None };
-    let mut found = if options.robust {
-        robust::fit_robust(&model, &mut rows, (sensor, reference), (&held, &known), &state)?
-    } else {
-        let plain = rows.factor(&model.terms);
-        fit(&model, &Sums { plain: &plain, sensor, reference, held: &held }, &known, &[state])?
-    };
-    // What is weighed down most is left out from here on: a spectrum needs rows that are whole.
-    let weights = rows.weights.take();
+    let (model, beforehand, mut found) = last.ok_or_else(|| Error::Undetermined("no rows".into()))?;
+    let held = held(&model, &beforehand, options, (constant, stated));
+    let known = used(&beforehand, options);
     let mut kept = current;
     let mut follows = follow.columns;
-    if let Some(weights) = &weights {
+    if options.robust {
+        let mut rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
+        let keep = robust::kept(&model, &mut rows, (sensor, reference), (&held, &known), &found.state)?;
         let mut count = 0;
-        for ((one, columns), weights) in kept.iter_mut().zip(&mut follows).zip(weights) {
-            let keep: Vec<bool> = weights.iter().map(|weight| *weight > 0.0).collect();
+        for ((one, columns), keep) in kept.iter_mut().zip(&mut follows).zip(&keep) {
             count += keep.iter().filter(|keep| !**keep).count() as u64;
-            checks::retain(one, &keep);
+            checks::retain(one, keep);
             for column in columns.iter_mut() {
                 let mut flags = keep.iter();
                 column.retain(|_| *flags.next().unwrap_or(&true));
             }
         }
-        left_out.push(("weight zero (--robust)".into(), count));
+        left_out.push(("far from the rest (--robust)".into(), count));
+        let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
+        let plain = rows.factor(&model.terms);
+        let sums = Sums { plain: &plain, sensor, reference, held: &held };
+        found = fit(&model, &sums, &known, std::slice::from_ref(&found.state))?;
     }
     let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
     let white = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
@@ -201,7 +206,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         effects,
         noise,
         form,
-        beforehand: before,
+        beforehand,
         known: held.iter().chain(&known).cloned().collect(),
         held,
         mu,
@@ -230,6 +235,14 @@ pub fn basic(state: &State, scales: &Scales, like: &Matrix3<f64>) -> Basic {
     basic
 }
 
+/// Whether a fitted effect takes the place of one of the model: the same of all recordings at all times.
+fn replaces(fitted: &EffectInstance, one: &EffectInstance) -> bool {
+    let of = |effect: &EffectInstance| {
+        (effect.kind, effect.axis, effect.column.clone(), effect.recording.clone(), effect.within)
+    };
+    of(fitted) == of(one)
+}
+
 /// Recordings of a magnitude that is not known are of no use beside ones where it is.
 fn unlike(series: &mut Vec<Series>, told: &mut Vec<String>) {
     let known = series.iter().any(|one| one.source != Source::Constant);
@@ -241,16 +254,28 @@ fn unlike(series: &mut Vec<Series>, told: &mut Vec<String>) {
     }
 }
 
-/// Relative standard uncertainty of a magnitude that is stated in all recordings.
-fn stated_magnitude(document: &Document, series: &[Series]) -> Option<f64> {
-    if !series.iter().all(|one| one.source == Source::Stated) {
-        return None;
-    }
+/// Relative standard uncertainty of a stated magnitude.
+///
+/// # Errors
+///
+/// Magnitudes that are stated with an uncertainty beside another reference, or several: each would need a scale of its own.
+fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
         let stated = document.recordings[one.index].conditions.extra.get(crate::read::MAGNITUDE)?;
-        serde_json::from_value::<common::Quantity>(stated.clone()).ok()?.relative_std()
+        let quantity = serde_json::from_value::<common::Quantity>(stated.clone()).ok()?;
+        Some((quantity.value(), quantity.relative_std()?))
     };
-    series.iter().filter_map(of).reduce(f64::max)
+    let stated: Vec<Option<(f64, f64)>> = series.iter().map(of).collect();
+    let Some(first) = stated.iter().flatten().next().copied() else { return Ok(None) };
+    if let Some(other) = stated.iter().position(|one| *one != Some(first)) {
+        let path = format!("{}.conditions.{}", series[other].path(), crate::read::MAGNITUDE);
+        let found =
+            "a magnitude that is stated with an uncertainty beside recordings whose magnitude is another";
+        let expected =
+            "one magnitude for all recordings, or none with an uncertainty; calibrate them one by one";
+        return Err(common::Error::document(path, found, expected).into());
+    }
+    Ok(Some(first.1))
 }
 
 /// Variance of the reference over the square of the magnitude.
@@ -261,11 +286,11 @@ fn reference_variance(document: &Document, series: &[Series], scales: &Scales) -
 }
 
 /// Variance of the declared noise along a sensor over the square of the magnitude, in the mean of the sensors.
-fn sensor_variance(document: &Document, scales: &Scales) -> Option<f64> {
+fn sensor_variance(document: &Document, unit: Unit, scales: &Scales) -> Option<f64> {
     let instrument = document.instrument.as_ref()?;
     let of = |axis: Axis| instrument.noise_of(axis)?.white_rms_nt.filter(|rms| *rms > 0.0);
     let all: Vec<f64> = Axis::ALL.into_iter().filter_map(of).collect();
-    let code = scales.sensitivity.map(|k| instrument.quantisation_v.map_or(0.0, |width| k * width));
+    let code = scales.sensitivity.map(|k| unit.code_width(Some(instrument)).map_or(0.0, |width| k * width));
     let rounding = code.iter().map(|width| width * width / 12.0).sum::<f64>() / 3.0;
     let mean = all.iter().map(|rms| rms * rms).sum::<f64>() / 3.0;
     (all.len() == 3).then(|| (mean + rounding) / scales.magnitude_nt.powi(2))
@@ -298,15 +323,25 @@ fn held(
     rows
 }
 
+/// The largest standard uncertainty of a parameter that is determined.
+fn most(found: &Found, rows: u64) -> f64 {
+    // A mean of all rows has the uncertainty s/√n.
+    UNDETERMINED.min(MOST_WEAK * (found.variance / rows as f64).sqrt())
+}
+
 /// That the fit determines every parameter.
 fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(), Error> {
-    let covariance = &solved.found.covariance;
-    let worst = (0..9).map(|k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
-    // A mean of all rows has the uncertainty s/√n.
-    let most = MOST_WEAK * (solved.found.variance / solved.rows as f64).sqrt();
-    let full = solved.found.seen.rank() >= solved.model.parameters.len() || options.known;
-    let magnitude = solved.model.place(&Parameter::Magnitude).is_some();
-    if worst.is_finite() && worst <= UNDETERMINED.min(most) && (full || magnitude) {
+    let Solved { model, found, .. } = solved;
+    let worst = (0..NINE).map(|k| found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    let rows = found.jacobian.nrows();
+    let all = Mat::from_fn(rows + solved.known.len(), model.parameters.len(), |i, j| {
+        if i < rows { found.jacobian[(i, j)] } else { solved.known[i - rows].0[j] }
+    });
+    let full = estimate::Svd::of(all.as_ref(), RANK_TOLERANCE)?.rank() == model.parameters.len();
+    // Where the scale is that of something known, it is no better than that.
+    let scaled = options.known || model.place(&Parameter::Magnitude).is_some();
+    let most = if scaled { UNDETERMINED } else { most(found, solved.rows) };
+    if full && worst <= most {
         return Ok(());
     }
     let rows = detail.rows(solved.scales);
@@ -336,7 +371,7 @@ fn short(
     let information = found.jacobian.transpose() * &found.jacobian;
     let (least, _) = weakest::least(&information)?;
     let mu = frame(&found.state, like);
-    (least < UNDETERMINED.powi(-2))
+    (least < most(&found, sums.plain.rows()).powi(-2))
         .then(|| message(model, &found.jacobian, rows, &found.state, &mu, beforehand, options))
 }
 
@@ -346,7 +381,8 @@ fn declared_form(document: &Document, variance: Option<f64>, scales: &Scales) ->
     let all: Vec<&Noise> = Axis::ALL.into_iter().filter_map(|axis| instrument.noise_of(axis)).collect();
     let white = variance? * scales.magnitude_nt.powi(2);
     let flicker = all.iter().filter_map(|noise| noise.flicker_nt2_per_hz_at_1hz).sum::<f64>() / 3.0;
-    let exponent = all[0].flicker_exponent.unwrap_or(1.0);
+    let exponent =
+        all.iter().map(|noise| noise.flicker_exponent.unwrap_or(1.0)).sum::<f64>() / all.len() as f64;
     Some(if flicker > 0.0 { Form { ratio: flicker / white, exponent } } else { WHITE })
 }
 

@@ -19,7 +19,7 @@ const PARTS: usize = 8;
 const ROWS_PER_PARAMETER: usize = 20;
 /// Singular values of a part below this share of the largest say nothing of its own.
 const RANK_TOLERANCE: f64 = 1e-6;
-/// The size of the residuals in a part is taken from all.
+/// Fewer parts than these cannot be compared.
 const FEWEST_PARTS: usize = 2;
 
 /// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on the range of a part's

@@ -1,6 +1,6 @@
 //! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least squares.
 
-use common::Document;
+use common::{Axis, Document, Quantity};
 use estimate::Svd;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -18,38 +18,40 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// The ellipsoid's axes differ by less than this factor.
 const MOST_UNLIKE: f64 = 1e3;
 
-/// The units: the mean magnitude, and the sensitivities as they are stated, or such that the largest swing of a sensor is one.
+/// The units: the mean magnitude, or the largest swing by the stated sensitivities where it is not known; and those sensitivities, or such that the
+/// largest swing of a sensor is one.
 pub fn scales(document: &Document, unit: Unit, series: &[Series]) -> Scales {
     let known = series.iter().filter(|one| one.source != Source::Constant);
     let (sum, count) = known
         .flat_map(|one| &one.magnitude_nt)
         .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    let stated = Basic::of(document, unit).sensors.map(|sensor| sensor.sensitivity);
+    let stated = Axis::ALL.map(|axis| sensitivity(document, unit, axis));
     let swing = (0..3)
         .map(|axis| {
             let all = || series.iter().flat_map(|one| &one.readings[axis]).copied();
             0.5 * (all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min))
         })
         .fold(0.0, f64::max);
-    let is_stated = unit == Unit::Nanotesla || is_stated(document);
-    let magnitude_nt = match (count > 0.0, is_stated) {
-        (true, _) => sum / count,
-        (false, true) => swing * stated.iter().map(|value| value.abs()).fold(0.0, f64::max),
-        (false, false) => 1.0,
+    let magnitude_nt = if count > 0.0 {
+        sum / count
+    } else {
+        swing * stated.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max)
     };
     let nominal = magnitude_nt / swing.max(f64::MIN_POSITIVE);
-    Scales { magnitude_nt, sensitivity: if is_stated { stated } else { [nominal; 3] } }
+    Scales { magnitude_nt, sensitivity: stated.map(|stated| stated.unwrap_or(nominal)) }
 }
 
-/// Whether the document says what the sensors' sensitivities are, in nT/V.
-pub fn is_stated(document: &Document) -> bool {
+/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading in nT is the field where it states none.
+fn sensitivity(document: &Document, unit: Unit, axis: Axis) -> Option<f64> {
     let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-    let of = |calibration: &common::Calibration| {
-        common::Axis::ALL
-            .iter()
-            .all(|axis| calibration.sensor(*axis).is_some_and(|sensor| sensor.sensitivity_nt_per_v.is_some()))
-    };
-    nominal.is_some() || document.calibration.as_ref().is_some_and(of)
+    let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+    let own = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
+    own.or(if unit == Unit::Volt { nominal } else { Some(1.0) })
+}
+
+/// Whether the document states the sensitivities of all three sensors.
+pub fn is_stated(document: &Document, unit: Unit) -> bool {
+    Axis::ALL.iter().all(|axis| sensitivity(document, unit, *axis).is_some())
 }
 
 /// The states to begin from, the nine parameters of each followed by the others' neutral values.
@@ -76,10 +78,9 @@ pub fn stated(document: &Document, unit: Unit, scales: &Scales) -> [f64; NINE] {
     let basic = Basic::found(document, unit);
     let mut nine = [0.0; NINE];
     for axis in 0..3 {
-        let sensor = basic.sensors[axis];
-        let unset = unit == Unit::Volt && !is_stated(document);
-        nine[axis] = if unset { 1.0 } else { sensor.sensitivity / scales.sensitivity[axis] };
-        nine[3 + axis] = sensor.offset_nt / scales.magnitude_nt;
+        nine[axis] =
+            sensitivity(document, unit, Axis::ALL[axis]).map_or(1.0, |k| k / scales.sensitivity[axis]);
+        nine[3 + axis] = basic.sensors[axis].offset_nt / scales.magnitude_nt;
     }
     for (place, [a, b]) in PAIRS.iter().enumerate() {
         nine[6 + place] = basic.mu.column(*a).dot(&basic.mu.column(*b));
@@ -94,7 +95,6 @@ fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Erro
     let place = |f: usize, g: usize| model.terms.place(f, g).expect("a product without F");
     let last = model.terms.count() - 1;
     let rows = upper.nrows();
-    let column = |of: usize| move |upper: &Mat<f64>, i: usize| upper[(i, of)];
     let trace = place(0, 0);
     let others = [
         place(1, 1),
@@ -109,8 +109,7 @@ fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Erro
         last,
     ];
     let design = Mat::from_fn(rows, others.len(), |i, j| {
-        let own = column(others[j])(&upper, i);
-        if j < 2 { own - column(trace)(&upper, i) } else { own }
+        if j < 2 { upper[(i, others[j])] - upper[(i, trace)] } else { upper[(i, others[j])] }
     });
     let right: Vec<f64> = (0..rows).map(|i| -3.0 * upper[(i, trace)]).collect();
     let x = Svd::of(design.as_ref(), RANK_TOLERANCE)?.solve(&right);
@@ -147,4 +146,38 @@ fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Erro
         nine[6 + place] = k[*a] * inverse[(*a, *b)] * k[*b];
     }
     Ok(nine.iter().all(|value| value.is_finite()).then_some(nine))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::Rows;
+    use crate::{Options, read};
+
+    /// The meadow by numpy's `lstsq` (`fixtures/reference/scalar_scipy.py`): sensitivities over 6400 nT/V, offsets over the mean magnitude,
+    /// cosines.
+    #[test]
+    fn the_ellipsoid_is_that_of_numpy() {
+        let expected = [
+            1.001997401536146,
+            0.9970022830396945,
+            1.0010027647888156,
+            0.0002535843194534819,
+            -0.00016399631827044845,
+            8.486217291403247e-5,
+            0.008727490152311005,
+            -0.005239848762357719,
+            0.0034881280691217253,
+        ];
+        let document =
+            Document::parse(&testkit::read_fixture("scalarcal/meadow/input.json")).expect("a document");
+        let (unit, series) = read::read(&document, &Options::default()).expect("recordings");
+        let scales = scales(&document, unit, &series);
+        let model = Model::new(ONE + 1, []);
+        let rows = Rows { series: &series, scales, follows: vec![Vec::new()], weights: None };
+        let found = ellipsoid(&model, &rows.factor(&model.terms)).expect("a fit").expect("an ellipsoid");
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+    }
 }

@@ -31,7 +31,7 @@ pub fn section(document: &Document) -> Option<Section> {
     if let Some(directions) = &scalar.directions {
         section.plot(hemisphere(directions, 1.0));
         section.plot(hemisphere(directions, -1.0));
-        section.plot(by_height(directions));
+        section.plot(by_component(directions));
     }
     if let Some(stability) = scalar.stability.as_ref().filter(|stability| stability.windows.len() > 1) {
         section.plot(offsets(scalar, stability));
@@ -92,7 +92,7 @@ fn hemisphere(directions: &FieldDirections, side: f64) -> Plot {
 }
 
 /// The residual against each component of the direction: what bends with one is not in the model.
-fn by_height(directions: &FieldDirections) -> Plot {
+fn by_component(directions: &FieldDirections) -> Plot {
     let mut plot = Plot::new(
         "scalar-residual",
         "Residual against the direction of the field",
