@@ -10,10 +10,10 @@ use estimate::stats;
 
 use crate::Error;
 use crate::departures::{self, FOUND_BELOW, Kind};
-use crate::levels::{Level, levels, mean, within};
+use crate::levels::{Level, levels, mean, visits, within};
 use crate::readings::{Reading, Readings};
 
-/// Below this probability of the lack of fit, uncertainties rest on the levels: repeats may err together.
+/// Below this probability of the lack of fit, uncertainties rest on the levels: all visits of a level may err together.
 const LEVELS_BELOW: f64 = 0.1;
 /// Below this one the lack of fit is told.
 const TOLD_BELOW: f64 = 0.01;
@@ -194,6 +194,9 @@ fn candidates(
             continue;
         }
         let scatter = scatter(levels, &wider, declared);
+        if scatter.freedom < 1.0 {
+            continue;
+        }
         let (gain, variance) = ((fit.sum_of_squares - wider.sum_of_squares).max(0.0), scatter.std_nt.powi(2));
         let p_value = stats::two_sided_p((gain / variance).sqrt(), scatter.freedom);
         if p_value * (looked.len() as f64) < FOUND_BELOW {
@@ -204,42 +207,47 @@ fn candidates(
     Ok(found)
 }
 
-/// Scatter of the levels' means about the model against the scatter of the repeats about their means.
+/// Scatter of the levels' means about the model against that of the visits about their level's mean; against that of the repeats where
+/// no level was set twice.
 fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
-    let residual = |member: usize| fit.standardised[member];
-    let (pure, below) = within(levels, residual);
+    let visits = visits(levels);
+    let (all, below) = within(levels, |member| fit.standardised[member]);
+    let (repeats, of_repeats) = within(&visits, |member| fit.standardised[member]);
+    let (pure, below) =
+        if visits.len() > levels.len() { (all - repeats, below - of_repeats) } else { (all, below) };
     let above = levels.len() as f64 - fit.rank as f64;
-    if below < 1.0 || above < 1.0 || pure == 0.0 {
+    if below < 1.0 || above < 1.0 || pure <= 0.0 {
         return None;
     }
     let f = between(levels, fit) / above / (pure / below);
     Some(FTest { f, above, below, p_value: stats::f_p(f, above, below) })
 }
 
-/// Sum of squares of the levels' means about the model.
-fn between(levels: &[Level], fit: &LinearFit) -> f64 {
+/// Sum of squares of the means of groups of readings about the model.
+fn between(groups: &[Level], fit: &LinearFit) -> f64 {
     let residual = |member: usize| fit.standardised[member];
-    levels.iter().map(|level| level.members.len() as f64 * mean(level, residual).powi(2)).sum()
+    groups.iter().map(|group| group.members.len() as f64 * mean(group, residual).powi(2)).sum()
 }
 
-/// From the residuals; from the levels where they scatter more than the repeats can explain; as declared where neither
-/// has degrees of freedom.
+/// The scatter of visits about the model, since the readings of a visit share what wanders slowly, but no less than that of the readings, which
+/// their means have at least; that of the levels where it is more than the visits explain; as declared where there are no degrees of freedom.
 pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
-    let lack = lack_of_fit(levels, fit);
-    if let Some(lack) = lack.filter(|lack| lack.p_value < LEVELS_BELOW) {
-        return Scatter {
-            std_nt: (between(levels, fit) / lack.above).sqrt(),
-            freedom: lack.above,
-            source: "levels",
-        };
-    }
-    match declared.filter(|_| fit.freedom < 1.0) {
+    let of = |sum_of_squares: f64, count: usize, source: &'static str| {
+        let freedom = count as f64 - fit.rank as f64;
+        Scatter { std_nt: (sum_of_squares / freedom.max(1.0)).sqrt(), freedom, source }
+    };
+    let visits = visits(levels);
+    let lack = lack_of_fit(levels, fit).filter(|lack| lack.p_value < LEVELS_BELOW);
+    let found = if lack.is_some() || visits.len() == levels.len() {
+        of(between(levels, fit), levels.len(), "levels")
+    } else {
+        of(between(&visits, fit), visits.len(), "visits")
+    };
+    let residuals = of(fit.sum_of_squares, fit.residuals.len(), "residuals");
+    let found = if lack.is_none() && residuals.std_nt >= found.std_nt { residuals } else { found };
+    match declared.filter(|_| found.freedom < 1.0) {
         Some(std_nt) => Scatter { std_nt, freedom: f64::INFINITY, source: "declared" },
-        None => Scatter {
-            std_nt: (fit.sum_of_squares / fit.freedom).sqrt(),
-            freedom: fit.freedom,
-            source: "residuals",
-        },
+        None => found,
     }
 }
 

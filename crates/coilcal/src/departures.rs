@@ -97,7 +97,7 @@ pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result
 }
 
 /// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that of the
-/// fit with the departure: of the levels where these scatter more than the repeats.
+/// fit with the departure.
 pub fn look(
     readings: &[Reading],
     levels: &[Level],

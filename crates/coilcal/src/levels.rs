@@ -1,4 +1,4 @@
-//! Repeats: readings with the same drive.
+//! Repeats: readings with the same drive, and visits, those of them that were taken one after the other.
 
 use crate::readings::Reading;
 
@@ -30,6 +30,17 @@ pub fn levels(readings: &[Reading]) -> Vec<Level> {
     levels
 }
 
+/// Splits levels into visits: readings of one drive that follow each other directly. What wanders slowly, the site's field for one, is common to a visit.
+pub fn visits(levels: &[Level]) -> Vec<Level> {
+    let of = |level: &Level| {
+        let mut members = level.members.clone();
+        members.sort_unstable();
+        let runs = members.chunk_by(|before, after| before + 1 == *after);
+        runs.map(|run| Level { members: run.to_vec() }).collect::<Vec<_>>()
+    };
+    levels.iter().flat_map(of).collect()
+}
+
 /// Sum of squares of values about the means of their levels, and its degrees of freedom.
 pub fn within(levels: &[Level], value: impl Fn(usize) -> f64) -> (f64, f64) {
     let mut sum = 0.0;
@@ -45,4 +56,19 @@ pub fn within(levels: &[Level], value: impl Fn(usize) -> f64) -> (f64, f64) {
 /// Mean of values over a level.
 pub fn mean(level: &Level, value: impl Fn(usize) -> f64) -> f64 {
     level.members.iter().map(|member| value(*member)).sum::<f64>() / level.members.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_that_is_set_again_is_two_visits() {
+        let reading = |current_a: f64| Reading { current_a, field_nt: 0.0, time_s: 0.0 };
+        let readings: Vec<Reading> = [1.0, 1.0, -1.0, -1.0, 1.0].map(reading).to_vec();
+        let levels = levels(&readings);
+        let of = |groups: &[Level]| groups.iter().map(|group| group.members.clone()).collect::<Vec<_>>();
+        assert_eq!(of(&levels), [vec![2, 3], vec![0, 1, 4]]);
+        assert_eq!(of(&visits(&levels)), [vec![2, 3], vec![0, 1], vec![4]]);
+    }
 }

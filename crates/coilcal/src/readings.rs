@@ -10,7 +10,7 @@ pub struct Readings {
     pub coil: Axis,
     /// The recordings.
     pub recordings: Vec<String>,
-    /// Readings in the order taken.
+    /// Readings by time where each recording says when it began, else as they are listed.
     pub readings: Vec<Reading>,
     /// Whether the drive was read as a voltage.
     pub volts: bool,
@@ -30,6 +30,7 @@ pub struct Reading {
 /// The readings of a coil; None without a recording of it.
 pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> {
     let mut all = Readings { coil, recordings: Vec::new(), readings: Vec::new(), volts: false };
+    let mut dated = true;
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure != procedure::COIL_CONSTANT {
             continue;
@@ -41,7 +42,11 @@ pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> 
         };
         if of == coil {
             one(document, recording, &path, &mut all)?;
+            dated &= recording.start().is_some() && recording.column("time_s").is_some();
         }
+    }
+    if dated {
+        all.readings.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     }
     Ok((!all.recordings.is_empty()).then_some(all))
 }

@@ -1,11 +1,8 @@
 //! Coverage of k and B0 over simulated campaigns, resistor and voltmeter erring once for each. FLUXCAL_CAMPAIGNS sets how many.
 
-use common::{Axis, Budget, Quantity};
+use common::{Axis, Budget, Document, Quantity};
+use noise::Stream;
 use serde_json::json;
-
-fn campaigns() -> u64 {
-    testkit::campaigns(200)
-}
 
 fn plan(seed: u64) -> simulate::Plan {
     let plan = json!({
@@ -23,13 +20,31 @@ fn plan(seed: u64) -> simulate::Plan {
     simulate::Plan::parse(&plan.to_string()).expect("a plan")
 }
 
-#[test]
-fn intervals_cover_and_would_not_without_the_common_errors() {
-    let count = campaigns();
+/// Adds what the site's field does from one drive to the next, a normal variate for each.
+fn disturb(document: &mut Document, std_nt: f64, seed: u64) {
+    let mut draw = Stream::new(seed, "site");
+    for recording in &mut document.recordings {
+        let drive = recording.column("coil_z_v").expect("the drive").to_vec();
+        let mut site = 0.0;
+        let mut reference = recording.column("reference_nt").expect("the reference").to_vec();
+        for row in 0..reference.len() {
+            if row == 0 || (drive[row] - drive[row - 1]).abs() > 1e-4 {
+                site = std_nt * draw.normal();
+            }
+            reference[row] += site;
+        }
+        recording.columns.insert("reference_nt".into(), reference.into());
+    }
+}
+
+/// Asserts that intervals of constant and offset cover where the site's field changes by so much from one drive to the next.
+fn covers(site_nt: f64, alone_falls_short: bool) {
+    let count = testkit::campaigns(200) as usize;
     // For constant and offset: covered by the joint uncertainty, covered by type A alone.
-    let mut covered = [[0u64; 2]; 2];
-    for seed in 0..count {
-        let simulate::Campaign { document, .. } = simulate::campaign(&plan(seed)).expect("simulated");
+    let mut covered = [[0; 2]; 2];
+    for seed in 0..count as u64 {
+        let simulate::Campaign { mut document, .. } = simulate::campaign(&plan(seed)).expect("simulated");
+        disturb(&mut document, site_nt, seed);
         let found = coilcal::run(document, &coilcal::Options::default())
             .expect("calibrated")
             .calibration
@@ -41,23 +56,32 @@ fn intervals_cover_and_would_not_without_the_common_errors() {
         for (number, (quantity, key, truth)) in values.into_iter().enumerate() {
             let quantity: &Quantity = quantity.as_ref().expect("a quantity");
             let Budget { type_a, type_b } = fit.uncertainty[key];
-            let std = quantity.std().expect("a std");
+            let (std, factor) =
+                (quantity.std().expect("a std"), quantity.coverage_factor_95().expect("a factor"));
             assert!((std - type_a.hypot(type_b)).abs() < 1e-12 * std && type_b > 0.0);
             let missed = (quantity.value() - truth).abs();
-            covered[number][0] += u64::from(missed <= fit.coverage_factor_95 * std);
-            covered[number][1] += u64::from(missed <= fit.coverage_factor_95 * type_a);
+            covered[number][0] += usize::from(missed <= factor * std);
+            covered[number][1] += usize::from(missed <= factor * type_a);
         }
     }
     for (key, [joint, alone]) in ["constant", "offset"].iter().zip(covered) {
-        let share = |covered: u64| covered as f64 / count as f64;
+        let percent = |covered: usize| 100.0 * covered as f64 / count as f64;
         println!(
-            "{key}: {:.1} % of {count}, without the common errors {:.1} %",
-            100.0 * share(joint),
-            100.0 * share(alone)
+            "site {site_nt} nT, {key}: {:.1} % of {count}, without the common errors {:.1} %",
+            percent(joint),
+            percent(alone)
         );
-        // 93 to 97 %, widened by three standard deviations of the binomial for fewer campaigns than 1 000.
-        let slack = if count < 1000 { 3.0 * (0.95 * 0.05 / count as f64).sqrt() } else { 0.0 };
-        assert!((0.93 - slack..=0.97 + slack).contains(&share(joint)), "{key}: {}", share(joint));
-        assert!(share(alone) < 0.9, "{key}: {}", share(alone));
+        assert!(testkit::agrees(joint, count, [0.93, 0.97], 2), "{key}: {joint} of {count}");
+        assert!(!alone_falls_short || percent(alone) < 90.0, "{key}: {alone} of {count}");
     }
+}
+
+#[test]
+fn intervals_cover_and_would_not_without_the_common_errors() {
+    covers(0.0, true);
+}
+
+#[test]
+fn intervals_cover_where_readings_of_one_drive_share_the_site_s_field() {
+    [0.2, 0.5, 2.0].into_iter().for_each(|site_nt| covers(site_nt, false));
 }
