@@ -1,6 +1,6 @@
 //! Speed of a solve, with a single decomposition of the same size as its peer in the same run.
 
-use axescal::{AxesProblem, AxesState, Freedom, Observations, Options};
+use axescal::{AxesProblem, AxesState, Freedom, NoiseFactors, Observations, Options};
 use common::Document;
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -20,7 +20,7 @@ fn observations() -> Observations {
 
 fn solve(observations: &Observations, freedom: &Freedom) -> f64 {
     let start = AxesState::new(Matrix3::identity(), Matrix3::identity(), observations.orientations.len());
-    let problem = AxesProblem::new(observations, freedom, 1.0);
+    let problem = AxesProblem::new(observations, freedom, NoiseFactors::ONE);
     estimate::solve(&problem, start, None, &estimate::Options::default()).expect("a minimum").cost
 }
 

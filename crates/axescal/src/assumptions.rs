@@ -67,7 +67,7 @@ fn shift(
     freedom: &Freedom,
     is: &dyn Fn(Unknown) -> bool,
 ) -> DMatrix<f64> {
-    let problem = AxesProblem::new(observations, freedom, solution.noise_factor);
+    let problem = AxesProblem::new(observations, freedom, solution.noise);
     let (_, jacobian) = estimate::linearised(&problem, &solution.fit.state);
     let count = problem.readings();
     let out: Vec<usize> = (0..problem.unknowns()).filter(|place| is(problem.meaning()[*place])).collect();

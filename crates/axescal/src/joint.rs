@@ -28,7 +28,7 @@ pub(crate) fn restate(
     by_effects: By,
 ) -> Result<Split, Error> {
     let joint = Uncertainty::of(document)?;
-    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise);
     let count = solution.meaning.len();
     let covariance = &solution.covariance;
     let mut by = by_effects;
@@ -131,7 +131,7 @@ pub(crate) fn adopt(
     joint
         .put(Block {
             name: "axes: readings and theodolites".into(),
-            degrees_of_freedom: if solution.scattered { solution.degrees_of_freedom } else { f64::INFINITY },
+            degrees_of_freedom: solution.noise_freedom,
             parameters,
             covariance: directions::rows(&(&map * &split.own * map.transpose())),
             by: split.by.iter().map(|(path, by)| (path.clone(), of(by))).collect(),

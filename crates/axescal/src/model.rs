@@ -9,7 +9,7 @@ use physics::reading;
 
 use crate::means::{self, Block};
 use crate::unknowns::{KnownCoils, Unknown};
-use crate::{AxesState, Freedom, Observation, Observations};
+use crate::{AxesState, Freedom, NoiseFactors, Observation, Observations};
 
 /// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation and free of what they have in
 /// common, followed by one row of prior knowledge for each unknown that has any.
@@ -17,7 +17,7 @@ pub struct AxesProblem<'a> {
     /// The readings.
     pub observations: &'a Observations,
     /// Factor on their standard deviations.
-    pub noise_factor: f64,
+    pub noise: NoiseFactors,
     unknowns: Vec<Unknown>,
     /// Place of each unknown in the step.
     place: Places,
@@ -39,7 +39,7 @@ struct Places {
 
 impl<'a> AxesProblem<'a> {
     /// The problem for readings with a given freedom.
-    pub fn new(observations: &'a Observations, freedom: &'a Freedom, noise_factor: f64) -> Self {
+    pub fn new(observations: &'a Observations, freedom: &'a Freedom, noise: NoiseFactors) -> Self {
         let mut unknowns = Vec::new();
         let mut priors = Vec::new();
         let mut add = |unknown: Unknown, prior: Option<f64>| {
@@ -95,7 +95,7 @@ impl<'a> AxesProblem<'a> {
         }
         Self {
             observations,
-            noise_factor,
+            noise,
             unknowns,
             place,
             priors,
@@ -131,6 +131,11 @@ impl<'a> AxesProblem<'a> {
         means::whiten(&self.blocks, |row| given[row], |row, value| column[row] = value);
     }
 
+    /// Standard deviation of a reading, nT.
+    pub(crate) fn std_nt(&self, reading: &Observation) -> f64 {
+        reading.std_nt * self.noise.of(reading)
+    }
+
     /// Standard deviation of a reading less what those before it say of it, nT.
     pub(crate) fn own_std_nt(&self, reading: usize) -> f64 {
         let own = |block: &Block| {
@@ -138,7 +143,7 @@ impl<'a> AxesProblem<'a> {
             Some(block.root[(row, row)])
         };
         let share = self.blocks.iter().find_map(own).unwrap_or(1.0);
-        share * self.observations.readings[reading].std_nt * self.noise_factor
+        share * self.std_nt(&self.observations.readings[reading])
     }
 
     /// R of an orientation with its correction.
@@ -291,7 +296,7 @@ impl Problem for AxesProblem<'_> {
     fn linearise(&self, state: &AxesState, residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
         let rotations = self.rotations(state);
         for (row, observation) in self.observations.readings.iter().enumerate() {
-            let weight = 1.0 / (observation.std_nt * self.noise_factor);
+            let weight = 1.0 / (self.std_nt(observation));
             let predicted = self.predict(
                 state,
                 &rotations[observation.orientation],

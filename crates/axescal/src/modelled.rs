@@ -227,10 +227,10 @@ impl Taken<'_> {
         let moved = added(self.document, effects, places, directions)?;
         let moved = observe_without(self.document, self.options, &moved)?;
         let change = |(before, after): (&Observation, &Observation)| {
-            (after.value_nt - before.value_nt) / (before.std_nt * solution.noise_factor * std)
+            (after.value_nt - before.value_nt) / (before.std_nt * solution.noise.of(before) * std)
         };
         let mut change: Vec<f64> = observations.readings.iter().zip(&moved.readings).map(change).collect();
-        AxesProblem::new(observations, &solution.freedom, solution.noise_factor).whiten(&mut change);
+        AxesProblem::new(observations, &solution.freedom, solution.noise).whiten(&mut change);
         let unknowns = solution.meaning.len();
         let gradient = Mat::from_fn(unknowns, 1, |k, _| {
             change

@@ -7,6 +7,30 @@ use physics::frames::Orientation;
 
 use crate::Together;
 
+/// Factors on the standard deviations of readings: of those with constant drives, and of amplitudes of AC runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NoiseFactors {
+    /// Constant drives.
+    pub constant: f64,
+    /// AC runs.
+    pub ac: f64,
+}
+
+impl NoiseFactors {
+    /// As declared.
+    pub const ONE: Self = Self::both(1.0);
+
+    /// The same for all readings.
+    pub const fn both(factor: f64) -> Self {
+        Self { constant: factor, ac: factor }
+    }
+
+    /// That of a reading.
+    pub fn of(&self, reading: &Observation) -> f64 {
+        if reading.constant { self.constant } else { self.ac }
+    }
+}
+
 /// One reading of one sensor, or the mean of those of one drive; an AC run gives one for each sensor, its amplitude in phase with
 /// the drive.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames::{ARCSEC, angle};
 use physics::reading;
 
-use crate::{AxesProblem, Error, Observations, Solution};
+use crate::{AxesProblem, Error, NoiseFactors, Observations, Solution};
 
 /// M/B = m · R n with all six components of m and n free. Lengths can be traded between m and n, so that the
 /// rank is 5 at most; each step is the one of least norm.
@@ -17,7 +17,7 @@ struct Unconstrained<'a> {
     rotations: Vec<Matrix3<f64>>,
     /// What the coil makes in each reading, by the constrained fit: the reading less constants and offset, nT.
     values_nt: Vec<f64>,
-    noise_factor: f64,
+    noise: NoiseFactors,
 }
 
 impl Problem for Unconstrained<'_> {
@@ -35,7 +35,7 @@ impl Problem for Unconstrained<'_> {
         for (row, observation) in self.observations.readings.iter().enumerate() {
             let rotation = &self.rotations[observation.orientation];
             let drive = observation.drive_nt[Observations::main_coil(observation).index()];
-            let weight = 1.0 / (observation.std_nt * self.noise_factor);
+            let weight = 1.0 / (observation.std_nt * self.noise.of(observation));
             let at = reading(m, rotation, &(n * drive));
             residual[row] = weight * (self.values_nt[row] - at.value);
             for k in 0..3 {
@@ -53,14 +53,14 @@ impl Problem for Unconstrained<'_> {
 /// The unconstrained solution beside the constrained one.
 pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairComparison, Error> {
     let (sensor, coil) = (observations.sensors[0], observations.coils[0]);
-    let constrained = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    let constrained = AxesProblem::new(observations, &solution.freedom, solution.noise);
     let problem = Unconstrained {
         observations,
         rotations: (0..observations.orientations.len())
             .map(|orientation| constrained.rotation(&solution.fit.state, orientation))
             .collect(),
         values_nt: constrained.without_constants(&solution.fit.state),
-        noise_factor: solution.noise_factor,
+        noise: solution.noise,
     };
     // From the frame's own axes, as the report begins: the least-norm path depends on the beginning.
     let sign = |value: f64| if value < 0.0 { -1.0 } else { 1.0 };
@@ -72,16 +72,15 @@ pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairC
     let fit = estimate::solve(&problem, start, None, &Iteration::default())?;
     let (m, n) = fit.state;
     let direction = |matrix: &Matrix3<f64>, axis: common::Axis| matrix.column(axis.index()).into_owned();
-    let rms = (fit.cost / observations.readings.len() as f64).sqrt();
-    let std_nt =
-        observations.readings.iter().map(|r| r.std_nt).sum::<f64>() / observations.readings.len() as f64;
+    let count = observations.readings.len() as f64;
+    let std_nt = observations.readings.iter().map(|reading| constrained.std_nt(reading)).sum::<f64>() / count;
     Ok(PairComparison {
         sensor: sensor.to_string(),
         coil: coil.to_string(),
         unconstrained_sensor: m.into(),
         unconstrained_coil: n.into(),
         unconstrained_rank: fit.svd.rank(),
-        incompatibility_rms_nt: rms * std_nt * solution.noise_factor,
+        incompatibility_rms_nt: (fit.cost / count).sqrt() * std_nt,
         sensor_difference_arcsec: angle(&m, &direction(&state.mu, sensor)) / ARCSEC,
         coil_difference_arcsec: angle(&n, &direction(&state.eta, coil)) / ARCSEC,
     })

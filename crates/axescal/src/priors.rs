@@ -8,7 +8,7 @@ use common::number::significant;
 use estimate::{Fit, Options as Iteration, Problem, stats};
 
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, AxesState, Error, Freedom, Observations};
+use crate::{AxesProblem, AxesState, Error, Freedom, NoiseFactors, Observations};
 
 /// A pull less probable than this, among all constants, is not taken for chance.
 const VIOLATED_P: f64 = 1e-4;
@@ -25,7 +25,7 @@ pub fn settle(
     known_scale: bool,
 ) -> Result<(Freedom, Vec<String>), Error> {
     let solve = |freedom: &Freedom, factor: f64| {
-        let problem = AxesProblem::new(observations, freedom, factor);
+        let problem = AxesProblem::new(observations, freedom, NoiseFactors::both(factor));
         estimate::solve(&problem, start.clone(), Some(weights), &Iteration::default())
     };
     let count: f64 = weights.iter().sum();
@@ -39,7 +39,7 @@ pub fn settle(
     };
     let mut findings = Vec::new();
     loop {
-        let problem = AxesProblem::new(observations, &freedom, factor);
+        let problem = AxesProblem::new(observations, &freedom, NoiseFactors::both(factor));
         let Ok(fit) = solve(&freedom, factor) else { break };
         let left = if known_scale { f64::INFINITY } else { (count - problem.unknowns() as f64).max(1.0) };
         let pulls = pulls(&problem, &fit);
@@ -57,7 +57,7 @@ pub fn settle(
             significant(pull.abs(), 3)
         ));
     }
-    let problem = AxesProblem::new(observations, &freedom, factor);
+    let problem = AxesProblem::new(observations, &freedom, NoiseFactors::both(factor));
     if let Ok(fit) = solve(&freedom, factor) {
         findings.extend(known_coils(&problem, &fit));
     }

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents};
 
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, AxesState, Freedom, Observation, Observations};
+use crate::{AxesProblem, AxesState, Freedom, NoiseFactors, Observation, Observations};
 
 /// Ways in which directions may turn that no reading shows, over all unknowns.
 pub fn unseen_turns(meaning: &[Unknown], svd: &Svd) -> Vec<Vec<f64>> {
@@ -185,7 +185,7 @@ fn with_one_more(
             });
         }
     }
-    let problem = AxesProblem::new(&more, freedom, 1.0);
+    let problem = AxesProblem::new(&more, freedom, NoiseFactors::ONE);
     let mut state = state.clone();
     state.corrections.push(Vector3::zeros());
     let (_, jacobian) = estimate::linearised(&problem, &state);

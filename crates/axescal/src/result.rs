@@ -9,7 +9,9 @@ use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
 
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, Error, Observations, Options, Solution, assumptions, directions, pair, scales};
+use crate::{
+    AxesProblem, Error, Observation, Observations, Options, Solution, assumptions, directions, pair, scales,
+};
 
 /// More readings than this are summed up by orientation only.
 const MOST_READINGS: usize = 20_000;
@@ -155,7 +157,10 @@ fn fit(observations: &Observations, solution: &Solution, options: &Options) -> A
         let turns = step.iter().zip(&solution.meaning).filter(|(_, meaning)| meaning.is_turn());
         turns.map(|(step, _)| step.abs()).fold(0.0, f64::max) / ARCSEC
     };
-    let noise = observations.readings.iter().map(|r| r.std_nt * r.std_nt).sum::<f64>() / count as f64;
+    let mean_square = |of: &dyn Fn(&Observation) -> f64| {
+        observations.readings.iter().map(|reading| of(reading).powi(2)).sum::<f64>() / count as f64
+    };
+    let declared = mean_square(&|reading| reading.std_nt);
     AxesFit {
         method: match options.coils {
             crate::Coils::Unknown => "coils unknown".into(),
@@ -167,7 +172,7 @@ fn fit(observations: &Observations, solution: &Solution, options: &Options) -> A
         singular_values: solution.fit.svd.sigma().to_vec(),
         degrees_of_freedom: solution.degrees_of_freedom,
         rms_nt: rms(&solution.residuals_nt),
-        noise_nt: noise.sqrt() * solution.noise_factor,
+        noise_nt: mean_square(&|reading| reading.std_nt * solution.noise.of(reading)).sqrt(),
         noise_source: solution.noise_source.clone(),
         chi_squared: solution.chi_squared.map(|(chi_squared, _)| chi_squared),
         chi_squared_p: solution.chi_squared.map(|(_, p)| p),
@@ -176,7 +181,7 @@ fn fit(observations: &Observations, solution: &Solution, options: &Options) -> A
             .steps
             .iter()
             .map(|step| IterationStep {
-                rms_nt: (step.cost / count as f64).sqrt() * noise.sqrt(),
+                rms_nt: (step.cost / count as f64).sqrt() * declared.sqrt(),
                 turn_arcsec: turn(&step.step),
                 rank: step.rank,
             })
@@ -206,7 +211,7 @@ fn doubtful(document: &Document, observations: &Observations, solution: &Solutio
 
 fn readings(document: &Document, observations: &Observations, solution: &Solution) -> AxesReadings {
     let mut columns = AxesReadings { weight: solution.weights.clone(), ..AxesReadings::default() };
-    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise_factor);
+    let problem = AxesProblem::new(observations, &solution.freedom, solution.noise);
     for (number, ((reading, influence), residual)) in
         observations.readings.iter().zip(&solution.influence).zip(&solution.residuals_nt).enumerate()
     {

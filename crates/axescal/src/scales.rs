@@ -21,11 +21,7 @@ pub fn describe(
     observations: &Observations,
     solution: &Solution,
 ) -> ScalesResult {
-    let freedom = if solution.chi_squared.is_some() && solution.noise_factor == 1.0 {
-        f64::INFINITY
-    } else {
-        solution.degrees_of_freedom
-    };
+    let freedom = solution.noise_freedom;
     let state = &solution.fit.state;
     let sensitivity =
         |axis| calibration?.sensor(axis).and_then(|sensor| physics::sensitivity(sensor, observations.unit));

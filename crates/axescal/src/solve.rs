@@ -7,11 +7,12 @@ use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 use faer::Mat;
 use physics::frames::ARCSEC;
 
+use crate::spread::{Kind, Spread};
 use crate::start::{self, Beginning};
 use crate::unknowns::Unknown;
 use crate::{
-    AxesProblem, AxesState, Error, Freedom, NoiseSource, Observations, Options, freedom, priors, rank,
-    readings,
+    AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observations, Options, freedom,
+    priors, rank, readings,
 };
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
@@ -46,16 +47,16 @@ pub struct Solution {
     pub meaning: Vec<Unknown>,
     /// Covariance of the unknowns.
     pub covariance: Mat<f64>,
-    /// Factor on the readings' standard deviations.
-    pub noise_factor: f64,
+    /// Factors on the readings' standard deviations.
+    pub noise: NoiseFactors,
     /// Where the standard deviations come from, in words.
     pub noise_source: String,
     /// χ² over the declared noise with its probability, where noise is declared.
     pub chi_squared: Option<(f64, f64)>,
     /// Degrees of freedom left.
     pub degrees_of_freedom: f64,
-    /// Whether the noise was taken from the scatter of the readings.
-    pub scattered: bool,
+    /// Degrees of freedom of the noise where it was taken from the scatter of the readings; infinite where it is known.
+    pub noise_freedom: f64,
     /// Factor from a standard uncertainty to a 95 % interval.
     pub coverage_factor: f64,
     /// Observed less predicted, nT.
@@ -76,7 +77,7 @@ pub struct Solution {
 pub fn solve(document: &Document, observations: &Observations, options: &Options) -> Result<Solution, Error> {
     let Beginning { state: start, mut findings } = start::begin(document, observations, options)?;
     let freedom = freedom::freedom(document, observations, options)?;
-    let problem = AxesProblem::new(observations, &freedom, 1.0);
+    let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
     let plain = first_fit(&problem, start)?;
     let unseen = rank::unseen_turns(problem.meaning(), &plain.svd);
     if !unseen.is_empty() {
@@ -89,22 +90,24 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     doubtful.iter().for_each(|doubt| trusted[doubt.reading] = 0.0);
     let (freedom, contradicted) = priors::settle(observations, freedom, &plain.state, &trusted, known_scale)?;
     findings.extend(contradicted);
-    let problem = AxesProblem::new(observations, &freedom, 1.0);
+    let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
 
     let mut estimate = estimated(&problem, plain.state, known_scale, options)?;
     // Weighed-down residuals are no χ²; a robust fit judges the declared noise by its own scale.
-    let chi_squared = (known_scale && !options.robust).then(|| {
-        (estimate.sum_of_squares, stats::chi_squared_p(estimate.sum_of_squares, estimate.degrees_of_freedom))
-    });
-    let scatter = match chi_squared {
-        Some((_, p)) => p < CHI_SQUARED_P && estimate.degrees_of_freedom >= 1.0 && estimate.scale > 1.0,
-        None => {
-            !known_scale || estimate.scale > 1.0 + ROBUST_EXCESS / estimate.degrees_of_freedom.max(1.0).sqrt()
-        }
-    };
-    let mut noise_factor = 1.0;
-    if scatter {
-        if estimate.degrees_of_freedom < 0.5 {
+    let chi_squared =
+        (known_scale && !options.robust).then(|| (estimate.spread.sum_of_squares, estimate.spread.p()));
+    let excess = 1.0 + ROBUST_EXCESS / estimate.spread.degrees_of_freedom.max(1.0).sqrt();
+    let scattering: Vec<(Kind, Spread)> = Kind::of(observations, options.robust || !known_scale)
+        .into_iter()
+        .map(|kind| (kind, estimate.spread_of(observations, kind)))
+        .filter(|(_, spread)| match chi_squared {
+            Some(_) => spread.p() < CHI_SQUARED_P && spread.degrees_of_freedom >= 1.0 && spread.scale() > 1.0,
+            None => !known_scale || estimate.scale > excess,
+        })
+        .collect();
+    let mut noise = NoiseFactors::ONE;
+    if !scattering.is_empty() {
+        if estimate.spread.degrees_of_freedom < 0.5 {
             return Err(Error::RankShort(format!(
                 "{} {} none to judge the noise by; declare it in instrument.noise, or record more orientations",
                 counted(problem.readings(), "reading"),
@@ -114,57 +117,64 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         // With priors the fit changes with the noise, and the noise with the fit: a few rounds settle it.
         let largest = observations.readings.iter().map(|r| r.value_nt.abs()).fold(0.0, f64::max);
         for _ in 0..ROUNDS {
-            let next = (noise_factor * estimate.scale).max(ROUNDING * largest);
-            let settled = (next / noise_factor - 1.0).abs() < SETTLED;
-            noise_factor = next;
-            let problem = AxesProblem::new(observations, &freedom, noise_factor);
+            let before = noise;
+            for (kind, _) in &scattering {
+                let scale = if *kind == Kind::All {
+                    estimate.scale
+                } else {
+                    estimate.spread_of(observations, *kind).scale()
+                };
+                noise = kind.with(noise, (kind.factor(before) * scale).max(ROUNDING * largest));
+            }
+            let settled = scattering
+                .iter()
+                .all(|(kind, _)| (kind.factor(noise) / kind.factor(before) - 1.0).abs() < SETTLED);
+            let problem = AxesProblem::new(observations, &freedom, noise);
             estimate = estimated(&problem, estimate.fit.state, false, options)?;
             if settled {
                 break;
             }
         }
     }
-    let problem = AxesProblem::new(observations, &freedom, noise_factor);
+    let problem = AxesProblem::new(observations, &freedom, noise);
+    let freedoms =
+        scattering.iter().map(|(kind, _)| estimate.spread_of(observations, *kind).degrees_of_freedom);
+    let noise_freedom = freedoms.fold(f64::INFINITY, f64::min);
     let fit = if options.robust { unweighted(&problem, estimate.fit)? } else { estimate.fit };
     let residuals_nt = problem.residuals_nt(&fit.state);
     let covariance = fit.svd.covariance();
     check_certainty(&problem, &freedom, &fit.state, &covariance, &residuals_nt)?;
-    let source = match observations.noise {
-        NoiseSource::Declared => "declared",
-        NoiseSource::SineFits => "sine fits",
-        NoiseSource::Residuals => "residuals",
-    };
     if let Some(weights) = &estimate.weights {
-        findings.extend(rejected(observations, weights, &residuals_nt, noise_factor)?);
+        let noise_nt = mean_std_nt(&problem);
+        findings.extend(rejected(observations, weights, &residuals_nt, noise_nt)?);
     }
-    let noise_source = match chi_squared {
-        _ if scatter && known_scale => {
-            findings.push(scatters(noise_factor, chi_squared, estimate.degrees_of_freedom));
-            format!("{source}, scaled to the residuals")
-        }
-        Some((chi_squared, p)) if 1.0 - p < CHI_SQUARED_P && observations.noise == NoiseSource::Declared => {
-            findings.push(format!(
-                "the readings scatter only {} times as much as declared; the declared noise may be too large",
-                significant((chi_squared / estimate.degrees_of_freedom).sqrt(), 3)
-            ));
-            source.to_string()
-        }
-        _ => source.to_string(),
-    };
+    if known_scale {
+        let told = scattering.iter().map(|(kind, spread)| {
+            scatters(*kind, kind.factor(noise), chi_squared.is_some().then_some(spread))
+        });
+        findings.extend(told);
+    }
+    if let Some((sum, _)) = chi_squared.filter(|(_, p)| 1.0 - p < CHI_SQUARED_P)
+        && scattering.is_empty()
+        && observations.noise == NoiseSource::Declared
+    {
+        findings.push(format!(
+            "the readings scatter only {} times as much as declared; the declared noise may be too large",
+            significant((sum / estimate.spread.degrees_of_freedom).sqrt(), 3)
+        ));
+    }
+    let noise_source = noise_source(observations.noise, known_scale, &scattering);
     Ok(Solution {
         meaning: problem.meaning().to_vec(),
-        coverage_factor: stats::coverage_factor(
-            0.95,
-            if scatter { estimate.degrees_of_freedom } else { f64::INFINITY },
-        ),
-        scattered: scatter,
+        coverage_factor: stats::coverage_factor(0.95, noise_freedom),
+        noise_freedom,
         influence: influence::influence(&fit, problem.readings(), false, 0),
         residuals_nt,
         covariance,
-        noise_factor,
+        noise,
         noise_source,
         chi_squared,
-        degrees_of_freedom: estimate.degrees_of_freedom,
+        degrees_of_freedom: estimate.spread.degrees_of_freedom,
         weights: estimate.weights,
         doubtful,
         steps,
@@ -186,16 +196,43 @@ fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesStat
     }
 }
 
-fn scatters(noise_factor: f64, chi_squared: Option<(f64, f64)>, degrees_of_freedom: f64) -> String {
-    let test = chi_squared.map_or_else(String::new, |(chi_squared, p)| {
-        let freedom = counted(degrees_of_freedom.round() as usize, "degree");
-        format!(" (χ² = {} for {freedom} of freedom, {})", significant(chi_squared, 3), p_value(p))
+/// Where the standard deviations come from, kind by kind where only one of them was scaled.
+fn noise_source(source: NoiseSource, known: bool, scattering: &[(Kind, Spread)]) -> String {
+    let own = match source {
+        NoiseSource::Declared => "declared",
+        NoiseSource::SineFits => "sine fits",
+        NoiseSource::Residuals => "residuals",
+    };
+    match scattering {
+        [] => own.into(),
+        _ if !known => own.into(),
+        [(Kind::Constant, _)] => format!("{own}, that of constant drives scaled to the residuals"),
+        [(Kind::Ac, _)] => format!("{own}, that of AC runs scaled to the residuals"),
+        _ => format!("{own}, scaled to the residuals"),
+    }
+}
+
+fn scatters(kind: Kind, factor: f64, spread: Option<&Spread>) -> String {
+    let test = spread.map_or_else(String::new, |spread| {
+        let freedom = counted(spread.degrees_of_freedom.round() as usize, "degree");
+        format!(
+            " (χ² = {} for {freedom} of freedom, {})",
+            significant(spread.sum_of_squares, 3),
+            p_value(spread.p())
+        )
     });
     format!(
-        "the readings scatter {} times as much as declared{test}; the uncertainties are scaled up to it. \
+        "{} scatter {} times as much as declared{test}; their standard deviations are scaled up to it. \
          --free-scales shows whether a constant is off, --robust what single readings do",
-        significant(noise_factor, 3)
+        kind.name(),
+        significant(factor, 3)
     )
+}
+
+/// Mean standard deviation of a reading, nT.
+fn mean_std_nt(problem: &AxesProblem<'_>) -> f64 {
+    let readings = &problem.observations.readings;
+    readings.iter().map(|reading| problem.std_nt(reading)).sum::<f64>() / readings.len() as f64
 }
 
 /// What a robust fit left out. A large share is no longer a matter of single readings.
@@ -203,13 +240,12 @@ fn rejected(
     observations: &Observations,
     weights: &[f64],
     residuals_nt: &[f64],
-    noise_factor: f64,
+    noise_nt: f64,
 ) -> Result<Option<String>, Error> {
     let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
         let readings = &observations.readings;
         let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
-        let noise_nt = noise_factor * readings.iter().map(|r| r.std_nt).sum::<f64>() / readings.len() as f64;
         return Err(Error::RankShort(format!(
             "{} of {} {} to another model than the rest. {}",
             out.len(),
@@ -239,10 +275,15 @@ fn rejected(
 struct Estimate {
     fit: Fit<AxesState>,
     weights: Option<Vec<f64>>,
-    sum_of_squares: f64,
-    degrees_of_freedom: f64,
+    spread: Spread,
     /// Standard deviation of a reading, in units of the one that was put in.
     scale: f64,
+}
+
+impl Estimate {
+    fn spread_of(&self, observations: &Observations, kind: Kind) -> Spread {
+        Spread::of(observations, &self.fit, self.weights.as_deref(), kind)
+    }
 }
 
 /// A plain fit, or a robust one where it was asked for.
@@ -252,18 +293,14 @@ fn estimated(
     known_scale: bool,
     options: &Options,
 ) -> Result<Estimate, Error> {
-    let count = problem.readings();
     let (fit, weights, robust_scale) = if options.robust {
         let robust = robust::solve_robust(problem, start, known_scale, &Iteration::default())?;
         (robust.fit, Some(robust.weights), Some(robust.scale))
     } else {
         (estimate::solve(problem, start, None, &Iteration::default())?, None, None)
     };
-    let leverage: f64 = fit.svd.leverage()[..count].iter().sum();
-    let degrees_of_freedom = weights.as_ref().map_or(count as f64, |weights| weights.iter().sum()) - leverage;
-    let sum_of_squares = fit.residual[..count].iter().map(|r| r * r).sum::<f64>();
-    let scale = robust_scale.unwrap_or((sum_of_squares / degrees_of_freedom.max(1e-9)).sqrt());
-    Ok(Estimate { fit, weights, sum_of_squares, degrees_of_freedom, scale })
+    let spread = Spread::of(problem.observations, &fit, weights.as_deref(), Kind::All);
+    Ok(Estimate { scale: robust_scale.unwrap_or(spread.scale()), fit, weights, spread })
 }
 
 /// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its covariance.
@@ -291,8 +328,7 @@ fn check_certainty(
     let observations = problem.observations;
     let readings = &observations.readings;
     let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
-    let noise_nt =
-        problem.noise_factor * readings.iter().map(|r| r.std_nt).sum::<f64>() / readings.len() as f64;
+    let noise_nt = mean_std_nt(problem);
     if worst / noise_nt * GOOD_NOISE * drive <= LARGEST_STD {
         return Err(Error::RankShort(misfit(observations, residuals_nt, noise_nt, drive)));
     }

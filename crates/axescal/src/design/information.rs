@@ -7,7 +7,8 @@ use physics::frames::Orientation;
 
 use crate::unknowns::Unknown;
 use crate::{
-    AxesProblem, AxesState, Freedom, NoiseSource, Observation, Observations, OrientationGroup, Together,
+    AxesProblem, AxesState, Freedom, NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup,
+    Together,
 };
 
 /// Turns of the six directions.
@@ -121,7 +122,7 @@ impl Derivatives {
             residual_field: Some([f64::INFINITY; 3]),
             offsets: [Some(f64::INFINITY); 3],
         };
-        let problem = AxesProblem::new(&observations, &freedom, 1.0);
+        let problem = AxesProblem::new(&observations, &freedom, NoiseFactors::ONE);
         let state = AxesState::new(Matrix3::identity(), Matrix3::identity(), 1);
         let (_, jacobian) = estimate::linearised(&problem, &state);
         let place = |unknown: Unknown| problem.meaning().iter().position(|meaning| *meaning == unknown);

@@ -1,6 +1,6 @@
 //! Laws that hold whatever the data: the names of axes, the unit of the field and the choice of GEO do not matter.
 
-use axescal::{AxesProblem, AxesState, Freedom, Observations, Options};
+use axescal::{AxesProblem, AxesState, Freedom, NoiseFactors, Observations, Options};
 use common::{Axis, Document};
 use nalgebra::Matrix3;
 use physics::frames::{cube_rotations, small_rotation};
@@ -15,7 +15,7 @@ fn observations() -> Observations {
 fn solved(observations: &Observations, mu: &Matrix3<f64>, eta: &Matrix3<f64>) -> AxesState {
     let start = AxesState::new(*mu, *eta, observations.orientations.len());
     let freedom = Freedom::default();
-    let problem = AxesProblem::new(observations, &freedom, 1.0);
+    let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
     estimate::solve(&problem, start, None, &estimate::Options::default()).expect("a minimum").state
 }
 
