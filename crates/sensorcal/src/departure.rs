@@ -183,7 +183,7 @@ impl<'f> Beside<'f> {
             return Ok(None);
         }
         let (size, std) = (tried.coefficients[unknowns], tried.covariance[(unknowns, unknowns)].sqrt());
-        let p_value = stats::two_sided_p(size / std, tried.freedom);
+        let p_value = tried.mixture.p_value(&[unknowns])?;
         Ok(Some(Tried { size, std, p_value, gain: (size / std).powi(2) }))
     }
 }
