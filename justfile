@@ -70,7 +70,7 @@ prove:
     mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days
     python3 fixtures/reference/disturbed_days_score.py target/release/diffmag 41 160 target/days
     FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture
-    FLUXCAL_CAMPAIGNS=2 cargo test --release -p correct --test it joint::
+    FLUXCAL_CASES=all cargo test --release -p correct --test it joint::
     FLUXCAL_CAMPAIGNS=400 cargo test --release -p diagnose --test it coverage:: -- --nocapture
     FLUXCAL_CASES=all cargo test --release -p diagnose --test it joint::
     FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test it clean:: -- --nocapture

@@ -36,13 +36,6 @@ pub fn agrees(inside: usize, tried: usize, band: [f64; 2], judged: usize) -> boo
     }
 }
 
-/// Whether a share lies within `band`, which is widened by three standard deviations of the binomial of 95 % for fewer than 1 000.
-pub fn within(inside: usize, tried: usize, band: [f64; 2]) -> bool {
-    let count = tried as f64;
-    let slack = if tried < 1000 { 3.0 * (0.95 * 0.05 / count).sqrt() } else { 0.0 };
-    (band[0] - slack..=band[1] + slack).contains(&(inside as f64 / count))
-}
-
 /// P(X ≤ k) of n trials with the probability p.
 fn at_most(k: usize, n: usize, p: f64) -> f64 {
     let mut ln = n as f64 * (1.0 - p).ln();

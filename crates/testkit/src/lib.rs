@@ -16,7 +16,7 @@ mod words;
 
 pub use beside::beside;
 pub use binary::{Run, run, run_in, stages};
-pub use coverage::{agrees, campaigns, number, some, within};
+pub use coverage::{agrees, campaigns, number, some};
 pub use faults::faults;
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};

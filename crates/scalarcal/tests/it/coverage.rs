@@ -38,7 +38,7 @@ fn covered(name: &str, campaign: &Campaign, usual: u64, band: [f64; 2]) {
 
 #[test]
 fn ten_ppm_all_directions() {
-    covered("10 ppm, all directions", &Campaign::default(), 12, BAND);
+    covered("10 ppm, all directions", &Campaign::default(), 80, BAND);
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn flicker_noise_slow_turns() {
 #[test]
 fn flicker_noise_all_directions() {
     let any = Campaign { flicker: 0.25, white_nt: 0.1, rows: 600, ..Campaign::default() };
-    covered("flicker, all directions", &any, 12, BAND);
+    covered("flicker, all directions", &any, 40, BAND);
 }
 
 #[test]

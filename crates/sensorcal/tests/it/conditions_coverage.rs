@@ -46,13 +46,13 @@ fn sensor(document: &Document, axis: Axis) -> &SensorCalibration {
     document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis)).expect("a sensor")
 }
 
-/// Asserts that a share is within 93 to `most`, widened by three standard deviations of the binomial for fewer than 1 000.
+/// Asserts that a share agrees with 93 % to `most`.
 #[track_caller]
 fn within(name: &str, held: &[bool], most: f64) {
     let inside = held.iter().filter(|held| **held).count();
     let share = inside as f64 / held.len() as f64;
     println!("{name}: {:.1} % of {}", 100.0 * share, held.len());
-    assert!(testkit::within(inside, held.len(), [0.93, most]), "{name}: {share:.3} of {}", held.len());
+    assert!(testkit::agrees(inside, held.len(), [0.93, most], 1), "{name}: {share:.3} of {}", held.len());
 }
 
 #[test]
