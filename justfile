@@ -65,6 +65,8 @@ prove:
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p sensorcal --test it -- --nocapture coverage:: trend::
     FLUXCAL_CAMPAIGNS=40 cargo test --release -p report --test it campaigns:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p scalarcal --test it coverage:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=1000 cargo test --release -p scalarcal --test it -- --nocapture body:: vector::
+    FLUXCAL_CAMPAIGNS=100 FLUXCAL_DAYS=30 cargo test --release -p scalarcal --test it orbit:: -- --nocapture
     FLUXCAL_CAMPAIGNS=1000 cargo test --release -p diffmag -- --nocapture
     FLUXCAL_DAYS=200 cargo test --release -p diffmag --test it steps:: -- --nocapture
     mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days

@@ -74,8 +74,8 @@ pub use nulling::{
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Recording, Theodolite, TheodoliteAngle, procedure};
 pub use scalar::{
-    AgainstKnown, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter, ScalarStability,
-    ScalarWindow, WeakestDirection,
+    AgainstKnown, BodyIron, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter,
+    ScalarStability, ScalarWindow, VectorFit, WeakestDirection,
 };
 pub use sensor::{
     FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration,

@@ -204,6 +204,9 @@ pub struct Conditions {
     /// Time over which one sample is averaged, s. Absent: samples are instantaneous.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integration_s: Option<f64>,
+    /// Whether the sensors are mounted on the body whose iron turns with them (a satellite, a vehicle), or away from it. Absent: it is not said.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mounted: Option<bool>,
     /// Noise of the reference magnetometer of a differential recording, as its makers or an earlier comparison state it: the
     /// same for its three axes, or keyed by axis. It is taken from the difference, and what it pulls off the matrix is put
     /// back; absent, it is sought in the readings. (`instrument.noise` is that of the test instrument.)

@@ -3,7 +3,7 @@ use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, Noise, Quantity};
+use crate::{Extra, Noise, PerAxis, Quantity};
 
 /// How the sensors were calibrated by the magnitude of the field, by scalarcal. The calibration itself stands under `sensors` and
 /// `axes.sensors`.
@@ -23,6 +23,9 @@ pub struct ScalarCalibration {
     pub left_out: IndexMap<String, u64>,
     /// Where the field comes from, in words.
     pub reference: String,
+    /// What the direction of the field says, where it was used.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vector: Option<VectorFit>,
     /// Rms of the residual |B| − F after the fit, nT.
     pub rms_nt: f64,
     /// The same with the calibration as the document stated it.
@@ -53,12 +56,58 @@ pub struct ScalarCalibration {
     /// Directions of the field in SEN with the residual there, for plots.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directions: Option<FieldDirections>,
+    /// Whether offsets, sensitivities and directions include what iron that turns with the sensors adds: true but for sensors away from their body
+    /// (`conditions.mounted: false`).
+    pub includes_body: bool,
+    /// The iron of the body by itself, where the recordings show it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub body: Option<BodyIron>,
     /// What looks wrong, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<String>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// The readings against a field that is known with its direction.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct VectorFit {
+    /// Moments at which field and attitude are known.
+    pub moments: u64,
+    /// Rms of the residual along the field, nT.
+    pub rms_along_nt: f64,
+    /// The same across it, of one component.
+    pub rms_across_nt: f64,
+    /// Error of the attitude about one axis that explains the difference of the two, arcsec.
+    pub attitude_std_arcsec: f64,
+    /// Whether only the residual across the field was used, beside a scalar magnetometer.
+    pub across_only: bool,
+    /// Noise of these residuals, where it was found.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise: Option<Noise>,
+    /// What the noise with memory belongs to, where there is some: `sensors`, or `field`, the components of the known field in GEO.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_of: Option<String>,
+}
+
+/// Iron that turns with the sensors: it makes HB + h of the field B. The magnitude does not show a turn within H, of which the symmetric part is given.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct BodyIron {
+    /// h, the field of what is magnetised, in SEN, nT.
+    pub hard_iron_nt: PerAxis<Quantity>,
+    /// H − 1, what the field magnetises: the elements xx, yy, zz, xy, yz, xz in SEN, ppm.
+    pub soft_iron_ppm: IndexMap<String, Quantity>,
+    /// χ² of all of it against none.
+    pub chi_squared: f64,
+    /// Its degrees of freedom.
+    pub degrees_of_freedom: f64,
+    /// Probability of as much by chance if the body has no iron.
+    pub p_value: f64,
 }
 
 /// One fitted parameter.

@@ -8,9 +8,30 @@ pub const SENSORS: usize = 3;
 /// Longest period of noise with memory, in lengths of a recording: it did not begin with it.
 const OLDEST: f64 = 8.0;
 
+/// What has the memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Memory {
+    /// Each sensor: the noise turns with the sensors.
+    Sensors,
+    /// Each component of the known field in GEO.
+    Field,
+}
+
+impl Memory {
+    /// As the document has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Memory::Sensors => "sensors",
+            Memory::Field => "field",
+        }
+    }
+}
+
 /// Noise of one form: A/σ² and α, σ the white noise of a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Form {
+    /// Whose.
+    pub of: Memory,
     /// A over the variance of the white noise, 1/Hz at 1 Hz.
     pub ratio: f64,
     /// α.
@@ -18,7 +39,7 @@ pub struct Form {
 }
 
 /// White noise.
-pub const WHITE: Form = Form { ratio: 0.0, exponent: 1.0 };
+pub const WHITE: Form = Form { of: Memory::Sensors, ratio: 0.0, exponent: 1.0 };
 
 /// The processes of one sensor for σ = 1, and the white part that goes with them.
 pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
@@ -117,7 +138,8 @@ mod tests {
             .collect();
         let time: Vec<f64> = (0..rows).map(|t| f64::from(t) + 0.2 * f64::from(t % 3)).collect();
         for exponent in [0.7, 1.0, 1.5] {
-            let (processes, white) = processes(&time, Form { ratio: 3.0, exponent }).expect("processes");
+            let (processes, white) =
+                processes(&time, Form { of: Memory::Sensors, ratio: 3.0, exponent }).expect("processes");
             let covariance = Mat::from_fn(rows as usize, rows as usize, |i, j| {
                 let lag = (time[i] - time[j]).abs();
                 let own: f64 = processes

@@ -6,8 +6,11 @@
 //!
 //! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000) 120–132.
 
+mod axes;
+mod body;
 mod checks;
 mod design;
+mod directions;
 mod effects;
 mod error;
 mod factor;
@@ -15,8 +18,10 @@ mod findings;
 mod fit;
 mod kalman;
 mod known;
+mod known_field;
 mod linear;
 mod model;
+mod moment;
 mod noise;
 mod options;
 mod read;
@@ -26,6 +31,7 @@ mod solve;
 mod stability;
 mod start;
 mod terms;
+mod vector;
 mod weakest;
 mod words;
 
@@ -45,17 +51,58 @@ use common::{Document, Error as Fault};
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let gathered = joined::gathered(&document)?;
     let ((mut solved, detail), told) = match gathered {
-        Some(gathered) => (solve::solve(&gathered.document, options)?, gathered.told),
-        None => (solve::solve(&document, options)?, Vec::new()),
+        Some(gathered) => (solved(&gathered.document, options)?, gathered.told),
+        None => (solved(&document, options)?, Vec::new()),
     };
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
         let expected = "one from elsewhere: with --known each reading would count twice; take the document as it was before";
         return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
     }
+    let options = &Options { known: options.known && solved.body.is_none(), ..options.clone() };
     solved.told.splice(0..0, told);
     result::adopt(&mut document, &solved, &detail, options)?;
     let references = physics::References::of(&document);
     physics::state_references(&mut document, &references);
     Ok(document)
+}
+
+/// By the magnitude of the field, and where that is asked for by its direction. Sensors on a body, of which the calibration away from it is known, show
+/// the body's iron as well.
+fn solved(document: &Document, options: &Options) -> Result<(solve::Solved, solve::Detail), Error> {
+    let [on_body, away] = body::mounted(document);
+    let known = on_body && options.known;
+    if !on_body || !(away || known) {
+        let (mut solved, detail) = by_field(document, options)?;
+        solved.includes_body = !away;
+        if on_body {
+            solved.told.push(body::INCLUDED.into());
+        }
+        return Ok((solved, detail));
+    }
+    let mut own = document.clone();
+    // What is known of the sensors is their own: it is held against the body, not into the fit.
+    let options = &Options { known: away && options.known, ..options.clone() };
+    if away {
+        own = body::part(document, false);
+        let (solved, detail) = by_field(&own, options)?;
+        result::adopt(&mut own, &solved, &detail, options)?;
+    } else {
+        body::stated(document)?;
+    }
+    let options = &Options { known: false, ..options.clone() };
+    let on_body = Document { calibration: own.calibration, ..body::part(document, true) };
+    let (mut solved, detail) = by_field(&on_body, options)?;
+    solved.body = Some(body::of(&on_body, &solved)?);
+    // It is the body that the readings are held against by what is known, not the other way round.
+    solved.beforehand.rows.clear();
+    Ok((solved, detail))
+}
+
+fn by_field(document: &Document, options: &Options) -> Result<(solve::Solved, solve::Detail), Error> {
+    let (solved, detail) = solve::solve(document, options)?;
+    if !options.vector {
+        return Ok((solved, detail));
+    }
+    Ok((vector::solve(document, solved, &detail, options)?, detail))
 }

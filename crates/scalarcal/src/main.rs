@@ -34,6 +34,9 @@ struct Cli {
     /// Fit a constant error of the reference
     #[arg(long)]
     reference_offset: bool,
+    /// Hold the readings against the known field (ambient_*_nt) turned by the attitude: the directions of the sensors in full
+    #[arg(long)]
+    vector: bool,
     /// Fit an effect of the catalogue too (offset_temperature, sensitivity_temperature, stray_current, …); may be repeated
     #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
     with: Vec<Kind>,
@@ -50,6 +53,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         robust: cli.robust,
         constant_magnitude: cli.constant_magnitude,
         reference_offset: cli.reference_offset,
+        vector: cli.vector,
         with: cli.with,
     };
     pipe::stage(

@@ -32,6 +32,8 @@ pub enum Parameter {
     ReferenceOffset,
     /// The magnitude over the assumed one, where it is constant and not known.
     Magnitude,
+    /// Turn of all sensors together about an axis of SEN, rad; the magnitude does not show it.
+    Turn(usize),
 }
 
 /// Axes in words.
@@ -50,6 +52,7 @@ impl Parameter {
             Parameter::Effect { name, .. } => name.clone(),
             Parameter::ReferenceOffset => "offset of the reference".into(),
             Parameter::Magnitude => "magnitude of the field".into(),
+            Parameter::Turn(axis) => format!("turn of the sensors about {}", AXES[*axis]),
         }
     }
 }
@@ -76,6 +79,15 @@ impl Model {
         Self { terms: Terms::new(columns), parameters: nine.chain(more).collect() }
     }
 
+    /// The same without the turn of the sensors, which stands last.
+    pub fn by_magnitude(&self) -> Self {
+        let shown = |parameter: &&Parameter| !matches!(parameter, Parameter::Turn(_));
+        Self {
+            terms: self.terms.clone(),
+            parameters: self.parameters.iter().filter(shown).cloned().collect(),
+        }
+    }
+
     /// Nominal sensors: no offset, axes at right angles, no effects.
     pub fn nominal(&self) -> State {
         let of = |parameter: &Parameter| match parameter {
@@ -100,7 +112,10 @@ impl Model {
                         }
                     }
                 }
-                Parameter::Cosine(_) | Parameter::ReferenceOffset | Parameter::Magnitude => {}
+                Parameter::Cosine(_)
+                | Parameter::ReferenceOffset
+                | Parameter::Magnitude
+                | Parameter::Turn(_) => {}
             }
         }
         along
@@ -167,6 +182,7 @@ impl Model {
                     slopes[(self.terms.count() - 2, j)] = 2.0;
                 }
                 Parameter::Magnitude => slopes[(self.terms.count() - 1, j)] = -2.0 * self.magnitude(state),
+                Parameter::Turn(_) => {}
             }
         }
         Some(slopes)

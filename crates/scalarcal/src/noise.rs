@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::design::Rows;
 use crate::factor::{Factor, Filling};
 use crate::fit::{Found, Known};
-use crate::kalman::{Filter, Form, SENSORS, WHITE, processes};
+use crate::kalman::{Filter, Form, Memory, SENSORS, processes};
 use crate::linear::{Linear, Mixture, RANK_TOLERANCE};
 use crate::model::Model;
 
@@ -39,9 +39,11 @@ const ODDS: f64 = 9.0;
 const NEGLIGIBLE: f64 = 1e-4;
 
 /// Rows that are filtered at one time: residual and derivatives, row by row.
-struct Group {
-    time_s: f64,
-    rows: Vec<Vec<f64>>,
+pub struct Group {
+    /// The time, s.
+    pub time_s: f64,
+    /// Rows.
+    pub rows: Vec<Vec<f64>>,
 }
 
 /// Recordings as rows of residual and derivatives about a fit, over the typical magnitude.
@@ -51,6 +53,8 @@ pub struct Groups {
     columns: usize,
     /// Rows before they were grouped.
     rows: f64,
+    /// What may have memory.
+    memories: &'static [Memory],
 }
 
 /// What a form makes of the rows.
@@ -113,7 +117,17 @@ impl Groups {
         };
         let recordings: Vec<Vec<Group>> =
             (0..rows.series.len()).into_par_iter().map(of).collect::<Option<_>>()?;
-        Some(Self { recordings, columns: count + 1, rows: all as f64 })
+        Some(Self { recordings, columns: count + 1, rows: all as f64, memories: &[Memory::Sensors] })
+    }
+
+    /// Rows against a field that is known with its direction: behind so many columns, what each reads of the noise of the field.
+    pub fn of_rows(recordings: Vec<Vec<Group>>, columns: usize, rows: f64) -> Self {
+        Self { recordings, columns, rows, memories: &[Memory::Sensors, Memory::Field] }
+    }
+
+    /// Rows before they were grouped.
+    pub fn rows(&self) -> f64 {
+        self.rows
     }
 
     /// The usual time from one group to the next, s.
@@ -145,7 +159,7 @@ impl Groups {
         Some(Linear::of(&factor, variance))
     }
 
-    /// Averages a fit over the forms of noise, or takes the declared one: estimates by their weights, and the covariance within and between the forms. Gives the heaviest form with
+    /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is searched for: estimates by their weights, and the covariance within and between the forms. Gives the heaviest form with
     /// its noise, nT; None where nothing was done.
     ///
     /// # Errors
@@ -155,14 +169,16 @@ impl Groups {
         &self,
         found: &mut Found,
         (held, known): (&Known, &Known),
-        (declared, magnitude_nt): (Option<Form>, f64),
+        (base, searched, magnitude_nt): (Form, bool, f64),
     ) -> Result<Option<(Form, Noise)>, crate::Error> {
         let Some(step) = self.step_s() else { return Ok(None) };
-        let mut forms = vec![declared.unwrap_or(WHITE)];
-        for exponent in EXPONENTS.into_iter().filter(|_| declared.is_none()) {
+        let mut forms = vec![base];
+        for exponent in EXPONENTS.into_iter().filter(|_| searched) {
             // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps.
             let equal = 2.0 * step * (0.1 / step).powf(exponent);
-            forms.extend((-RATIOS..=RATIOS).map(|k| Form { ratio: equal * RATIO_STEP.powi(k), exponent }));
+            forms.extend(self.memories.iter().flat_map(|of| {
+                (-RATIOS..=RATIOS).map(move |k| Form { of: *of, ratio: equal * RATIO_STEP.powi(k), exponent })
+            }));
         }
         let filtered: Vec<Filtered> = forms
             .par_iter()
@@ -247,7 +263,8 @@ fn whitened(groups: &[Group], columns: usize, form: Form) -> Option<(Factor, f64
         }
         before = group.time_s;
         for row in &group.rows {
-            let along: [f64; SENSORS] = std::array::from_fn(|axis| row[ALONG + axis]);
+            let first = if form.of == Memory::Sensors { ALONG } else { columns };
+            let along: [f64; SENSORS] = std::array::from_fn(|axis| row[first + axis]);
             let variance = filter.read(&along, 1.0 + white);
             logarithm += variance.ln();
             let deviation = variance.sqrt();

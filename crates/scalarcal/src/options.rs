@@ -11,6 +11,8 @@ pub struct Options {
     pub constant_magnitude: bool,
     /// Fit what the reference reads too much.
     pub reference_offset: bool,
+    /// Use the direction of the known field as well, by the attitude.
+    pub vector: bool,
     /// Effects of the catalogue that are fitted together with the sensors.
     pub with: Vec<Kind>,
 }
@@ -23,6 +25,7 @@ impl Options {
             (self.robust, "--robust"),
             (self.constant_magnitude, "--constant-magnitude"),
             (self.reference_offset, "--reference-offset"),
+            (self.vector, "--vector"),
         ];
         let flags = flags.iter().filter(|(set, _)| *set).map(|(_, name)| name.to_string());
         flags.chain(self.with.iter().map(|kind| format!("--with={}", kind.name()))).collect()

@@ -11,6 +11,7 @@ use nalgebra::Matrix3;
 use physics::Unit;
 use physics::frames::ARCSEC;
 
+use crate::directions::directions_by;
 use crate::fit::Known;
 use crate::kalman::WHITE;
 use crate::linear::Linear;
@@ -18,7 +19,7 @@ use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
 use crate::noise::Groups;
 use crate::read::Source;
 use crate::solve::{Detail, Solved};
-use crate::weakest::{self, frame};
+use crate::weakest;
 use crate::{Error, Options, checks, findings, stability, start};
 
 /// Who put an effect into the model.
@@ -26,10 +27,11 @@ const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
 /// A constant error of the reference is asked for where the magnitude varies by so many times the residuals: less is noise of the reference in part,
 /// and biases what follows it.
 const VARIES: f64 = 10.0;
+/// What shows all twelve parameters.
+const MORE_ATTITUDES: &str =
+    "record further attitudes, so that the field lies along each sensor in both directions and between them";
 /// What has a smaller probability by chance is said.
 const TOLD_BELOW: f64 = 0.001;
-/// Step of the derivative of μ by a cosine.
-const STEP: f64 = 1e-6;
 /// Takes the calibration into the document.
 pub fn adopt(
     document: &mut Document,
@@ -139,7 +141,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
         rows.push(single(3 + k, scales.magnitude_nt));
     }
     parameters.extend(uncertainty::directions("sensors"));
-    rows.extend(cosines_by(&found.state, &solved.mu, count));
+    rows.extend(cosines_by(model, &found.state, &solved.mu));
     for (effect, places) in instances(solved) {
         for (name, place) in effect.parameters.keys().zip(places) {
             parameters.push(uncertainty::effect(&effect, name));
@@ -180,20 +182,10 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
 }
 
 /// Derivatives of the nine elements of μ, column by column, by the state.
-fn cosines_by(state: &State, mu: &Matrix3<f64>, count: usize) -> Vec<Vec<f64>> {
-    let mut rows = vec![vec![0.0; count]; 9];
-    for pair in 0..PAIRS.len() {
-        let moved = |by: f64| {
-            let mut state = state.clone();
-            state[6 + pair] += by;
-            frame(&state, mu)
-        };
-        let slope = (moved(STEP) - moved(-STEP)) / (2.0 * STEP);
-        for (k, row) in rows.iter_mut().enumerate() {
-            row[6 + pair] = slope[(k % 3, k / 3)];
-        }
-    }
-    rows
+fn cosines_by(model: &Model, state: &State, mu: &Matrix3<f64>) -> Vec<Vec<f64>> {
+    let by = directions_by(model, state, mu);
+    let of = |k: usize| by.iter().map(move |by| by.map_or(0.0, |by| by[(k % 3, k / 3)])).collect();
+    (0..9).map(of).collect()
 }
 
 /// What is said of the calibration.
@@ -206,7 +198,9 @@ fn describe(
     let Solved { model, found, scales, .. } = solved;
     let earlier = earlier(document, solved);
     let reference_offset = reference_offset(solved, detail)?;
-    let beforehand = if earlier { None } else { against_known(solved, options) };
+    // Known beforehand and by the magnitude together is not the readings alone.
+    let mixed = options.known && solved.vector.is_some();
+    let beforehand = if earlier || mixed { None } else { against_known(solved, options) };
     let mut scalar = ScalarCalibration {
         recordings: solved.recordings.clone(),
         rows: solved.rows,
@@ -214,10 +208,13 @@ fn describe(
         left_out: solved.left_out.iter().cloned().collect(),
         reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
         rms_nt: rms(&detail.residuals),
+        vector: solved.vector.clone(),
+        includes_body: solved.includes_body,
+        body: solved.body.clone(),
         noise: solved.noise.clone(),
         sensor_noise_nt: found.sensor.sqrt() * scales.magnitude_nt,
         reference_noise_nt: found.reference.sqrt() * scales.magnitude_nt,
-        parameters: parameters(solved, earlier),
+        parameters: parameters(solved, earlier, mixed),
         rank: found.seen.rank(),
         findings: solved.told.clone(),
         ..ScalarCalibration::default()
@@ -227,6 +224,11 @@ fn describe(
     let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
     let of = (fields.as_slice(), scales.magnitude_nt);
     scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
+    if let Some(weakest) = scalar.weakest.as_mut().filter(|_| solved.vector.is_some()) {
+        // What further rotations show by the magnitude is not what they show by the direction.
+        weakest.remedy = MORE_ATTITUDES.into();
+        weakest.std_after_nt = None;
+    }
     scalar.stability = stability::of(solved, detail)?;
     scalar.directions = Some(FieldDirections {
         unit: fields.iter().map(|field| field.normalize().into()).collect(),
@@ -268,11 +270,11 @@ pub fn earlier(document: &Document, solved: &Solved) -> bool {
 }
 
 /// Every parameter in its unit.
-fn parameters(solved: &Solved, earlier: bool) -> Vec<ScalarParameter> {
+fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParameter> {
     let Solved { model, found, .. } = solved;
     let count = model.parameters.len();
     let information = found.jacobian.transpose() * &found.jacobian;
-    let alone = (found.seen.rank() == count).then(|| found.seen.covariance());
+    let alone = (found.seen.rank() == count && !mixed).then(|| found.seen.covariance());
     let mut with = information;
     for (weights, _) in &solved.beforehand.rows {
         for i in 0..count {
@@ -327,6 +329,7 @@ pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
         Parameter::Effect { name, .. } => linear(name.clone(), "", solved.units[place - NINE]),
         Parameter::ReferenceOffset => linear("offset of the reference".into(), "nT", scales.magnitude_nt),
         Parameter::Magnitude => linear("magnitude of the field".into(), "nT", scales.magnitude_nt),
+        Parameter::Turn(_) => linear(model.parameters[place].name(), "arcsec", 1.0 / ARCSEC),
     }
 }
 
@@ -334,7 +337,7 @@ pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
 fn reference_offset(solved: &Solved, detail: &Detail) -> Result<Option<ReferenceOffset>, Error> {
     let Solved { model, found, scales, known, .. } = solved;
     let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
-    if !read || model.place(&Parameter::Magnitude).is_some() {
+    if !read || model.place(&Parameter::Magnitude).is_some() || solved.vector.is_some() {
         return Ok(None);
     }
     // In a field that hardly varies a constant error of the reference is one of all sensitivities.

@@ -1,7 +1,7 @@
 //! From the recordings to the calibration.
 
 use common::number::counted;
-use common::{Axis, Document, Noise};
+use common::{Axis, BodyIron, Document, Noise, VectorFit};
 use faer::Mat;
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
@@ -9,7 +9,7 @@ use physics::{Basic, EffectInstance, Unit};
 use crate::design::{Rows, Scales};
 use crate::effects::{Following, asked, following, taken_off};
 use crate::fit::{Found, Known, Sums, fit};
-use crate::kalman::{Form, WHITE};
+use crate::kalman::{Form, Memory, WHITE};
 use crate::known::{Beforehand, beforehand};
 use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, NINE, Parameter, State};
@@ -64,6 +64,12 @@ pub struct Solved {
     pub left_out: Vec<(String, u64)>,
     /// What was done or assumed, in words.
     pub told: Vec<String>,
+    /// The iron of the body, where the sensors' own calibration is known.
+    pub body: Option<BodyIron>,
+    /// Whether the calibration includes it.
+    pub includes_body: bool,
+    /// The field and its direction, where they were used.
+    pub vector: Option<VectorFit>,
 }
 
 /// The rows of a calibration, where they are at hand.
@@ -190,7 +196,13 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let declared = declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
     let groups = noise::Groups::of(&rows, &model, &found, true);
     let averaged = groups
-        .map(|groups| groups.average(&mut found, (&held, &known), (declared, scales.magnitude_nt)))
+        .map(|groups| {
+            groups.average(
+                &mut found,
+                (&held, &known),
+                (declared.unwrap_or(WHITE), declared.is_none(), scales.magnitude_nt),
+            )
+        })
         .transpose()?
         .flatten();
     let (form, noise) = averaged.unwrap_or((WHITE, white));
@@ -216,6 +228,9 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         missing: kept.iter().map(|one| one.missing as u64).sum(),
         left_out,
         told,
+        body: None,
+        includes_body: true,
+        vector: None,
         model,
         found,
     };
@@ -376,14 +391,14 @@ fn short(
 }
 
 /// The form of the declared noise, where all three sensors have one; white where it has no memory.
-fn declared_form(document: &Document, variance: Option<f64>, scales: &Scales) -> Option<Form> {
+pub fn declared_form(document: &Document, variance: Option<f64>, scales: &Scales) -> Option<Form> {
     let instrument = document.instrument.as_ref()?;
     let all: Vec<&Noise> = Axis::ALL.into_iter().filter_map(|axis| instrument.noise_of(axis)).collect();
     let white = variance? * scales.magnitude_nt.powi(2);
     let flicker = all.iter().filter_map(|noise| noise.flicker_nt2_per_hz_at_1hz).sum::<f64>() / 3.0;
     let exponent =
         all.iter().map(|noise| noise.flicker_exponent.unwrap_or(1.0)).sum::<f64>() / all.len() as f64;
-    Some(if flicker > 0.0 { Form { ratio: flicker / white, exponent } } else { WHITE })
+    Some(if flicker > 0.0 { Form { of: Memory::Sensors, ratio: flicker / white, exponent } } else { WHITE })
 }
 
 /// What is known beforehand, where it is to be used.

@@ -25,7 +25,10 @@ const FEWEST_PARTS: usize = 2;
 /// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on the range of a part's
 /// derivatives, is what the parts gain by parameters of their own. None for a recording too short to be cut.
 pub fn of(solved: &Solved, detail: &Detail) -> Result<Option<ScalarStability>, Error> {
-    let Solved { model, found, scales, .. } = solved;
+    let scales = &solved.scales;
+    // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
+    let turned = solved.vector.is_some();
+    let (model, found) = (&solved.model.by_magnitude(), &solved.found);
     let count = model.parameters.len();
     let pieces = pieces(&detail.series, count);
     if pieces.len() < FEWEST_PARTS {
@@ -43,7 +46,8 @@ pub fn of(solved: &Solved, detail: &Detail) -> Result<Option<ScalarStability>, E
             .and_then(|groups| groups.linear(solved.form, variance));
         let Some(linear) = linear else { return Ok(None) };
         // What is held stays where it is.
-        let fixed: Known = solved.held.iter().map(|(weights, _)| (weights.clone(), 0.0)).collect();
+        let fixed: Known =
+            solved.held.iter().filter(|_| !turned).map(|(weights, _)| (weights.clone(), 0.0)).collect();
         let Linear { jacobian, right } = linear.with(&fixed, &vec![0.0; count]);
         let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
         let step = svd.solve(&right);

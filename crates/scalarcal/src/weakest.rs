@@ -56,14 +56,7 @@ pub fn weakest(
 ) -> Option<WeakestDirection> {
     let information = jacobian.transpose() * jacobian;
     let (value, weakest) = least(&information)?;
-    let largest = weakest.iter().map(|share| share.abs()).fold(0.0, f64::max);
-    let mut named: Vec<(String, f64)> = weakest
-        .iter()
-        .enumerate()
-        .filter(|(_, share)| share.abs() >= NAMED * largest)
-        .map(|(place, share)| (model.parameters[place].name(), share / largest))
-        .collect();
-    named.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    let named = named(model, &weakest);
     let std = (value > 0.0).then(|| magnitude_nt / value.sqrt());
     // The readings again, with the block turned.
     // Offsets: what is held is of others.
@@ -107,6 +100,19 @@ pub fn weakest(
         remedy,
         std_after_nt: Some(after).filter(|after| after.is_finite()),
     })
+}
+
+/// The parameters that make up most of a combination, the largest first, each with its share of the largest.
+pub fn named(model: &Model, combination: &[f64]) -> Vec<(String, f64)> {
+    let largest = combination.iter().map(|share| share.abs()).fold(0.0, f64::max);
+    let mut named: Vec<(String, f64)> = combination
+        .iter()
+        .enumerate()
+        .filter(|(_, share)| share.abs() >= NAMED * largest)
+        .map(|(place, share)| (model.parameters[place].name(), share / largest))
+        .collect();
+    named.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+    named
 }
 
 /// The smallest eigenvalue of an information matrix, and its vector.
@@ -188,11 +194,12 @@ fn join(list: &[&str]) -> String {
 }
 
 /// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude does not show, the one that is
-/// nearest to `like`.
+/// nearest to `like`, which may be left-handed.
 pub fn frame(state: &State, like: &Matrix3<f64>) -> Matrix3<f64> {
     let own = cosines(state);
     // Cholesky's factor has unit vectors with these cosines as its columns.
     let Some(factor) = own.cholesky() else { return *like };
     let columns = factor.l().transpose();
-    Rotation3::from_matrix(&(like * columns.transpose())).into_inner() * columns
+    let hand = like.determinant().signum();
+    hand * Rotation3::from_matrix(&(hand * like * columns.transpose())).into_inner() * columns
 }

@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
 use common::number::{counted, p_value, significant, uncertain};
-use common::{Document, ScalarCalibration};
+use common::{Axis, Document, ScalarCalibration};
 use std::fmt::Write;
 
 /// What was found, with ± and units, and what looks wrong.
@@ -22,13 +22,25 @@ fn describe(scalar: &ScalarCalibration) -> String {
         scalar.reference,
         significant(scalar.rms_nt, 4)
     );
-    if let Some(amplitude) = scalar.noise.flicker_nt2_per_hz_at_1hz {
+    if let Some(vector) = &scalar.vector {
+        let _ = writeln!(
+            text,
+            "  with its direction at {}: residual {} nT along the field, {} nT across it; attitude {}\"{}",
+            counted(vector.moments as usize, "moment"),
+            significant(vector.rms_along_nt, 3),
+            significant(vector.rms_across_nt, 3),
+            significant(vector.attitude_std_arcsec, 2),
+            if vector.across_only { "; across it alone is used" } else { "" }
+        );
+    }
+    let noise = scalar.vector.as_ref().and_then(|vector| vector.noise.as_ref()).unwrap_or(&scalar.noise);
+    if let Some(amplitude) = noise.flicker_nt2_per_hz_at_1hz {
         let _ = writeln!(
             text,
             "  noise with memory: {} nT²/Hz at 1 Hz, as 1/f^α with α = {}; white {} nT",
             significant(amplitude, 3),
-            significant(scalar.noise.flicker_exponent.unwrap_or(1.0), 3),
-            significant(scalar.noise.white_rms_nt.unwrap_or(0.0), 3)
+            significant(noise.flicker_exponent.unwrap_or(1.0), 3),
+            significant(noise.white_rms_nt.unwrap_or(0.0), 3)
         );
     }
     for parameter in &scalar.parameters {
@@ -74,6 +86,23 @@ fn describe(scalar: &ScalarCalibration) -> String {
             "  {} of the time against all: {}",
             counted(test.windows.len(), "part"),
             p_value(test.p_value)
+        );
+    }
+    if let Some(body) = &scalar.body {
+        let nt = |axis: Axis| body.hard_iron_nt.get(axis).map(|one| format!("{one:+}")).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "  iron of the body: {}, {}, {} nT in SEN; {} ({})",
+            nt(Axis::X),
+            nt(Axis::Y),
+            nt(Axis::Z),
+            body.soft_iron_ppm
+                .iter()
+                .map(|(name, one)| format!("{name} {one:+}"))
+                .collect::<Vec<_>>()
+                .join(", ")
+                + " ppm of the field",
+            p_value(body.p_value)
         );
     }
     for (reason, count) in &scalar.left_out {

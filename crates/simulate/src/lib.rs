@@ -3,11 +3,13 @@
 //! The readings come from the same forward model that the calibrations fit ([`physics::predict`]), with
 //! noise and quantisation on top. What is true goes to a file of its own, never into the document.
 
+mod aboard;
 mod bench;
 mod campaign;
 mod differential;
 mod effects;
 mod make;
+mod orbit;
 mod outside;
 mod plan;
 mod planned;
@@ -18,6 +20,7 @@ mod schedule;
 mod sweep;
 mod truth;
 
+pub use aboard::KnownField;
 pub use campaign::{Campaign, campaign};
 pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes, ThirdTruth};
 pub use effects::{Layout, catalogue};

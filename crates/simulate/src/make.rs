@@ -7,6 +7,7 @@ use physics::{Basic, Context, EffectInstance, Kind, References, Unit};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
+use crate::aboard;
 use crate::outside::Moments;
 use crate::plan::Plan;
 use crate::planned::{Reads, Surroundings};
@@ -100,6 +101,13 @@ impl World<'_> {
                 insert(&mut set, station.map(outside_columns).unwrap_or_default());
             }
         }
+        if let Reads::Aboard(aboard) = &written.reads {
+            let attitude = Context::new(self.document, &set, self.references)
+                .map_err(|error| advise(error, &written.path))?
+                .attitude;
+            aboard::write(&mut set, aboard.known_field.as_ref(), &attitude, self.plan.seed)
+                .map_err(failed)?;
+        }
         insert(&mut set, read);
         self.write_voltages(&mut set)?;
         Ok(set)
@@ -156,6 +164,12 @@ impl World<'_> {
             Reads::Sensors(sensors) => self.read_sensors(sensors, context, written, at, failed),
             Reads::Scalar => self.read_scalar(&context, at, failed),
             Reads::Differential => self.read_differential(context, at, failed),
+            Reads::Aboard(aboard) => {
+                let mut read =
+                    if aboard.scalar { self.read_scalar(&context, at, failed)? } else { Read::new() };
+                read.extend(self.read_sensors(&aboard.sensors, context, written, at, failed)?);
+                Ok(read)
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use common::{Axis, Column, Columns, Conditions, Recording};
 use nalgebra::{Matrix3, Vector3};
 
+use crate::aboard::Aboard;
 use crate::plan::Timing;
 
 /// A recording without its readings.
@@ -38,6 +39,8 @@ pub enum Reads {
     Scalar,
     /// The reference and the test magnetometer.
     Differential,
+    /// Sensors aboard a satellite, and what is known beside.
+    Aboard(Box<Aboard>),
 }
 
 /// Where a recording is made.

@@ -28,6 +28,18 @@ pub fn section(document: &Document) -> Option<Section> {
     if let Some(weakest) = &scalar.weakest {
         section.say(format!("Shown least: {}. To show it, {}.", weakest.words, weakest.remedy));
     }
+    if let Some(vector) = &scalar.vector {
+        section.say(format!(
+            "With the direction of the field at {} moments: the residual has an rms of {} nT along it and of {} nT across it; the difference is an \
+             error of the attitude of {}″.{}",
+            vector.moments,
+            number::figures(vector.rms_along_nt, 3),
+            number::figures(vector.rms_across_nt, 3),
+            number::figures(vector.attitude_std_arcsec, 2),
+            if vector.across_only { " Only the residual across the field is used." } else { "" }
+        ));
+    }
+    body(&mut section, scalar);
     if let Some(directions) = &scalar.directions {
         section.plot(hemisphere(directions, 1.0));
         section.plot(hemisphere(directions, -1.0));
@@ -61,6 +73,19 @@ fn parameters(section: &mut Section, scalar: &ScalarCalibration) {
             std(parameter.std_alone),
             known,
         ]);
+    }
+    section.table(table);
+}
+
+/// The iron of the body by itself.
+fn body(section: &mut Section, scalar: &ScalarCalibration) {
+    let Some(body) = &scalar.body else { return };
+    let mut table = Table::new("Iron of the body, in SEN", [("part", ""), ("value", ""), ("unit", "")]);
+    for (axis, quantity) in body.hard_iron_nt.iter() {
+        table.row([format!("hard iron, {axis}").as_str().into(), quantity.into(), "nT".into()]);
+    }
+    for (name, quantity) in &body.soft_iron_ppm {
+        table.row([format!("soft iron, {name}").as_str().into(), quantity.into(), "ppm of the field".into()]);
     }
     section.table(table);
 }

@@ -36,6 +36,9 @@ pub struct Campaign {
     pub angles: [f64; 3],
     /// nT/K of each sensor.
     pub per_k: [f64; 3],
+    /// Iron of the body: H − 1, symmetric, and h, nT.
+    pub soft: Matrix3<f64>,
+    pub hard_nt: Vector3<f64>,
 }
 
 pub const MAGNITUDE_NT: f64 = 48_000.0;
@@ -54,6 +57,8 @@ impl Default for Campaign {
             offset_nt: [12.0, -8.0, 4.0],
             angles: [0.0087, -0.0052, 0.0035],
             per_k: [0.0; 3],
+            soft: Matrix3::zeros(),
+            hard_nt: Vector3::zeros(),
         }
     }
 }
@@ -112,7 +117,7 @@ impl Campaign {
                 vec![0.0; self.rows]
             };
             let volts = fields.iter().enumerate().map(|(row, field)| {
-                let along = mu.column(axis).dot(field)
+                let along = mu.column(axis).dot(&(field + self.soft * field + self.hard_nt))
                     + self.white_nt * noise.normal()
                     + slow[row]
                     + self.per_k[axis] * (temperature[row] - 20.0);

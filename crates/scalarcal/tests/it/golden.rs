@@ -18,4 +18,5 @@ fn golden() {
         "scalarcal/meadow-constant/input.json",
         Options { constant_magnitude: true, ..Options::default() },
     );
+    case("three-orbits", "scalarcal/three-orbits/input.json", Options { vector: true, ..Options::default() });
 }

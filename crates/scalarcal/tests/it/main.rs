@@ -2,8 +2,11 @@
 
 mod answers;
 mod bad_input;
+mod body;
 mod build;
 mod coverage;
 mod golden;
 mod help;
+mod orbit;
 mod scipy;
+mod vector;

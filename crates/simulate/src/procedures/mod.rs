@@ -7,6 +7,7 @@ mod cross_field;
 mod differential;
 mod free_run;
 mod nulling;
+mod orbit;
 mod reversal;
 mod sensitivity;
 mod sensor_noise;
@@ -19,6 +20,7 @@ pub use cross_field::CrossFieldProcedure;
 pub use differential::DifferentialProcedure;
 pub use free_run::FreeRun;
 pub use nulling::{NullingProcedure, NullingSeries};
+pub use orbit::{OrbitProcedure, OrbitTemperature};
 pub use reversal::{DriftProcedure, ReversalProcedure};
 pub use sensitivity::SensitivityProcedure;
 pub use sensor_noise::{NoiseProcedure, NoiseSeries};
@@ -61,6 +63,8 @@ pub enum Procedure {
     Differential(DifferentialProcedure),
     /// Any drive.
     FreeRun(Box<FreeRun>),
+    /// A free run in orbit.
+    Orbit(Box<OrbitProcedure>),
 }
 
 /// What every procedure can do.
@@ -88,6 +92,7 @@ impl Procedure {
             Procedure::AxesOrientation(procedure) => procedure,
             Procedure::Differential(procedure) => procedure,
             Procedure::FreeRun(procedure) => procedure.as_ref(),
+            Procedure::Orbit(procedure) => procedure.as_ref(),
         }
     }
 }

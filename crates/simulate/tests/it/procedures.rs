@@ -371,3 +371,57 @@ fn a_missing_column_is_told_from_a_zero() {
     let document = simulate::campaign(&plan).expect("simulated").document;
     assert!(column(of(&document, "on-board"), "sensor_x_nt").iter().all(|value| value.is_nan()));
 }
+
+#[test]
+fn aboard_the_readings_follow_field_and_attitude() {
+    let mut plan = exact("orbit");
+    let Some(simulate::Procedure::Orbit(orbit)) = plan.procedures.first_mut() else { panic!("an orbit") };
+    orbit.length_s = 12_000.0;
+    orbit.known_field = Some(simulate::KnownField::default());
+    let Campaign { document, truth } = simulate::campaign(&plan).expect("simulated");
+    let run = of(&document, "month");
+    let mu =
+        directions(truth.calibration.axes.as_ref().expect("axes").sensors.as_ref().expect("sensors").matrix);
+    let mut reached = [false; 3];
+    for row in 0..run.rows() {
+        let field = Vector3::from(Axis::ALL.map(|axis| column(run, &format!("ambient_{axis}_nt"))[row]));
+        assert!((column(run, "reference_nt")[row] - field.norm()).abs() < 1e-9);
+        let part = |name: &str| column(run, &format!("attitude_{name}"))[row];
+        let attitude = nalgebra::UnitQuaternion::new_normalize(nalgebra::Quaternion::new(
+            part("w"),
+            part("x"),
+            part("y"),
+            part("z"),
+        ));
+        let sen = attitude * field;
+        for axis in Axis::ALL {
+            let (k, offset) = sensor(&truth, axis);
+            let read = k * column(run, &format!("sensor_{axis}_v"))[row] + offset;
+            assert!((read - mu.column(axis.index()).dot(&sen)).abs() < 1e-8, "{axis} {row}");
+            reached[axis.index()] |= sen[axis.index()].abs() > 0.5 * field.norm();
+        }
+    }
+    assert!(reached[0] && reached[2], "{reached:?}");
+    // Errors of model and star sensor are of what is written, not of what is read.
+    let Some(simulate::Procedure::Orbit(orbit)) = plan.procedures.first_mut() else { panic!("an orbit") };
+    let noise = common::Noise { white_rms_nt: Some(5.0), ..common::Noise::default() };
+    orbit.known_field = Some(simulate::KnownField { noise, attitude_std_arcsec: 30.0 });
+    let written = simulate::campaign(&plan).expect("simulated").document;
+    let other = of(&written, "month");
+    for name in ["sensor_x_v", "reference_nt", "sensor_temperature_c"] {
+        assert_eq!(column(other, name), column(run, name));
+    }
+    let off = |name: &str| {
+        let squares = column(other, name).iter().zip(column(run, name)).map(|(a, b)| (a - b).powi(2));
+        (squares.sum::<f64>() / run.rows() as f64).sqrt()
+    };
+    assert!((3.0..7.0).contains(&off("ambient_y_nt")), "{}", off("ambient_y_nt"));
+    assert!((1e-5..3e-4).contains(&off("attitude_y")), "{}", off("attitude_y"));
+    // Neither is written where neither is known.
+    let plain = simulate::campaign(&exact("orbit")).expect("simulated").document;
+    let names: Vec<&String> = of(&plain, "month").columns.keys().collect();
+    assert!(
+        names.iter().all(|name| !name.starts_with("ambient") && !name.starts_with("attitude")),
+        "{names:?}"
+    );
+}

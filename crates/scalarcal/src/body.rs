@@ -1,0 +1,169 @@
+//! The iron of the body on which the sensors are mounted, apart from the sensors' own calibration.
+//!
+//! Iron that turns with the sensors makes HB + h of the field B: h the field of what is magnetised, H − 1 of what the field magnetises. The sensors read
+//! kV + O = μᵀ(HB + h), so that by themselves the recordings show only both together: K = k/n, with n the lengths of the rows of μᵀH, offsets
+//! (O − μᵀh)/n, and the cosines of those rows. With the sensors' own k, O and μ known, h = μ⁻ᵀ(O − n O') and HHᵀ = μ⁻ᵀ n G' n μ⁻¹. The magnitude does not
+//! show a turn within H, of which the symmetric part is given.
+//!
+//! Source: P. Leliak, Identification and evaluation of magnetic-field sources of magnetic airborne detector equipped aircraft, IRE Trans. ANE-8 (1961) 95.
+
+use common::{Axis, BodyIron, Document, Error as Fault, PerAxis, Quantity, Recording};
+use estimate::{Svd, stats};
+use faer::Mat;
+use indexmap::IndexMap;
+use nalgebra::{Matrix3, Vector3};
+use physics::Basic;
+
+use crate::Error;
+use crate::model::{NINE, cosines};
+use crate::solve::Solved;
+use crate::weakest::frame;
+
+/// What is said of sensors on a body whose own calibration is not known.
+pub const INCLUDED: &str = "offsets, sensitivities and angles include the iron of the body on which the sensors are mounted: to tell the two apart, record the \
+    sensors away from it too (conditions.mounted: false), or give --known with their own calibration";
+/// Elements of the symmetric matrix, and their names.
+const ELEMENTS: [(usize, usize, &str); 6] =
+    [(0, 0, "xx"), (1, 1, "yy"), (2, 2, "zz"), (0, 1, "xy"), (1, 2, "yz"), (0, 2, "xz")];
+/// Step of the derivatives.
+const STEP: f64 = 1e-6;
+/// Singular values of the covariance below this share of the largest are those of what is known exactly.
+const EXACT: f64 = 1e-14;
+
+/// What recordings say of where the sensors are: whether some are on a body, and some away from it.
+pub fn mounted(document: &Document) -> [bool; 2] {
+    let says = |mounted: bool| {
+        document.recordings.iter().any(|recording| recording.conditions.mounted == Some(mounted))
+    };
+    [says(true), says(false)]
+}
+
+/// The recordings on the body, or those away from it. What does not say belongs to the body.
+pub fn part(document: &Document, mounted: bool) -> Document {
+    let mine = |recording: &&Recording| (recording.conditions.mounted != Some(false)) == mounted;
+    Document { recordings: document.recordings.iter().filter(mine).cloned().collect(), ..document.clone() }
+}
+
+/// That the sensors' own calibration stands in the document.
+///
+/// # Errors
+///
+/// It does not.
+pub fn stated(document: &Document) -> Result<(), Error> {
+    let calibration = document.calibration.as_ref();
+    if Axis::ALL.iter().all(|axis| calibration.is_some_and(|calibration| calibration.sensor(*axis).is_some()))
+    {
+        return Ok(());
+    }
+    let expected = "the sensors' own calibration, as scalarcal writes it of recordings away from the body, or those recordings with \
+                    conditions.mounted: false";
+    Err(Fault::document("calibration.sensors", "no calibration of all three sensors for --known", expected)
+        .into())
+}
+
+/// h over the magnitude, and the six elements of H − 1.
+fn iron(own: &[f64], both: &[f64], like: &Matrix3<f64>) -> [f64; NINE] {
+    let mu = frame(&own.to_vec(), like);
+    let unmix = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let lengths = Vector3::from_fn(|axis, _| own[axis] / both[axis]);
+    let offsets = Vector3::from_fn(|axis, _| own[3 + axis] - lengths[axis] * both[3 + axis]);
+    let hard = unmix * offsets;
+    let lengths = Matrix3::from_diagonal(&lengths);
+    let square = unmix * lengths * cosines(&both.to_vec()) * lengths * unmix.transpose();
+    let parts = square.symmetric_eigen();
+    let roots = Matrix3::from_diagonal(&parts.eigenvalues.map(|value| value.max(0.0).sqrt()));
+    let soft = parts.eigenvectors * roots * parts.eigenvectors.transpose() - Matrix3::identity();
+    let mut all = [0.0; NINE];
+    all[..3].copy_from_slice(hard.as_slice());
+    for (value, (row, column, _)) in all[3..].iter_mut().zip(ELEMENTS) {
+        *value = soft[(row, column)];
+    }
+    all
+}
+
+/// The body's iron by a calibration on it and the sensors' own, in SEN.
+pub fn of(document: &Document, solved: &Solved) -> Result<BodyIron, Error> {
+    let like = Basic::found(document, solved.unit).mu;
+    let known = &solved.beforehand;
+    let (own, both) = (&known.nine, &solved.found.state[..NINE]);
+    let at = iron(own, both, &like);
+    let by = |place: usize| -> [f64; NINE] {
+        let moved = |by: f64| {
+            let (mut own, mut both) = (own.to_vec(), both.to_vec());
+            if place < NINE {
+                own[place] += by
+            } else {
+                both[place - NINE] += by
+            }
+            iron(&own, &both, &like)
+        };
+        let (up, down) = (moved(STEP), moved(-STEP));
+        std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * STEP))
+    };
+    let slopes: Vec<[f64; NINE]> = (0..2 * NINE).map(by).collect();
+    let stated = common::Uncertainty::of(document)?.covariance_by(&known.by);
+    let mut covariance = Mat::zeros(NINE, NINE);
+    for i in 0..NINE {
+        for j in 0..NINE {
+            let own = stated.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0);
+            let both = solved.found.covariance[(i, j)];
+            for a in 0..NINE {
+                for b in 0..NINE {
+                    covariance[(a, b)] +=
+                        slopes[i][a] * own * slopes[j][b] + slopes[NINE + i][a] * both * slopes[NINE + j][b];
+                }
+            }
+        }
+    }
+    let svd = Svd::of(covariance.as_ref(), EXACT)?;
+    let chi_squared: f64 = svd.solve(&at).iter().zip(&at).map(|(a, b)| a * b).sum();
+    let quantity = |place: usize, scale: f64| {
+        Quantity::new(at[place] * scale, covariance[(place, place)].max(0.0).sqrt() * scale)
+    };
+    let mut hard_iron_nt = PerAxis::default();
+    for axis in Axis::ALL {
+        *hard_iron_nt.entry(axis) = Some(quantity(axis.index(), solved.scales.magnitude_nt));
+    }
+    let soft: IndexMap<String, Quantity> = ELEMENTS
+        .iter()
+        .enumerate()
+        .map(|(place, (_, _, name))| (name.to_string(), quantity(3 + place, 1e6)))
+        .collect();
+    Ok(BodyIron {
+        hard_iron_nt,
+        soft_iron_ppm: soft,
+        chi_squared,
+        degrees_of_freedom: svd.rank() as f64,
+        p_value: stats::chi_squared_p(chi_squared, svd.rank() as f64),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn iron_that_is_put_in_is_found() {
+        let own = [1.1, 0.9, 1.02, 0.01, -0.02, 0.03, 0.05, -0.04, 0.02];
+        let like = Matrix3::identity();
+        let mu = frame(&own.to_vec(), &like);
+        let body = Matrix3::new(1.01, 0.002, -0.003, 0.002, 0.995, 0.004, -0.003, 0.004, 1.02);
+        let hard = Vector3::new(0.02, -0.01, 0.005);
+        // The rows of μᵀH, their lengths and cosines.
+        let rows = body * mu;
+        let mut both = own;
+        for axis in 0..3 {
+            let length = rows.column(axis).norm();
+            both[axis] = own[axis] / length;
+            both[3 + axis] = (own[3 + axis] - mu.column(axis).dot(&hard)) / length;
+        }
+        for (place, [a, b]) in crate::model::PAIRS.iter().enumerate() {
+            both[6 + place] = rows.column(*a).normalize().dot(&rows.column(*b).normalize());
+        }
+        let found = iron(&own, &both, &like);
+        let expected = [0.02, -0.01, 0.005, 0.01, -0.005, 0.02, 0.002, 0.004, -0.003];
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Recordings in which the field is known with its direction.
+
+use common::Document;
+use estimate::Svd;
+use nalgebra::{Matrix3, Vector3};
+use physics::{Context, References};
+use rayon::prelude::*;
+
+use crate::Error;
+use crate::design::Rows;
+use crate::factor::Filling;
+use crate::linear::RANK_TOLERANCE;
+use crate::model::{Model, State};
+use crate::moment::{About, Moment, Spread};
+use crate::noise::{Group, Groups};
+use crate::read::{Series, Source};
+use crate::solve::Solved;
+
+/// Rows that are filtered one by one; of longer recordings groups of rows are.
+const FILTERED: usize = 8192;
+/// Rows that one thread takes at a time.
+const CHUNK: usize = 4096;
+
+/// The known field of each recording.
+pub struct Vectors<'a> {
+    contexts: Vec<Context<'a>>,
+    /// Whether a scalar magnetometer reads beside: only what is across the field is used.
+    pub scalar: bool,
+    /// Share of the noise of a residual that is the field's, not the sensors'.
+    pub share: f64,
+}
+
+/// Where the iteration begins.
+pub struct Start {
+    /// The directions by linear least squares.
+    pub mu: Matrix3<f64>,
+    /// Rms of their residuals.
+    pub rms: f64,
+    /// That of the residuals with the inverse attitude.
+    pub inverse_rms: f64,
+}
+
+impl<'a> Vectors<'a> {
+    /// Field and attitude of the recordings.
+    pub fn read(document: &'a Document, series: &[Series]) -> Result<Self, Error> {
+        let references = References::of(document);
+        let mut contexts = Vec::new();
+        for one in series {
+            let recording = &document.recordings[one.index];
+            let refused = |source| Error::Physics { path: one.path(), source };
+            let context = Context::new(document, recording, references).map_err(refused)?;
+            let lacks = |what: &str, expected: &str| {
+                let found = format!("no {what} beside the readings of \"{}\"", one.id);
+                Err(common::Error::document(format!("{}.columns", one.path()), found, expected).into())
+            };
+            if context.ambient_nt.len() < context.rows && context.ambient(0).norm() == 0.0 {
+                return lacks(
+                    "known field",
+                    "`ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`, in GEO, for --vector",
+                );
+            }
+            let conditions = &recording.conditions;
+            if context.attitude.is_empty()
+                && conditions.orientation.is_none()
+                && conditions.theodolite.is_none()
+            {
+                return lacks(
+                    "attitude",
+                    "`attitude_w`, `attitude_x`, `attitude_y`, `attitude_z` (GEO → SEN) or `conditions.orientation`, for --vector",
+                );
+            }
+            contexts.push(context);
+        }
+        let scalar = series.iter().all(|one| one.source == Source::Scalar);
+        Ok(Self { contexts, scalar, share: 0.0 })
+    }
+
+    /// A row of a recording; None where field or attitude are missing.
+    fn moment(
+        &self,
+        rows: &Rows<'_>,
+        model: &Model,
+        state: &State,
+        number: usize,
+        row: usize,
+    ) -> Option<Moment> {
+        let series = &rows.series[number];
+        let context = self.contexts.iter().find(|context| context.recording.id == series.id)?;
+        let rotation = context.rotation(series.rows[row]);
+        let field = rotation * context.ambient(series.rows[row]) / rows.scales.magnitude_nt;
+        if !field.iter().all(|value| value.is_finite()) || field.norm() == 0.0 {
+            return None;
+        }
+        let mut z = vec![0.0; model.terms.columns() + 1];
+        rows.fill(number, row, &mut z);
+        let (own, _) = model.read(state, &z);
+        Some(Moment { own, z, field, rotation })
+    }
+
+    /// Each sensor by linear least squares on the field: V = a·B + c, a along the sensor.
+    pub fn start(&self, rows: &Rows<'_>, solved: &Solved) -> Result<Start, Error> {
+        let nominal = solved.model.nominal();
+        let of = |inverse: bool| {
+            let mut filling = Filling::new(7);
+            for (number, series) in rows.series.iter().enumerate() {
+                for row in 0..series.len() {
+                    let Some(moment) = self.moment(rows, &solved.model, &nominal, number, row) else {
+                        continue;
+                    };
+                    let turn = moment.rotation.transpose();
+                    let field = if inverse { turn * turn * moment.field } else { moment.field };
+                    let z = &moment.z;
+                    filling.row([field.x, field.y, field.z, 1.0, z[0], z[1], z[2]]);
+                }
+            }
+            filling.finish()
+        };
+        let fitted = |inverse: bool| -> Result<(Matrix3<f64>, f64), Error> {
+            let factor = of(inverse);
+            let upper = factor.upper();
+            let svd = Svd::of(upper.subcols(0, 4), RANK_TOLERANCE)?;
+            let mut mu = Matrix3::zeros();
+            let mut squares = 0.0;
+            for axis in 0..3 {
+                let right: Vec<f64> = (0..upper.nrows()).map(|i| upper[(i, 4 + axis)]).collect();
+                let x = svd.solve(&right);
+                let left = |i: usize| right[i] - (0..4).map(|j| upper[(i, j)] * x[j]).sum::<f64>();
+                squares += (0..upper.nrows()).map(|i| left(i).powi(2)).sum::<f64>();
+                mu.set_column(axis, &Vector3::new(x[0], x[1], x[2]));
+            }
+            if svd.rank() < 4 || (0..3).any(|axis| mu.column(axis).norm() == 0.0) {
+                let message = "the known field, turned by the attitude, lies in one plane of SEN: it does not determine the calibration. \
+                               Record more attitudes, so that the field lies along each sensor in both directions";
+                return Err(Error::Undetermined(message.into()));
+            }
+            for axis in 0..3 {
+                mu.column_mut(axis).normalize_mut();
+            }
+            Ok((mu, (squares / factor.rows() as f64).sqrt()))
+        };
+        let (mu, rms) = fitted(false)?;
+        let inverse_rms = fitted(true).map_or(f64::INFINITY, |(_, rms)| rms);
+        Ok(Start { mu, rms, inverse_rms })
+    }
+
+    /// How the residuals scatter along the field and across it.
+    pub fn spread(&self, rows: &Rows<'_>, model: &Model, state: &State, mu: &Matrix3<f64>) -> Spread {
+        let inverse = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+        let of = |number: usize, row: usize| -> Option<[f64; 4]> {
+            let moment = self.moment(rows, model, state, number, row)?;
+            let off = inverse * Vector3::from(moment.own) - moment.field;
+            let part = off.dot(&moment.field.normalize()).powi(2);
+            Some([1.0, part, 0.5 * (off.norm_squared() - part), moment.field.norm_squared()])
+        };
+        let add = |sums: [f64; 4], more: [f64; 4]| std::array::from_fn(|k| sums[k] + more[k]);
+        let mut sums = [0.0; 4];
+        for (number, series) in rows.series.iter().enumerate() {
+            let starts: Vec<usize> = (0..series.len()).step_by(CHUNK).collect();
+            let of_chunk = |from: usize| {
+                (from..(from + CHUNK).min(series.len())).filter_map(|row| of(number, row)).fold([0.0; 4], add)
+            };
+            let parts: Vec<[f64; 4]> = starts.into_par_iter().map(of_chunk).collect();
+            sums = parts.into_iter().fold(sums, add);
+        }
+        let [moments, along, across, squares] = sums;
+        let count = moments.max(1.0);
+        let [along, across, square] =
+            [along, across, squares].map(|sum| (sum / count).max(f64::MIN_POSITIVE));
+        Spread { along, across, attitude: ((across - along) / square).max(0.0), moments: moments as usize }
+    }
+
+    /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the noise of the field in GEO.
+    pub fn groups(
+        &self,
+        rows: &Rows<'_>,
+        model: &Model,
+        state: &State,
+        mu: &Matrix3<f64>,
+        spread: &Spread,
+    ) -> Groups {
+        let count = model.parameters.len();
+        let about = About::new(model, state, mu, (self.share, self.scalar), *spread);
+        let total: usize = rows.series.iter().map(Series::len).sum();
+        let width = count + 4;
+        let each = if total * 3 <= FILTERED { 1 } else { (total * width).div_ceil(FILTERED) };
+        let of = |number: usize, from: usize| -> (usize, Group) {
+            let series = &rows.series[number];
+            let to = (from + each).min(series.len());
+            let moments = (from..to).filter_map(|row| self.moment(rows, model, state, number, row));
+            let all: Vec<Vec<f64>> = moments.flat_map(|moment| about.rows(&moment)).collect();
+            let time_s = series.time_s.as_deref().map_or(0.0, |time| 0.5 * (time[from] + time[to - 1]));
+            (all.len(), Group { time_s, rows: compressed(all, width) })
+        };
+        let mut read = 0;
+        let mut recordings = Vec::new();
+        for (number, series) in rows.series.iter().enumerate() {
+            let starts: Vec<usize> = (0..series.len()).step_by(each).collect();
+            let groups: Vec<(usize, Group)> = starts.into_par_iter().map(|from| of(number, from)).collect();
+            read += groups.iter().map(|(count, _)| count).sum::<usize>();
+            recordings.push(groups.into_iter().map(|(_, group)| group).collect());
+        }
+        Groups::of_rows(recordings, count + 1, read as f64)
+    }
+}
+
+/// More rows than columns as their triangular factor.
+fn compressed(rows: Vec<Vec<f64>>, width: usize) -> Vec<Vec<f64>> {
+    if rows.len() <= width {
+        return rows;
+    }
+    let mut filling = Filling::new(width);
+    rows.into_iter().for_each(|row| filling.row(row));
+    let upper = filling.finish().upper();
+    (0..width).map(|i| (0..width).map(|j| upper[(i, j)]).collect()).collect()
+}

@@ -1,0 +1,198 @@
+//! Twelve parameters: the readings against a field that is known with its direction, by a model or an observatory, turned into SEN by the attitude.
+//!
+//! The field B in GEO gives μᵢ·RB along each sensor, and ρᵢ = kᵢVᵢ + Oᵢ − μᵢ·RB is linear in all but the directions. Along the field μ⁻ᵀρ has the
+//! errors of the field model; across it those of the attitude as well, |B| times an angle, so that it weighs less (Holme and Bloxham 1996). Beside
+//! a scalar magnetometer, which is better along the field, what is across it alone is used, together with the calibration by the magnitude: noise of
+//! equal size in the sensors is independent between the two.
+//!
+//! Source: R. Holme, J. Bloxham, The treatment of attitude errors in satellite geomagnetic data, Phys. Earth Planet. Inter. 98 (1996) 221–233.
+
+use common::{Document, VectorFit};
+use estimate::Svd;
+use faer::{Mat, Side};
+use nalgebra::{Matrix3, Rotation3};
+use physics::Basic;
+use physics::frames::ARCSEC;
+
+use crate::directions::turned;
+use crate::fit::{Found, Known};
+use crate::kalman::WHITE;
+use crate::known_field::Vectors;
+use crate::linear::RANK_TOLERANCE;
+use crate::model::{Model, Parameter};
+use crate::solve::{Detail, Solved, declared_form};
+use crate::weakest::{self, frame};
+use crate::{Error, Options, axes};
+
+/// Rounds in which parameters, directions and weights settle.
+const ROUNDS: usize = 3;
+/// A combination of the parameters that is uncertain by more than this share of the field is not determined.
+const UNDETERMINED: f64 = 0.1;
+/// The attitude is the inverse one where that leaves less than this share of the residual.
+const INVERSE: f64 = 0.1;
+
+/// Takes what the direction of the field says into a calibration by its magnitude.
+///
+/// # Errors
+///
+/// A recording without field or attitude; attitudes that do not determine the calibration.
+pub fn solve(
+    document: &Document,
+    mut solved: Solved,
+    detail: &Detail,
+    options: &Options,
+) -> Result<Solved, Error> {
+    let mut vectors = Vectors::read(document, &detail.series)?;
+    let rows = detail.rows(solved.scales);
+    let stated = Basic::found(document, solved.unit).mu;
+    let start = vectors.start(&rows, &solved)?;
+    let axes = axes::nearest(&start.mu, &stated);
+    solved.told.extend(axes.told());
+    if start.inverse_rms < INVERSE * start.rms {
+        solved.told.push(
+            "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} is to be GEO → SEN; turn the signs of x, y and z".into(),
+        );
+    }
+    let count = solved.model.parameters.len() + 3;
+    let (before, places) = (solved.found.state.len(), solved.found.state.len()..count);
+    solved.model.parameters.extend((0..3).map(Parameter::Turn));
+    solved.found.state.extend([0.0; 3]);
+    let pad = |known: &Known| -> Known {
+        let padded = |(weights, value): &(Vec<f64>, f64)| {
+            let mut weights = weights.clone();
+            weights.resize(count, 0.0);
+            (weights, *value)
+        };
+        known.iter().map(padded).collect()
+    };
+    solved.beforehand.rows = pad(&solved.beforehand.rows);
+    // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its covariance.
+    let by_magnitude = solved.found.clone();
+    (solved.held, solved.known) = if vectors.scalar {
+        let held = pad(&held_by(&solved.found, before));
+        (held.clone(), held)
+    } else {
+        let known = if options.known { solved.beforehand.rows.clone() } else { Known::new() };
+        (Known::new(), known)
+    };
+    let apart: Known = if vectors.scalar { Known::new() } else { solved.known.clone() };
+    let sensor = solved.found.sensor;
+    let mut mu = frame(&solved.found.state, &start.mu);
+    let mut spread = vectors.spread(&rows, &solved.model, &solved.found.state, &mu);
+    let mut noise = None;
+    for round in 0..=ROUNDS {
+        solved.found.state[before..].fill(0.0);
+        vectors.share = if sensor > 0.0 { 1.0 - (sensor / spread.along).min(1.0) } else { 0.0 };
+        let groups = vectors.groups(&rows, &solved.model, &solved.found.state, &mu, &spread);
+        let base = declared_form(document, Some(spread.along), &solved.scales);
+        let freedom = (groups.rows() - count as f64).max(1.0);
+        let linear = groups.linear(WHITE, spread.along * groups.rows() / freedom);
+        let Some(linear) = linear else { break };
+        let all = linear.with(&solved.known, &solved.found.state);
+        let svd = Svd::of(all.jacobian.as_ref(), RANK_TOLERANCE)?;
+        if svd.rank() < count {
+            return Err(undetermined(&solved.model, &all.jacobian));
+        }
+        let step = svd.solve(&all.right);
+        solved.found.covariance = svd.covariance();
+        solved.found.jacobian = linear.with(&solved.held, &solved.found.state).jacobian;
+        if round < ROUNDS {
+            solved.found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
+        } else {
+            let averaged = groups.average(
+                &mut solved.found,
+                (&solved.held, &apart),
+                // What the sensors declare of their memory may be too small beside the noise of the field to be found.
+                (base.unwrap_or(WHITE), true, solved.scales.magnitude_nt),
+            )?;
+            noise = averaged;
+            solved.found.freedom = freedom;
+            if vectors.scalar {
+                kept(&mut solved.found, &by_magnitude, before);
+            }
+        }
+        mu = turned(&solved.found.state, before, &mu);
+        spread = vectors.spread(&rows, &solved.model, &solved.found.state, &mu);
+    }
+    solved.found.seen = Svd::of(solved.found.jacobian.as_ref(), RANK_TOLERANCE)?;
+    let worst = (0..count).map(|k| solved.found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    if worst > UNDETERMINED {
+        return Err(undetermined(&solved.model, &solved.found.jacobian));
+    }
+    let nine = frame(&solved.found.state, &axes.mu(&stated));
+    let turn = Rotation3::from_matrix_unchecked(mu * nine.try_inverse().unwrap_or_else(Matrix3::identity));
+    solved.found.state[places].copy_from_slice(turn.scaled_axis().as_slice());
+    solved.found.variance = spread.along;
+    solved.mu = mu;
+    let rms = |variance: f64| variance.sqrt() * solved.scales.magnitude_nt;
+    solved.vector = Some(VectorFit {
+        moments: spread.moments as u64,
+        rms_along_nt: rms(spread.along),
+        rms_across_nt: rms(spread.across),
+        attitude_std_arcsec: spread.attitude.sqrt() / ARCSEC,
+        across_only: vectors.scalar,
+        memory_of: noise.as_ref().filter(|(form, _)| form.ratio > 0.0).map(|(form, _)| form.of.name().into()),
+        noise: noise.map(|(_, noise)| noise),
+    });
+    Ok(solved)
+}
+
+/// Keeps the parameters that the magnitude shows as they were found by it, and of the rest what is to be expected given those. What the
+/// direction says of them is not used: the noise with memory of the sensors, which the magnitude shows, is hidden there beside that of the field.
+fn kept(found: &mut Found, by_magnitude: &Found, before: usize) {
+    let count = found.state.len();
+    let rows = held_by(found, before);
+    // G = C_tn C_nn⁻¹, with C_nn⁻¹ = Σ w wᵀ.
+    let gain = |i: usize, j: usize| -> f64 {
+        rows.iter()
+            .map(|(w, _)| w[j] * (0..before).map(|k| found.covariance[(i, k)] * w[k]).sum::<f64>())
+            .sum()
+    };
+    let map =
+        Mat::from_fn(count, before, |i, j| if i < before { f64::from(u8::from(i == j)) } else { gain(i, j) });
+    let moved: Vec<f64> = (0..before).map(|k| by_magnitude.state[k] - found.state[k]).collect();
+    let carried = &map * &by_magnitude.covariance * map.transpose();
+    let covariance = Mat::from_fn(count, count, |i, j| {
+        let alone = if i < before || j < before {
+            0.0
+        } else {
+            found.covariance[(i, j)]
+                - (0..before).map(|k| map[(i, k)] * found.covariance[(k, j)]).sum::<f64>()
+        };
+        carried[(i, j)] + alone
+    });
+    for i in 0..count {
+        found.state[i] += (0..before).map(|k| map[(i, k)] * moved[k]).sum::<f64>();
+    }
+    found.covariance = covariance;
+    let rows = held_by(found, count);
+    found.jacobian = Mat::from_fn(rows.len(), count, |i, j| rows[i].0[j]);
+}
+
+/// A fit as rows of one that takes its place.
+fn held_by(found: &Found, count: usize) -> Known {
+    let scale: Vec<f64> =
+        (0..count).map(|k| found.covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let correlation = Mat::from_fn(count, count, |i, j| found.covariance[(i, j)] / (scale[i] * scale[j]));
+    let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) else { return Known::new() };
+    (0..count)
+        .map(|k| {
+            let root = own.S()[k].max(1e-14).sqrt();
+            let weights: Vec<f64> = (0..count).map(|j| own.U()[(j, k)] / (root * scale[j])).collect();
+            let value = weights.iter().zip(&found.state).map(|(weight, value)| weight * value).sum();
+            (weights, value)
+        })
+        .collect()
+}
+
+fn undetermined(model: &Model, jacobian: &Mat<f64>) -> Error {
+    let information = jacobian.transpose() * jacobian;
+    let names =
+        weakest::least(&information).map(|(_, weakest)| weakest::named(model, &weakest)).unwrap_or_default();
+    let list: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
+    Error::Undetermined(format!(
+        "field and attitude do not determine the calibration: {} cannot be told. Record more attitudes, so that the field lies along each \
+         sensor in both directions and between them",
+        if list.is_empty() { "some parameters".into() } else { list.join(", ") }
+    ))
+}

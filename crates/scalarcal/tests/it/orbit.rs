@@ -1,0 +1,141 @@
+//! A fluxgate beside a scalar magnetometer in orbit, as `simulate` plans it. FLUXCAL_CAMPAIGNS sets how many campaigns, FLUXCAL_DAYS how long each is.
+
+use common::{Axis, Document};
+use physics::Kind;
+use rayon::prelude::*;
+use scalarcal::Options;
+use simulate::{Plan, Procedure};
+
+use crate::build::found;
+
+/// What Merayo et al. (2000) report of good data: angles, arcsec, and offsets, nT.
+const MERAYO: [f64; 2] = [2.0, 0.2];
+/// Share of intervals of 95 % that hold.
+pub const BAND: [f64; 2] = [0.93, 0.97];
+/// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its mean zero.
+pub const LONGER: usize = 64;
+/// How the offsets follow the temperature, nT/K.
+const PER_K: [f64; 3] = [0.31, -0.18, 0.44];
+
+/// The plan of the month, as long as is asked.
+fn plan(seed: u64, warm: bool) -> Plan {
+    let mut plan = Plan::parse(&testkit::read_fixture("plans/orbit.json")).expect("a plan");
+    plan.seed = seed;
+    let Some(Procedure::Orbit(orbit)) = plan.procedures.first_mut() else { panic!("an orbit first") };
+    let days = testkit::number("FLUXCAL_DAYS");
+    orbit.length_s = (LONGER as u64 * 86_400 * days.unwrap_or(3)) as f64;
+    // All temperatures in each part of the plan's time.
+    if let Some(temperature) = &mut orbit.temperature {
+        temperature.slow_s = orbit.length_s / LONGER as f64;
+    }
+    if days.is_none() {
+        orbit.step_s = 60.0;
+    }
+    if warm {
+        let of = |axis: &Axis| {
+            let parameters =
+                serde_json::json!({"coefficient_nt_per_k": PER_K[axis.index()], "curvature_nt_per_k2": 0.0});
+            serde_json::json!({"effect": "offset_temperature", "sensor": axis, "parameters": parameters})
+        };
+        let effects: Vec<_> = Axis::ALL.iter().map(of).collect();
+        let model = serde_json::from_value(serde_json::json!({ "effects": effects }));
+        plan.truth.model = Some(model.expect("a model"));
+    }
+    plan
+}
+
+/// What is recorded in one part of the plan's time.
+pub fn recorded(plan: &Plan) -> Document {
+    let mut document = simulate::campaign(plan).expect("simulated").document;
+    let recording = &mut document.recordings[0];
+    let rows = recording.rows() / LONGER;
+    for column in recording.columns.values_mut() {
+        *column = column[31 * rows..32 * rows].iter().copied().collect();
+    }
+    document
+}
+
+/// True sensitivities, offsets and angles off right angles, arcsec.
+fn truth(plan: &Plan) -> [f64; 9] {
+    let calibration = plan.truth.calibration.as_ref().expect("a truth");
+    let matrix = calibration
+        .axes
+        .as_ref()
+        .and_then(|axes| axes.sensors.as_ref())
+        .expect("axes")
+        .matrix
+        .expect("directions");
+    let column = |k: usize| nalgebra::Vector3::from_fn(|row, _| matrix[row][k]).normalize();
+    let mut all = [0.0; 9];
+    for axis in Axis::ALL {
+        let sensor = calibration.sensor(axis).expect("a sensor");
+        all[axis.index()] = sensor.sensitivity_nt_per_v.as_ref().expect("k").value();
+        all[3 + axis.index()] = sensor.offset_nt.as_ref().expect("an offset").value();
+    }
+    for (place, [a, b]) in [[0, 1], [1, 2], [0, 2]].into_iter().enumerate() {
+        all[6 + place] = column(a).dot(&column(b)).asin().to_degrees() * 3600.0;
+    }
+    all
+}
+
+/// Campaigns against the truth; gives by how many standard uncertainties each parameter is off in each.
+fn against_truth(name: &str, warm: bool, usual: u64) {
+    let campaigns = testkit::campaigns(usual);
+    let options =
+        Options { with: if warm { vec![Kind::OffsetTemperature] } else { vec![] }, ..Options::default() };
+    let off: Vec<Vec<(f64, f64)>> = (0..campaigns)
+        .into_par_iter()
+        .map(|seed| {
+            let plan = plan(seed, warm);
+            let document = scalarcal::run(recorded(&plan), &options)
+                .unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
+            let mut expected = truth(&plan).to_vec();
+            if warm {
+                expected.extend(PER_K.iter().flat_map(|per_k| [*per_k, 0.0]));
+            }
+            let found = found(&document);
+            assert_eq!(found.len(), expected.len());
+            found.iter().zip(expected).map(|((value, std), truth)| (value - truth, *std)).collect()
+        })
+        .collect();
+    let parameters = off[0].len();
+    let mut inside = vec![0; parameters];
+    for parameter in 0..parameters {
+        let (mut worst, mut mean, mut error, mut square) = (0.0_f64, 0.0, 0.0, 0.0);
+        for one in &off {
+            let (off, std) = one[parameter];
+            inside[parameter] += usize::from(off.abs() <= 1.96 * std);
+            worst = worst.max(off.abs());
+            mean += std / campaigns as f64;
+            error += off / campaigns as f64;
+            square += off * off / campaigns as f64;
+        }
+        println!(
+            "{name}, parameter {parameter}: {} of {campaigns} inside, mean error {error:+.4}, rms {:.4}, largest {worst:.4}, standard uncertainty {mean:.4}",
+            inside[parameter],
+            square.sqrt()
+        );
+        let limit = match parameter {
+            3..6 => MERAYO[1],
+            6..9 => MERAYO[0],
+            _ => f64::INFINITY,
+        };
+        assert!(worst <= limit, "{name}, parameter {parameter}: off by {worst}");
+    }
+    for (parameter, inside) in inside.iter().enumerate() {
+        assert!(
+            testkit::agrees(*inside, campaigns as usize, BAND, parameters),
+            "{name}, parameter {parameter}: {inside} of {campaigns} in their 95 % intervals"
+        );
+    }
+}
+
+#[test]
+fn a_month_beside_a_scalar_magnetometer() {
+    against_truth("orbit", false, 4);
+}
+
+#[test]
+fn offsets_that_follow_the_temperature_of_the_orbit() {
+    against_truth("orbit with temperature", true, 3);
+}
