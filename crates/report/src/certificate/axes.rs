@@ -17,12 +17,6 @@ pub fn orthogonality(document: &Document) -> Vec<Shown> {
         Ok(directions) => directions,
         Err(why) => return vec![Err(Missing { of: "axes".into(), why: why.into() })],
     };
-    let how = if directions.scattered {
-        "u is an upper bound: the readings scatter more than declared, and what the readings of an orientation share turns no angle between sensors"
-    } else {
-        ""
-    }
-    .to_string();
     let one = |(i, j): (Axis, Axis)| {
         let (own, other) = (directions.column(i), directions.column(j));
         let sine = own.dot(&other).clamp(-1.0, 1.0);
@@ -34,7 +28,7 @@ pub fn orthogonality(document: &Document) -> Vec<Shown> {
             value: sine.asin().to_degrees(),
             std: std.to_degrees(),
             gaps: Vec::new(),
-            how: how.clone(),
+            how: String::new(),
         })
     };
     PAIRS.map(one).into()

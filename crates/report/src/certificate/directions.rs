@@ -4,9 +4,6 @@ use physics::frames::{ARCSEC, matrix};
 
 use super::verdict::normal_std;
 
-/// How axescal ends the source of a noise that was declared too small.
-const SCALED: &str = "scaled to the residuals";
-
 /// μ with its covariance, as the document has them.
 pub struct Directions {
     /// Columns = unit vectors of the sensors in SEN.
@@ -15,8 +12,6 @@ pub struct Directions {
     covariance: [[Matrix3<f64>; 3]; 3],
     /// Degrees of freedom behind it, where they are known.
     pub freedom: Option<f64>,
-    /// Whether the covariance is that of noise which was scaled to the residuals.
-    pub scattered: bool,
 }
 
 impl Directions {
@@ -61,8 +56,7 @@ impl Directions {
                 covariance[axis.index()][axis.index()] = across * (std * ARCSEC).powi(2) * widened;
             }
         }
-        let scattered = fit.is_some_and(|fit| fit.noise_source.ends_with(SCALED));
-        Ok(Self { mu, covariance, freedom, scattered })
+        Ok(Self { mu, covariance, freedom })
     }
 
     /// The direction of a sensor.
