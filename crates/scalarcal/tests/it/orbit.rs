@@ -12,8 +12,9 @@ use crate::build::found;
 const MERAYO: [f64; 2] = [2.0, 0.2];
 /// Share of intervals of 95 % that hold.
 pub const BAND: [f64; 2] = [0.93, 0.97];
-/// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its mean zero.
-pub const LONGER: usize = 64;
+/// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its mean zero. The fit takes it to have memory
+/// of eight lengths, with a flat density A·8T below 1/8T: as much power as A/f has from there down to 1/(8e T) = 1/22T.
+pub const LONGER: usize = 22;
 /// How the offsets follow the temperature, nT/K.
 const PER_K: [f64; 3] = [0.31, -0.18, 0.44];
 
@@ -50,7 +51,7 @@ pub fn recorded(plan: &Plan) -> Document {
     let recording = &mut document.recordings[0];
     let rows = recording.rows() / LONGER;
     for column in recording.columns.values_mut() {
-        *column = column[31 * rows..32 * rows].iter().copied().collect();
+        *column = column[10 * rows..11 * rows].iter().copied().collect();
     }
     document
 }
