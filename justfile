@@ -44,6 +44,7 @@ bench:
     cargo bench -p tables --bench read
     cargo bench -p ingest --bench ingest
     cargo bench -p diffmag --bench stream
+    cargo bench -p scalarcal --bench scalarcal
     cargo bench -p diagnose --bench diagnose
     FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
     cargo build --release && cargo build --profile dist && cargo bench -p program --bench profiles

@@ -206,9 +206,9 @@ pub struct ScalarWindow {
     pub rows: u64,
     /// Rms of the residual, nT.
     pub rms_nt: f64,
-    /// The parameters, in the order of `parameters`.
+    /// The parameters, in the order of `parameters`; none where the part does not determine them.
     pub values: Vec<f64>,
-    /// Their standard uncertainties.
+    /// Their standard uncertainties, by the part alone.
     pub std: Vec<f64>,
 }
 

@@ -62,7 +62,7 @@ const fn line(kind: Kind, weight: usize, words: &'static str, writes: Writes) ->
 }
 
 /// All command lines.
-pub const LINES: [Line; 71] = {
+pub const LINES: [Line; 81] = {
     use Kind::{Cdf, Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
     const DOC: Kind = Kind::Document;
@@ -80,6 +80,11 @@ pub const LINES: [Line; 71] = {
         line(DOC, 1, "axescal --sensor x --coil y IN", TO_DOC),
         line(DOC, 5, "diffmag IN", TO_DOC),
         line(DOC, 1, "diffmag --correct-clock IN", TO_DOC),
+        line(DOC, 4, "scalarcal IN", TO_DOC),
+        line(DOC, 1, "scalarcal --robust IN", TO_DOC),
+        line(DOC, 1, "scalarcal --constant-magnitude --windows 60 IN", TO_DOC),
+        line(DOC, 1, "scalarcal --known --reference-offset --with offset_temperature IN", TO_DOC),
+        line(DOC, 1, "scalarcal stream --document IN fixtures/scalarcal/pieces/morning.csv", TO_DOC),
         line(DOC, 4, "diagnose IN", TO_DOC),
         line(DOC, 1, "diagnose --refit IN", TO_DOC),
         line(DOC, 1, "diagnose --against fixtures/diagnose/warm/input.json IN", TO_DOC),
@@ -130,6 +135,8 @@ pub const LINES: [Line; 71] = {
         line(Spec, 1, "report --spec IN fixtures/specs/calibrated/input.json", Text),
         line(Piece, 2, "diffmag merge IN", TO_DOC),
         line(Piece, 1, "diffmag merge --partial IN", Writes::Piece),
+        line(Piece, 2, "scalarcal merge IN", TO_DOC),
+        line(Piece, 1, "scalarcal merge --partial IN", Writes::Piece),
         line(Orientations, 1, "axescal design --candidates IN", Json),
         line(Iaga, 4, "ingest IN", TO_DOC),
         line(Iaga, 1, "ingest -", TO_DOC),
@@ -142,6 +149,8 @@ pub const LINES: [Line; 71] = {
         line(Csv, 3, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.csv", Text),
         line(Csv, 3, "diffmag stream IN", TO_DOC),
         line(Csv, 1, "diffmag stream --partial IN", Writes::Piece),
+        line(Csv, 2, "scalarcal stream IN", TO_DOC),
+        line(Csv, 1, "scalarcal stream --partial IN", Writes::Piece),
         line(Csv, 2, "correct AROUND", TO_DOC),
         line(Ndjson, 2, "ingest IN", TO_DOC),
         line(Ndjson, 1, "ingest guess IN", Writes::Mapping),
@@ -153,12 +162,13 @@ pub const LINES: [Line; 71] = {
         line(Parquet, 3, "ingest IN", TO_DOC),
         line(Parquet, 1, "ingest guess IN", Writes::Mapping),
         line(Parquet, 1, "diffmag stream IN", TO_DOC),
+        line(Parquet, 1, "scalarcal stream IN", TO_DOC),
         line(Parquet, 1, "correct --calibration fixtures/correct/flight/input.json IN -o OUT.parquet", Text),
     ]
 };
 
 /// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the command line.
-pub const OPTIONS: [(&str, &[&str]); 14] = [
+pub const OPTIONS: [(&str, &[&str]); 15] = [
     ("coilcal", &["--off-centre-m #", "--nyquist-hz #"]),
     ("sensorcal", &["--turn-deg #", "--axes-std-deg #", "--budget-field-nt #", "--budget-warmer-k #"]),
     (
@@ -173,6 +183,7 @@ pub const OPTIONS: [(&str, &[&str]); 14] = [
         ],
     ),
     ("diffmag stream", &["--step-s #"]),
+    ("scalarcal", &["--windows #"]),
     ("diagnose", &["--level #", "--seed #"]),
     ("correct", &["--recording @", "--start @", "--iaga @"]),
     ("series average", &["--window #", "--share #", "--recording @"]),
@@ -197,6 +208,7 @@ pub fn next(program: &str) -> &'static [&'static str] {
         "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
         "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],
         "diffmag" => &["report --text", "diffmag", "correct"],
+        "scalarcal" => &["report --text", "correct", "diagnose", "scalarcal"],
         "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
         "correct" => &["report --text", "diagnose", "correct"],
         _ => &[],

@@ -11,9 +11,10 @@ use crate::run::{self, End};
 /// Processor time of one of them, s: the builds of tests are not optimised.
 const PROCESSOR_S: u64 = 600;
 /// Each with the command line that makes it.
-const MADE: [(Kind, &str); 4] = [
+const MADE: [(Kind, &str); 5] = [
     (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
     (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
+    (Kind::Piece, "scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv"),
     (Kind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
     (Kind::Mapping, "ingest guess fixtures/ingest/field.csv"),
 ];

@@ -5,54 +5,39 @@ use common::number::{counted, significant};
 use estimate::robust::scale_of;
 use estimate::stats::two_sided_p;
 
+use crate::ends::{self, Ends};
 use crate::read::Series;
 
-/// A reading that is the largest of its sensor this many times as often as the next smaller one stands at the end of the range.
-const PILED_UP: usize = 5;
-/// Rows of a pile at least.
-const LEAST: usize = 5;
+/// Fewer rows that repeat the one before are not told.
+const LEAST: u64 = 5;
 /// Rows are disturbed that are as far from the rest with this probability by chance, among all of them.
 const DISTURBED: f64 = 0.01;
+/// Within so many standard deviations no row is disturbed.
+const NEAR: f64 = 2.5;
 
 /// Leaves out rows in which an output stands at the end of its range; gives how many by sensor.
-pub fn without_saturated(series: &mut [Series]) -> Vec<(Axis, usize)> {
-    let mut left_out = Vec::new();
-    for axis in Axis::ALL {
-        let k = axis.index();
-        let mut all: Vec<f64> = series.iter().flat_map(|one| one.readings[k].iter().copied()).collect();
-        all.sort_by(f64::total_cmp);
-        let high = pile(all.iter().rev().copied());
-        let low = pile(all.iter().copied());
-        let ends = |value: f64| high == Some(value) || low == Some(value);
-        let mut count = 0;
-        for one in series.iter_mut() {
-            let keep: Vec<bool> = one.readings[k].iter().map(|value| !ends(*value)).collect();
-            count += keep.iter().filter(|keep| !**keep).count();
-            retain(one, &keep);
+pub fn without_saturated(series: &mut [Series]) -> [u64; 3] {
+    let mut found = Ends::default();
+    for one in series.iter() {
+        for row in 0..one.len() {
+            found.take(one.reading(row));
         }
-        if count > 0 {
-            left_out.push((axis, count));
-        }
+    }
+    let piles = found.piles();
+    let mut left_out = [0; 3];
+    for one in series.iter_mut().filter(|_| piles != 0) {
+        let at: Vec<Option<Axis>> =
+            (0..one.len()).map(|row| ends::sensor(found.at(one.reading(row), piles))).collect();
+        at.iter().flatten().for_each(|axis| left_out[axis.index()] += 1);
+        retain(one, &at.iter().map(Option::is_none).collect::<Vec<bool>>());
     }
     left_out
 }
 
-/// The first value of an ordered list, where it comes far more often than the next.
-fn pile(mut ordered: impl Iterator<Item = f64>) -> Option<f64> {
-    let first = ordered.next()?;
-    let mut count = 1;
-    let mut next = None;
-    for value in ordered.by_ref() {
-        if value == first {
-            count += 1;
-        } else {
-            next = Some(value);
-            break;
-        }
-    }
-    let next = next?;
-    let beside = 1 + ordered.take_while(|value| *value == next).count();
-    (count >= LEAST && count >= PILED_UP * beside).then_some(first)
+/// Their number by the reason.
+pub fn saturated(by_sensor: [u64; 3]) -> Vec<(String, u64)> {
+    let of = |(axis, count)| (format!("sensor {axis} at the end of its range"), count);
+    Axis::ALL.into_iter().zip(by_sensor).filter(|(_, count)| *count > 0).map(of).collect()
 }
 
 /// Keeps some of the rows.
@@ -71,16 +56,21 @@ pub fn retain(series: &mut Series, keep: &[bool]) {
 
 /// Rows that repeat the one before in all three sensors, in a sentence; a logger that froze repeats many.
 pub fn repeated(series: &[Series]) -> Option<String> {
-    let repeats = |one: &Series| {
-        (1..one.len()).filter(|row| one.readings.iter().all(|column| column[*row] == column[row - 1])).count()
-    };
-    let (count, rows) =
-        series.iter().fold((0, 0), |(count, rows), one| (count + repeats(one), rows + one.len()));
+    let of = |count: fn(&Series) -> usize| series.iter().map(|one| count(one) as u64).sum();
+    repeats(of(repeated_in), of(Series::len))
+}
+
+fn repeated_in(one: &Series) -> usize {
+    (1..one.len()).filter(|row| one.readings.iter().all(|column| column[*row] == column[row - 1])).count()
+}
+
+/// The same of so many that repeat the one before, among so many rows.
+pub fn repeats(count: u64, rows: u64) -> Option<String> {
     (count * 10 > rows && count > LEAST).then(|| {
         format!(
             "{} of {rows} repeat the readings of the row before in all three sensors: rows that say nothing new make the \
              uncertainties too small. Did the logger read faster than the sensors?",
-            counted(count, "row")
+            counted(count as usize, "row")
         )
     })
 }
@@ -93,7 +83,9 @@ pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
     if scale <= 0.0 || scale.is_nan() {
         return None;
     }
-    let far = |value: f64| two_sided_p(value / scale, f64::INFINITY) * (count as f64) < DISTURBED;
+    let far = |value: f64| {
+        value.abs() > NEAR * scale && two_sided_p(value / scale, f64::INFINITY) * (count as f64) < DISTURBED
+    };
     let number = residuals.iter().flatten().filter(|value| far(**value)).count();
     let (recording, row, value) = residuals
         .iter()

@@ -2,12 +2,14 @@
 
 use estimate::triangle::Triangle;
 use faer::Mat;
+use serde::{Deserialize, Serialize};
 
 /// Rows of one factorisation.
 pub const BLOCK: usize = 512;
 
 /// All that rows say of the columns' products.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(expecting = "an object")]
 pub struct Factor {
     rows: u64,
     triangle: Triangle,
@@ -22,11 +24,33 @@ impl Factor {
     /// Of parts, in their order.
     pub fn joined<'a>(columns: usize, parts: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut all = Self::new(columns);
-        for part in parts.into_iter().filter(|part| part.rows > 0) {
-            all.triangle.take(columns, |j, below| (0..=j).for_each(|i| below[i] = part.triangle.at(i, j)));
-            all.rows += part.rows;
-        }
+        parts.into_iter().for_each(|part| all.join(part));
         all
+    }
+
+    /// Takes what another factor has taken.
+    pub fn join(&mut self, other: &Self) {
+        if self.rows == 0 {
+            self.clone_from(other);
+        } else if other.rows > 0 {
+            let fill = |j: usize, below: &mut [f64]| {
+                (0..=j).for_each(|i| below[i] = other.triangle.at(i, j));
+            };
+            self.triangle.take(self.triangle.columns(), fill);
+            self.rows += other.rows;
+        }
+    }
+
+    /// The same rows with each column times a factor.
+    pub fn scaled(&self, by: &[f64]) -> Self {
+        Self { rows: self.rows, triangle: self.triangle.scaled(by) }
+    }
+
+    /// Whether it is a factor of so many columns of finite numbers, after reading it from outside.
+    pub fn is_whole(&self, columns: usize) -> bool {
+        self.rows > 0
+            && self.triangle.is_whole(columns)
+            && (0..columns).all(|j| (0..=j).all(|i| self.triangle.at(i, j).is_finite()))
     }
 
     /// Rows taken.
@@ -48,29 +72,44 @@ impl Factor {
 /// Takes rows one by one into a factor, a block at a time.
 pub struct Filling {
     factor: Factor,
-    block: Vec<Vec<f64>>,
+    columns: usize,
+    /// Column by column, each with room for a block.
+    block: Vec<f64>,
+    /// Rows of the block.
+    rows: usize,
 }
 
 impl Filling {
     /// No rows of so many columns.
     pub fn new(columns: usize) -> Self {
-        Self { factor: Factor::new(columns), block: vec![Vec::with_capacity(BLOCK); columns] }
+        Self { factor: Factor::new(columns), columns, block: vec![0.0; columns * BLOCK], rows: 0 }
     }
 
     /// Takes a row.
     pub fn row(&mut self, values: impl IntoIterator<Item = f64>) {
-        self.block.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
-        if self.block[0].len() == BLOCK {
+        let places = self.block.iter_mut().skip(self.rows).step_by(BLOCK);
+        places.zip(values).for_each(|(place, value)| *place = value);
+        self.rows += 1;
+        if self.rows == BLOCK {
             self.flush();
         }
     }
 
+    /// Takes the rows of another.
+    pub fn take(&mut self, other: Self) {
+        self.factor.join(&other.factor);
+        for row in 0..other.rows {
+            self.row((0..self.columns).map(|column| other.block[column * BLOCK + row]));
+        }
+    }
+
     fn flush(&mut self) {
-        let rows = self.block[0].len();
+        let rows = self.rows;
         if rows > 0 {
-            self.factor.triangle.take(rows, |j, below| below.copy_from_slice(&self.block[j]));
+            let of = |j: usize| &self.block[j * BLOCK..j * BLOCK + rows];
+            self.factor.triangle.take(rows, |j, below| below.copy_from_slice(of(j)));
             self.factor.rows += rows as u64;
-            self.block.iter_mut().for_each(Vec::clear);
+            self.rows = 0;
         }
     }
 

@@ -120,13 +120,39 @@ fn round(
 
 /// The factor of the products without what noise adds to it.
 fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &Mat<f64>) -> Mat<f64> {
+    without(upper, &added(model, state, (sensor, sums.reference), sums.plain))
+}
+
+/// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products of a factor.
+fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Vec<Vec<f64>> {
     let mut noise = vec![0.0; model.terms.columns() + 1];
     (0..3).for_each(|axis| noise[axis] = sensor / state[axis].powi(2));
-    noise[model.terms.columns()] = sums.reference;
+    noise[model.terms.columns()] = reference;
     let one = model.terms.place(ONE, ONE).expect("a product without F");
-    let moments =
-        |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| sums.plain.product(place, one));
-    without(upper, &added_by_noise(&model.terms, &noise, moments))
+    let moments = |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| plain.product(place, one));
+    added_by_noise(&model.terms, &noise, moments)
+}
+
+/// Rows about a fit, as a factor of each of some factors of the products: what is to be explained, and its derivatives by the parameters. Of the
+/// derivatives is taken off what the noise that is to be explained makes of them: they would be correlated with it.
+pub fn about(model: &Model, found: &Found, plain: &[&Factor]) -> Option<Vec<Mat<f64>>> {
+    let (coefficients, slopes) = (model.coefficients(&found.state)?, model.slopes(&found.state)?);
+    let map = Mat::from_fn(slopes.nrows(), 1 + slopes.ncols(), |i, j| {
+        if j == 0 { -coefficients[i] } else { slopes[(i, j - 1)] }
+    });
+    let of = |factor: &&Factor| {
+        let added = added(model, &found.state, (found.sensor, found.reference), factor);
+        let scatter = factor.rows() as f64 * found.variance;
+        let with: Vec<f64> = added
+            .iter()
+            .map(|row| row.iter().zip(&coefficients).map(|(value, by)| -value * by).sum::<f64>() / scatter)
+            .collect();
+        let share = |j: usize| (0..with.len()).map(|i| with[i] * map[(i, j)]).sum::<f64>();
+        let shares: Vec<f64> = (0..map.ncols()).map(|j| if j == 0 { 0.0 } else { share(j) }).collect();
+        let rows = factor.upper() * &map;
+        Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] - rows[(i, 0)] * shares[j])
+    };
+    Some(plain.iter().map(of).collect())
 }
 
 /// Variance of the residuals of a state: r is the row of products times their coefficients.

@@ -93,7 +93,7 @@ impl<'a> Vectors<'a> {
         }
         let mut z = vec![0.0; model.terms.columns() + 1];
         rows.fill(number, row, &mut z);
-        let (own, _) = model.read(state, &z);
+        let own = model.chain(state).own(&z);
         Some(Moment { own, z, field, rotation })
     }
 
@@ -189,7 +189,7 @@ impl<'a> Vectors<'a> {
             let moments = (from..to).filter_map(|row| self.moment(rows, model, state, number, row));
             let all: Vec<Vec<f64>> = moments.flat_map(|moment| about.rows(&moment)).collect();
             let time_s = series.time_s.as_deref().map_or(0.0, |time| 0.5 * (time[from] + time[to - 1]));
-            (all.len(), Group { time_s, rows: compressed(all, width) })
+            (all.len(), Group::at(time_s, compressed(all, width)))
         };
         let mut read = 0;
         let mut recordings = Vec::new();

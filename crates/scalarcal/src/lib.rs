@@ -12,8 +12,10 @@ mod checks;
 mod design;
 mod directions;
 mod effects;
+mod ends;
 mod error;
 mod factor;
+mod files;
 mod findings;
 mod fit;
 mod kalman;
@@ -27,16 +29,20 @@ mod options;
 mod read;
 mod result;
 mod robust;
+mod seen;
 mod solve;
 mod stability;
 mod start;
+pub mod stream;
 mod terms;
 mod vector;
 mod weakest;
 mod words;
 
 pub use error::Error;
+pub use files::take;
 pub use options::Options;
+pub use read::Source;
 pub use words::summary;
 
 use common::{Document, Error as Fault};
@@ -61,7 +67,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     }
     let options = &Options { known: options.known && solved.body.is_none(), ..options.clone() };
     solved.told.splice(0..0, told);
-    result::adopt(&mut document, &solved, &detail, options)?;
+    let seen = seen::of_rows(&document, &solved, &detail, options)?;
+    result::adopt(&mut document, &solved, (&detail, seen), options)?;
     let references = physics::References::of(&document);
     physics::state_references(&mut document, &references);
     Ok(document)
@@ -86,7 +93,8 @@ fn solved(document: &Document, options: &Options) -> Result<(solve::Solved, solv
     if away {
         own = body::part(document, false);
         let (solved, detail) = by_field(&own, options)?;
-        result::adopt(&mut own, &solved, &detail, options)?;
+        let seen = seen::of_rows(&own, &solved, &detail, options)?;
+        result::adopt(&mut own, &solved, (&detail, seen), options)?;
     } else {
         body::stated(document)?;
     }

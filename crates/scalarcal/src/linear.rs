@@ -3,7 +3,6 @@
 use estimate::Svd;
 use faer::Mat;
 
-use crate::factor::Factor;
 use crate::fit::Known;
 
 /// Singular values below this share of the largest count as zero.
@@ -18,9 +17,9 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// Of a factor whose first column is r, over the standard deviation of a row.
-    pub fn of(factor: &Factor, variance: f64) -> Self {
-        let upper = factor.upper() * faer::Scale(1.0 / variance.max(f64::MIN_POSITIVE).sqrt());
+    /// Of a factor U whose first column is r, over the standard deviation of a row.
+    pub fn of(upper: &Mat<f64>, variance: f64) -> Self {
+        let upper = upper * faer::Scale(1.0 / variance.max(f64::MIN_POSITIVE).sqrt());
         let rows = upper.nrows();
         Self {
             jacobian: upper.subcols(1, rows - 1).to_owned(),
@@ -94,16 +93,15 @@ impl Mixture {
         });
         (mean, covariance)
     }
+}
 
-    /// J with JᵀJ the inverse of the covariance.
-    pub fn root(&self) -> Mat<f64> {
-        let (_, covariance) = self.result();
-        let count = covariance.nrows();
-        let scale: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
-        let correlation = Mat::from_fn(count, count, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
-        let Ok(own) = correlation.self_adjoint_eigen(faer::Side::Lower) else {
-            return Mat::zeros(count, count);
-        };
-        Mat::from_fn(count, count, |k, j| own.U()[(j, k)] / (own.S()[k].max(1e-14).sqrt() * scale[j]))
-    }
+/// J with JᵀJ the inverse of a covariance.
+pub fn root(covariance: &Mat<f64>) -> Mat<f64> {
+    let count = covariance.nrows();
+    let scale: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let correlation = Mat::from_fn(count, count, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
+    let Ok(own) = correlation.self_adjoint_eigen(faer::Side::Lower) else {
+        return Mat::zeros(count, count);
+    };
+    Mat::from_fn(count, count, |k, j| own.U()[(j, k)] / (own.S()[k].max(1e-14).sqrt() * scale[j]))
 }

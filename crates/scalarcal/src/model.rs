@@ -188,14 +188,11 @@ impl Model {
         Some(slopes)
     }
 
-    /// What each sensor reads along its axis, and |B|, over the typical magnitude.
-    pub fn read(&self, state: &State, z: &[f64]) -> ([f64; 3], f64) {
+    /// How a state reads rows.
+    pub fn chain(&self, state: &State) -> Chain {
         let along = self.along(state);
-        let own: [f64; 3] =
-            std::array::from_fn(|axis| (0..self.terms.columns()).map(|f| along[(axis, f)] * z[f]).sum());
-        let inverse = cosines(state).try_inverse().unwrap_or_else(Matrix3::identity);
-        let vector = nalgebra::Vector3::from(own);
-        (own, vector.dot(&(inverse * vector)).max(0.0).sqrt())
+        let columns = |axis: usize| (0..self.terms.columns()).map(|f| along[(axis, f)]).collect();
+        Chain(std::array::from_fn(columns))
     }
 
     /// Where a parameter stands.
@@ -209,6 +206,16 @@ impl Model {
 
     fn magnitude(&self, state: &State) -> f64 {
         self.place(&Parameter::Magnitude).map_or(1.0, |place| state[place])
+    }
+}
+
+/// L of a state, sensor by sensor.
+pub struct Chain([Vec<f64>; 3]);
+
+impl Chain {
+    /// What each sensor reads along its axis, over the typical magnitude.
+    pub fn own(&self, z: &[f64]) -> [f64; 3] {
+        self.0.each_ref().map(|along| along.iter().zip(z).map(|(factor, value)| factor * value).sum())
     }
 }
 
@@ -296,7 +303,8 @@ mod tests {
         let mut row = vec![0.0; model.terms.count()];
         model.terms.fill(&z, &mut row);
         let residual: f64 = row.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
-        let (_, magnitude) = model.read(&state, &z);
+        let own = nalgebra::Vector3::from(model.chain(&state).own(&z));
+        let magnitude = own.dot(&(cosines(&state).try_inverse().expect("axes") * own)).sqrt();
         // (mF)² with m, then (F − β)² in place of F².
         let expected = (magnitude.powi(2) - (1.01 * z[6]).powi(2) + 2.0 * 0.004 * z[6] - 0.004_f64.powi(2))
             / (2.0 * z[6]);

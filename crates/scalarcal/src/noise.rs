@@ -12,17 +12,20 @@
 
 use common::Noise;
 use estimate::Svd;
+use faer::Mat;
 use rayon::prelude::*;
 
 use crate::design::Rows;
 use crate::factor::{Factor, Filling};
-use crate::fit::{Found, Known};
+use crate::fit::{Found, Known, about};
 use crate::kalman::{Filter, Form, Memory, SENSORS, processes};
-use crate::linear::{Linear, Mixture, RANK_TOLERANCE};
+use crate::linear::{Linear, Mixture, RANK_TOLERANCE, root};
 use crate::model::Model;
 
 /// Exponents that are allowed for.
 const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.5];
+/// The same of few groups, which hardly show an exponent: one that is too small would promise too much.
+const STEEP: [f64; 2] = [1.0, 1.5];
 /// Flicker noise at 1/(10 steps) over white noise, in density, from one to the next.
 const RATIO_STEP: f64 = 4.0;
 /// Steps of the ratio on either side of one.
@@ -40,10 +43,20 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// Rows that are filtered at one time: residual and derivatives, row by row.
 pub struct Group {
-    /// The time, s.
-    pub time_s: f64,
-    /// Rows.
-    pub rows: Vec<Vec<f64>>,
+    /// The first and the last of their moments.
+    span_s: [f64; 2],
+    rows: Vec<Vec<f64>>,
+}
+
+impl Group {
+    /// Rows at a time, s.
+    pub fn at(time_s: f64, rows: Vec<Vec<f64>>) -> Self {
+        Self { span_s: [time_s, time_s], rows }
+    }
+
+    fn time_s(&self) -> f64 {
+        0.5 * (self.span_s[0] + self.span_s[1])
+    }
 }
 
 /// Recordings as rows of residual and derivatives about a fit, over the typical magnitude.
@@ -53,17 +66,24 @@ pub struct Groups {
     columns: usize,
     /// Rows before they were grouped.
     rows: f64,
+    /// Rows of a group, in the mean.
+    each: f64,
+    /// Exponents that are allowed for.
+    exponents: &'static [f64],
     /// What may have memory.
     memories: &'static [Memory],
 }
 
 /// What a form makes of the rows.
-struct Filtered {
-    form: Form,
-    factor: Factor,
+pub struct Filtered {
+    /// The form.
+    pub form: Form,
+    /// Residual and derivatives, in a factor.
+    pub upper: Mat<f64>,
     /// Variance σ² of the white noise, over the square of the typical magnitude.
-    variance: f64,
-    log_likelihood: f64,
+    pub variance: f64,
+    /// Its weight.
+    pub weight: f64,
 }
 
 impl Groups {
@@ -85,20 +105,22 @@ impl Groups {
         let added = 0.5 * (found.sensor * inverse.trace() - found.reference);
         let share = if found.sensor > 0.0 { found.sensor / (found.sensor + found.reference) } else { 0.0 };
         let count = model.parameters.len();
+        let chain = model.chain(state);
+        let by: Vec<Vec<f64>> =
+            (0..count).map(|j| (0..slopes.nrows()).map(|k| slopes[(k, j)]).collect()).collect();
         let row = |z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
             model.terms.fill(z, products);
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
-            let (own, _) = model.read(state, z);
+            let own = chain.own(z);
             (0..SENSORS).for_each(|axis| z[axis] -= share * residual * own[axis] / state[axis]);
             let read = z[model.terms.columns()];
             z[model.terms.columns()] += (1.0 - share) * residual;
             let residual = residual * read / z[model.terms.columns()];
             model.terms.fill(z, products);
-            let derivative =
-                |j: usize| products.iter().enumerate().map(|(k, value)| value * slopes[(k, j)]).sum();
+            let derivative = |by: &Vec<f64>| products.iter().zip(by).map(|(value, by)| value * by).sum();
             // Observed less predicted: what is to be explained is −r.
             std::iter::once(added / z[model.terms.columns()] - residual)
-                .chain((0..count).map(derivative))
+                .chain(by.iter().map(derivative))
                 .collect()
         };
         // As many rows of factors as rows could be.
@@ -109,20 +131,29 @@ impl Groups {
             let mut groups = Vec::new();
             for from in (0..series.len()).step_by(each) {
                 let to = (from + each).min(series.len());
-                let time_s = time.map_or(0.0, |time| 0.5 * (time[from] + time[to - 1]));
-                groups.push(Group { time_s, rows: rows.compressed(model, number, from..to, &row) });
+                let span_s = time.map_or([0.0; 2], |time| [time[from], time[to - 1]]);
+                groups.push(Group { span_s, rows: rows.compressed(model, number, from..to, &row) });
             }
-            let ordered = time.is_some() && groups.windows(2).all(|pair| pair[1].time_s >= pair[0].time_s);
+            let ordered =
+                time.is_some() && groups.windows(2).all(|pair| pair[1].time_s() >= pair[0].time_s());
             (ordered || !timed).then_some(groups)
         };
         let recordings: Vec<Vec<Group>> =
             (0..rows.series.len()).into_par_iter().map(of).collect::<Option<_>>()?;
-        Some(Self { recordings, columns: count + 1, rows: all as f64, memories: &[Memory::Sensors] })
+        Some(Self {
+            recordings,
+            columns: count + 1,
+            rows: all as f64,
+            each: each as f64,
+            exponents: &EXPONENTS,
+            memories: &[Memory::Sensors],
+        })
     }
 
     /// Rows against a field that is known with its direction: behind so many columns, what each reads of the noise of the field.
     pub fn of_rows(recordings: Vec<Vec<Group>>, columns: usize, rows: f64) -> Self {
-        Self { recordings, columns, rows, memories: &[Memory::Sensors, Memory::Field] }
+        let memories = &[Memory::Sensors, Memory::Field];
+        Self { recordings, columns, rows, each: 1.0, exponents: &EXPONENTS, memories }
     }
 
     /// Rows before they were grouped.
@@ -130,33 +161,104 @@ impl Groups {
         self.rows
     }
 
+    /// The same of factors of the products, each of the rows between two moments; None for a few rows.
+    pub fn of_factors(factors: &[([f64; 2], &Factor)], model: &Model, found: &Found) -> Option<Self> {
+        let all: u64 = factors.iter().map(|(_, factor)| factor.rows()).sum();
+        if all < LEAST as u64 {
+            return None;
+        }
+        let plain: Vec<&Factor> = factors.iter().map(|(_, factor)| *factor).collect();
+        let of = |((span_s, _), rows): (&([f64; 2], &Factor), Mat<f64>)| {
+            let row = |i: usize| (0..rows.ncols()).map(|j| rows[(i, j)]).collect();
+            Group { span_s: *span_s, rows: (0..rows.nrows()).map(row).collect() }
+        };
+        let groups: Vec<Group> = factors.iter().zip(about(model, found, &plain)?).map(of).collect();
+        Some(Self {
+            columns: model.parameters.len() + 1,
+            rows: all as f64,
+            each: all as f64 / groups.len() as f64,
+            exponents: &STEEP,
+            memories: &[Memory::Sensors],
+            recordings: vec![groups],
+        })
+    }
+
     /// The usual time from one group to the next, s.
     fn step_s(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self
             .recordings
             .iter()
-            .flat_map(|groups| groups.windows(2).map(|pair| pair[1].time_s - pair[0].time_s))
+            .flat_map(|groups| groups.windows(2).map(|pair| pair[1].time_s() - pair[0].time_s()))
             .filter(|step| *step > 0.0)
             .collect();
         (!steps.is_empty()).then(|| estimate::stats::median_of(&mut steps))
     }
 
     /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of their covariance (σ = 1).
-    fn whitened(&self, form: Form) -> Option<(Factor, f64)> {
-        let parts: Vec<(Factor, f64)> = self
-            .recordings
-            .par_iter()
-            .filter(|groups| !groups.is_empty())
-            .map(|groups| whitened(groups, self.columns, form))
-            .collect::<Option<_>>()?;
+    fn whitened(&self, form: Form) -> Option<(Mat<f64>, f64)> {
+        let of = |groups: &Vec<Group>| {
+            let mut filling = Filling::new(self.columns);
+            let take = &mut |_: usize, row: &[f64]| filling.row(row.iter().copied());
+            let logarithm = innovations(groups, self.columns, form, take)?;
+            Some((filling.finish(), logarithm))
+        };
+        let parts: Vec<(Factor, f64)> =
+            self.recordings.par_iter().filter(|groups| !groups.is_empty()).map(of).collect::<Option<_>>()?;
         let logarithm = parts.iter().map(|(_, logarithm)| logarithm).sum();
-        Some((Factor::joined(self.columns, parts.iter().map(|(factor, _)| factor)), logarithm))
+        let factors = parts.iter().map(|(factor, _)| factor);
+        Some((Factor::joined(self.columns, factors).upper(), logarithm))
+    }
+
+    /// The same of each group by itself, one after the other.
+    pub fn each_whitened(&self, form: Form) -> Option<Vec<Mat<f64>>> {
+        let mut all = Vec::new();
+        for groups in &self.recordings {
+            let mut fillings: Vec<Filling> = groups.iter().map(|_| Filling::new(self.columns)).collect();
+            let take = &mut |number: usize, row: &[f64]| fillings[number].row(row.iter().copied());
+            innovations(groups, self.columns, form, take)?;
+            all.extend(fillings.into_iter().map(|filling| filling.finish().upper()));
+        }
+        Some(all)
     }
 
     /// The rows whitened by a form of noise with the variance σ² of its white part.
     pub fn linear(&self, form: Form, variance: f64) -> Option<Linear> {
-        let (factor, _) = self.whitened(form)?;
-        Some(Linear::of(&factor, variance))
+        let (upper, _) = self.whitened(form)?;
+        Some(Linear::of(&upper, variance))
+    }
+
+    /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is searched for, and their weights by restricted likelihood, which are one
+    /// together. None without times.
+    pub fn weighed(&self, held: &Known, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
+        let step = self.step_s()?;
+        let mut forms = vec![base];
+        let row = step / self.each;
+        for exponent in self.exponents.iter().copied().filter(|_| searched) {
+            // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are the longer, and of the rows.
+            let equal = |step: f64| 2.0 * row * (0.1 / step).powf(exponent);
+            let more = ((equal(row) / equal(step)).ln() / RATIO_STEP.ln() - 1e-9).ceil() as i32;
+            let ratio = move |k: i32| equal(step) * RATIO_STEP.powi(k);
+            forms.extend(self.memories.iter().flat_map(|of| {
+                (-RATIOS..=RATIOS + more).map(move |k| Form { of: *of, ratio: ratio(k), exponent })
+            }));
+        }
+        let prior = |place: usize| if place == 0 { ODDS } else { 1.0 / (forms.len() - 1) as f64 };
+        let mut filtered: Vec<(Filtered, f64)> = forms
+            .par_iter()
+            .enumerate()
+            .filter_map(|(place, form)| {
+                let (upper, logarithm) = self.whitened(*form)?;
+                let linear = Linear::of(&upper, 1.0);
+                let (variance, log_likelihood) = restricted(&linear, held, self.rows, logarithm)?;
+                Some((Filtered { form: *form, upper, variance, weight: prior(place) }, log_likelihood))
+            })
+            .collect();
+        let best = filtered.iter().map(|(_, likelihood)| *likelihood).fold(f64::NEG_INFINITY, f64::max);
+        filtered.iter_mut().for_each(|(one, likelihood)| one.weight *= (*likelihood - best).exp());
+        let total: f64 = filtered.iter().map(|(one, _)| one.weight).sum();
+        let of = |(one, _): (Filtered, f64)| Filtered { weight: one.weight / total, ..one };
+        let all: Vec<Filtered> = filtered.into_iter().map(of).filter(|one| one.weight > NEGLIGIBLE).collect();
+        (!all.is_empty()).then_some(all)
     }
 
     /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is searched for: estimates by their weights, and the covariance within and between the forms. Gives the heaviest form with
@@ -171,58 +273,53 @@ impl Groups {
         (held, known): (&Known, &Known),
         (base, searched, magnitude_nt): (Form, bool, f64),
     ) -> Result<Option<(Form, Noise)>, crate::Error> {
-        let Some(step) = self.step_s() else { return Ok(None) };
-        let mut forms = vec![base];
-        for exponent in EXPONENTS.into_iter().filter(|_| searched) {
-            // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps.
-            let equal = 2.0 * step * (0.1 / step).powf(exponent);
-            forms.extend(self.memories.iter().flat_map(|of| {
-                (-RATIOS..=RATIOS).map(move |k| Form { of: *of, ratio: equal * RATIO_STEP.powi(k), exponent })
-            }));
-        }
-        let filtered: Vec<Filtered> = forms
-            .par_iter()
-            .filter_map(|form| {
-                let (factor, logarithm) = self.whitened(*form)?;
-                let linear = Linear::of(&factor, 1.0);
-                let (variance, log_likelihood) = restricted(&linear, held, self.rows, logarithm)?;
-                Some(Filtered { form: *form, factor, variance, log_likelihood })
-            })
-            .collect();
-        let prior = |form: Form| {
-            if Some(form) == forms.first().copied() { ODDS } else { 1.0 / (forms.len() - 1) as f64 }
-        };
-        let best = filtered.iter().map(|one| one.log_likelihood).fold(f64::NEG_INFINITY, f64::max);
-        let weight = |one: &Filtered| prior(one.form) * (one.log_likelihood - best).exp();
-        let total: f64 = filtered.iter().map(weight).sum();
-        let Some(heaviest) = filtered.iter().max_by(|a, b| weight(a).total_cmp(&weight(b))) else {
-            return Ok(None);
-        };
+        let Some(filtered) = self.weighed(held, (base, searched)) else { return Ok(None) };
         let all: Known = held.iter().chain(known).cloned().collect();
-        let (mut joint, mut alone) = (Mixture::default(), Mixture::default());
-        for one in filtered.iter().filter(|one| weight(one) > NEGLIGIBLE * total) {
-            let linear = Linear::of(&one.factor, one.variance);
-            joint.add(weight(one) / total, &linear, &all, &found.state)?;
-            alone.add(weight(one) / total, &linear, held, &found.state)?;
-        }
+        let joint = mixture(&filtered, &all, &found.state)?;
+        let alone = mixture(&filtered, held, &found.state)?;
+        let heaviest = heaviest(&filtered);
         let (step, covariance) = joint.result();
+        found.jacobian = if alone.full {
+            root(&alone.result().1)
+        } else {
+            Linear::of(&heaviest.upper, heaviest.variance).with(held, &found.state).jacobian
+        };
         found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
         found.covariance = covariance;
-        found.jacobian = if alone.full {
-            alone.root()
-        } else {
-            Linear::of(&heaviest.factor, heaviest.variance).with(held, &found.state).jacobian
-        };
         found.seen = Svd::of(found.jacobian.as_ref(), RANK_TOLERANCE)?;
-        let sigma = heaviest.variance.sqrt() * magnitude_nt;
-        let flicker = heaviest.form.ratio * sigma * sigma;
-        let noise = Noise {
+        Ok(Some((heaviest.form, heaviest.noise(magnitude_nt))))
+    }
+}
+
+/// The estimates of forms, averaged, with rows of what is known about a state.
+///
+/// # Errors
+///
+/// [`crate::Error::Estimate`] where a decomposition fails.
+pub fn mixture(filtered: &[Filtered], known: &Known, state: &[f64]) -> Result<Mixture, crate::Error> {
+    let mut all = Mixture::default();
+    for one in filtered {
+        all.add(one.weight, &Linear::of(&one.upper, one.variance), known, state)?;
+    }
+    Ok(all)
+}
+
+/// The form of the largest weight.
+pub fn heaviest(filtered: &[Filtered]) -> &Filtered {
+    filtered.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).expect("one at least has a weight")
+}
+
+impl Filtered {
+    /// The noise that it is, nT.
+    pub fn noise(&self, magnitude_nt: f64) -> Noise {
+        let sigma = self.variance.sqrt() * magnitude_nt;
+        let flicker = self.form.ratio * sigma * sigma;
+        Noise {
             white_rms_nt: Some(sigma),
             flicker_nt2_per_hz_at_1hz: (flicker > 0.0).then_some(flicker),
-            flicker_exponent: (flicker > 0.0).then_some(heaviest.form.exponent),
+            flicker_exponent: (flicker > 0.0).then_some(self.form.exponent),
             ..Noise::default()
-        };
-        Ok(Some((heaviest.form, noise)))
+        }
     }
 }
 
@@ -247,33 +344,44 @@ fn restricted(linear: &Linear, held: &Known, rows: f64, logarithm: f64) -> Optio
     log_likelihood.is_finite().then_some((variance, log_likelihood))
 }
 
-/// The rows of one recording whitened.
-fn whitened(groups: &[Group], columns: usize, form: Form) -> Option<(Factor, f64)> {
-    let (processes, white) = processes(&groups.iter().map(|group| group.time_s).collect::<Vec<_>>(), form)?;
+/// Gives the rows of one recording, whitened, with the number of their group; the logarithm of the determinant of their covariance.
+fn innovations(
+    groups: &[Group],
+    columns: usize,
+    form: Form,
+    take: &mut dyn FnMut(usize, &[f64]),
+) -> Option<f64> {
+    // Of one group the noise is that over its length.
+    let times = match groups {
+        [one] => one.span_s.to_vec(),
+        all => all.iter().map(Group::time_s).collect(),
+    };
+    let (processes, white) = processes(&times, form)?;
     let mut filter = Filter::new(&processes);
     let mut estimates = vec![vec![0.0; SENSORS * processes.len()]; columns];
-    let mut filling = Filling::new(columns);
+    let mut whitened = vec![0.0; columns];
     let mut logarithm = 0.0;
-    let mut before = groups.first()?.time_s;
-    for group in groups {
-        if let Some(kept) = filter.wait(group.time_s - before) {
+    let mut before = groups.first()?.time_s();
+    for (number, group) in groups.iter().enumerate() {
+        if let Some(kept) = filter.wait(group.time_s() - before) {
             for estimate in &mut estimates {
                 estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
             }
         }
-        before = group.time_s;
+        before = group.time_s();
         for row in &group.rows {
             let first = if form.of == Memory::Sensors { ALONG } else { columns };
             let along: [f64; SENSORS] = std::array::from_fn(|axis| row[first + axis]);
             let variance = filter.read(&along, 1.0 + white);
             logarithm += variance.ln();
             let deviation = variance.sqrt();
-            filling.row(estimates.iter_mut().zip(row).map(|(estimate, value)| {
+            for ((to, estimate), value) in whitened.iter_mut().zip(&mut estimates).zip(row) {
                 let innovation = value - filter.predicted(&along, estimate);
                 estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
-                innovation / deviation
-            }));
+                *to = innovation / deviation;
+            }
+            take(number, &whitened);
         }
     }
-    Some((filling.finish(), logarithm))
+    Some(logarithm)
 }

@@ -15,6 +15,8 @@ pub struct Options {
     pub vector: bool,
     /// Effects of the catalogue that are fitted together with the sensors.
     pub with: Vec<Kind>,
+    /// Length of the windows in which the calibration is told, s; None: up to eight parts of each recording.
+    pub windows_s: Option<f64>,
 }
 
 impl Options {
@@ -28,6 +30,7 @@ impl Options {
             (self.vector, "--vector"),
         ];
         let flags = flags.iter().filter(|(set, _)| *set).map(|(_, name)| name.to_string());
-        flags.chain(self.with.iter().map(|kind| format!("--with={}", kind.name()))).collect()
+        let with = self.with.iter().map(|kind| format!("--with={}", kind.name()));
+        flags.chain(with).chain(self.windows_s.map(|length| format!("--windows={length}"))).collect()
     }
 }

@@ -66,6 +66,24 @@ impl Series {
         self.rows.len()
     }
 
+    /// The readings of a row.
+    pub fn reading(&self, row: usize) -> [f64; 3] {
+        self.readings.each_ref().map(|column| column[row])
+    }
+
+    /// Some of its rows.
+    pub fn part(&self, from: usize, to: usize) -> Self {
+        let of = |column: &Vec<f64>| column[from..to].to_vec();
+        Self {
+            time_s: self.time_s.as_ref().map(of),
+            rows: self.rows[from..to].to_vec(),
+            readings: self.readings.each_ref().map(of),
+            magnitude_nt: of(&self.magnitude_nt),
+            id: self.id.clone(),
+            ..*self
+        }
+    }
+
     /// JSON path of the recording.
     pub fn path(&self) -> String {
         format!("recordings[{}]", self.index)
@@ -230,12 +248,26 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         Source::Ambient => format!("{path}.columns.ambient_x_nt"),
         _ => format!("{path}.conditions.{MAGNITUDE}"),
     };
-    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
     let mut lengths: Vec<f64> = (0..series.len())
         .map(|row| series.readings.iter().map(|reading| reading[row].powi(2)).sum::<f64>().sqrt())
         .collect();
-    let read = scale.map(|scale| scale * median_of(&mut lengths));
+    Ok(in_units(column, magnitude, median_of(&mut lengths), (unit, document))?)
+}
+
+/// That a magnitude is in nT: it is like that of a field, or like the readings, of which `length` is the usual one.
+///
+/// # Errors
+///
+/// A magnitude that is in another unit, at a place of the document.
+pub fn in_units(
+    column: String,
+    magnitude: f64,
+    length: f64,
+    (unit, document): (Unit, &Document),
+) -> Result<(), Fault> {
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
+    let read = scale.map(|scale| scale * length);
     let unlike = read.filter(|read| !(1.0 / ALIKE..=ALIKE).contains(&(read / magnitude)));
     if (PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&magnitude) && unlike.is_none() {
         return Ok(());
@@ -246,10 +278,10 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         .find(|(_, factor)| (1.0 / ALIKE..=ALIKE).contains(&(other / factor)));
     let beside =
         unlike.map(|read| format!(" beside readings of {} nT", significant(read, 4))).unwrap_or_default();
-    let found = format!("a magnitude of {} in the median{beside}", significant(magnitude, 4));
+    let found = format!("a magnitude of {}{beside}", significant(magnitude, 4));
     let expected = match unit {
         Some((unit, _)) => format!("nT; is it in {unit}?"),
         None => "both in nT; is one of them in another unit, or a sensitivity wrong?".into(),
     };
-    Err(Fault::document(column, found, expected).into())
+    Err(Fault::document(column, found, expected))
 }

@@ -3,7 +3,7 @@
 use common::uncertainty::{self, Block};
 use common::{
     AdoptedEffect, AgainstKnown, Axis, Document, FieldDirections, Quantity, ReferenceOffset,
-    ScalarCalibration, ScalarParameter, Uncertainty,
+    ScalarCalibration, ScalarParameter, ScalarStability, Uncertainty,
 };
 use estimate::{Svd, stats};
 use faer::Mat;
@@ -13,33 +13,42 @@ use physics::frames::ARCSEC;
 
 use crate::directions::directions_by;
 use crate::fit::Known;
-use crate::kalman::WHITE;
-use crate::linear::Linear;
 use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
-use crate::noise::Groups;
-use crate::read::Source;
 use crate::solve::{Detail, Solved};
 use crate::weakest;
-use crate::{Error, Options, checks, findings, stability, start};
+use crate::{Error, Options, findings};
 
 /// Who put an effect into the model.
 const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
-/// A constant error of the reference is asked for where the magnitude varies by so many times the residuals: less is noise of the reference in part,
-/// and biases what follows it.
-const VARIES: f64 = 10.0;
 /// What shows all twelve parameters.
 const MORE_ATTITUDES: &str =
     "record further attitudes, so that the field lies along each sensor in both directions and between them";
 /// What has a smaller probability by chance is said.
 const TOLD_BELOW: f64 = 0.001;
+
+/// What was found beside the calibration.
+#[derive(Default)]
+pub struct Seen {
+    /// Rms of the residual, nT.
+    pub rms_nt: f64,
+    /// The same with the calibration as the document stated it.
+    pub rms_before_nt: Option<f64>,
+    /// What the reference reads too much.
+    pub reference_offset: Option<ReferenceOffset>,
+    /// The calibration in parts of the time.
+    pub stability: Option<ScalarStability>,
+    /// In sentences.
+    pub findings: Vec<String>,
+}
+
 /// Takes the calibration into the document.
 pub fn adopt(
     document: &mut Document,
     solved: &Solved,
-    detail: &Detail,
+    (detail, seen): (&Detail, Seen),
     options: &Options,
 ) -> Result<(), Error> {
-    let scalar = describe(document, solved, detail, options)?;
+    let scalar = describe(document, solved, (detail, seen), options);
     let joint = joint(document, solved, options)?;
     let (state, scales) = (&solved.found.state, &solved.scales);
     let factor = stats::coverage_factor(0.95, solved.found.freedom);
@@ -192,12 +201,11 @@ fn cosines_by(model: &Model, state: &State, mu: &Matrix3<f64>) -> Vec<Vec<f64>> 
 fn describe(
     document: &Document,
     solved: &Solved,
-    detail: &Detail,
+    (detail, seen): (&Detail, Seen),
     options: &Options,
-) -> Result<ScalarCalibration, Error> {
+) -> ScalarCalibration {
     let Solved { model, found, scales, .. } = solved;
     let earlier = earlier(document, solved);
-    let reference_offset = reference_offset(solved, detail)?;
     // Known beforehand and by the magnitude together is not the readings alone.
     let mixed = options.known && solved.vector.is_some();
     let beforehand = if earlier || mixed { None } else { against_known(solved, options) };
@@ -207,7 +215,8 @@ fn describe(
         missing: solved.missing,
         left_out: solved.left_out.iter().cloned().collect(),
         reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
-        rms_nt: rms(&detail.residuals),
+        rms_nt: seen.rms_nt,
+        rms_before_nt: seen.rms_before_nt,
         vector: solved.vector.clone(),
         includes_body: solved.includes_body,
         body: solved.body.clone(),
@@ -229,33 +238,23 @@ fn describe(
         weakest.remedy = MORE_ATTITUDES.into();
         weakest.std_after_nt = None;
     }
-    scalar.stability = stability::of(solved, detail)?;
     scalar.directions = Some(FieldDirections {
         unit: fields.iter().map(|field| field.normalize().into()).collect(),
         residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
     });
-    scalar.findings.extend(checks::repeated(&detail.series));
-    if !options.robust {
-        scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
-    }
-    if start::is_stated(document, solved.unit) && !earlier && solved.sources != [Source::Constant] {
-        let mut state = model.nominal();
-        state[..NINE].copy_from_slice(&start::stated(document, solved.unit, scales));
-        let all = rows.residuals(model, &state);
-        scalar.rms_before_nt = Some(rms(&all));
-    }
+    scalar.findings.extend(seen.findings);
     scalar.findings.extend(findings::of(
         solved,
-        reference_offset.as_ref(),
+        seen.reference_offset.as_ref(),
         beforehand.as_ref(),
-        scalar.stability.as_ref(),
+        seen.stability.as_ref(),
     ));
-    Ok(ScalarCalibration { reference_offset, beforehand, ..scalar })
-}
-
-fn rms(residuals: &[Vec<f64>]) -> f64 {
-    let all: Vec<f64> = residuals.iter().flatten().map(|value| value * value).collect();
-    (all.iter().sum::<f64>() / all.len() as f64).sqrt()
+    ScalarCalibration {
+        reference_offset: seen.reference_offset,
+        beforehand,
+        stability: seen.stability,
+        ..scalar
+    }
 }
 
 /// Whether the calibration of the document was found from some of the same recordings; those that are joined keep their ids.
@@ -331,56 +330,6 @@ pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
         Parameter::Magnitude => linear("magnitude of the field".into(), "nT", scales.magnitude_nt),
         Parameter::Turn(_) => linear(model.parameters[place].name(), "arcsec", 1.0 / ARCSEC),
     }
-}
-
-/// What the reference reads too much, as one more unknown beside all others.
-fn reference_offset(solved: &Solved, detail: &Detail) -> Result<Option<ReferenceOffset>, Error> {
-    let Solved { model, found, scales, known, .. } = solved;
-    let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
-    if !read || model.place(&Parameter::Magnitude).is_some() || solved.vector.is_some() {
-        return Ok(None);
-    }
-    // In a field that hardly varies a constant error of the reference is one of all sensitivities.
-    let magnitudes: Vec<f64> =
-        detail.series.iter().flat_map(|one| one.magnitude_nt.iter().copied()).collect();
-    let mean = stats::mean(&magnitudes);
-    let varies =
-        stats::mean(&magnitudes.iter().map(|value| (value - mean).powi(2)).collect::<Vec<f64>>()).sqrt();
-    let fitted = model.place(&Parameter::ReferenceOffset).is_some();
-    if !fitted && varies < VARIES * found.variance.sqrt() * scales.magnitude_nt {
-        return Ok(None);
-    }
-    let of = |value: f64, variance: f64, fitted: bool| {
-        let std = variance.max(0.0).sqrt();
-        let p_value = stats::two_sided_p(value / std, found.freedom);
-        ReferenceOffset {
-            offset_nt: Quantity::new(value * scales.magnitude_nt, std * scales.magnitude_nt),
-            p_value,
-            fitted,
-        }
-    };
-    if let Some(place) = model.place(&Parameter::ReferenceOffset) {
-        return Ok(Some(of(found.state[place], found.covariance[(place, place)], true)));
-    }
-    let mut parameters = model.parameters.clone();
-    parameters.push(Parameter::ReferenceOffset);
-    let model = Model { terms: model.terms.clone(), parameters };
-    let last = found.state.len();
-    let mut beside = found.clone();
-    beside.state.push(0.0);
-    let variance = (solved.noise.white_rms_nt.unwrap_or(0.0) / scales.magnitude_nt).powi(2);
-    let linear = Groups::of(&detail.rows(*scales), &model, &beside, solved.form != WHITE)
-        .and_then(|groups| groups.linear(solved.form, variance));
-    let Some(Linear { jacobian, right }) = linear.map(|linear| linear.with(known, &found.state)) else {
-        return Ok(None);
-    };
-    let svd = Svd::of(jacobian.as_ref(), 1e-9)?;
-    if svd.rank() <= last {
-        return Ok(None);
-    }
-    let (step, covariance) = (svd.solve(&right), svd.covariance());
-    Ok(Some(of(step[last], covariance[(last, last)], false))
-        .filter(|found| found.offset_nt.value().is_finite()))
 }
 
 /// The readings alone against what was known beforehand.

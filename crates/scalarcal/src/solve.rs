@@ -8,14 +8,16 @@ use physics::{Basic, EffectInstance, Unit};
 
 use crate::design::{Rows, Scales};
 use crate::effects::{Following, asked, following, taken_off};
+use crate::factor::Factor;
 use crate::fit::{Found, Known, Sums, fit};
 use crate::kalman::{Form, Memory, WHITE};
 use crate::known::{Beforehand, beforehand};
 use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, NINE, Parameter, State};
+use crate::noise::Groups;
 use crate::read::{Series, Source, read};
 use crate::weakest::{UNDETERMINED, frame};
-use crate::{Error, Options, checks, noise, robust, start, weakest};
+use crate::{Error, Options, checks, robust, start, weakest};
 
 /// Rounds in which what effects follow, and what those of the model add, settle with the sensors.
 const ROUNDS: usize = 3;
@@ -52,6 +54,8 @@ pub struct Solved {
     pub noise: Noise,
     /// Its form.
     pub form: Form,
+    /// Whether the noise is declared white: the factor then holds all that the rows say.
+    pub white: bool,
     /// Names of the recordings.
     pub recordings: Vec<String>,
     /// Where their magnitude comes from.
@@ -80,12 +84,37 @@ pub struct Detail {
     pub residuals: Vec<Vec<f64>>,
     /// The columns that effects follow.
     pub follows: Vec<Vec<Vec<f64>>>,
+    /// The factor of their products.
+    pub plain: Factor,
 }
 
 impl Detail {
     /// The rows in the units of the parameters.
     pub fn rows(&self, scales: Scales) -> Rows<'_> {
         Rows { series: &self.series, scales, follows: self.follows.clone(), weights: None }
+    }
+
+    /// The rows about a fit of a model, as they are whitened.
+    pub fn groups(&self, solved: &Solved, model: &Model, found: &Found, timed: bool) -> Option<Groups> {
+        if solved.white {
+            return Groups::of_factors(&[([0.0; 2], &self.plain)], model, found);
+        }
+        Groups::of(&self.rows(solved.scales), model, found, timed)
+    }
+
+    /// Some rows of one recording.
+    pub fn part(&self, solved: &Solved, number: usize, from: usize, to: usize) -> Self {
+        let follows = self.follows[number].iter().map(|column| column[from..to].to_vec()).collect();
+        let mut part = Self {
+            series: vec![self.series[number].part(from, to)],
+            residuals: vec![self.residuals[number][from..to].to_vec()],
+            follows: vec![follows],
+            plain: Factor::new(solved.model.terms.count()),
+        };
+        if solved.white {
+            part.plain = part.rows(solved.scales).factor(&solved.model.terms);
+        }
+        part
     }
 }
 
@@ -97,10 +126,7 @@ impl Detail {
 pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
     let (unit, mut series) = read(document, options)?;
     let mut told = Vec::new();
-    let mut left_out: Vec<(String, u64)> = checks::without_saturated(&mut series)
-        .into_iter()
-        .map(|(axis, count)| (format!("sensor {axis} at the end of its range"), count as u64))
-        .collect();
+    let mut left_out = checks::saturated(checks::without_saturated(&mut series));
     unlike(&mut series, &mut told);
     series.retain(|one| one.len() > 0);
     let constant = series.iter().all(|one| one.source == Source::Constant);
@@ -122,7 +148,8 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     // What is fitted anew is not taken off.
     adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
     let stated = stated_magnitude(document, &series)?;
-    let reference = reference_variance(document, &series, &scales);
+    let read = series.iter().any(|one| matches!(one.source, Source::Scalar | Source::Ambient));
+    let reference = reference_variance(document, read, &scales);
     let sensor = sensor_variance(document, unit, &scales);
     let like = Basic::found(document, unit).mu;
 
@@ -140,10 +167,10 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let none = Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); raw.len()] };
     let mut current = raw.clone();
     let mut follow = none;
-    let mut last: Option<(Model, Beforehand, Found)> = None;
+    let mut last: Option<(Model, Beforehand, Found, Factor)> = None;
     let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
-        if let Some((.., found)) = &last {
+        if let Some((_, _, found, _)) = &last {
             let basic = basic(&found.state, &scales, &like);
             current = taken_off(document, &raw, &basic, &adopted)?;
             follow = following(document, &current, &scales, &basic, &effects)?;
@@ -155,7 +182,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         let beforehand = beforehand(document, unit, &scales, &model)?;
         let held = held(&model, &beforehand, options, (constant, stated));
         let starts = match &last {
-            Some((.., before)) => {
+            Some((_, _, before, _)) => {
                 let mut neutral = model.nominal();
                 neutral[..NINE].copy_from_slice(&before.state[..NINE]);
                 vec![neutral]
@@ -166,9 +193,10 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         let found = fit(&model, &sums, &used(&beforehand, options), &starts).map_err(|error| {
             short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
         })?;
-        last = Some((model, beforehand, found));
+        last = Some((model, beforehand, found, plain));
     }
-    let (model, beforehand, mut found) = last.ok_or_else(|| Error::Undetermined("no rows".into()))?;
+    let (model, beforehand, mut found, mut plain) =
+        last.ok_or_else(|| Error::Undetermined("no rows".into()))?;
     let held = held(&model, &beforehand, options, (constant, stated));
     let known = used(&beforehand, options);
     let mut kept = current;
@@ -187,14 +215,15 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         }
         left_out.push(("far from the rest (--robust)".into(), count));
         let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-        let plain = rows.factor(&model.terms);
+        plain = rows.factor(&model.terms);
         let sums = Sums { plain: &plain, sensor, reference, held: &held };
         found = fit(&model, &sums, &known, std::slice::from_ref(&found.state))?;
     }
     let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-    let white = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
+    let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
     let declared = declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
-    let groups = noise::Groups::of(&rows, &model, &found, true);
+    let white = declared == Some(WHITE);
+    let groups = if white { None } else { Groups::of(&rows, &model, &found, true) };
     let averaged = groups
         .map(|groups| {
             groups.average(
@@ -205,7 +234,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         })
         .transpose()?
         .flatten();
-    let (form, noise) = averaged.unwrap_or((WHITE, white));
+    let (form, noise) = averaged.unwrap_or((WHITE, alone));
     let residuals = rows.residuals(&model, &found.state);
     let mu = frame(&found.state, &like);
     let mut sources: Vec<Source> = kept.iter().map(|one| one.source).collect();
@@ -218,6 +247,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         effects,
         noise,
         form,
+        white,
         beforehand,
         known: held.iter().chain(&known).cloned().collect(),
         held,
@@ -234,7 +264,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         model,
         found,
     };
-    let detail = Detail { series: kept, residuals, follows };
+    let detail = Detail { series: kept, residuals, follows, plain };
     determined(&solved, &detail, options)?;
     Ok((solved, detail))
 }
@@ -293,15 +323,14 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
     Ok(Some(first.1))
 }
 
-/// Variance of the reference over the square of the magnitude.
-fn reference_variance(document: &Document, series: &[Series], scales: &Scales) -> f64 {
-    let read = series.iter().any(|one| matches!(one.source, Source::Scalar | Source::Ambient));
+/// Variance of the reference over the square of the magnitude, where one was read.
+pub fn reference_variance(document: &Document, read: bool, scales: &Scales) -> f64 {
     let std = document.facility.as_ref().and_then(|facility| facility.reference_std_nt).filter(|_| read);
     (std.unwrap_or(0.0) / scales.magnitude_nt).powi(2)
 }
 
 /// Variance of the declared noise along a sensor over the square of the magnitude, in the mean of the sensors.
-fn sensor_variance(document: &Document, unit: Unit, scales: &Scales) -> Option<f64> {
+pub fn sensor_variance(document: &Document, unit: Unit, scales: &Scales) -> Option<f64> {
     let instrument = document.instrument.as_ref()?;
     let of = |axis: Axis| instrument.noise_of(axis)?.white_rms_nt.filter(|rms| *rms > 0.0);
     let all: Vec<f64> = Axis::ALL.into_iter().filter_map(of).collect();
@@ -345,7 +374,7 @@ fn most(found: &Found, rows: u64) -> f64 {
 }
 
 /// That the fit determines every parameter.
-fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(), Error> {
+pub fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(), Error> {
     let Solved { model, found, .. } = solved;
     let worst = (0..NINE).map(|k| found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
     let rows = found.jacobian.nrows();
@@ -366,7 +395,7 @@ fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(),
 
 /// The same for a fit that found no minimum: with the parameters held loosely where they begin there is one, and it says what the
 /// readings do not.
-fn short(
+pub fn short(
     model: &Model,
     sums: &Sums<'_>,
     rows: &Rows<'_>,
@@ -402,7 +431,7 @@ pub fn declared_form(document: &Document, variance: Option<f64>, scales: &Scales
 }
 
 /// What is known beforehand, where it is to be used.
-fn used(beforehand: &Beforehand, options: &Options) -> Known {
+pub fn used(beforehand: &Beforehand, options: &Options) -> Known {
     if options.known { beforehand.rows.clone() } else { Known::new() }
 }
 

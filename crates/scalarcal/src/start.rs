@@ -25,18 +25,20 @@ pub fn scales(document: &Document, unit: Unit, series: &[Series]) -> Scales {
     let (sum, count) = known
         .flat_map(|one| &one.magnitude_nt)
         .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-    let stated = Axis::ALL.map(|axis| sensitivity(document, unit, axis));
     let swing = (0..3)
         .map(|axis| {
             let all = || series.iter().flat_map(|one| &one.readings[axis]).copied();
             0.5 * (all().fold(f64::NEG_INFINITY, f64::max) - all().fold(f64::INFINITY, f64::min))
         })
         .fold(0.0, f64::max);
-    let magnitude_nt = if count > 0.0 {
-        sum / count
-    } else {
-        swing * stated.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max)
-    };
+    scales_of(document, unit, (count > 0.0).then_some(sum / count), swing)
+}
+
+/// The same of the mean magnitude, where it is known, and the largest swing of a sensor.
+pub fn scales_of(document: &Document, unit: Unit, mean_nt: Option<f64>, swing: f64) -> Scales {
+    let stated = Axis::ALL.map(|axis| sensitivity(document, unit, axis));
+    let magnitude_nt = mean_nt
+        .unwrap_or_else(|| swing * stated.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max));
     let nominal = magnitude_nt / swing.max(f64::MIN_POSITIVE);
     Scales { magnitude_nt, sensitivity: stated.map(|stated| stated.unwrap_or(nominal)) }
 }

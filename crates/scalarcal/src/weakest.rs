@@ -35,13 +35,13 @@ pub fn directions(
         .collect();
     let step = all.len().div_ceil(SAMPLE).max(1);
     let unmix = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let chain = model.chain(state);
     let mut z = vec![0.0; model.terms.columns() + 1];
     all.iter()
         .step_by(step)
         .map(|(number, row)| {
             rows.fill(*number, *row, &mut z);
-            let (own, _) = model.read(state, &z);
-            (*number, *row, unmix * Vector3::from(own))
+            (*number, *row, unmix * Vector3::from(chain.own(&z)))
         })
         .collect()
 }

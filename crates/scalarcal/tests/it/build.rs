@@ -3,6 +3,10 @@
 use common::{Axis, Column, Document, Facility, Instrument, Recording, procedure};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
+use physics::Unit;
+use scalarcal::Source;
+use scalarcal::stream::{Batch, Partial, Statistics};
+use std::ops::Range;
 
 /// How the sensors are turned.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,6 +156,28 @@ impl Campaign {
         let arcsec = self.angles.map(|angle| angle.to_degrees() * 3600.0);
         std::array::from_fn(|k| [self.sensitivity, self.offset_nt, arcsec][k / 3][k % 3])
     }
+}
+
+/// Some rows of the recording, as they are kept of a stream.
+pub fn piece(document: &Document, rows: Range<usize>) -> Partial {
+    let recording = &document.recordings[0];
+    let column = |name: &str| &recording.column(name).expect("a column")[rows.clone()];
+    let batch = Batch {
+        time_s: column("time_s"),
+        readings: ["sensor_x_v", "sensor_y_v", "sensor_z_v"].map(column),
+        magnitude_nt: column("reference_nt"),
+    };
+    let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
+    statistics.push(&batch).expect("good rows");
+    statistics.finish().expect("rows")
+}
+
+/// Declares that the noise is white.
+pub fn declared(mut document: Document, white_nt: f64) -> Document {
+    let noise = serde_json::json!({"white_rms_nt": white_nt});
+    let instrument = document.instrument.get_or_insert_default();
+    instrument.noise = Some(serde_json::from_value(noise).expect("a noise"));
+    document
 }
 
 /// The parameters that were found, in the same order: value, standard uncertainty.

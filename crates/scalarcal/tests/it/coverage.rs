@@ -1,22 +1,45 @@
 //! Coverage of the 95 % intervals of all nine parameters. FLUXCAL_CAMPAIGNS sets how many campaigns.
 
+use common::Document;
 use rayon::prelude::*;
-use scalarcal::Options;
+use scalarcal::{Options, stream};
 
-use crate::build::{Campaign, MAGNITUDE_NT, Turns, found};
+use crate::build::{Campaign, MAGNITUDE_NT, Turns, found, piece};
 
 /// The interval's share, and what is allowed.
 const BAND: [f64; 2] = [0.93, 0.97];
+/// Of a stream, whose intervals are the wider of two: they may hold always.
+const WIDE: [f64; 2] = [0.93, 1.0];
 const NAMES: [&str; 9] = ["k x", "k y", "k z", "O x", "O y", "O z", "xy", "yz", "xz"];
 
 fn covered(name: &str, campaign: &Campaign, usual: u64, band: [f64; 2]) {
+    let run = |document: Document| scalarcal::run(document, &Options::default());
+    covered_by(name, campaign, usual, band, run);
+}
+
+/// The same in one pass; no noise is declared.
+fn covered_in_a_stream(name: &str, campaign: &Campaign, usual: u64, band: [f64; 2]) {
+    let run = |document: Document| {
+        let rows = 0..document.recordings[0].rows();
+        stream::document(&piece(&document, rows), document, &Options::default())
+    };
+    covered_by(name, campaign, usual, band, run);
+}
+
+fn covered_by(
+    name: &str,
+    campaign: &Campaign,
+    usual: u64,
+    band: [f64; 2],
+    run: impl Fn(Document) -> Result<Document, scalarcal::Error> + Sync,
+) {
     let campaigns = testkit::campaigns(usual);
     let truth = campaign.truth();
     let inside: Vec<[bool; 9]> = (0..campaigns)
         .into_par_iter()
         .map(|seed| {
-            let document = scalarcal::run(campaign.document(seed), &Options::default())
-                .unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
+            let document =
+                run(campaign.document(seed)).unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
             let found = found(&document);
             std::array::from_fn(|k| (found[k].0 - truth[k]).abs() <= 1.96 * found[k].1)
         })
@@ -77,4 +100,41 @@ fn flicker_noise_poor_rotations() {
     let poor =
         Campaign { flicker: 0.25, white_nt: 0.1, turns: Turns::Poor, rows: 600, ..Campaign::default() };
     covered("flicker, poor rotations", &poor, 12, BAND);
+}
+
+#[test]
+fn stream_one_percent_poor_rotations() {
+    let poor =
+        Campaign { white_nt: 0.01 * MAGNITUDE_NT, rows: 1500, turns: Turns::Poor, ..Campaign::default() };
+    covered_in_a_stream("stream, 1 %, poor rotations", &poor, 8, WIDE);
+}
+
+#[test]
+fn stream_white_noise() {
+    for (name, turns) in [("all directions", Turns::Any), ("poor rotations", Turns::Poor)] {
+        let one = Campaign { turns, rows: 6000, ..Campaign::default() };
+        covered_in_a_stream(&format!("stream, 10 ppm, {name}, 6000 rows"), &one, 8, WIDE);
+    }
+}
+
+fn stream_flicker(name: &str, turns: Turns) {
+    for rows in [600, 6000] {
+        let one = Campaign { flicker: 0.25, white_nt: 0.1, turns, rows, ..Campaign::default() };
+        covered_in_a_stream(&format!("stream, flicker, {name}, {rows} rows"), &one, 8, WIDE);
+    }
+}
+
+#[test]
+fn stream_flicker_all_directions() {
+    stream_flicker("all directions", Turns::Any);
+}
+
+#[test]
+fn stream_flicker_slow_turns() {
+    stream_flicker("slow turns", Turns::Slow);
+}
+
+#[test]
+fn stream_flicker_poor_rotations() {
+    stream_flicker("poor rotations", Turns::Poor);
 }

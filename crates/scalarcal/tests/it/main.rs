@@ -9,4 +9,6 @@ mod golden;
 mod help;
 mod orbit;
 mod scipy;
+mod stream;
 mod vector;
+mod windows;

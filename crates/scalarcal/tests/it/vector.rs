@@ -10,6 +10,7 @@ use crate::build::found;
 use crate::orbit::{BAND, LONGER, recorded};
 
 const VECTOR: Options = Options {
+    windows_s: None,
     known: false,
     robust: false,
     constant_magnitude: false,

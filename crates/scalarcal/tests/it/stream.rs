@@ -1,0 +1,166 @@
+//! One pass against rows at hand, and pieces in any order and grouping against one pass.
+
+use common::{Document, ScalarCalibration};
+use physics::Unit;
+use proptest::prelude::*;
+use scalarcal::stream::{self, Batch, Error, Partial, Statistics, merge};
+use scalarcal::{Options, Source};
+
+use crate::build::{Campaign, declared, found, piece};
+
+fn scalar(document: &Document) -> &ScalarCalibration {
+    document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration")
+}
+
+fn answer(partial: &Partial, document: &Document) -> Document {
+    stream::document(partial, document.clone(), &Options::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The largest difference of two calibrations, in standard uncertainties; that of these is relative.
+fn apart(one: &Document, other: &Document) -> f64 {
+    let pairs = found(one).into_iter().zip(found(other));
+    let parameters = pairs.map(|((a, std), (b, other))| ((a - b) / std).abs().max((std / other - 1.0).abs()));
+    let (one, other) = (scalar(one), scalar(other));
+    let relative = |a: f64, b: f64| (a / b - 1.0).abs();
+    let offset = |of: &ScalarCalibration| of.reference_offset.as_ref().expect("asked").offset_nt.clone();
+    let (a, b) = (offset(one), offset(other));
+    let rest = [
+        relative(one.rms_nt, other.rms_nt),
+        relative(one.rms_before_nt.expect("stated"), other.rms_before_nt.expect("stated")),
+        (a.value() - b.value()).abs() / b.std().expect("a std"),
+        relative(a.std().expect("a std"), b.std().expect("a std")),
+    ];
+    parameters.chain(rest).fold(0.0, f64::max)
+}
+
+/// A recording of which sensor z ends at ±7 V.
+fn clipped(seed: u64, rows: usize) -> Document {
+    let campaign = Campaign { rows, ..Campaign::default() };
+    let mut document = declared(campaign.document(seed), campaign.white_nt);
+    let column = document.recordings[0].columns.get_mut("sensor_z_v").expect("z");
+    let values: Vec<f64> = column.iter().map(|value| value.clamp(-7.0, 7.0)).collect();
+    *column = values.into();
+    document
+}
+
+#[test]
+fn one_pass_is_what_the_rows_at_hand_say() {
+    for noise in [0.5, 48.0] {
+        for clip in [false, true] {
+            let campaign = Campaign { rows: 3000, white_nt: noise, ..Campaign::default() };
+            let document = if clip { clipped(3, 3000) } else { declared(campaign.document(3), noise) };
+            let rows = scalarcal::run(document.clone(), &Options::default()).expect("a calibration");
+            let pass = answer(&piece(&document, 0..3000), &document);
+            let distance = apart(&rows, &pass);
+            println!("{noise} nT, clipped: {clip}: {distance:.1e}");
+            assert!(distance < 1e-6, "{distance}");
+            assert_eq!(scalar(&rows).left_out, scalar(&pass).left_out);
+            assert_eq!((scalar(&rows).rows, clip), (scalar(&pass).rows, !scalar(&pass).left_out.is_empty()));
+            assert_eq!(scalar(&rows).findings, scalar(&pass).findings);
+        }
+    }
+}
+
+#[test]
+fn batches_do_not_matter() {
+    let document = clipped(4, 2000);
+    let recording = &document.recordings[0];
+    let column = |name: &str| recording.column(name).expect("a column");
+    let whole = piece(&document, 0..2000).to_text();
+    for batch in [1, 7, 1000] {
+        let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
+        for from in (0..2000).step_by(batch) {
+            let rows = from..(from + batch).min(2000);
+            let batch = Batch {
+                time_s: &column("time_s")[rows.clone()],
+                readings: ["sensor_x_v", "sensor_y_v", "sensor_z_v"].map(|name| &column(name)[rows.clone()]),
+                magnitude_nt: &column("reference_nt")[rows.clone()],
+            };
+            statistics.push(&batch).expect("good rows");
+        }
+        assert_eq!(statistics.finish().expect("rows").to_text(), whole, "{batch}");
+    }
+    let read = Partial::parse(&whole).expect("a piece");
+    assert_eq!(read.to_text(), whole);
+    println!("{} bytes", whole.len());
+    assert!(whole.len() < 400_000 && !whole.contains('\n'));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// Associative and commutative to rounding, with a piece without rows as identity.
+    #[test]
+    fn pieces_in_any_order_and_grouping(
+        seed in 0u64..1000,
+        mut cuts in prop::collection::vec(1usize..2999, 1..7),
+        order in Just((0..7).collect::<Vec<usize>>()).prop_shuffle(),
+        groups in prop::collection::vec(0usize..6, 6),
+    ) {
+        let document = clipped(seed, 3000);
+        cuts.extend([0, 3000]);
+        cuts.sort_unstable();
+        cuts.dedup();
+        let pieces: Vec<Partial> = cuts.windows(2).map(|cut| piece(&document, cut[0]..cut[1])).collect();
+        let whole = piece(&document, 0..3000);
+        let mut left: Vec<Partial> =
+            order.into_iter().filter_map(|place| pieces.get(place).cloned()).collect();
+        left.push(Partial::new(Unit::Volt, Source::Scalar));
+        for place in groups {
+            if left.len() > 1 {
+                let place = place % (left.len() - 1);
+                let next = left.remove(place + 1);
+                left[place] = merge(vec![left[place].clone(), next]).expect("no overlap");
+            }
+        }
+        let joined = merge(left).expect("no overlap");
+        prop_assert_eq!((joined.rows, joined.missing, joined.span_s()), (whole.rows, whole.missing, whole.span_s()));
+        let distance = apart(&answer(&joined, &document), &answer(&whole, &document));
+        prop_assert!(distance < 1e-6, "{}", distance);
+        let windows = |partial: &Partial| -> Vec<(f64, f64, u64)> {
+            let answer = answer(partial, &document);
+            let stability = scalar(&answer).stability.clone().expect("windows");
+            stability.windows.iter().map(|window| (window.from_s, window.to_s, window.rows)).collect()
+        };
+        prop_assert_eq!(windows(&joined), windows(&whole));
+    }
+}
+
+#[test]
+fn widths_of_any_ratio_are_joined() {
+    // A minute in milliseconds, and a year later two days in minutes.
+    let campaign = Campaign { rows: 3000, ..Campaign::default() };
+    let document = declared(campaign.document(5), campaign.white_nt);
+    let timed = |from_s: f64, step_s: f64, seed: u64| {
+        let mut document = declared(campaign.document(seed), campaign.white_nt);
+        let times: Vec<f64> = (0..3000).map(|row| from_s + step_s * f64::from(row)).collect();
+        document.recordings[0].columns.insert("time_s".into(), times.into());
+        piece(&document, 0..3000)
+    };
+    let (minute, days) = (timed(0.0, 0.02, 5), timed(3e7, 60.0, 6));
+    let one = merge(vec![minute.clone(), days.clone()]).expect("apart");
+    let other = merge(vec![days, minute]).expect("apart");
+    let distance = apart(&answer(&one, &document), &answer(&other, &document));
+    assert!(distance < 1e-6, "{distance}");
+    assert_eq!(one.rows, 6000);
+    let answer = answer(&one, &document);
+    let windows = &scalar(&answer).stability.as_ref().expect("windows").windows;
+    assert!((2..=8).contains(&windows.len()) && windows[0].to_s < 61.0 && windows[0].rows == 3000);
+    assert_eq!(windows.iter().map(|window| window.rows).sum::<u64>(), 6000);
+}
+
+#[test]
+fn what_a_stream_cannot_take_is_refused() {
+    let document = clipped(7, 600);
+    let first = piece(&document, 0..300);
+    let twice = merge(vec![first.clone(), piece(&document, 299..600)]).expect_err("twice");
+    assert_eq!(twice, Error::Overlap { from_s: 299.0, to_s: 299.0 });
+    let other = Partial::new(Unit::Nanotesla, Source::Scalar);
+    assert!(matches!(merge(vec![first.clone(), other]), Err(Error::Unlike { .. })));
+    let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
+    let one = [1.0, 1.0];
+    let batch = Batch { time_s: &one, readings: [&one, &one, &one], magnitude_nt: &one };
+    assert_eq!(statistics.push(&batch), Err(Error::Backwards { row: 1, time_s: 1.0 }));
+    let robust = Options { robust: true, ..Options::default() };
+    assert!(stream::document(&first, document, &robust).is_err());
+}
