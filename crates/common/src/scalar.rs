@@ -33,6 +33,9 @@ pub struct ScalarCalibration {
     pub rms_before_nt: Option<f64>,
     /// Noise of the residual.
     pub noise: Noise,
+    /// Whose memory that is, where the noise has one: `sensors`, or `magnitude`, which changed while nobody measured it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub memory_of: Option<String>,
     /// Noise of a sensor that was allowed for, nT rms.
     pub sensor_noise_nt: f64,
     /// Noise of the reference, nT rms.

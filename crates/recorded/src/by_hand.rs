@@ -30,13 +30,52 @@ pub fn plane(fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<Vec<
     Some(left.map(|(value, plane)| value - plane).collect())
 }
 
-/// Offsets, scales and angles of an instrument that was turned: (v + o)ᵀ Q (v + o) = F², solved as vᵀ Q' v + 2 b'ᵀ v = 1 with nine
-/// coefficients; left is F (√(vᵀ Q' v + 2 b'ᵀ v + c) / √(1 + c) − 1) with c = b'ᵀ Q'⁻¹ b'.
+/// How free an ellipsoid is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shape {
+    /// Three offsets and one scale.
+    Sphere,
+    /// Three offsets and three scales.
+    AlongAxes,
+    /// Three offsets, three scales and three angles.
+    Full,
+}
+
+impl Shape {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Shape::Sphere => "a sphere by plain least squares",
+            Shape::AlongAxes => "an ellipsoid along the axes by plain least squares",
+            Shape::Full => "an ellipsoid by plain least squares",
+        }
+    }
+
+    /// The coefficients of xx, yy, zz, xy, xz, yz, x, y, z that are alike, and those that are zero left out.
+    fn alike(self) -> &'static [&'static [usize]] {
+        match self {
+            Shape::Sphere => &[&[0, 1, 2], &[6], &[7], &[8]],
+            Shape::AlongAxes => &[&[0], &[1], &[2], &[6], &[7], &[8]],
+            Shape::Full => &[&[0], &[1], &[2], &[3], &[4], &[5], &[6], &[7], &[8]],
+        }
+    }
+}
+
+/// F − magnitude of each row of a part by the full ellipsoid of another.
 pub fn ellipsoid(fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<Vec<f64>> {
     let size = fitted.column("reference_nt").first().copied()?;
+    let magnitudes = magnitudes(Shape::Full, fitted, part, offset_nt)?;
+    Some(magnitudes.into_iter().map(|magnitude| size * (magnitude - 1.0)).collect())
+}
+
+/// Magnitudes of a part, over the one of the field, by an ellipsoid of another: (v + o)ᵀ Q (v + o) = F², solved as vᵀ Q' v + 2 b'ᵀ v = 1 with
+/// nine coefficients at most; a magnitude is √(vᵀ Q' v + 2 b'ᵀ v + c) / √(1 + c) with c = b'ᵀ Q'⁻¹ b'. None where the form is that of no ellipsoid.
+pub fn magnitudes(shape: Shape, fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<Vec<f64>> {
+    let moved = |v: [f64; 3]| [0, 1, 2].map(|k| v[k] + offset_nt[k]);
+    let size = fitted.vectors("sensor").into_iter().map(|v| length(moved(v))).fold(0.0, f64::max);
     let columns = |series: &Series| -> Vec<Vec<f64>> {
-        let unit = |v: [f64; 3]| [0, 1, 2].map(|k| (v[k] + offset_nt[k]) / size);
-        let vectors: Vec<[f64; 3]> = series.vectors("sensor").into_iter().map(unit).collect();
+        let vectors: Vec<[f64; 3]> =
+            series.vectors("sensor").into_iter().map(|v| moved(v).map(|value| value / size)).collect();
         let column = |value: fn(&[f64; 3]) -> f64| vectors.iter().map(value).collect();
         vec![
             column(|v| v[0] * v[0]),
@@ -50,13 +89,25 @@ pub fn ellipsoid(fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<
             column(|v| 2.0 * v[2]),
         ]
     };
-    let found = least_squares(&columns(fitted), &vec![1.0; fitted.rows()])?;
-    let [xx, yy, zz, xy, xz, yz, x, y, z] = <[f64; 9]>::try_from(found.as_slice()).ok()?;
-    let shape = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let all = columns(fitted);
+    let together = |group: &&[usize]| -> Vec<f64> {
+        (0..fitted.rows()).map(|row| group.iter().map(|k| all[*k][row]).sum()).collect()
+    };
+    let groups = shape.alike();
+    let solved = least_squares(&groups.iter().map(together).collect::<Vec<_>>(), &vec![1.0; fitted.rows()])?;
+    let mut found = [0.0; 9];
+    for (group, value) in groups.iter().zip(solved) {
+        group.iter().for_each(|k| found[*k] = value);
+    }
+    let [xx, yy, zz, xy, xz, yz, x, y, z] = found;
+    let form = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    if form.symmetric_eigenvalues().min() <= 0.0 {
+        return None;
+    }
     let centre = nalgebra::Vector3::new(x, y, z);
-    let c = centre.dot(&(shape.try_inverse()? * centre));
+    let c = centre.dot(&(form.try_inverse()? * centre));
     let squares = sum(&columns(part), &found);
-    Some(squares.into_iter().map(|square| size * (((square + c) / (1.0 + c)).sqrt() - 1.0)).collect())
+    Some(squares.into_iter().map(|square| ((square + c) / (1.0 + c)).sqrt()).collect())
 }
 
 #[cfg(test)]
@@ -87,6 +138,12 @@ mod tests {
         assert!(rms(mismatch(&series, "sensor", [0.0; 3])) > 1000.0);
         let left = ellipsoid(&series, &series, [0.0; 3]).expect("an ellipsoid");
         assert!(rms(left.iter().copied()) < 1e-6, "{}", rms(left));
+        let of = |shape| {
+            let all = magnitudes(shape, &series, &series, [0.0; 3]).expect("an ellipsoid");
+            rms(all.into_iter().map(|magnitude| magnitude - 1.0))
+        };
+        let [sphere, along, full] = [Shape::Sphere, Shape::AlongAxes, Shape::Full].map(of);
+        assert!(sphere > 1.5 * along && along > 1e6 * full, "{sphere} {along} {full}");
     }
 
     #[test]

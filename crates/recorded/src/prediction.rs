@@ -17,7 +17,7 @@ pub struct Prediction {
     /// What the programs leave, nT; None where they refuse.
     pub programs_nt: Option<Vec<f64>>,
     /// Why the programs leave more, in words; shown where they do, empty where nobody knows.
-    pub why: &'static str,
+    pub why: String,
 }
 
 impl Prediction {
@@ -46,7 +46,7 @@ impl Prediction {
             each(&self.by_hand_nt),
             self.programs_nt.as_deref().map_or("refused".into(), each),
             ratios.map_or(String::new(), |ratios| ratios.join("; ")),
-            match self.why {
+            match self.why.as_str() {
                 _ if self.holds() => "yes".into(),
                 "" => "**no**, for a reason that is not known".into(),
                 why => format!("**no**: {why}"),
@@ -74,7 +74,7 @@ mod tests {
             ways: vec!["matrix".into(), "matrix".into()],
             by_hand_nt: vec![2.0, 0.004],
             programs_nt: programs.map(Vec::from),
-            why: "for a reason",
+            why: "for a reason".into(),
             ..Prediction::default()
         }
     }

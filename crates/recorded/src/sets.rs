@@ -2,6 +2,7 @@
 
 mod balloon;
 mod boulder;
+mod by_magnitude;
 mod certificates;
 mod coil;
 mod pair;
@@ -10,6 +11,7 @@ mod rotations;
 mod scalar;
 mod scalars;
 mod station;
+mod turned;
 
 use super::page::Page;
 use super::stages::Stages;
@@ -144,6 +146,27 @@ pub const SETS: &[Set] = &[
         title: "A phone and a VN-100 turned by hand, iron near by",
         source: "github.com/howe-mal/Magnetometer-Comparison-Project (no licence stated; figures only)",
         run: rotations::phone,
+    },
+    Set {
+        name: "marg-scalarcal",
+        folder: "marg-hmc5883l-sunsided",
+        title: "HMC5883L turned by hand: scalarcal",
+        source: "github.com/sunsided/sensor-fusion (EUPL-1.2)",
+        run: by_magnitude::marg,
+    },
+    Set {
+        name: "phone-scalarcal",
+        folder: "phone-vn100-rotations",
+        title: "A phone and a VN-100 turned by hand: scalarcal",
+        source: "github.com/howe-mal/Magnetometer-Comparison-Project (no licence stated; figures only)",
+        run: by_magnitude::phone,
+    },
+    Set {
+        name: "quadrotor-scalarcal",
+        folder: "mxl-quadrotor-2021-04-23",
+        title: "A quadrotor and a balloon turned by hand: scalarcal",
+        source: MXL,
+        run: by_magnitude::michigan,
     },
     Set {
         name: "square-wave",

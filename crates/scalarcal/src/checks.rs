@@ -8,8 +8,10 @@ use estimate::stats::two_sided_p;
 use crate::ends::{self, Ends};
 use crate::read::Series;
 
-/// Fewer rows that repeat the one before are not told.
+/// Fewer rows that repeat the one before are not left out or told.
 const LEAST: u64 = 5;
+/// A logger repeats readings where more than one row in so many does.
+const OFTEN: usize = 10;
 /// Rows are disturbed that are as far from the rest with this probability by chance, among all of them.
 const DISTURBED: f64 = 0.01;
 /// Within so many standard deviations no row is disturbed.
@@ -54,17 +56,7 @@ pub fn retain(series: &mut Series, keep: &[bool]) {
     series.magnitude_nt = of(&series.magnitude_nt);
 }
 
-/// Rows that repeat the one before in all three sensors, in a sentence; a logger that froze repeats many.
-pub fn repeated(series: &[Series]) -> Option<String> {
-    let of = |count: fn(&Series) -> usize| series.iter().map(|one| count(one) as u64).sum();
-    repeats(of(repeated_in), of(Series::len))
-}
-
-fn repeated_in(one: &Series) -> usize {
-    (1..one.len()).filter(|row| one.readings.iter().all(|column| column[*row] == column[row - 1])).count()
-}
-
-/// The same of so many that repeat the one before, among so many rows.
+/// Rows of a stream that repeat the one before in all three sensors, in a sentence; a logger that froze repeats many.
 pub fn repeats(count: u64, rows: u64) -> Option<String> {
     (count * 10 > rows && count > LEAST).then(|| {
         format!(
@@ -73,6 +65,23 @@ pub fn repeats(count: u64, rows: u64) -> Option<String> {
             counted(count as usize, "row")
         )
     })
+}
+
+/// Leaves out rows that repeat the one before in all three sensors, where there are many; gives how many. A logger that reads faster than the sensors
+/// repeats readings: they say nothing new, and are those of an earlier moment.
+pub fn without_repeated(series: &mut [Series]) -> usize {
+    let fresh = |one: &Series| -> Vec<bool> {
+        let same = |row: usize| one.readings.iter().all(|column| column[row] == column[row - 1]);
+        (0..one.len()).map(|row| row == 0 || !same(row)).collect()
+    };
+    let keep: Vec<Vec<bool>> = series.iter().map(fresh).collect();
+    let rows: usize = series.iter().map(Series::len).sum();
+    let count = keep.iter().flatten().filter(|keep| !**keep).count();
+    if count * OFTEN <= rows || count as u64 <= LEAST {
+        return 0;
+    }
+    series.iter_mut().zip(&keep).for_each(|(one, keep)| retain(one, keep));
+    count
 }
 
 /// Rows far from the rest, in a sentence.

@@ -112,6 +112,7 @@ impl Rows<'_> {
 
     /// |B| less the reference in each row of each recording, nT: (|B|² − (F − β)²)/2F.
     pub fn residuals(&self, model: &Model, state: &State) -> Vec<Vec<f64>> {
+        let unit_nt = self.scales.magnitude_nt * model.scale(state);
         let coefficients = model.coefficients(state).unwrap_or_else(|| vec![f64::NAN; model.terms.count()]);
         let of = |number: usize| {
             let rows = self.series[number].len();
@@ -121,7 +122,7 @@ impl Rows<'_> {
                 self.fill(number, row, &mut z);
                 model.terms.fill(&z, &mut products);
                 let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
-                residual * self.scales.magnitude_nt
+                residual * unit_nt
             };
             (0..rows).map(row).collect()
         };

@@ -14,10 +14,12 @@ const ROUNDS: usize = 4;
 const NOISE_ALONE: f64 = 1.0 - 1e-6;
 /// A direction of the products below this share of the largest is not there.
 const ABSENT: f64 = 1e-14;
+/// No magnetometer reads better than this share of the magnitude; less is rounding, in which no minimum would be found.
+const FINEST: f64 = 1e-9;
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// The rows, and how they err. Variances are over the square of the typical magnitude.
+/// The rows, and how they err. Variances are over the square of the typical magnitude; of what is found, over that times [`Model::scale`].
 pub struct Sums<'a> {
     /// Products of the rows as they are.
     pub plain: &'a Factor,
@@ -73,7 +75,7 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> R
     let mut best: Option<Found> = None;
     for start in starts {
         match round(model, sums, known, &upper, (start, freedom)) {
-            Ok(found) if best.as_ref().is_none_or(|best| found.variance < best.variance) => {
+            Ok(found) if best.as_ref().is_none_or(|best| scatter(&found) < scatter(best)) => {
                 best = Some(found)
             }
             Ok(_) => {}
@@ -87,6 +89,11 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> R
     Ok(found)
 }
 
+/// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long as a constant field, would leave no residual.
+fn scatter(found: &Found) -> f64 {
+    found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
+}
+
 /// Least squares with noise and scale as they are at the start.
 fn round(
     model: &Model,
@@ -95,9 +102,10 @@ fn round(
     upper: &Mat<f64>,
     (start, freedom): (&State, f64),
 ) -> Result<Found, Error> {
-    let scatter = |state: &State| variance(model, upper, state, freedom);
-    let variance = scatter(start).max(f64::MIN_POSITIVE);
-    let sensor = sums.sensor.unwrap_or((variance - sums.reference).max(0.0));
+    let scatter = |state: &State| variance(model, upper, state, freedom).max(FINEST * FINEST);
+    let variance = scatter(start);
+    let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
+    let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
     let adjusted = adjusted(model, start, sums, sensor, upper) * faer::Scale(1.0 / variance.sqrt());
     let all: Known = sums.held.iter().chain(known).cloned().collect();
     let problem = Problem { model, upper: &adjusted, known: &all };
@@ -126,7 +134,8 @@ fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &
 /// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products of a factor.
 fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Vec<Vec<f64>> {
     let mut noise = vec![0.0; model.terms.columns() + 1];
-    (0..3).for_each(|axis| noise[axis] = sensor / state[axis].powi(2));
+    let scale = model.scale(state);
+    (0..3).for_each(|axis| noise[axis] = sensor * (scale / state[axis]).powi(2));
     noise[model.terms.columns()] = reference;
     let one = model.terms.place(ONE, ONE).expect("a product without F");
     let moments = |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| plain.product(place, one));

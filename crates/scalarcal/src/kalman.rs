@@ -1,4 +1,4 @@
-//! Kalman filter of rows that read the noise of three sensors, each with memory of its own, by factors that change from row to row.
+//! Kalman filter of rows that read noise with memory, that of three sensors by factors that change from row to row, or that of the magnitude.
 
 use common::Noise;
 use noise::{Process, Whitening};
@@ -15,6 +15,8 @@ pub enum Memory {
     Sensors,
     /// Each component of the known field in GEO.
     Field,
+    /// The magnitude: the field changed, and nobody measured it.
+    Magnitude,
 }
 
 impl Memory {
@@ -23,6 +25,15 @@ impl Memory {
         match self {
             Memory::Sensors => "sensors",
             Memory::Field => "field",
+            Memory::Magnitude => "magnitude",
+        }
+    }
+
+    /// How many have noise of their own.
+    pub fn channels(self) -> usize {
+        match self {
+            Memory::Sensors | Memory::Field => SENSORS,
+            Memory::Magnitude => 1,
         }
     }
 }
@@ -41,7 +52,7 @@ pub struct Form {
 /// White noise.
 pub const WHITE: Form = Form { of: Memory::Sensors, ratio: 0.0, exponent: 1.0 };
 
-/// The processes of one sensor for σ = 1, and the white part that goes with them.
+/// The processes of one channel for σ = 1, and the white part that goes with them.
 pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
     if form.ratio <= 0.0 {
         return Some((Vec::new(), 0.0));
@@ -56,7 +67,7 @@ pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
     Some((whitening.processes().to_vec(), whitening.white_nt2()))
 }
 
-/// Covariance of the states of all sensors' processes given the rows before, and the gain of the last row.
+/// Covariance of the states of all channels' processes given the rows before, and the gain of the last row.
 pub struct Filter<'a> {
     processes: &'a [Process],
     covariance: Vec<f64>,
@@ -66,8 +77,8 @@ pub struct Filter<'a> {
 
 impl<'a> Filter<'a> {
     /// At the beginning.
-    pub fn new(processes: &'a [Process]) -> Self {
-        let states = SENSORS * processes.len();
+    pub fn new(processes: &'a [Process], channels: usize) -> Self {
+        let states = channels * processes.len();
         let mut covariance = vec![0.0; states * states];
         for state in 0..states {
             covariance[state * (states + 1)] = processes[state % processes.len()].variance_nt2;
@@ -92,14 +103,14 @@ impl<'a> Filter<'a> {
         Some(kept)
     }
 
-    /// Takes a row that reads the sensors by these factors; gives the variance of its innovation.
-    pub fn read(&mut self, along: &[f64; SENSORS], white: f64) -> f64 {
+    /// Takes a row that reads the channels by these factors; gives the variance of its innovation.
+    pub fn read(&mut self, along: &[f64], white: f64) -> f64 {
         let states = self.gain.len();
         let each = self.processes.len();
         let mut variance = white;
         for i in 0..states {
             let row = &self.covariance[i * states..(i + 1) * states];
-            self.gain[i] = (0..SENSORS)
+            self.gain[i] = (0..along.len())
                 .map(|axis| along[axis] * row[axis * each..(axis + 1) * each].iter().sum::<f64>())
                 .sum();
             variance += along[i / each.max(1)] * self.gain[i];
@@ -116,9 +127,9 @@ impl<'a> Filter<'a> {
     }
 
     /// What a row reads of the states.
-    pub fn predicted(&self, along: &[f64; SENSORS], estimate: &[f64]) -> f64 {
+    pub fn predicted(&self, along: &[f64], estimate: &[f64]) -> f64 {
         let each = self.processes.len();
-        (0..SENSORS)
+        (0..along.len())
             .map(|axis| along[axis] * estimate[axis * each..(axis + 1) * each].iter().sum::<f64>())
             .sum()
     }
@@ -137,22 +148,24 @@ mod tests {
             .map(|t| [0, 1, 2].map(|axis| (0.7 * f64::from(t) + 2.0 * f64::from(axis)).sin()))
             .collect();
         let time: Vec<f64> = (0..rows).map(|t| f64::from(t) + 0.2 * f64::from(t % 3)).collect();
-        for exponent in [0.7, 1.0, 1.5] {
-            let (processes, white) =
-                processes(&time, Form { of: Memory::Sensors, ratio: 3.0, exponent }).expect("processes");
+        for (of, exponent) in
+            [(Memory::Sensors, 0.7), (Memory::Sensors, 1.0), (Memory::Sensors, 1.5), (Memory::Magnitude, 1.0)]
+        {
+            let (processes, white) = processes(&time, Form { of, ratio: 3.0, exponent }).expect("processes");
+            let read = |t: usize| &along[t][..of.channels()];
             let covariance = Mat::from_fn(rows as usize, rows as usize, |i, j| {
                 let lag = (time[i] - time[j]).abs();
                 let own: f64 = processes
                     .iter()
                     .map(|process| process.variance_nt2 * (-process.rate_per_s * lag).exp())
                     .sum();
-                let together: f64 = (0..3).map(|axis| along[i][axis] * along[j][axis]).sum();
+                let together: f64 = read(i).iter().zip(read(j)).map(|(a, b)| a * b).sum();
                 own * together + if i == j { 1.0 + white } else { 0.0 }
             });
             let lower = covariance.llt(Side::Lower).expect("positive");
             let series: Vec<f64> = (0..rows).map(|t| (1.3 * f64::from(t)).cos()).collect();
-            let mut filter = Filter::new(&processes);
-            let mut estimate = vec![0.0; 3 * processes.len()];
+            let mut filter = Filter::new(&processes, of.channels());
+            let mut estimate = vec![0.0; of.channels() * processes.len()];
             let mut before = time[0];
             let mut white_series = Vec::new();
             for (t, reading) in series.iter().enumerate() {
@@ -160,8 +173,9 @@ mod tests {
                     estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
                 }
                 before = time[t];
-                let variance = filter.read(&along[t], 1.0 + white);
-                let innovation = reading - filter.predicted(&along[t], &estimate);
+                let along = read(t);
+                let variance = filter.read(along, 1.0 + white);
+                let innovation = reading - filter.predicted(along, &estimate);
                 estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
                 white_series.push(innovation / variance.sqrt());
                 assert!((variance.sqrt() / lower.L()[(t, t)] - 1.0).abs() < 1e-9, "{t}");

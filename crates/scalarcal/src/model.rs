@@ -121,7 +121,8 @@ impl Model {
         along
     }
 
-    /// The coefficients p of the products in the residual; None where the cosines are none of three axes.
+    /// The coefficients p of the products in the residual; None where the cosines are none of three axes. Where the magnitude is a parameter m, all
+    /// are over m k, k the mean sensitivity: so the residual is in the unit of the readings, and no common scale of sensors and field makes it small.
     pub fn coefficients(&self, state: &State) -> Option<Vec<f64>> {
         let along = self.along(state);
         let inverse = cosines(state).try_inverse()?;
@@ -129,6 +130,7 @@ impl Model {
         let columns = self.terms.columns();
         let square = |f: usize, g: usize| (0..3).map(|k| along[(k, f)] * mixed[(k, g)]).sum::<f64>();
         let (offset, magnitude) = (self.value(state, Parameter::ReferenceOffset), self.magnitude(state));
+        let unit = magnitude * self.scale(state);
         let of = |[f, g]: [usize; 2]| {
             if g == columns {
                 if f == columns { -magnitude * magnitude } else { 2.0 * offset }
@@ -137,7 +139,7 @@ impl Model {
                 if f == g { square(f, g) - own } else { 2.0 * square(f, g) }
             }
         };
-        Some(self.terms.pairs().iter().map(|pair| of(*pair)).collect())
+        Some(self.terms.pairs().iter().map(|pair| of(*pair) / unit).collect())
     }
 
     /// The derivative of the coefficients by each parameter, one column a parameter.
@@ -185,6 +187,15 @@ impl Model {
                 Parameter::Turn(_) => {}
             }
         }
+        if let Some(place) = self.place(&Parameter::Magnitude) {
+            let coefficients = self.coefficients(state)?;
+            let (magnitude, scale) = (self.magnitude(state), self.scale(state));
+            slopes *= faer::Scale(1.0 / (magnitude * scale));
+            for (row, value) in coefficients.iter().enumerate() {
+                slopes[(row, place)] -= value / magnitude;
+                (0..3).for_each(|axis| slopes[(row, axis)] -= value / (3.0 * scale));
+            }
+        }
         Some(slopes)
     }
 
@@ -204,7 +215,13 @@ impl Model {
         self.place(&parameter).map_or(0.0, |place| state[place])
     }
 
-    fn magnitude(&self, state: &State) -> f64 {
+    /// The unit of a residual, over the typical magnitude: the mean sensitivity where the magnitude is a parameter, else one.
+    pub fn scale(&self, state: &State) -> f64 {
+        if self.place(&Parameter::Magnitude).is_some() { state[..3].iter().sum::<f64>() / 3.0 } else { 1.0 }
+    }
+
+    /// The magnitude over the assumed one.
+    pub fn magnitude(&self, state: &State) -> f64 {
         self.place(&Parameter::Magnitude).map_or(1.0, |place| state[place])
     }
 }
@@ -307,7 +324,7 @@ mod tests {
         let magnitude = own.dot(&(cosines(&state).try_inverse().expect("axes") * own)).sqrt();
         // (mF)² with m, then (F − β)² in place of F².
         let expected = (magnitude.powi(2) - (1.01 * z[6]).powi(2) + 2.0 * 0.004 * z[6] - 0.004_f64.powi(2))
-            / (2.0 * z[6]);
+            / (2.0 * z[6] * 1.01 * (1.1 + 0.9 + 1.02) / 3.0);
         assert!((residual - expected).abs() < 1e-15, "{residual} {expected}");
         let slopes = model.slopes(&state).expect("axes");
         for j in 0..state.len() {

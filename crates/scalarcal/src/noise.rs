@@ -7,8 +7,10 @@
 //! residual(t) = Σ_i u_i(t) Σ_j x_ij(t) + white,
 //! ```
 //!
-//! x_ij Ornstein–Uhlenbeck processes whose sum has the density A f^-α, alike and independent for the three sensors. Which A and α, the readings say
-//! by restricted likelihood; the models that are allowed for are averaged by it, white noise among them.
+//! x_ij Ornstein–Uhlenbeck processes whose sum has the density A f^-α, alike and independent for the three sensors. Where nothing measured the
+//! magnitude while the sensors were turned (it is stated, constant, or from a model), it may have changed: then one such sum with u = 1 is allowed for as well,
+//! about a mean over each recording that is the stated one.
+//! Which A and α, and whose, the readings say by restricted likelihood; the models that are allowed for are averaged by it, white noise among them.
 
 use common::Noise;
 use estimate::Svd;
@@ -21,11 +23,14 @@ use crate::fit::{Found, Known, about};
 use crate::kalman::{Filter, Form, Memory, SENSORS, processes};
 use crate::linear::{Linear, Mixture, RANK_TOLERANCE, root};
 use crate::model::Model;
+use crate::read::Source;
 
-/// Exponents that are allowed for.
+/// Exponents that are allowed for in sensors.
 const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.5];
 /// The same of few groups, which hardly show an exponent: one that is too small would promise too much.
 const STEEP: [f64; 2] = [1.0, 1.5];
+/// The same for the magnitude: the field of the Earth varies as a random walk does.
+const EXPONENTS_OF_MAGNITUDE: [f64; 3] = [1.0, 1.5, 2.0];
 /// Flicker noise at 1/(10 steps) over white noise, in density, from one to the next.
 const RATIO_STEP: f64 = 4.0;
 /// Steps of the ratio on either side of one.
@@ -41,7 +46,7 @@ const ODDS: f64 = 9.0;
 /// A model of less weight than this does not count.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// Rows that are filtered at one time: residual and derivatives, row by row.
+/// Rows that are filtered at one time: residual, derivatives, and how each reads a noise of the field.
 pub struct Group {
     /// The first and the last of their moments.
     span_s: [f64; 2],
@@ -62,7 +67,7 @@ impl Group {
 /// Recordings as rows of residual and derivatives about a fit, over the typical magnitude.
 pub struct Groups {
     recordings: Vec<Vec<Group>>,
-    /// Columns of a row.
+    /// Columns of a row that are residual and derivatives.
     columns: usize,
     /// Rows before they were grouped.
     rows: f64,
@@ -102,7 +107,9 @@ impl Groups {
         let state = &found.state;
         let (slopes, coefficients) = (model.slopes(state)?, model.coefficients(state)?);
         let inverse = crate::model::cosines(state).try_inverse()?;
-        let added = 0.5 * (found.sensor * inverse.trace() - found.reference);
+        // What a residual of one is along the field, over the magnitude.
+        let unit = model.scale(state) / model.magnitude(state);
+        let added = 0.5 * (found.sensor * inverse.trace() - found.reference) * unit;
         let share = if found.sensor > 0.0 { found.sensor / (found.sensor + found.reference) } else { 0.0 };
         let count = model.parameters.len();
         let chain = model.chain(state);
@@ -112,15 +119,16 @@ impl Groups {
             model.terms.fill(z, products);
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
             let own = chain.own(z);
-            (0..SENSORS).for_each(|axis| z[axis] -= share * residual * own[axis] / state[axis]);
+            (0..SENSORS).for_each(|axis| z[axis] -= share * residual * unit * own[axis] / state[axis]);
             let read = z[model.terms.columns()];
-            z[model.terms.columns()] += (1.0 - share) * residual;
+            z[model.terms.columns()] += (1.0 - share) * residual * unit;
             let residual = residual * read / z[model.terms.columns()];
             model.terms.fill(z, products);
             let derivative = |by: &Vec<f64>| products.iter().zip(by).map(|(value, by)| value * by).sum();
             // Observed less predicted: what is to be explained is −r.
             std::iter::once(added / z[model.terms.columns()] - residual)
                 .chain(by.iter().map(derivative))
+                .chain([1.0])
                 .collect()
         };
         // As many rows of factors as rows could be.
@@ -140,13 +148,16 @@ impl Groups {
         };
         let recordings: Vec<Vec<Group>> =
             (0..rows.series.len()).into_par_iter().map(of).collect::<Option<_>>()?;
+        let measured = rows.series.iter().all(|one| one.source == Source::Scalar);
+        let memories: &[Memory] =
+            if measured { &[Memory::Sensors] } else { &[Memory::Sensors, Memory::Magnitude] };
         Some(Self {
             recordings,
             columns: count + 1,
             rows: all as f64,
             each: each as f64,
             exponents: &EXPONENTS,
-            memories: &[Memory::Sensors],
+            memories,
         })
     }
 
@@ -194,12 +205,16 @@ impl Groups {
         (!steps.is_empty()).then(|| estimate::stats::median_of(&mut steps))
     }
 
-    /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of their covariance (σ = 1).
-    fn whitened(&self, form: Form) -> Option<(Mat<f64>, f64)> {
+    /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of their covariance (σ = 1); `whole` where the
+    /// mean magnitude of each recording is known.
+    fn whitened(&self, form: Form, whole: bool) -> Option<(Mat<f64>, f64)> {
         let of = |groups: &Vec<Group>| {
             let mut filling = Filling::new(self.columns);
             let take = &mut |_: usize, row: &[f64]| filling.row(row.iter().copied());
             let logarithm = innovations(groups, self.columns, form, take)?;
+            if form.of == Memory::Magnitude && whole {
+                filling.row(mean(groups, self.columns));
+            }
             Some((filling.finish(), logarithm))
         };
         let parts: Vec<(Factor, f64)> =
@@ -221,9 +236,9 @@ impl Groups {
         Some(all)
     }
 
-    /// The rows whitened by a form of noise with the variance σ² of its white part.
-    pub fn linear(&self, form: Form, variance: f64) -> Option<Linear> {
-        let (upper, _) = self.whitened(form)?;
+    /// The rows whitened by a form of noise with the variance σ² of its white part; `whole` where they are whole recordings and not parts.
+    pub fn linear(&self, form: Form, variance: f64, whole: bool) -> Option<Linear> {
+        let (upper, _) = self.whitened(form, whole)?;
         Some(Linear::of(&upper, variance))
     }
 
@@ -233,21 +248,22 @@ impl Groups {
         let step = self.step_s()?;
         let mut forms = vec![base];
         let row = step / self.each;
-        for exponent in self.exponents.iter().copied().filter(|_| searched) {
-            // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are the longer, and of the rows.
-            let equal = |step: f64| 2.0 * row * (0.1 / step).powf(exponent);
-            let more = ((equal(row) / equal(step)).ln() / RATIO_STEP.ln() - 1e-9).ceil() as i32;
-            let ratio = move |k: i32| equal(step) * RATIO_STEP.powi(k);
-            forms.extend(self.memories.iter().flat_map(|of| {
-                (-RATIOS..=RATIOS + more).map(move |k| Form { of: *of, ratio: ratio(k), exponent })
-            }));
+        for of in self.memories.iter().filter(|_| searched) {
+            let exponents = if *of == Memory::Magnitude { &EXPONENTS_OF_MAGNITUDE } else { self.exponents };
+            for exponent in exponents.iter().copied() {
+                // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are the longer, and of the rows.
+                let equal = |step: f64| 2.0 * row * (0.1 / step).powf(exponent);
+                let more = ((equal(row) / equal(step)).ln() / RATIO_STEP.ln() - 1e-9).ceil() as i32;
+                let ratios = (-RATIOS..=RATIOS + more).map(|k| equal(step) * RATIO_STEP.powi(k));
+                forms.extend(ratios.map(|ratio| Form { of: *of, ratio, exponent }));
+            }
         }
         let prior = |place: usize| if place == 0 { ODDS } else { 1.0 / (forms.len() - 1) as f64 };
         let mut filtered: Vec<(Filtered, f64)> = forms
             .par_iter()
             .enumerate()
             .filter_map(|(place, form)| {
-                let (upper, logarithm) = self.whitened(*form)?;
+                let (upper, logarithm) = self.whitened(*form, true)?;
                 let linear = Linear::of(&upper, 1.0);
                 let (variance, log_likelihood) = restricted(&linear, held, self.rows, logarithm)?;
                 Some((Filtered { form: *form, upper, variance, weight: prior(place) }, log_likelihood))
@@ -271,7 +287,7 @@ impl Groups {
         &self,
         found: &mut Found,
         (held, known): (&Known, &Known),
-        (base, searched, magnitude_nt): (Form, bool, f64),
+        (base, searched, unit_nt): (Form, bool, f64),
     ) -> Result<Option<(Form, Noise)>, crate::Error> {
         let Some(filtered) = self.weighed(held, (base, searched)) else { return Ok(None) };
         let all: Known = held.iter().chain(known).cloned().collect();
@@ -287,7 +303,7 @@ impl Groups {
         found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
         found.covariance = covariance;
         found.seen = Svd::of(found.jacobian.as_ref(), RANK_TOLERANCE)?;
-        Ok(Some((heaviest.form, heaviest.noise(magnitude_nt))))
+        Ok(Some((heaviest.form, heaviest.noise(unit_nt))))
     }
 }
 
@@ -311,8 +327,8 @@ pub fn heaviest(filtered: &[Filtered]) -> &Filtered {
 
 impl Filtered {
     /// The noise that it is, nT.
-    pub fn noise(&self, magnitude_nt: f64) -> Noise {
-        let sigma = self.variance.sqrt() * magnitude_nt;
+    pub fn noise(&self, unit_nt: f64) -> Noise {
+        let sigma = self.variance.sqrt() * unit_nt;
         let flicker = self.form.ratio * sigma * sigma;
         Noise {
             white_rms_nt: Some(sigma),
@@ -357,8 +373,9 @@ fn innovations(
         all => all.iter().map(Group::time_s).collect(),
     };
     let (processes, white) = processes(&times, form)?;
-    let mut filter = Filter::new(&processes);
-    let mut estimates = vec![vec![0.0; SENSORS * processes.len()]; columns];
+    let channels = form.of.channels();
+    let mut filter = Filter::new(&processes, channels);
+    let mut estimates = vec![vec![0.0; channels * processes.len()]; columns];
     let mut whitened = vec![0.0; columns];
     let mut logarithm = 0.0;
     let mut before = groups.first()?.time_s();
@@ -371,12 +388,12 @@ fn innovations(
         before = group.time_s();
         for row in &group.rows {
             let first = if form.of == Memory::Sensors { ALONG } else { columns };
-            let along: [f64; SENSORS] = std::array::from_fn(|axis| row[first + axis]);
-            let variance = filter.read(&along, 1.0 + white);
+            let along = &row[first..first + channels];
+            let variance = filter.read(along, 1.0 + white);
             logarithm += variance.ln();
             let deviation = variance.sqrt();
             for ((to, estimate), value) in whitened.iter_mut().zip(&mut estimates).zip(row) {
-                let innovation = value - filter.predicted(&along, estimate);
+                let innovation = value - filter.predicted(along, estimate);
                 estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
                 *to = innovation / deviation;
             }
@@ -384,4 +401,11 @@ fn innovations(
         }
     }
     Some(logarithm)
+}
+
+/// The mean row over its standard deviation at σ = 1.
+fn mean(groups: &[Group], columns: usize) -> Vec<f64> {
+    let rows = || groups.iter().flat_map(|group| &group.rows);
+    let count: f64 = rows().map(|row| row[columns].powi(2)).sum();
+    (0..columns).map(|k| rows().map(|row| row[columns] * row[k]).sum::<f64>() / count.sqrt()).collect()
 }

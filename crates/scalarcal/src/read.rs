@@ -248,26 +248,34 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         Source::Ambient => format!("{path}.columns.ambient_x_nt"),
         _ => format!("{path}.conditions.{MAGNITUDE}"),
     };
-    let mut lengths: Vec<f64> = (0..series.len())
-        .map(|row| series.readings.iter().map(|reading| reading[row].powi(2)).sum::<f64>().sqrt())
-        .collect();
-    Ok(in_units(column, magnitude, median_of(&mut lengths), (unit, document))?)
+    let read = is_stated(document, unit).then(|| {
+        let basic = physics::Basic::found(document, unit);
+        let along = |axis: Axis| {
+            let scale = sensitivity(document, unit, axis).unwrap_or(1.0);
+            let offset = basic.sensors[axis.index()].offset_nt;
+            series.readings[axis.index()]
+                .iter()
+                .map(move |reading| scale * reading + offset)
+                .collect::<Vec<_>>()
+        };
+        size_of(&Axis::ALL.map(along), magnitude)
+    });
+    Ok(in_units(column, magnitude, read)?)
 }
 
-/// That a magnitude is in nT: it is like that of a field, or like the readings, of which `length` is the usual one.
+/// The usual length of the readings at the nominal sensitivity, nT.
+pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
+    scale.map(|scale| scale * length)
+}
+
+/// That a magnitude is in nT: it is like that of a field, and like that which the readings are of, nT, where that is known.
 ///
 /// # Errors
 ///
 /// A magnitude that is in another unit, at a place of the document.
-pub fn in_units(
-    column: String,
-    magnitude: f64,
-    length: f64,
-    (unit, document): (Unit, &Document),
-) -> Result<(), Fault> {
-    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
-    let read = scale.map(|scale| scale * length);
+pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Fault> {
     let unlike = read.filter(|read| !(1.0 / ALIKE..=ALIKE).contains(&(read / magnitude)));
     if (PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&magnitude) && unlike.is_none() {
         return Ok(());
@@ -284,4 +292,32 @@ pub fn in_units(
         None => "both in nT; is one of them in another unit, or a sensitivity wrong?".into(),
     };
     Err(Fault::document(column, found, expected))
+}
+
+/// How large a field the readings along the axes are of, nT: offsets that are not stated can make them longer than the field, but not let them vary more
+/// than a field that is turned. So it is their length where that is less than the magnitude, else the root of the sum of the squares of their median
+/// deviations; between the two the readings fit the magnitude.
+fn size_of(along: &[Vec<f64>; 3], magnitude_nt: f64) -> f64 {
+    let rows = 0..along[0].len();
+    let mut lengths: Vec<f64> =
+        rows.map(|row| along.iter().map(|b| b[row].powi(2)).sum::<f64>().sqrt()).collect();
+    let varies = along.iter().map(|b| {
+        let middle = median_of(&mut b.clone());
+        median_of(&mut b.iter().map(|value| (value - middle).abs()).collect::<Vec<f64>>()).powi(2)
+    });
+    let (length, varies) = (median_of(&mut lengths), varies.sum::<f64>().sqrt());
+    magnitude_nt.clamp(varies.min(length), length)
+}
+
+/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading in nT is the field where it states none.
+pub fn sensitivity(document: &Document, unit: Unit, axis: Axis) -> Option<f64> {
+    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
+    let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
+    let own = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
+    own.or(if unit == Unit::Volt { nominal } else { Some(1.0) })
+}
+
+/// Whether the document states the sensitivities of all three sensors.
+pub fn is_stated(document: &Document, unit: Unit) -> bool {
+    Axis::ALL.iter().all(|axis| sensitivity(document, unit, *axis).is_some())
 }

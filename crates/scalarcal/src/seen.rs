@@ -30,7 +30,7 @@ pub fn of_rows(
     detail: &Detail,
     options: &Options,
 ) -> Result<Seen, Error> {
-    let mut findings: Vec<String> = checks::repeated(&detail.series).into_iter().collect();
+    let mut findings = Vec::new();
     if !options.robust {
         findings.extend(checks::disturbed(&detail.series, &detail.residuals));
     }
@@ -56,7 +56,7 @@ fn rms(residuals: &[Vec<f64>]) -> f64 {
 
 /// The calibration that the document stated before, where there is one from elsewhere.
 pub fn before(document: &Document, solved: &Solved) -> Option<State> {
-    let there = start::is_stated(document, solved.unit)
+    let there = crate::read::is_stated(document, solved.unit)
         && !earlier(document, solved)
         && solved.sources != [Source::Constant];
     there.then(|| {
@@ -101,8 +101,8 @@ pub fn reference_offset(
     let last = found.state.len();
     let mut beside = found.clone();
     beside.state.push(0.0);
-    let variance = (solved.noise.white_rms_nt.unwrap_or(0.0) / scales.magnitude_nt).powi(2);
-    let linear = groups(&model, &beside).and_then(|groups| groups.linear(solved.form, variance));
+    let variance = solved.white_variance();
+    let linear = groups(&model, &beside).and_then(|groups| groups.linear(solved.form, variance, true));
     let Some(Linear { jacobian, right }) = linear.map(|linear| linear.with(known, &found.state)) else {
         return Ok(None);
     };

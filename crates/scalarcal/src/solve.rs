@@ -1,6 +1,6 @@
 //! From the recordings to the calibration.
 
-use common::number::counted;
+use common::number::{counted, significant};
 use common::{Axis, BodyIron, Document, Noise, VectorFit};
 use faer::Mat;
 use nalgebra::Matrix3;
@@ -15,7 +15,7 @@ use crate::known::{Beforehand, beforehand};
 use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, NINE, Parameter, State};
 use crate::noise::Groups;
-use crate::read::{Series, Source, read};
+use crate::read::{Series, Source, is_stated, read};
 use crate::weakest::{UNDETERMINED, frame};
 use crate::{Error, Options, checks, robust, start, weakest};
 
@@ -76,6 +76,18 @@ pub struct Solved {
     pub vector: Option<VectorFit>,
 }
 
+impl Solved {
+    /// The unit of a residual, nT.
+    pub fn unit_nt(&self) -> f64 {
+        self.scales.magnitude_nt * self.model.scale(&self.found.state)
+    }
+
+    /// Variance of the white noise of a residual over the square of that.
+    pub fn white_variance(&self) -> f64 {
+        (self.noise.white_rms_nt.unwrap_or(0.0) / self.unit_nt()).powi(2)
+    }
+}
+
 /// The rows of a calibration, where they are at hand.
 pub struct Detail {
     /// The rows that were used, without what the effects of the model add.
@@ -127,10 +139,14 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let (unit, mut series) = read(document, options)?;
     let mut told = Vec::new();
     let mut left_out = checks::saturated(checks::without_saturated(&mut series));
+    let repeated = checks::without_repeated(&mut series);
+    if repeated > 0 {
+        left_out.push(("the readings of the row before once more".into(), repeated as u64));
+    }
     unlike(&mut series, &mut told);
     series.retain(|one| one.len() > 0);
     let constant = series.iter().all(|one| one.source == Source::Constant);
-    if constant && !start::is_stated(document, unit) {
+    if constant && !is_stated(document, unit) {
         let expected = "`instrument.nominal_sensitivity_nt_per_v`, or `conditions.magnitude_nt`: one of the two gives the field its scale";
         let found = "neither a sensitivity nor a magnitude, with --constant-magnitude";
         return Err(common::Error::document("instrument", found, expected).into());
@@ -220,16 +236,18 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         found = fit(&model, &sums, &known, std::slice::from_ref(&found.state))?;
     }
     let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-    let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
+    let unit_nt = scales.magnitude_nt * model.scale(&found.state);
+    let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * unit_nt), ..Noise::default() };
     let declared = declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
     let white = declared == Some(WHITE);
     let groups = if white { None } else { Groups::of(&rows, &model, &found, true) };
+    let by_rotations = found.clone();
     let averaged = groups
         .map(|groups| {
             groups.average(
                 &mut found,
                 (&held, &known),
-                (declared.unwrap_or(WHITE), declared.is_none(), scales.magnitude_nt),
+                (declared.unwrap_or(WHITE), declared.is_none(), unit_nt),
             )
         })
         .transpose()?
@@ -240,7 +258,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let mut sources: Vec<Source> = kept.iter().map(|one| one.source).collect();
     sources.sort_unstable();
     sources.dedup();
-    let solved = Solved {
+    let mut solved = Solved {
         unit,
         scales,
         units: follow.units,
@@ -265,7 +283,8 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         found,
     };
     let detail = Detail { series: kept, residuals, follows, plain };
-    determined(&solved, &detail, options)?;
+    determined(&solved, &by_rotations, &detail, options)?;
+    solved.told.extend(wandering(&solved));
     Ok((solved, detail))
 }
 
@@ -373,10 +392,24 @@ fn most(found: &Found, rows: u64) -> f64 {
     UNDETERMINED.min(MOST_WEAK * (found.variance / rows as f64).sqrt())
 }
 
-/// That the fit determines every parameter.
-pub fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result<(), Error> {
-    let Solved { model, found, .. } = solved;
-    let worst = (0..NINE).map(|k| found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+/// That the rotations determine every parameter, by what is left as if it were white: of an offset that wanders they say no more, but that is no
+/// fault of theirs.
+pub fn determined(
+    solved: &Solved,
+    by_rotations: &Found,
+    detail: &Detail,
+    options: &Options,
+) -> Result<(), Error> {
+    let (model, found) = (&solved.model, by_rotations);
+    // A scale of sensors and field together, where that of the field is a parameter, is as uncertain as what is known of it: the rest counts.
+    let scale = model.scale(&found.state);
+    let apart = Mat::from_fn(NINE, model.parameters.len(), |i, j| {
+        let own = if i == j { 1.0 } else { 0.0 };
+        let scaled = model.place(&Parameter::Magnitude).is_some() && i < 6 && j < 3;
+        own - if scaled { found.state[i] / (3.0 * scale) } else { 0.0 }
+    });
+    let covariance = &apart * &found.covariance * apart.transpose();
+    let worst = (0..NINE).map(|k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
     let rows = found.jacobian.nrows();
     let all = Mat::from_fn(rows + solved.known.len(), model.parameters.len(), |i, j| {
         if i < rows { found.jacobian[(i, j)] } else { solved.known[i - rows].0[j] }
@@ -390,7 +423,20 @@ pub fn determined(solved: &Solved, detail: &Detail, options: &Options) -> Result
     }
     let rows = detail.rows(solved.scales);
     let state = &solved.found.state;
-    Err(message(&solved.model, &solved.found.jacobian, &rows, state, &solved.mu, &solved.beforehand, options))
+    Err(message(&solved.model, &all, &rows, state, &solved.mu, &solved.beforehand, options))
+}
+
+/// That offsets are known badly because they wander, in a sentence.
+fn wandering(solved: &Solved) -> Option<String> {
+    let offset = (3..6).map(|k| solved.found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    let wanders = solved.form.of == Memory::Sensors && solved.form.ratio > 0.0;
+    (wanders && offset > UNDETERMINED).then(|| {
+        format!(
+            "what is left changes slowly and turns with the sensors, as offsets do that wander: longer recordings of this kind make their {} nT no \
+             smaller. Is there iron or a current near by, is the field another where the block was moved to, or does the instrument correct itself?",
+            significant(offset * solved.scales.magnitude_nt, 2)
+        )
+    })
 }
 
 /// The same for a fit that found no minimum: with the parameters held loosely where they begin there is one, and it says what the
@@ -404,6 +450,9 @@ pub fn short(
     options: &Options,
     beforehand: &Beforehand,
 ) -> Option<Error> {
+    if sums.plain.rows() <= model.parameters.len() as u64 {
+        return None;
+    }
     let loosely = |place: usize, std: f64| {
         let mut weights = vec![0.0; model.parameters.len()];
         weights[place] = 1.0 / std;
@@ -411,12 +460,33 @@ pub fn short(
     };
     let held =
         |std: &f64| -> Known { (0..model.parameters.len()).map(|place| loosely(place, *std)).collect() };
-    let found = LOOSELY.iter().find_map(|std| fit(model, sums, &held(std), starts).ok())?;
-    let information = found.jacobian.transpose() * &found.jacobian;
-    let (least, _) = weakest::least(&information)?;
-    let mu = frame(&found.state, like);
-    (least < most(&found, sums.plain.rows()).powi(-2))
-        .then(|| message(model, &found.jacobian, rows, &found.state, &mu, beforehand, options))
+    let found = LOOSELY.iter().find_map(|std| fit(model, sums, &held(std), starts).ok());
+    let (state, jacobian, most) = match found {
+        Some(found) => (found.state.clone(), found.jacobian.clone(), most(&found, sums.plain.rows())),
+        // Not even those are found: the derivatives where they begin, and what is left when they are followed.
+        None => linear(model, sums.plain, &starts[0])?,
+    };
+    let (least, _) = weakest::least(&(jacobian.transpose() * &jacobian))?;
+    let mu = frame(&state, like);
+    (least < most.powi(-2)).then(|| message(model, &jacobian, rows, &state, &mu, beforehand, options))
+}
+
+/// Linear least squares at a state: the state, its derivatives over the standard deviation of what they leave, and the largest standard uncertainty of
+/// a parameter that is determined.
+fn linear(model: &Model, plain: &Factor, state: &State) -> Option<(State, Mat<f64>, f64)> {
+    let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
+    let upper = plain.upper();
+    let jacobian = &upper * slopes;
+    let residual: Vec<f64> = (0..upper.nrows())
+        .map(|i| (0..upper.ncols()).map(|k| upper[(i, k)] * coefficients[k]).sum())
+        .collect();
+    let step = estimate::Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(&residual);
+    let left = (0..residual.len())
+        .map(|i| residual[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>());
+    let variance = left.map(|value| value * value).sum::<f64>() / plain.rows() as f64;
+    let variance = variance.max(f64::MIN_POSITIVE);
+    let most = UNDETERMINED.min(MOST_WEAK * (variance / plain.rows() as f64).sqrt());
+    Some((state.clone(), jacobian * faer::Scale(1.0 / variance.sqrt()), most))
 }
 
 /// The form of the declared noise, where all three sensors have one; white where it has no memory.
@@ -456,14 +526,19 @@ fn message(
         },
         |weakest| (weakest.words, weakest.remedy.split(": the combination").next().unwrap_or("").to_string()),
     );
-    let known = if options.known || beforehand.rows.is_empty() {
-        "; or state what is known of the sensors beforehand under `calibration`, with its uncertainty, and give --known".into()
-    } else {
-        "; or give --known, which holds what the document states of the sensors within its uncertainty"
-            .to_string()
+    let known = match (beforehand.rows.is_empty(), options.known) {
+        (true, _) => {
+            "state what is known of the sensors beforehand under `calibration`, with its uncertainty, and give --known"
+        }
+        (false, false) => {
+            "give --known, which holds what the document states of the sensors within its uncertainty"
+        }
+        (false, true) => {
+            "state under `calibration` more of what is known of the sensors, or with a smaller uncertainty"
+        }
     };
     Error::Undetermined(format!(
-        "the rotations do not determine the calibration: {words}. {}{known}",
+        "the rotations do not determine the calibration: {words}. {}; or {known}",
         capital(&remedy)
     ))
 }

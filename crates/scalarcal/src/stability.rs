@@ -39,7 +39,6 @@ pub struct Part {
 /// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on the range of a part's
 /// derivatives, is what the parts gain by parameters of their own. None for fewer than two parts.
 pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
-    let scales = &solved.scales;
     // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
     let turned = solved.vector.is_some();
     let count = solved.model.by_magnitude().parameters.len();
@@ -48,7 +47,7 @@ pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, 
     }
     let (mut chi_squared, mut rank, mut rows) = (0.0, 0, 0.0);
     let mut windows = Vec::new();
-    let variance = (solved.noise.white_rms_nt.unwrap_or(0.0) / scales.magnitude_nt).powi(2);
+    let variance = solved.white_variance();
     // What is held stays where it is.
     let fixed: Known =
         solved.held.iter().filter(|_| !turned).map(|(weights, _)| (weights.clone(), 0.0)).collect();
@@ -56,7 +55,7 @@ pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, 
         let [from_s, to_s] = part.span_s;
         let mut window =
             ScalarWindow { from_s, to_s, rows: part.rows, rms_nt: part.rms_nt, ..ScalarWindow::default() };
-        let linear = part.groups.and_then(|groups| groups.linear(solved.form, variance));
+        let linear = part.groups.and_then(|groups| groups.linear(solved.form, variance, false));
         if let Some(linear) = linear {
             let Linear { jacobian, right } = linear.with(&fixed, &vec![0.0; count]);
             let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;

@@ -1,6 +1,6 @@
 //! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least squares.
 
-use common::{Axis, Document, Quantity};
+use common::{Axis, Document};
 use estimate::Svd;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
@@ -10,7 +10,7 @@ use crate::Error;
 use crate::design::Scales;
 use crate::factor::Factor;
 use crate::model::{Model, NINE, PAIRS, State};
-use crate::read::{Series, Source};
+use crate::read::{Series, Source, sensitivity};
 use crate::terms::ONE;
 
 /// Singular values of the linear fit below this share of the largest count as zero.
@@ -41,19 +41,6 @@ pub fn scales_of(document: &Document, unit: Unit, mean_nt: Option<f64>, swing: f
         .unwrap_or_else(|| swing * stated.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max));
     let nominal = magnitude_nt / swing.max(f64::MIN_POSITIVE);
     Scales { magnitude_nt, sensitivity: stated.map(|stated| stated.unwrap_or(nominal)) }
-}
-
-/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading in nT is the field where it states none.
-fn sensitivity(document: &Document, unit: Unit, axis: Axis) -> Option<f64> {
-    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-    let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
-    let own = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
-    own.or(if unit == Unit::Volt { nominal } else { Some(1.0) })
-}
-
-/// Whether the document states the sensitivities of all three sensors.
-pub fn is_stated(document: &Document, unit: Unit) -> bool {
-    Axis::ALL.iter().all(|axis| sensitivity(document, unit, *axis).is_some())
 }
 
 /// The states to begin from, the nine parameters of each followed by the others' neutral values.

@@ -86,7 +86,7 @@ pub fn solve(
         let groups = vectors.groups(&rows, &solved.model, &solved.found.state, &mu, &spread);
         let base = declared_form(document, Some(spread.along), &solved.scales);
         let freedom = (groups.rows() - count as f64).max(1.0);
-        let linear = groups.linear(WHITE, spread.along * groups.rows() / freedom);
+        let linear = groups.linear(WHITE, spread.along * groups.rows() / freedom, true);
         let Some(linear) = linear else { break };
         let all = linear.with(&solved.known, &solved.found.state);
         let svd = Svd::of(all.jacobian.as_ref(), RANK_TOLERANCE)?;

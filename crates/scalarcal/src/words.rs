@@ -37,7 +37,11 @@ fn describe(scalar: &ScalarCalibration) -> String {
     if let Some(amplitude) = noise.flicker_nt2_per_hz_at_1hz {
         let _ = writeln!(
             text,
-            "  noise with memory: {} nT²/Hz at 1 Hz, as 1/f^α with α = {}; white {} nT",
+            "  {}: {} nT²/Hz at 1 Hz, as 1/f^α with α = {}; white {} nT",
+            match scalar.memory_of.as_deref() {
+                Some("magnitude") => "changes of the magnitude, which nobody measured",
+                _ => "noise with memory",
+            },
             significant(amplitude, 3),
             significant(noise.flicker_exponent.unwrap_or(1.0), 3),
             significant(noise.white_rms_nt.unwrap_or(0.0), 3)

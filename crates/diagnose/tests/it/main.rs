@@ -2,6 +2,7 @@
 
 mod ambiguous;
 mod bad_input;
+mod behind_scalarcal;
 mod bench;
 mod clean;
 mod coverage;

@@ -107,6 +107,7 @@ pub fn month(stages: &Stages) -> Result<Page, Error> {
         of: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
+    scalar::by_scalarcal(stages, &mut page, &scalar)?;
     let own = |part: &Series| -> Vec<f64> {
         let total = part.vectors("sensor").into_iter().map(length);
         total.zip(part.column("reference_nt")).map(|(total, reference)| total - reference).collect()
@@ -144,6 +145,7 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
         of: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
+    scalar::by_scalarcal(stages, &mut page, &scalar)?;
     page.undecided(UNDECIDED);
     Ok(page)
 }

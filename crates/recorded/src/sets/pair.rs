@@ -75,7 +75,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
         ways: by_hand.words.iter().zip(AXES).map(|(words, axis)| format!("{axis}: {words}")).collect(),
         by_hand_nt: by_hand.scatter_nt.to_vec(),
         programs_nt: Some(scatter_of_each(&unseen).to_vec()),
-        why: pair.why,
+        why: pair.why.into(),
         ..Prediction::default()
     });
     let row = |what: &str, values: [f64; 3]| -> Vec<String> {

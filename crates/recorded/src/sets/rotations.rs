@@ -1,10 +1,11 @@
 //! Instruments turned in a field whose size is taken as constant: what |B| says of nine constants.
 
 use super::scalar::{self, Scalar};
+use super::turned::{about, middle};
 use crate::Error;
 use crate::by_hand::ellipsoid;
 use crate::page::Page;
-use crate::series::{Series, length, mean};
+use crate::series::{Series, mean};
 use crate::split::Split;
 use crate::stages::Stages;
 
@@ -12,25 +13,10 @@ const MARG: &str = include_str!("../../../../fixtures/ingest/real/marg.json");
 const PHONE: &str = include_str!("../../../../fixtures/ingest/real/phone.json");
 const VN100: &str = include_str!("../../../../fixtures/ingest/real/vn100.json");
 
-/// Why an ellipsoid by hand may predict better.
-/// The middle of the readings of each sensor, nT: where iron and offsets put the centre of the sphere, roughly.
-fn centre(series: &Series) -> [f64; 3] {
-    ["x", "y", "z"].map(|axis| {
-        let values = series.column(&format!("sensor_{axis}_nt"));
-        let (low, high) =
-            values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
-        (low + high) / 2.0
-    })
-}
-
 /// With the constant size of the field beside the readings.
 fn with_size(series: &Series, size_nt: f64) -> Series {
     let rows = series.rows();
     series.clone().with("reference_nt", vec![size_nt; rows])
-}
-
-fn mean_size(series: &Series, centre: [f64; 3]) -> f64 {
-    mean(series.vectors("sensor").into_iter().map(|v| length([0, 1, 2].map(|k| v[k] - centre[k]))))
 }
 
 /// One run fitted, another left out.
@@ -42,8 +28,8 @@ fn study(
     size_nt: Option<f64>,
     of: &str,
 ) -> Result<(), Error> {
-    let centre = centre(runs[0]);
-    let size = size_nt.unwrap_or_else(|| mean_size(runs[0], centre));
+    let centre = middle(runs[0]);
+    let size = size_nt.unwrap_or_else(|| mean(about(runs[0], centre)));
     let scalar = Scalar {
         fitted: with_size(runs[0], size),
         left_out: with_size(runs[1], size),

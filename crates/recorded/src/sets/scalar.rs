@@ -2,9 +2,10 @@
 
 use serde_json::{Value, json};
 
+use super::turned::{UNDETERMINED, within};
 use crate::Error;
 use crate::by_hand::{ByHand, mismatch, plane};
-use crate::page::{self, Page, three};
+use crate::page::{self, Page, array, plus_minus, three};
 use crate::plot::{self, Line, Panel};
 use crate::prediction::Prediction;
 use crate::series::{Series, mean, rms};
@@ -113,6 +114,70 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         draw(page, name, scalar, &all[1..]);
     }
     Ok(())
+}
+
+/// What data sheets of observatories' fluxgates promise: sensitivities within 0.1 %, axes within 2 mrad; and how far a compensation may be off.
+const SENSITIVITY: f64 = 1e-3;
+const ARCSEC: f64 = 413.0;
+const OFFSET_NT: f64 = 500.0;
+
+/// scalarcal where the field points one way: as it is, and with what data sheets say.
+pub fn by_scalarcal(stages: &Stages, page: &mut Page, scalar: &Scalar<'_>) -> Result<(), Error> {
+    let recording = || vec![scalar.fitted.recording("vector-scalar", "free_run")];
+    let known = within(SENSITIVITY, ARCSEC, scalar.offset_nt, OFFSET_NT);
+    match stages.stage("scalarcal", &[], recording(), &known)? {
+        Ok(_) => page.say("`scalarcal` takes the field's own changes as rotations enough."),
+        Err(words) => page.refused("scalarcal", &words),
+    }
+    let answer = stages.stage("scalarcal", &["--known"], recording(), &known)?;
+    let document = match answer {
+        Ok(document) => document,
+        Err(words) => {
+            page.say("With `--known`, sensitivities within 0.1 %, angles within 2 mrad, offsets within 500 nT of what is stated (standard uncertainties):");
+            page.refused("scalarcal", &words);
+            predicted(page, None);
+            return Ok(());
+        }
+    };
+    let parts = [&scalar.fitted, &scalar.left_out];
+    let nt = match corrected(stages, parts, &document)? {
+        Ok(nt) => nt,
+        Err(words) => {
+            page.refused("correct", &words);
+            return Ok(());
+        }
+    };
+    let found = &document["calibration"]["scalar"];
+    let parameters = array(&found["parameters"]).filter_map(|one| {
+        Some(format!(
+            "{} {}",
+            one["name"].as_str()?,
+            plus_minus(one["value"].as_f64()?, one["std"].as_f64()?)
+        ))
+    });
+    let offsets: Vec<String> = parameters.filter(|words| words.starts_with("offset")).collect();
+    page.say(format!(
+        "With `--known`, sensitivities within 0.1 %, angles within 2 mrad, offsets within 500 nT of what is stated (standard uncertainties): {} nT; the length less the scalar has an rms of {} nT where it was \
+         fitted, and scatters by {} nT in what was left out.",
+        offsets.join(", "),
+        three(rms(nt[0].iter().copied())),
+        three(scatter(&nt[1]))
+    ));
+    let weakest = found["weakest"]["words"].as_str().unwrap_or_default();
+    page.list(
+        std::iter::once(format!("shown least: {weakest}"))
+            .chain(array(&found["findings"]).filter_map(|words| words.as_str().map(String::from))),
+    );
+    predicted(page, Some(vec![scatter(&nt[1])]));
+    Ok(())
+}
+
+/// Beside the prediction by diagnose that of scalarcal, by the same way by hand.
+fn predicted(page: &mut Page, programs_nt: Option<Vec<f64>>) {
+    let Some(last) = page.predictions.last().cloned() else { return };
+    let of = "scalarcal --known".into();
+    let why = if programs_nt.is_none() { UNDETERMINED.into() } else { String::new() };
+    page.predictions.push(Prediction { of, programs_nt, why, ..last });
 }
 
 /// What diagnose says, and what is wrong with its refit.

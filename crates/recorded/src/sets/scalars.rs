@@ -42,6 +42,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         of: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
+    scalar::by_scalarcal(stages, &mut page, &scalar)?;
     page.undecided(
         "how the vector is turned; which constant is off, the compensation in x or in z, a scale, or the piers' difference of some nT: the field points one way; the temperature \
          coefficient that the maker states (0.25 nT/K), because the tunnel's temperature is not in the file and hardly moves.",
@@ -69,6 +70,7 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
         of: "",
     };
     scalar::study(stages, &mut page, &scalar)?;
+    scalar::by_scalarcal(stages, &mut page, &scalar)?;
     page.undecided(
         "anything but a level: the mismatch scatters by less than a tenth of a nT over the day, and a fit to so little would predict the evening worse than its mean does. \
          Not the turn, nor which constant makes the level.",
@@ -158,6 +160,7 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         let recording =
             joined(&late(fitted, days[8].0.unwrap_or(0.0))).recording("vector-scalar", "free_run");
         scalar::study(stages, &mut page, &scalar)?;
+        scalar::by_scalarcal(stages, &mut page, &scalar)?;
         if let Ok(document) = stages.stage("diagnose", &[], vec![recording], &json!({}))? {
             let clock = |effect: &&Value| effect["effect"] == "clock_offset";
             let found = array(&document["diagnosis"][0]["effects"]).find(clock);

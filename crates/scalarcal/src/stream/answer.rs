@@ -98,6 +98,7 @@ fn solve(
     let white = declared == Some(WHITE);
     let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
     let groups = if white { None } else { groups(&windows, &model, &found) };
+    let by_rotations = found.clone();
     let averaged = groups
         .map(|groups| memory::widen(&groups, &mut found, (&held, &known), (declared, scales.magnitude_nt)))
         .transpose()?
@@ -130,7 +131,7 @@ fn solve(
         found,
     };
     let detail = Detail { series, residuals, follows: vec![Vec::new()], plain };
-    solve::determined(&solved, &detail, options)?;
+    solve::determined(&solved, &by_rotations, &detail, options)?;
     Ok((solved, detail, windows))
 }
 
@@ -187,7 +188,8 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
     let magnitude_nt = (4.0 * mean_square / raw.rows() as f64).sqrt();
     let length = (4.0 * (0..3).map(own).sum::<f64>() / raw.rows() as f64).sqrt();
     let column = if partial.source() == read::Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
-    read::in_units(column.into(), magnitude_nt, length, (unit, document)).map_err(Error::from)
+    let read = read::by_nominal(length, unit, document);
+    read::in_units(column.into(), magnitude_nt, read).map_err(Error::from)
 }
 
 /// What is said where noise with memory was not looked for.

@@ -41,7 +41,7 @@ pub fn widen(
     let Some(filtered) = groups.weighed(held, (declared.unwrap_or(WHITE), declared.is_none())) else {
         return Ok(None);
     };
-    let Some(white) = groups.linear(WHITE, found.variance) else { return Ok(None) };
+    let Some(white) = groups.linear(WHITE, found.variance, true) else { return Ok(None) };
     let heaviest = heaviest(&filtered);
     let all: Known = held.iter().chain(known).cloned().collect();
     let count = found.state.len();

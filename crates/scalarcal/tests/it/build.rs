@@ -34,6 +34,8 @@ pub struct Campaign {
     pub bias_nt: f64,
     /// Share by which the magnitude varies.
     pub varies: f64,
+    /// By how much it wanders, nT/√s, where nothing measures it; with no value the reference does.
+    pub wanders: Option<f64>,
     pub sensitivity: [f64; 3],
     pub offset_nt: [f64; 3],
     /// Angles xy, yz, xz off a right angle, rad.
@@ -57,6 +59,7 @@ impl Default for Campaign {
             reference_nt: 0.1,
             bias_nt: 0.0,
             varies: 0.05,
+            wanders: None,
             sensitivity: [6412.8, 6380.8, 6406.4],
             offset_nt: [12.0, -8.0, 4.0],
             angles: [0.0087, -0.0052, 0.0035],
@@ -79,8 +82,10 @@ impl Campaign {
     /// The field in SEN in each row.
     fn fields(&self, stream: &mut Stream) -> Vec<Vector3<f64>> {
         let rows = self.rows as f64;
+        let mut off = 0.0;
         (0..self.rows)
             .map(|row| {
+                off += self.wanders.map_or(0.0, |size| size * stream.normal());
                 let part = (row as f64 + 0.5) / rows;
                 let direction = match self.turns {
                     Turns::Any => Vector3::from_fn(|_, _| stream.normal()).normalize(),
@@ -97,7 +102,7 @@ impl Campaign {
                     }
                 };
                 let wave = (part * 2.0 * std::f64::consts::PI * 7.0).sin();
-                direction * MAGNITUDE_NT * (1.0 + self.varies * wave)
+                direction * (MAGNITUDE_NT * (1.0 + self.varies * wave) + off)
             })
             .collect()
     }
@@ -132,7 +137,9 @@ impl Campaign {
         let mut noise = Stream::new(seed, "reference");
         let reference =
             fields.iter().map(|field| field.norm() + self.bias_nt + self.reference_nt * noise.normal());
-        columns.push(("reference_nt".into(), reference.collect()));
+        if self.wanders.is_none() {
+            columns.push(("reference_nt".into(), reference.collect()));
+        }
         columns.push(("sensor_temperature_c".into(), temperature));
         Document {
             fluxcal: common::FORMAT_VERSION,

@@ -13,7 +13,8 @@ const WIDE: [f64; 2] = [0.93, 1.0];
 const NAMES: [&str; 9] = ["k x", "k y", "k z", "O x", "O y", "O z", "xy", "yz", "xz"];
 
 fn covered(name: &str, campaign: &Campaign, usual: u64, band: [f64; 2]) {
-    let run = |document: Document| scalarcal::run(document, &Options::default());
+    let options = Options { constant_magnitude: campaign.wanders.is_some(), ..Options::default() };
+    let run = |document: Document| scalarcal::run(document, &options);
     covered_by(name, campaign, usual, band, run);
 }
 
@@ -137,4 +138,17 @@ fn stream_flicker_slow_turns() {
 #[test]
 fn stream_flicker_poor_rotations() {
     stream_flicker("poor rotations", Turns::Poor);
+}
+
+/// A field that nobody measured, and that wanders as that of the Earth does.
+#[test]
+fn unmeasured_field_slow_turns() {
+    let slow = Campaign { wanders: Some(0.3), varies: 0.0, turns: Turns::Slow, ..Campaign::default() };
+    covered("unmeasured field, slow turns", &slow, 12, BAND);
+}
+
+#[test]
+fn unmeasured_field_all_directions() {
+    let any = Campaign { wanders: Some(3.0), varies: 0.0, ..Campaign::default() };
+    covered("unmeasured field, all directions", &any, 12, BAND);
 }

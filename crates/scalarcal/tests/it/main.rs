@@ -7,6 +7,7 @@ mod build;
 mod coverage;
 mod golden;
 mod help;
+mod magcal;
 mod orbit;
 mod scipy;
 mod stream;
