@@ -70,9 +70,13 @@ impl Average {
             String::new()
         };
         let (least, most) = all.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(*v), b.max(*v)));
-        let each = if least == most { bare(most) } else { format!("{} to {}", bare(least), bare(most)) };
+        let each = match (all.is_empty(), least == most) {
+            (true, _) => String::new(),
+            (_, true) => format!(", {} samples in each", bare(most)),
+            _ => format!(", {} to {} samples in each", bare(least), bare(most)),
+        };
         Ok(format!(
-            "{} to {} of {} s, {each} samples in each{lost}",
+            "{} to {} of {} s{each}{lost}",
             counted(before, "row"),
             counted(windows.len(), "mean"),
             bare(self.window_s)
