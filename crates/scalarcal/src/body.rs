@@ -16,7 +16,7 @@ use physics::Basic;
 
 use crate::Error;
 use crate::model::{NINE, cosines};
-use crate::solve::Solved;
+use crate::solved::Solved;
 use crate::weakest::frame;
 
 /// What is said of sensors on a body whose own calibration is not known.

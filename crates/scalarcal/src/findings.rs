@@ -6,7 +6,7 @@ use common::{AgainstKnown, ReferenceOffset, ScalarStability};
 use crate::model::Parameter;
 use crate::read::Source;
 use crate::result::told;
-use crate::solve::Solved;
+use crate::solved::Solved;
 
 /// Sensitivities that differ by more than this factor have an odd one among them.
 const UNLIKE: f64 = 3.0;

@@ -14,7 +14,7 @@ use crate::model::{Model, State};
 use crate::moment::{About, Moment, Spread};
 use crate::noise::{Group, Groups};
 use crate::read::{Series, Source};
-use crate::solve::Solved;
+use crate::solved::Solved;
 
 /// Rows that are filtered one by one; of longer recordings groups of rows are.
 const FILTERED: usize = 8192;

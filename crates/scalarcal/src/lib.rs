@@ -9,7 +9,9 @@
 mod axes;
 mod body;
 mod checks;
+mod declared;
 mod design;
+mod determined;
 mod directions;
 mod effects;
 mod ends;
@@ -31,6 +33,7 @@ mod result;
 mod robust;
 mod seen;
 mod solve;
+mod solved;
 mod stability;
 mod start;
 pub mod stream;
@@ -46,6 +49,7 @@ pub use read::Source;
 pub use words::summary;
 
 use common::{Document, Error as Fault};
+use solved::{Detail, Solved};
 
 /// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what stands behind them to
 /// `calibration.scalar`, and effects that were fitted to `model.effects`.
@@ -57,8 +61,8 @@ use common::{Document, Error as Fault};
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let gathered = joined::gathered(&document)?;
     let ((mut solved, detail), told) = match gathered {
-        Some(gathered) => (solved(&gathered.document, options)?, gathered.told),
-        None => (solved(&document, options)?, Vec::new()),
+        Some(gathered) => (calibrated(&gathered.document, options)?, gathered.told),
+        None => (calibrated(&document, options)?, Vec::new()),
     };
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
@@ -76,7 +80,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
 
 /// By the magnitude of the field, and where that is asked for by its direction. Sensors on a body, of which the calibration away from it is known, show
 /// the body's iron as well.
-fn solved(document: &Document, options: &Options) -> Result<(solve::Solved, solve::Detail), Error> {
+fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
     let [on_body, away] = body::mounted(document);
     let known = on_body && options.known;
     if !on_body || !(away || known) {
@@ -107,7 +111,7 @@ fn solved(document: &Document, options: &Options) -> Result<(solve::Solved, solv
     Ok((solved, detail))
 }
 
-fn by_field(document: &Document, options: &Options) -> Result<(solve::Solved, solve::Detail), Error> {
+fn by_field(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
     let (solved, detail) = solve::solve(document, options)?;
     if !options.vector {
         return Ok((solved, detail));

@@ -30,7 +30,7 @@ struct Cli {
     io: Io,
     #[command(flatten)]
     fit: FitArgs,
-    /// Weigh rows that are far from the rest down
+    /// Leave out rows that are far from the rest
     #[arg(long)]
     robust: bool,
     /// The field's magnitude is constant and not known in recordings without a reference

@@ -14,7 +14,7 @@ use physics::frames::ARCSEC;
 use crate::directions::directions_by;
 use crate::fit::Known;
 use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
-use crate::solve::{Detail, Solved};
+use crate::solved::{Detail, Solved};
 use crate::weakest;
 use crate::{Error, Options, findings};
 

@@ -10,7 +10,7 @@ use crate::model::{Model, NINE, Parameter, State};
 use crate::noise::Groups;
 use crate::read::Source;
 use crate::result::{Seen, earlier};
-use crate::solve::{Detail, Solved};
+use crate::solved::{Detail, Solved};
 use crate::{Error, Options, checks, stability, start};
 
 /// A constant error of the reference is asked for where the magnitude varies by so many times the residuals: less is noise of the reference in part,

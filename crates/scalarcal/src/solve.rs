@@ -1,134 +1,29 @@
 //! From the recordings to the calibration.
 
-use common::number::{counted, significant};
-use common::{Axis, BodyIron, Document, Noise, VectorFit};
-use faer::Mat;
+use common::number::counted;
+use common::{Document, Noise};
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
 
+use crate::declared::{declared_form, reference_variance, sensor_variance};
 use crate::design::{Rows, Scales};
+use crate::determined::{determined, short, wandering};
 use crate::effects::{Following, asked, following, taken_off};
 use crate::factor::Factor;
 use crate::fit::{Found, Known, Sums, fit};
-use crate::kalman::{Form, Memory, WHITE};
+use crate::kalman::WHITE;
 use crate::known::{Beforehand, beforehand};
-use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, NINE, Parameter, State};
 use crate::noise::Groups;
 use crate::read::{Series, Source, is_stated, read};
-use crate::weakest::{UNDETERMINED, frame};
-use crate::{Error, Options, checks, robust, start, weakest};
+use crate::solved::{Detail, Solved};
+use crate::weakest::frame;
+use crate::{Error, Options, checks, robust, start};
 
 /// Rounds in which what effects follow, and what those of the model add, settle with the sensors.
 const ROUNDS: usize = 3;
 /// Relative standard uncertainty with which a scale that nothing shows is held.
 const HELD: f64 = 1e-9;
-/// A parameter more than this many times as uncertain as the mean residual counts as undetermined: small unmodelled effects would decide it.
-const MOST_WEAK: f64 = 1000.0;
-/// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum without.
-const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
-
-/// A calibration with all that stands behind it.
-pub struct Solved {
-    /// Unit of the readings.
-    pub unit: Unit,
-    /// The units of the parameters.
-    pub scales: Scales,
-    /// The parameters.
-    pub model: Model,
-    /// What one unit of the state is in the unit of an effect's parameter.
-    pub units: Vec<f64>,
-    /// The effects that were fitted.
-    pub effects: Vec<EffectInstance>,
-    /// The fit.
-    pub found: Found,
-    /// What was known beforehand.
-    pub beforehand: Beforehand,
-    /// Rows of the fit for what no reading shows and is held.
-    pub held: Known,
-    /// Those, and the rows for what is known beforehand and used.
-    pub known: Known,
-    /// μ.
-    pub mu: Matrix3<f64>,
-    /// Noise of a residual (white) and of the sensors (with memory).
-    pub noise: Noise,
-    /// Its form.
-    pub form: Form,
-    /// Whether the noise is declared white: the factor then holds all that the rows say.
-    pub white: bool,
-    /// Names of the recordings.
-    pub recordings: Vec<String>,
-    /// Where their magnitude comes from.
-    pub sources: Vec<Source>,
-    /// Rows used.
-    pub rows: u64,
-    /// Rows that lack a reading.
-    pub missing: u64,
-    /// Rows left out, by the reason.
-    pub left_out: Vec<(String, u64)>,
-    /// What was done or assumed, in words.
-    pub told: Vec<String>,
-    /// The iron of the body, where the sensors' own calibration is known.
-    pub body: Option<BodyIron>,
-    /// Whether the calibration includes it.
-    pub includes_body: bool,
-    /// The field and its direction, where they were used.
-    pub vector: Option<VectorFit>,
-}
-
-impl Solved {
-    /// The unit of a residual, nT.
-    pub fn unit_nt(&self) -> f64 {
-        self.scales.magnitude_nt * self.model.scale(&self.found.state)
-    }
-
-    /// Variance of the white noise of a residual over the square of that.
-    pub fn white_variance(&self) -> f64 {
-        (self.noise.white_rms_nt.unwrap_or(0.0) / self.unit_nt()).powi(2)
-    }
-}
-
-/// The rows of a calibration, where they are at hand.
-pub struct Detail {
-    /// The rows that were used, without what the effects of the model add.
-    pub series: Vec<Series>,
-    /// |B| − F in each row, nT.
-    pub residuals: Vec<Vec<f64>>,
-    /// The columns that effects follow.
-    pub follows: Vec<Vec<Vec<f64>>>,
-    /// The factor of their products.
-    pub plain: Factor,
-}
-
-impl Detail {
-    /// The rows in the units of the parameters.
-    pub fn rows(&self, scales: Scales) -> Rows<'_> {
-        Rows { series: &self.series, scales, follows: self.follows.clone(), weights: None }
-    }
-
-    /// The rows about a fit of a model, as they are whitened.
-    pub fn groups(&self, solved: &Solved, model: &Model, found: &Found, timed: bool) -> Option<Groups> {
-        if solved.white {
-            return Groups::of_factors(&[([0.0; 2], &self.plain)], model, found);
-        }
-        Groups::of(&self.rows(solved.scales), model, found, timed)
-    }
-
-    /// Some rows of one recording.
-    pub fn part(&self, solved: &Solved, number: usize, from: usize, to: usize) -> Self {
-        let follows = self.follows[number].iter().map(|column| column[from..to].to_vec()).collect();
-        let mut part = Self {
-            series: vec![self.series[number].part(from, to)],
-            residuals: vec![self.residuals[number][from..to].to_vec()],
-            follows: vec![follows],
-            plain: Factor::new(solved.model.terms.count()),
-        };
-        if solved.white {
-            part.plain = part.rows(solved.scales).factor(&solved.model.terms);
-        }
-        part
-    }
-}
 
 /// Finds the calibration.
 ///
@@ -342,23 +237,6 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
     Ok(Some(first.1))
 }
 
-/// Variance of the reference over the square of the magnitude, where one was read.
-pub fn reference_variance(document: &Document, read: bool, scales: &Scales) -> f64 {
-    let std = document.facility.as_ref().and_then(|facility| facility.reference_std_nt).filter(|_| read);
-    (std.unwrap_or(0.0) / scales.magnitude_nt).powi(2)
-}
-
-/// Variance of the declared noise along a sensor over the square of the magnitude, in the mean of the sensors.
-pub fn sensor_variance(document: &Document, unit: Unit, scales: &Scales) -> Option<f64> {
-    let instrument = document.instrument.as_ref()?;
-    let of = |axis: Axis| instrument.noise_of(axis)?.white_rms_nt.filter(|rms| *rms > 0.0);
-    let all: Vec<f64> = Axis::ALL.into_iter().filter_map(of).collect();
-    let code = scales.sensitivity.map(|k| unit.code_width(Some(instrument)).map_or(0.0, |width| k * width));
-    let rounding = code.iter().map(|width| width * width / 12.0).sum::<f64>() / 3.0;
-    let mean = all.iter().map(|rms| rms * rms).sum::<f64>() / 3.0;
-    (all.len() == 3).then(|| (mean + rounding) / scales.magnitude_nt.powi(2))
-}
-
 /// The rows for scales that nothing shows.
 fn held(
     model: &Model,
@@ -386,164 +264,7 @@ fn held(
     rows
 }
 
-/// The largest standard uncertainty of a parameter that is determined.
-fn most(found: &Found, rows: u64) -> f64 {
-    // A mean of all rows has the uncertainty s/√n.
-    UNDETERMINED.min(MOST_WEAK * (found.variance / rows as f64).sqrt())
-}
-
-/// That the rotations determine every parameter, by what is left as if it were white: of an offset that wanders they say no more, but that is no
-/// fault of theirs.
-pub fn determined(
-    solved: &Solved,
-    by_rotations: &Found,
-    detail: &Detail,
-    options: &Options,
-) -> Result<(), Error> {
-    let (model, found) = (&solved.model, by_rotations);
-    // A scale of sensors and field together, where that of the field is a parameter, is as uncertain as what is known of it: the rest counts.
-    let scale = model.scale(&found.state);
-    let apart = Mat::from_fn(NINE, model.parameters.len(), |i, j| {
-        let own = if i == j { 1.0 } else { 0.0 };
-        let scaled = model.place(&Parameter::Magnitude).is_some() && i < 6 && j < 3;
-        own - if scaled { found.state[i] / (3.0 * scale) } else { 0.0 }
-    });
-    let covariance = &apart * &found.covariance * apart.transpose();
-    let worst = (0..NINE).map(|k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
-    let rows = found.jacobian.nrows();
-    let all = Mat::from_fn(rows + solved.known.len(), model.parameters.len(), |i, j| {
-        if i < rows { found.jacobian[(i, j)] } else { solved.known[i - rows].0[j] }
-    });
-    let full = estimate::Svd::of(all.as_ref(), RANK_TOLERANCE)?.rank() == model.parameters.len();
-    // Where the scale is that of something known, it is no better than that.
-    let scaled = options.known || model.place(&Parameter::Magnitude).is_some();
-    let most = if scaled { UNDETERMINED } else { most(found, solved.rows) };
-    if full && worst <= most {
-        return Ok(());
-    }
-    let rows = detail.rows(solved.scales);
-    let state = &solved.found.state;
-    Err(message(&solved.model, &all, &rows, state, &solved.mu, &solved.beforehand, options))
-}
-
-/// That offsets are known badly because they wander, in a sentence.
-fn wandering(solved: &Solved) -> Option<String> {
-    let offset = (3..6).map(|k| solved.found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
-    let wanders = solved.form.of == Memory::Sensors && solved.form.ratio > 0.0;
-    (wanders && offset > UNDETERMINED).then(|| {
-        format!(
-            "what is left changes slowly and turns with the sensors, as offsets do that wander: longer recordings of this kind make their {} nT no \
-             smaller. Is there iron or a current near by, is the field another where the block was moved to, or does the instrument correct itself?",
-            significant(offset * solved.scales.magnitude_nt, 2)
-        )
-    })
-}
-
-/// The same for a fit that found no minimum: with the parameters held loosely where they begin there is one, and it says what the
-/// readings do not.
-pub fn short(
-    model: &Model,
-    sums: &Sums<'_>,
-    rows: &Rows<'_>,
-    starts: &[State],
-    like: &Matrix3<f64>,
-    options: &Options,
-    beforehand: &Beforehand,
-) -> Option<Error> {
-    if sums.plain.rows() <= model.parameters.len() as u64 {
-        return None;
-    }
-    let loosely = |place: usize, std: f64| {
-        let mut weights = vec![0.0; model.parameters.len()];
-        weights[place] = 1.0 / std;
-        (weights, starts[0][place] / std)
-    };
-    let held =
-        |std: &f64| -> Known { (0..model.parameters.len()).map(|place| loosely(place, *std)).collect() };
-    let found = LOOSELY.iter().find_map(|std| fit(model, sums, &held(std), starts).ok());
-    let (state, jacobian, most) = match found {
-        Some(found) => (found.state.clone(), found.jacobian.clone(), most(&found, sums.plain.rows())),
-        // Not even those are found: the derivatives where they begin, and what is left when they are followed.
-        None => linear(model, sums.plain, &starts[0])?,
-    };
-    let (least, _) = weakest::least(&(jacobian.transpose() * &jacobian))?;
-    let mu = frame(&state, like);
-    (least < most.powi(-2)).then(|| message(model, &jacobian, rows, &state, &mu, beforehand, options))
-}
-
-/// Linear least squares at a state: the state, its derivatives over the standard deviation of what they leave, and the largest standard uncertainty of
-/// a parameter that is determined.
-fn linear(model: &Model, plain: &Factor, state: &State) -> Option<(State, Mat<f64>, f64)> {
-    let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
-    let upper = plain.upper();
-    let jacobian = &upper * slopes;
-    let residual: Vec<f64> = (0..upper.nrows())
-        .map(|i| (0..upper.ncols()).map(|k| upper[(i, k)] * coefficients[k]).sum())
-        .collect();
-    let step = estimate::Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(&residual);
-    let left = (0..residual.len())
-        .map(|i| residual[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>());
-    let variance = left.map(|value| value * value).sum::<f64>() / plain.rows() as f64;
-    let variance = variance.max(f64::MIN_POSITIVE);
-    let most = UNDETERMINED.min(MOST_WEAK * (variance / plain.rows() as f64).sqrt());
-    Some((state.clone(), jacobian * faer::Scale(1.0 / variance.sqrt()), most))
-}
-
-/// The form of the declared noise, where all three sensors have one; white where it has no memory.
-pub fn declared_form(document: &Document, variance: Option<f64>, scales: &Scales) -> Option<Form> {
-    let instrument = document.instrument.as_ref()?;
-    let all: Vec<&Noise> = Axis::ALL.into_iter().filter_map(|axis| instrument.noise_of(axis)).collect();
-    let white = variance? * scales.magnitude_nt.powi(2);
-    let flicker = all.iter().filter_map(|noise| noise.flicker_nt2_per_hz_at_1hz).sum::<f64>() / 3.0;
-    let exponent =
-        all.iter().map(|noise| noise.flicker_exponent.unwrap_or(1.0)).sum::<f64>() / all.len() as f64;
-    Some(if flicker > 0.0 { Form { of: Memory::Sensors, ratio: flicker / white, exponent } } else { WHITE })
-}
-
 /// What is known beforehand, where it is to be used.
 pub fn used(beforehand: &Beforehand, options: &Options) -> Known {
     if options.known { beforehand.rows.clone() } else { Known::new() }
-}
-
-fn message(
-    model: &Model,
-    jacobian: &faer::Mat<f64>,
-    rows: &Rows<'_>,
-    state: &State,
-    mu: &Matrix3<f64>,
-    beforehand: &Beforehand,
-    options: &Options,
-) -> Error {
-    let directions: Vec<_> =
-        weakest::directions(rows, model, state, mu).into_iter().map(|(_, _, field)| field).collect();
-    let found = weakest::weakest(model, state, jacobian, (&directions, rows.scales.magnitude_nt), mu);
-    let (words, remedy) = found.map_or_else(
-        || {
-            (
-                "the directions of the field do not differ".into(),
-                "turn the block about all three axes".to_string(),
-            )
-        },
-        |weakest| (weakest.words, weakest.remedy.split(": the combination").next().unwrap_or("").to_string()),
-    );
-    let known = match (beforehand.rows.is_empty(), options.known) {
-        (true, _) => {
-            "state what is known of the sensors beforehand under `calibration`, with its uncertainty, and give --known"
-        }
-        (false, false) => {
-            "give --known, which holds what the document states of the sensors within its uncertainty"
-        }
-        (false, true) => {
-            "state under `calibration` more of what is known of the sensors, or with a smaller uncertainty"
-        }
-    };
-    Error::Undetermined(format!(
-        "the rotations do not determine the calibration: {words}. {}; or {known}",
-        capital(&remedy)
-    ))
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
 }

@@ -9,7 +9,7 @@ use crate::linear::Linear;
 use crate::noise::Groups;
 use crate::read::Series;
 use crate::result::described;
-use crate::solve::{Detail, Solved};
+use crate::solved::{Detail, Solved};
 use crate::weakest::UNDETERMINED;
 use crate::{Error, Options};
 

@@ -14,13 +14,14 @@ use nalgebra::{Matrix3, Rotation3};
 use physics::Basic;
 use physics::frames::ARCSEC;
 
+use crate::declared::declared_form;
 use crate::directions::turned;
 use crate::fit::{Found, Known};
 use crate::kalman::WHITE;
 use crate::known_field::Vectors;
 use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, Parameter};
-use crate::solve::{Detail, Solved, declared_form};
+use crate::solved::{Detail, Solved};
 use crate::weakest::{self, frame};
 use crate::{Error, Options, axes};
 

@@ -1,6 +1,7 @@
 use std::fs;
+use std::path::Path;
 
-use crate::{bless, fixture, run};
+use crate::{bless, fixture, run, run_in};
 
 /// Every document of a folder of `fixtures` (`name.json`) brings its message and exit code (`name.txt`), and nothing on standard
 /// output. With BLESS=1 in the environment the messages are written anew. Gives the number of documents.
@@ -28,4 +29,33 @@ pub fn faults(folder: &str, program: &str) -> usize {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     names.len()
+}
+
+/// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there.
+pub fn copied(folder: &str) -> tempfile::TempDir {
+    let copy = tempfile::tempdir().expect("a folder");
+    for entry in fs::read_dir(fixture(folder)).expect("fixtures") {
+        let path = entry.expect("an entry").path();
+        fs::copy(&path, copy.path().join(path.file_name().expect("a name"))).expect("copied");
+    }
+    copy
+}
+
+/// Each of these command lines, run in a folder, brings its message and exit code (`name.txt` in a folder of `fixtures`), and nothing on
+/// standard output. With BLESS=1 in the environment the messages are written anew.
+pub fn faults_in(folder: &Path, messages: &str, program: &str, cases: &[(&str, Vec<&str>)]) {
+    let mut wrong = Vec::new();
+    for (name, arguments) in cases {
+        let run = run_in(program, folder, arguments);
+        let said = run.message();
+        let expected = fixture(&format!("{messages}/{name}.txt"));
+        if bless() {
+            fs::write(&expected, &said).expect("written");
+        }
+        let expected = fs::read_to_string(&expected).unwrap_or_default();
+        if said != expected || !run.stdout.is_empty() || run.code == 0 {
+            wrong.push(format!("{name}:\n{said}{}where this is expected:\n{expected}", run.stdout));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -17,11 +17,12 @@ use crate::noise::Groups;
 use crate::read::{self, Series};
 use crate::result::{self, Seen};
 use crate::seen::{before, reference_offset};
-use crate::solve::{self, Detail, Solved};
+use crate::solve;
+use crate::solved::{Detail, Solved};
 use crate::stability::{self, Part};
 use crate::terms::{ONE, Terms};
 use crate::weakest::frame;
-use crate::{Error, Options, checks, start};
+use crate::{Error, Options, checks, declared, determined, start};
 
 /// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is known of instrument and facility. Its
 /// recordings are not read.
@@ -82,8 +83,8 @@ fn solve(
         .into_iter()
         .map(|(place, one)| (place, Window { factor: one.factor.scaled(&by), ..one }))
         .collect();
-    let sensor = solve::sensor_variance(document, unit, &scales);
-    let reference = solve::reference_variance(document, true, &scales);
+    let sensor = declared::sensor_variance(document, unit, &scales);
+    let reference = declared::reference_variance(document, true, &scales);
     let like = Basic::found(document, unit).mu;
     let beforehand = beforehand(document, unit, &scales, &model)?;
     let (held, known) = (Known::new(), solve::used(&beforehand, options));
@@ -92,9 +93,9 @@ fn solve(
     let series = vec![sample(partial)];
     let rows = Rows { series: &series, scales, follows: vec![Vec::new()], weights: None };
     let mut found = fit(&model, &sums, &known, &starts).map_err(|error| {
-        solve::short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
+        determined::short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
     })?;
-    let declared = solve::declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
+    let declared = declared::declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
     let white = declared == Some(WHITE);
     let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
     let groups = if white { None } else { groups(&windows, &model, &found) };
@@ -131,7 +132,7 @@ fn solve(
         found,
     };
     let detail = Detail { series, residuals, follows: vec![Vec::new()], plain };
-    solve::determined(&solved, &by_rotations, &detail, options)?;
+    determined::determined(&solved, &by_rotations, &detail, options)?;
     Ok((solved, detail, windows))
 }
 
