@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 
 use crate::design::Rows;
 use crate::factor::Factor;
-use crate::fit::{Found, Known, Sums, fit};
+use crate::fit::{Found, Known, Sums, explained, fit};
 use crate::kalman::Memory;
 use crate::known::Beforehand;
 use crate::linear::RANK_TOLERANCE;
@@ -108,18 +108,10 @@ pub fn short(
 /// Linear least squares at a state: the state, its derivatives over the standard deviation of what they leave, and the largest standard uncertainty of
 /// a parameter that is determined.
 fn linear(model: &Model, plain: &Factor, state: &State) -> Option<(State, Mat<f64>, f64)> {
-    let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
-    let upper = plain.upper();
-    let jacobian = &upper * slopes;
-    let residual: Vec<f64> = (0..upper.nrows())
-        .map(|i| (0..upper.ncols()).map(|k| upper[(i, k)] * coefficients[k]).sum())
-        .collect();
-    let step = estimate::Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(&residual);
-    let left = (0..residual.len())
-        .map(|i| residual[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>());
-    let variance = left.map(|value| value * value).sum::<f64>() / plain.rows() as f64;
-    let variance = variance.max(f64::MIN_POSITIVE);
-    let most = UNDETERMINED.min(MOST_WEAK * (variance / plain.rows() as f64).sqrt());
+    let (jacobian, squares) = explained(model, &plain.upper(), state)?;
+    let rows = plain.rows() as f64;
+    let variance = (squares / rows).max(f64::MIN_POSITIVE);
+    let most = UNDETERMINED.min(MOST_WEAK * (variance / rows).sqrt());
     Some((state.clone(), jacobian * faer::Scale(1.0 / variance.sqrt()), most))
 }
 

@@ -71,22 +71,31 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> R
         )));
     }
     let upper = sums.plain.upper();
-    let mut failed = Error::Undetermined("there is no calibration to begin with".into());
-    let mut best: Option<Found> = None;
-    for start in starts {
-        match round(model, sums, known, &upper, (start, freedom)) {
-            Ok(found) if best.as_ref().is_none_or(|best| scatter(&found) < scatter(best)) => {
-                best = Some(found)
+    // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger. Where no minimum is found so, they
+    // are taken to be as linear least squares leaves them.
+    let begin = |explains: bool| -> Result<Found, Error> {
+        let mut failed = Error::Undetermined("there is no calibration to begin with".into());
+        let mut best: Option<Found> = None;
+        for start in starts {
+            let left = match explained(model, &upper, start) {
+                Some((_, squares)) if explains => squares / freedom,
+                _ => variance(model, &upper, start, freedom),
+            };
+            match round(model, sums, known, &upper, (start, left)) {
+                Ok(found) if best.as_ref().is_none_or(|best| scatter(&found) < scatter(best)) => {
+                    best = Some(found)
+                }
+                Ok(_) => {}
+                Err(error) => failed = error,
             }
-            Ok(_) => {}
-            Err(error) => failed = error,
         }
-    }
-    let mut found = best.ok_or(failed)?;
-    for _ in 1..ROUNDS {
-        found = round(model, sums, known, &upper, (&found.state, freedom))?;
-    }
-    Ok(found)
+        let mut found = best.ok_or(failed)?;
+        for _ in 1..ROUNDS {
+            found = round(model, sums, known, &upper, (&found.state, found.variance))?;
+        }
+        Ok(found)
+    };
+    begin(false).or_else(|error| begin(true).map_err(|_| error))
 }
 
 /// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long as a constant field, would leave no residual.
@@ -94,16 +103,16 @@ fn scatter(found: &Found) -> f64 {
     found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
 }
 
-/// Least squares with noise and scale as they are at the start.
+/// Least squares that begin at a state, with residuals of a variance and with the scale of that state.
 fn round(
     model: &Model,
     sums: &Sums<'_>,
     known: &Known,
     upper: &Mat<f64>,
-    (start, freedom): (&State, f64),
+    (start, variance): (&State, f64),
 ) -> Result<Found, Error> {
-    let scatter = |state: &State| variance(model, upper, state, freedom).max(FINEST * FINEST);
-    let variance = scatter(start);
+    let freedom = sums.plain.rows() as f64 - model.parameters.len() as f64;
+    let variance = variance.max(FINEST * FINEST);
     let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
     let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
     let adjusted = adjusted(model, start, sums, sensor, upper) * faer::Scale(1.0 / variance.sqrt());
@@ -113,7 +122,7 @@ fn round(
     let fit = solve(&problem, start.clone(), None, &options)?;
     let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.len()).to_owned();
     let seen = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
-    let variance = scatter(&fit.state);
+    let variance = self::variance(model, upper, &fit.state, freedom).max(FINEST * FINEST);
     Ok(Found {
         covariance: fit.svd.covariance(),
         state: fit.state,
@@ -170,6 +179,20 @@ pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) ->
     let rows = upper.nrows();
     let squares = (0..rows).map(|i| (i..rows).map(|k| upper[(i, k)] * coefficients[k]).sum::<f64>().powi(2));
     squares.sum::<f64>() / freedom
+}
+
+/// The derivatives of the residuals at a state, and the sum of the squares that linear least squares leave of them.
+pub fn explained(model: &Model, upper: &Mat<f64>, state: &State) -> Option<(Mat<f64>, f64)> {
+    let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
+    let jacobian = upper * slopes;
+    let residual: Vec<f64> = (0..upper.nrows())
+        .map(|i| (0..upper.ncols()).map(|k| upper[(i, k)] * coefficients[k]).sum())
+        .collect();
+    let step = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(&residual);
+    let left = (0..residual.len())
+        .map(|i| residual[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>());
+    let squares = left.map(|value| value * value).sum();
+    Some((jacobian, squares))
 }
 
 /// A factor of UᵀU − C: with U = Q Σ Vᵀ it is (1 − K)^½ Σ Vᵀ, K = Σ⁻¹ Vᵀ C V Σ⁻¹. Where C is small K is, and

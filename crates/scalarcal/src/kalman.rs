@@ -5,7 +5,8 @@ use noise::{Process, Whitening};
 
 /// Sensors, each with noise of its own.
 pub const SENSORS: usize = 3;
-/// Longest period of noise with memory, in lengths of a recording: it did not begin with it.
+/// Longest period of noise with memory, in lengths of a recording: it did not begin with it. Below, the density levels off, and is flat from about a
+/// hundredth of a length.
 const OLDEST: f64 = 8.0;
 
 /// What has the memory.

@@ -162,7 +162,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     let known: &Known = if options.known { &solved.beforehand.rows } else { &Vec::new() };
     let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
     let gain = &found.covariance * weights.transpose() * &weights;
-    let own = &found.covariance - &gain * &found.covariance;
+    let own = positive(&(&found.covariance - &gain * &found.covariance), &found.covariance)?;
     let covariance = &map * own * map.transpose();
     let moved = |nine: &[f64]| -> Vec<f64> {
         let state: Vec<f64> = (0..count).map(|i| (0..NINE).map(|j| gain[(i, j)] * nine[j]).sum()).collect();
@@ -188,6 +188,27 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
         .map_err(|wrong| Error::Undetermined(format!("the covariance of the calibration is {wrong}")))?;
     joint.forget(&added);
     Ok(joint)
+}
+
+/// The positive part of a share of a covariance. An average over forms of noise is wider than each of them, and what is left of it without what was
+/// known may then be less than nothing in some direction.
+///
+/// # Errors
+///
+/// [`Error::Undetermined`] where the decomposition fails.
+fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
+    let count = whole.nrows();
+    let scale: Vec<f64> = (0..count).map(|k| whole[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scaled =
+        Mat::from_fn(count, count, |i, j| 0.5 * (share[(i, j)] + share[(j, i)]) / (scale[i] * scale[j]));
+    let own = scaled.self_adjoint_eigen(faer::Side::Lower).map_err(|_| {
+        Error::Undetermined("the covariance of the calibration has no eigenvalues that can be found".into())
+    })?;
+    let (values, vectors) = (own.S().column_vector(), own.U());
+    Ok(Mat::from_fn(count, count, |i, j| {
+        let sum: f64 = (0..count).map(|k| values[k].max(0.0) * vectors[(i, k)] * vectors[(j, k)]).sum();
+        sum * scale[i] * scale[j]
+    }))
 }
 
 /// Derivatives of the nine elements of μ, column by column, by the state.
