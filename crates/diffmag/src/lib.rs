@@ -38,7 +38,7 @@ mod windows;
 mod words;
 
 pub use error::Error;
-pub use files::take;
+pub use files::Columns;
 use joined as series;
 pub use words::summary;
 

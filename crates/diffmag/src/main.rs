@@ -2,13 +2,11 @@
 
 use clap::{Args, Parser, Subcommand};
 use common::procedure;
-use common::{Document, HistoryEntry};
-use diffmag::Options;
 use diffmag::stream::{self, Partial};
+use diffmag::{Columns, Options};
+use program::pieces::{self, Answer};
 use program::pipe::{self, Io, Program};
-use program::{apart, manual, number};
-use rayon::prelude::*;
-use std::path::PathBuf;
+use program::{manual, number};
 use std::process::ExitCode;
 
 const PROGRAM: Program =
@@ -39,10 +37,10 @@ enum Command {
     Stream(StreamArgs),
     /// Join statistics that `stream --partial` wrote
     #[command(after_help = "Example:\n  \
-        diffmag stream --partial fixtures/diffmag/pieces/morning.csv -o morning.json\n  \
-        diffmag stream --partial fixtures/diffmag/pieces/evening.csv -o evening.json\n  \
-        diffmag merge morning.json evening.json > result.json")]
-    Merge(PiecesArgs),
+        diffmag stream --partial fixtures/diffmag/pieces/morning.csv > pieces.ndjson\n  \
+        diffmag stream --partial fixtures/diffmag/pieces/evening.csv >> pieces.ndjson\n  \
+        diffmag merge pieces.ndjson > result.json")]
+    Merge(pieces::Merge),
 }
 
 #[derive(Args)]
@@ -50,34 +48,24 @@ enum Command {
     diffmag stream fixtures/diffmag/pieces/*.csv > result.json")]
 struct StreamArgs {
     #[command(flatten)]
-    pieces: PiecesArgs,
+    stream: pieces::Stream,
     /// From one sample to the next, s; found from the first rows where it is not told
     #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = number::positive)]
     step_s: Option<f64>,
-}
-
-#[derive(Args)]
-struct PiecesArgs {
-    /// Pieces in any order: .csv, .ndjson, .parquet (columns time_s, reference_x_nt, …, test_z_nt), .json
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
-    /// Write the statistics, to be merged with those of other pieces, in place of the answer
-    #[arg(long)]
-    partial: bool,
-    /// Write to this file; absent: standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Say nothing on standard error
-    #[arg(short, long)]
-    quiet: bool,
+    /// The reference's columns are NAME_x_nt, NAME_y_nt, NAME_z_nt
+    #[arg(long, value_name = "NAME", default_value = "reference")]
+    reference: String,
+    /// The test instrument's columns are NAME_x_nt, NAME_y_nt, NAME_z_nt: `field` for what `correct` wrote
+    #[arg(long, value_name = "NAME", default_value = "test")]
+    test: String,
 }
 
 fn main() -> ExitCode {
     let cli = manual::parse::<Cli>();
     let result = match &cli.command {
         None => run(&cli),
-        Some(Command::Stream(StreamArgs { pieces, step_s })) => join(pieces, "stream", *step_s),
-        Some(Command::Merge(pieces)) => join(pieces, "merge", None),
+        Some(Command::Stream(args)) => stream(args),
+        Some(Command::Merge(merge)) => merge.run(&answer(Vec::new())).map_err(Into::into),
     };
     pipe::finish(PROGRAM, result)
 }
@@ -89,31 +77,19 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn join(args: &PiecesArgs, command: &str, step_s: Option<f64>) -> anyhow::Result<()> {
-    apart::check(args.output.as_deref(), args.files.iter().map(PathBuf::as_path))?;
-    let pieces: Vec<Partial> = args
-        .files
-        .par_iter()
-        .map(|file| diffmag::take(file, step_s))
-        .collect::<Result<_, _>>()
-        .map_err(common::Error::from)?;
-    let joined = stream::merge(pieces).map_err(common::Error::from)?;
-    if args.partial {
-        pipe::write(args.output.as_deref(), &joined.to_text())?;
-        return Ok(());
-    }
-    let mut document: Document = stream::document(&joined).map_err(common::Error::from)?;
-    let step = step_s.map(|step_s| format!("--step-s={step_s}"));
-    document.history.push(HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments: [command.to_string()].into_iter().chain(step).collect(),
-        input_sha256: None,
-        extra: Default::default(),
-    });
-    pipe::write(args.output.as_deref(), &document.to_text()?)?;
-    if !args.quiet {
-        pipe::say(&diffmag::summary(&document));
-    }
+fn stream(args: &StreamArgs) -> anyhow::Result<()> {
+    let columns = Columns { step_s: args.step_s, reference: args.reference.clone(), test: args.test.clone() };
+    let named = |option: &str, name: &str| (name != option).then(|| format!("--{option}={name}"));
+    let arguments = [
+        args.step_s.map(|step_s| format!("--step-s={step_s}")),
+        named("reference", &args.reference),
+        named("test", &args.test),
+    ];
+    args.stream.run(&columns, &answer(arguments.into_iter().flatten().collect()))?;
     Ok(())
+}
+
+fn answer(arguments: Vec<String>) -> Answer<'static, Partial> {
+    let of = &|joined: &Partial| Ok((stream::document(joined)?, None));
+    Answer { program: PROGRAM, document: None, arguments, of, words: &diffmag::summary }
 }

@@ -23,14 +23,15 @@ mod slow;
 mod tile;
 mod told;
 
+pub use self::partial::Partial;
 pub use answer::{AxisFit, Estimate, NoiseFit, StreamFit, answer};
 pub use error::Error;
 pub use grid::Grid;
 pub use octaves::Octave;
-pub use partial::{Partial, merge};
 pub use told::document;
 
-use partial::Row;
+use self::partial::Row;
+use ::partial::{Covered, Error as Fault};
 use tile::TILE;
 
 /// Places of one triangular factorisation, a whole number of tiles.
@@ -50,8 +51,10 @@ pub struct Batch<'a> {
 /// Takes a piece of a series row by row.
 #[derive(Clone, Debug, Default)]
 pub struct Statistics {
-    partial: Option<Partial>,
+    /// The grid, and what was taken on it.
+    begun: Option<(Grid, Partial)>,
     rows: u64,
+    first: i64,
     last: Option<i64>,
     leaf: i64,
     /// Whole samples of the leaf: places and readings.
@@ -67,7 +70,7 @@ impl Statistics {
 
     /// Nothing yet, on a known grid.
     pub fn on(grid: Grid) -> Self {
-        Self { partial: Some(Partial::new(grid)), ..Self::default() }
+        Self { begun: Some((grid, Partial::on(grid))), ..Self::default() }
     }
 
     /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap. What comes out does
@@ -80,39 +83,46 @@ impl Statistics {
         let columns = [batch.reference_nt, batch.test_nt].concat();
         let expected = batch.time_s.len();
         if let Some(odd) = columns.iter().find(|column| column.len() != expected) {
-            return Err(Error::Lengths { found: odd.len(), expected });
+            return Err(Fault::Lengths { found: odd.len(), expected }.into());
         }
         if expected == 0 {
             return Ok(());
         }
-        let mut partial = match self.partial.take() {
-            Some(partial) => partial,
+        let (grid, mut partial) = match self.begun.take() {
+            Some(begun) => begun,
             None => {
                 rising(batch.time_s)?;
-                Partial::new(Grid::found(batch.time_s)?)
+                let grid = Grid::found(batch.time_s)?;
+                (grid, Partial::on(grid))
             }
         };
         let mut at = 0;
         let mut taken = Ok(());
         while at < expected && taken.is_ok() {
-            let run = self.take_run(&mut partial, &batch.time_s[at..], &columns, at);
+            let run = self.take_run((grid, &mut partial), &batch.time_s[at..], &columns, at);
             at += run;
             if run == 0 {
                 let readings = std::array::from_fn(|i| columns[i][at]);
-                taken = self.take(&mut partial, batch.time_s[at], readings);
+                taken = self.take((grid, &mut partial), batch.time_s[at], readings);
                 at += 1;
             }
         }
-        self.partial = Some(partial);
+        self.begun = Some((grid, partial));
         taken
     }
 
     /// Takes the whole samples at the next places of the leaf, one after the other; gives how many.
-    fn take_run(&mut self, partial: &mut Partial, times: &[f64], columns: &[&[f64]], from: usize) -> usize {
+    fn take_run(
+        &mut self,
+        (grid, partial): (Grid, &mut Partial),
+        times: &[f64],
+        columns: &[&[f64]],
+        from: usize,
+    ) -> usize {
         let Some(next) = self.last.map(|last| last + 1) else { return 0 };
         let room = ((self.leaf + 1) * LEAF as i64 - next).max(0) as usize;
         let times = &times[..room.min(times.len())];
-        let on = |(at, time): (usize, &f64)| partial.grid.holds(*time, next + at as i64);
+        let on = |(at, time): (usize, &f64)| grid.holds(*time, next + at as i64);
         let mut run = times.iter().enumerate().position(|at| !on(at)).unwrap_or(times.len());
         for column in columns {
             let rest = &column[from..from + run];
@@ -129,22 +139,27 @@ impl Statistics {
     }
 
     /// Takes one row.
-    fn take(&mut self, partial: &mut Partial, time_s: f64, readings: [f64; 6]) -> Result<(), Error> {
+    fn take(
+        &mut self,
+        (grid, partial): (Grid, &mut Partial),
+        time_s: f64,
+        readings: [f64; 6],
+    ) -> Result<(), Error> {
         let row = self.rows;
         if !time_s.is_finite() {
-            return Err(Error::NoTime { row });
+            return Err(Fault::NoTime { row }.into());
         }
-        let step_s = partial.grid.step_s;
-        let place = partial.grid.place(time_s).map_err(|off| Error::OffGrid { row, time_s, off, step_s })?;
+        let step_s = grid.step_s;
+        let place = grid.place(time_s).map_err(|off| Error::OffGrid { row, time_s, off, step_s })?;
         match self.last {
-            Some(last) if place <= last => return Err(Error::Backwards { row, time_s }),
+            Some(last) if place <= last => return Err(Fault::Backwards { row, time_s }.into()),
             Some(last) if place > last + 1 => {
                 partial.absent += (place - last - 1) as u64;
                 partial.gaps += 1;
             }
             Some(_) => {}
             None => {
-                partial.covered = vec![[place, place]];
+                self.first = place;
                 self.leaf = place.div_euclid(LEAF as i64);
             }
         }
@@ -169,7 +184,7 @@ impl Statistics {
 
     /// Ends the leaf, of which the places before `end` are known.
     fn close(&mut self, partial: &mut Partial, end: i64) {
-        let start = partial.covered[0][0];
+        let start = self.first;
         let readings = self.readings.each_ref().map(|column| column.as_slice());
         let mut columns = vec![self.places.as_slice()];
         columns.extend(readings);
@@ -202,25 +217,23 @@ impl Statistics {
     }
 
     /// The piece.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Empty`] without a row.
-    pub fn finish(mut self) -> Result<Partial, Error> {
-        let (mut partial, last) = self.partial.take().zip(self.last).ok_or(Error::Empty)?;
+    pub fn finish(mut self) -> Partial {
+        let Some(((_, mut partial), last)) = self.begun.take().zip(self.last) else {
+            return Partial::default();
+        };
         self.close(&mut partial, last + 1);
-        partial.covered[0][1] = last;
-        Ok(partial)
+        partial.covered = Covered::of(self.first, last);
+        partial
     }
 }
 
 /// Times in which a grid can be looked for.
 fn rising(times: &[f64]) -> Result<(), Error> {
     if let Some(row) = times.iter().position(|time| !time.is_finite()) {
-        return Err(Error::NoTime { row: row as u64 });
+        return Err(Fault::NoTime { row: row as u64 }.into());
     }
     match times.windows(2).position(|pair| pair[1] <= pair[0]) {
-        Some(row) => Err(Error::Backwards { row: row as u64 + 1, time_s: times[row + 1] }),
+        Some(row) => Err(Fault::Backwards { row: row as u64 + 1, time_s: times[row + 1] }.into()),
         None => Ok(()),
     }
 }

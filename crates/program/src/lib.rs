@@ -6,6 +6,7 @@ pub mod beside;
 pub mod manual;
 pub mod number;
 mod outline;
+pub mod pieces;
 pub mod pipe;
 mod readings;
 

@@ -43,7 +43,7 @@ mod weakest;
 mod words;
 
 pub use error::Error;
-pub use files::take;
+pub use files::Columns;
 pub use options::Options;
 pub use read::Source;
 pub use words::summary;

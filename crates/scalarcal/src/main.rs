@@ -1,13 +1,13 @@
 //! `scalarcal`: calibration without a facility.
 
 use clap::{Args, Parser, Subcommand};
-use common::{Document, HistoryEntry, procedure};
+use common::{Document, Error, procedure};
 use physics::Kind;
+use program::pieces::{self, Answer};
 use program::pipe::{self, Input, Io, Program};
-use program::{apart, manual, number};
-use rayon::prelude::*;
-use scalarcal::Options;
+use program::{manual, number};
 use scalarcal::stream::{self, Partial};
+use scalarcal::{Columns, Options};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -49,13 +49,13 @@ enum Command {
     /// Long series in files, in one pass and bounded memory
     #[command(after_help = "Example:\n  \
         scalarcal stream --document fixtures/scalarcal/pieces/stated.json \\\n    fixtures/scalarcal/pieces/*.csv > result.json")]
-    Stream(PiecesArgs),
+    Stream(StreamArgs),
     /// Join statistics that `stream --partial` wrote
     #[command(after_help = "Example:\n  \
-        scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv -o morning.json\n  \
-        scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv -o evening.json\n  \
-        scalarcal merge --document fixtures/scalarcal/pieces/stated.json \\\n    morning.json evening.json > result.json")]
-    Merge(PiecesArgs),
+        scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv > pieces.ndjson\n  \
+        scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv >> pieces.ndjson\n  \
+        scalarcal merge --document fixtures/scalarcal/pieces/stated.json \\\n    pieces.ndjson > result.json")]
+    Merge(MergeArgs),
 }
 
 #[derive(Args)]
@@ -72,32 +72,40 @@ struct FitArgs {
 }
 
 #[derive(Args)]
-struct PiecesArgs {
-    /// Pieces in any order: .csv, .ndjson, .parquet (columns time_s, sensor_x_v, …, reference_nt), .json
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
+struct StreamArgs {
+    #[command(flatten)]
+    stream: pieces::Stream,
+    #[command(flatten)]
+    known: KnownArgs,
+}
+
+#[derive(Args)]
+struct MergeArgs {
+    #[command(flatten)]
+    merge: pieces::Merge,
+    #[command(flatten)]
+    known: KnownArgs,
+}
+
+#[derive(Args)]
+struct KnownArgs {
     /// What is known of instrument, reference and sensors; the calibration is put into this document, whose recordings are not read
     #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
     document: Option<PathBuf>,
     #[command(flatten)]
     fit: FitArgs,
-    /// Write the statistics, to be merged with those of other pieces, in place of the calibration
-    #[arg(long)]
-    partial: bool,
-    /// Write to this file; absent: standard output
-    #[arg(short, long, value_name = "FILE")]
-    output: Option<PathBuf>,
-    /// Say nothing on standard error
-    #[arg(short, long)]
-    quiet: bool,
 }
 
 fn main() -> ExitCode {
     let cli = manual::parse::<Cli>();
     let result = match &cli.command {
         None => run(cli),
-        Some(Command::Stream(pieces)) => join(pieces, "stream"),
-        Some(Command::Merge(pieces)) => join(pieces, "merge"),
+        Some(Command::Stream(args)) => {
+            args.known.answered(|answer| args.stream.run(&Columns, answer)).map_err(Into::into)
+        }
+        Some(Command::Merge(args)) => {
+            args.known.answered(|answer| args.merge.run(answer)).map_err(Into::into)
+        }
     };
     pipe::finish(PROGRAM, result)
 }
@@ -131,47 +139,34 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn join(args: &PiecesArgs, command: &str) -> anyhow::Result<()> {
-    let inputs = args.files.iter().chain(&args.document).map(PathBuf::as_path);
-    apart::check(args.output.as_deref(), inputs)?;
-    let stated = args
-        .document
-        .as_deref()
-        .map(|file| Input::document(Some(file), |file| format!("scalarcal stream {file}")))
-        .transpose()?;
-    let pieces: Vec<Partial> = args
-        .files
-        .par_iter()
-        .map(|file| scalarcal::take(file))
-        .collect::<Result<_, _>>()
-        .map_err(common::Error::from)?;
-    let joined = stream::merge(pieces).map_err(common::Error::from)?;
-    if args.partial {
-        pipe::write(args.output.as_deref(), &joined.to_text())?;
-        return Ok(());
+impl KnownArgs {
+    /// Does what answers from statistics with the document that is known.
+    fn answered(&self, run: impl FnOnce(&Answer<'_, Partial>) -> Result<(), Error>) -> Result<(), Error> {
+        let stated = self.document.as_deref();
+        let stated =
+            stated.map(|file| Input::document(Some(file), |file| format!("scalarcal stream {file}")));
+        let stated = stated.transpose()?;
+        let options = self.fit.options();
+        let of = |joined: &Partial| {
+            let (input, document) = match &stated {
+                Some((input, document)) => (Some(input), document.clone()),
+                None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
+            };
+            let document = stream::document(joined, document, &options).map_err(|error| {
+                let error = Error::from(error);
+                match input {
+                    Some(input) => input.locate(error),
+                    None => error,
+                }
+            })?;
+            Ok((document, input.map(Input::sha256)))
+        };
+        run(&Answer {
+            program: PROGRAM,
+            document: self.document.as_deref(),
+            arguments: options.arguments(),
+            of: &of,
+            words: &scalarcal::summary,
+        })
     }
-    let options = args.fit.options();
-    let (input, document) = match stated {
-        Some((input, document)) => (Some(input), document),
-        None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
-    };
-    let mut document = stream::document(&joined, document, &options).map_err(|error| {
-        let error = common::Error::from(error);
-        match &input {
-            Some(input) => input.locate(error),
-            None => error,
-        }
-    })?;
-    document.history.push(HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments: [command.to_string()].into_iter().chain(options.arguments()).collect(),
-        input_sha256: input.as_ref().map(Input::sha256),
-        extra: Default::default(),
-    });
-    pipe::write(args.output.as_deref(), &document.to_text()?)?;
-    if !args.quiet {
-        pipe::say(&scalarcal::summary(&document));
-    }
-    Ok(())
 }

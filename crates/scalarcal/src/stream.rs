@@ -5,17 +5,17 @@
 //! are piled up there ([`crate::ends`]), and a sample of rows ([`sample`]), which shows how the sensors were turned.
 
 mod answer;
-mod covered;
 mod error;
 mod memory;
 mod partial;
 mod sample;
 mod windows;
 
+pub use self::partial::Partial;
 pub use answer::document;
 pub use error::Error;
-pub use partial::{Partial, merge};
 
+use ::partial::{Covered, Error as Fault};
 use physics::Unit;
 
 use crate::read::Source;
@@ -70,7 +70,7 @@ impl Statistics {
         let expected = batch.time_s.len();
         let columns = batch.readings.iter().chain([&batch.magnitude_nt]);
         if let Some(odd) = columns.into_iter().find(|column| column.len() != expected) {
-            return Err(Error::Lengths { found: odd.len(), expected });
+            return Err(Fault::Lengths { found: odd.len(), expected }.into());
         }
         for row in 0..expected {
             let readings = batch.readings.map(|column| column[row]);
@@ -82,10 +82,10 @@ impl Statistics {
     fn take(&mut self, time_s: f64, readings: [f64; 3], magnitude_nt: f64) -> Result<(), Error> {
         let row = self.taken;
         if !time_s.is_finite() {
-            return Err(Error::NoTime { row });
+            return Err(Fault::NoTime { row }.into());
         }
         if time_s <= self.last_s {
-            return Err(Error::Backwards { row, time_s });
+            return Err(Fault::Backwards { row, time_s }.into());
         }
         if !windows::holds(time_s) {
             return Err(Error::Far { row, time_s });
@@ -115,16 +115,11 @@ impl Statistics {
     }
 
     /// The piece.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Empty`] without a row.
-    pub fn finish(mut self) -> Result<Partial, Error> {
-        if self.taken == 0 {
-            return Err(Error::Empty);
+    pub fn finish(mut self) -> Partial {
+        if self.taken > 0 {
+            self.partial.covered = Covered::of(self.first_s, self.last_s);
         }
-        self.partial.covered.add([self.first_s, self.last_s])?;
         self.partial.windows = self.windows.closed();
-        Ok(self.partial)
+        self.partial
     }
 }

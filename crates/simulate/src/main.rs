@@ -202,10 +202,12 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     let truth_wanted = truths.is_some();
     let progress = progress(cases.len(), io.quiet);
     let sha256 = input.sha256();
-    let one = |(number, case): (usize, &Case)| -> Result<(String, String), Error> {
+    let one = |case: &Case| -> Result<(String, String), Error> {
         let plan = simulate::plan_of(&input.text, case)?;
         let Campaign { mut document, truth } = simulate::campaign(&plan)?;
-        let arguments = vec!["sweep".into(), format!("--seed={}", plan.seed), format!("case {}", number + 1)];
+        // No number of the case: what is made by parts, on several machines, is then what is made at once.
+        let set = case.set.iter().map(|(path, value)| format!("--set={path}={value}"));
+        let arguments = ["sweep".into(), format!("--seed={}", plan.seed)].into_iter().chain(set).collect();
         document.history.push(history(arguments, sha256.clone()));
         let truth = if truth_wanted { truth.to_line()? + "\n" } else { String::new() };
         Ok((document.to_line()? + "\n", truth))
@@ -213,9 +215,8 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     let mut written = 0;
     // As many at a time as there are threads: the memory does not grow with the number of cases.
     let at_once = rayon::current_num_threads();
-    let numbered: Vec<(usize, &Case)> = cases.iter().enumerate().collect();
-    'all: for batch in numbered.chunks(at_once) {
-        let made: Vec<_> = batch.par_iter().map(|case| one(*case)).collect();
+    'all: for batch in cases.chunks(at_once) {
+        let made: Vec<_> = batch.par_iter().map(one).collect();
         for made in made {
             let (document, truth) = made.map_err(located)?;
             if let Some(truths) = &mut truths {

@@ -11,6 +11,7 @@ mod golden;
 mod help;
 mod jacobian;
 pub mod laws;
+mod partials;
 pub mod programs;
 mod words;
 
@@ -21,6 +22,7 @@ pub use faults::{copied, faults, faults_in};
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};
 pub use jacobian::check_jacobian;
+pub use partials::partials_merge;
 pub use words::ill_written;
 
 /// A path below the workspace's `fixtures`.

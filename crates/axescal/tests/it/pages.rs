@@ -108,6 +108,7 @@ pages! {
     axescal: "docs/axescal.md",
     scalarcal: "docs/scalarcal.md",
     diffmag: "docs/diffmag.md",
+    partial: "docs/partial.md",
     diagnose: "docs/diagnose.md",
     correct: "docs/correct.md",
     report: "docs/report.md",

@@ -6,6 +6,7 @@ use super::check;
 use super::fit::Found;
 use super::noise::Problem;
 use super::octaves::{COLUMNS, Differences, Octave, OctaveFit, UNKNOWNS};
+use super::pyramid::Pyramid;
 use super::slow::Slow;
 use super::{Grid, Partial};
 use crate::Error;
@@ -114,10 +115,12 @@ pub struct StreamFit {
 /// [`Error::Undetermined`] for fewer than 128 samples, [`Error::Estimate`] where the reference's axes do not vary or depend on
 /// each other.
 pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
-    let span_s = partial.span_s().filter(|_| partial.samples >= LEAST).ok_or_else(|| {
+    let span = partial.grid.zip(partial.span_s()).filter(|_| partial.samples >= LEAST);
+    let (grid, span_s) = span.ok_or_else(|| {
         let found = partial.samples;
         Error::Undetermined(format!("{found} whole samples; a series of statistics needs at least {LEAST}"))
     })?;
+    let partial = &partial.closed();
     check::columns(&partial.factor)?;
     let plain = partial.factor.regress(&check::REFERENCE, &check::TEST)?;
     let profile = partial.whole_profile();
@@ -155,7 +158,7 @@ pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
             freedom: found.freedom[i],
         };
         let weighted: [Estimate; 3] = std::array::from_fn(|i| coefficient(i, provisional[i]));
-        let per_day = DAY_S / partial.grid.step_s;
+        let per_day = DAY_S / grid.step_s;
         let drift = coefficient(3, 0.0);
         let bound = |p: f64| (plain.squares[axis] / stats::chi_squared_quantile(p, plain.freedom)).sqrt();
         Ok(AxisFit {
@@ -171,12 +174,12 @@ pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
             drift_nt_per_day: Estimate { value: drift.value * per_day, std: drift.std * per_day, ..drift },
             rms_nt: variance.sqrt(),
             rms_interval_independent_nt: [bound(0.975), bound(0.025)],
-            octaves: octaves(partial, &all, axis, provisional, &found),
-            noise: noise_of(&found, partial.grid.step_s),
+            octaves: octaves((&partial.pyramid, grid.step_s), &all, axis, provisional, &found),
+            noise: noise_of(&found, grid.step_s),
         })
     };
     Ok(StreamFit {
-        grid: partial.grid,
+        grid,
         samples: partial.samples,
         missing: partial.missing,
         absent: partial.absent,
@@ -229,7 +232,7 @@ fn noise_of(found: &Found, step_s: f64) -> NoiseFit {
 }
 
 fn octaves(
-    partial: &Partial,
+    (pyramid, step_s): (&Pyramid, f64),
     all: &[Differences],
     axis: usize,
     provisional: [f64; 3],
@@ -237,7 +240,7 @@ fn octaves(
 ) -> Vec<Octave> {
     let variances = found.noise.variances(all.len());
     let one = |number: usize| {
-        let (differences, level) = (&all[number], &partial.pyramid.levels[number]);
+        let (differences, level) = (&all[number], &pyramid.levels[number]);
         let taken: f64 = (0..UNKNOWNS)
             .flat_map(|i| (0..UNKNOWNS).map(move |j| (i, j)))
             .map(|(i, j)| found.solution.covariance[(i, j)] * differences.products[j][i])
@@ -245,7 +248,7 @@ fn octaves(
         let coefficients = &found.solution.coefficients;
         let variance = variances[number];
         let fit = OctaveFit { coefficients, provisional, axis, variance, taken: taken / variance };
-        Octave::of(differences, level, partial.grid.step_s, &fit)
+        Octave::of(differences, level, step_s, &fit)
     };
     (0..all.len()).filter(|number| all[*number].count > 0.0).map(one).collect()
 }

@@ -1,4 +1,5 @@
 use estimate::tsqr::Tsqr;
+use partial::{Covered, MOST};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,29 +9,19 @@ use super::pyramid::Pyramid;
 use super::tile::{self, TILE};
 use super::{Error, Grid};
 
-/// What such a file is of.
-const KIND: &str = "diffmag";
-/// Of the files written here.
-const VERSION: u32 = 1;
-
 /// A whole sample of a tile that a piece does not hold whole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row(pub i64, pub [f64; 6]);
 
-/// All that is kept of a piece of a series, whatever its length: 80 kB of JSON at most. Pieces are joined by [`merge`] and answered
-/// by [`super::answer`].
+/// All that is kept of a piece of a series, whatever its length: 80 kB of JSON at most where nothing is left open, 10 kB more for each hole that
+/// another piece may fill. Pieces are joined by [`partial::merge`] and answered by [`super::answer`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Partial {
-    /// What kind of piece this is: `diffmag`.
-    #[serde(rename = "fluxcal-partial")]
-    pub kind: String,
-    /// Version of the format.
-    pub version: u32,
-    /// Where the samples stand.
-    pub grid: Grid,
+    /// Where the samples stand; null: there are none, and any grid will do.
+    pub grid: Option<Grid>,
     /// First and last place of each stretch of time that is covered; what is missing within is missing for good.
-    pub covered: Vec<[i64; 2]>,
+    pub(super) covered: Covered<i64>,
     /// Whole samples.
     pub samples: u64,
     /// Rows that lack a reading.
@@ -47,14 +38,12 @@ pub struct Partial {
     pub(super) rows: Vec<Row>,
 }
 
-impl Partial {
-    /// A piece without samples.
-    pub(super) fn new(grid: Grid) -> Self {
+impl Default for Partial {
+    /// A piece without rows, which changes none that it is joined with.
+    fn default() -> Self {
         Partial {
-            kind: KIND.into(),
-            version: VERSION,
-            grid,
-            covered: Vec::new(),
+            grid: None,
+            covered: Covered::default(),
             samples: 0,
             missing: 0,
             absent: 0,
@@ -65,47 +54,116 @@ impl Partial {
             rows: Vec::new(),
         }
     }
+}
 
-    /// Reads a piece from JSON.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Format`] for a text that is none, of another kind or of a later version.
-    pub fn parse(text: &str) -> Result<Self, Error> {
-        #[derive(Deserialize)]
-        struct Head {
-            #[serde(rename = "fluxcal-partial")]
-            kind: String,
-            version: u32,
-        }
-        let failed = |error: common::Error| Error::Format(error.to_string());
-        let head: Head = common::at_path(text).map_err(failed)?;
-        if head.kind != KIND || head.version != VERSION {
-            let Head { kind, version } = head;
-            return Err(Error::Format(format!(
-                "found `{kind}` in version {version}, expected `{KIND}` in version {VERSION}"
-            )));
-        }
-        let read: Partial = common::at_path(text).map_err(failed)?;
-        let sums = read.factor.is_whole(CHANNELS) && read.pyramid.is_whole() && read.profile.is_whole();
-        if !sums || !read.covered.iter().flatten().is_sorted() {
-            return Err(Error::Format(
-                "its sums are not those of such a piece, or what it covers does not rise; was it edited?"
-                    .into(),
-            ));
-        }
-        Ok(read)
+impl partial::Partial for Partial {
+    const KIND: &'static str = "diffmag";
+    const VERSION: u32 = 2;
+    type Error = Error;
+
+    fn is_whole(&self) -> bool {
+        self.factor.is_whole(CHANNELS)
+            && self.pyramid.is_whole()
+            && self.profile.is_whole()
+            && self.covered.is_whole()
+            && self.grid.is_some() != self.covered.span().is_none()
     }
 
-    /// The piece as JSON, each number so that it comes back the same.
-    pub fn to_text(&self) -> String {
-        serde_json::to_string(self).expect("a piece has string keys")
+    fn first_s(&self) -> Option<f64> {
+        Some(self.span_s()?[0])
+    }
+
+    /// Blocks of the pyramid stand at absolute places and their sums keep the rounding, so that the pieces' answer is that of one
+    /// pass but for the order in which the triangular factors are put together.
+    fn join(&mut self, other: Self) -> Result<(), Error> {
+        let (Some(grid), Some(theirs)) = (self.grid, other.grid) else {
+            if self.grid.is_none() {
+                *self = other;
+            }
+            return Ok(());
+        };
+        if grid != theirs {
+            return Err(Error::unlike(grid, theirs));
+        }
+        let ends: Vec<[i64; 2]> =
+            self.covered.stretches().iter().chain(other.covered.stretches()).copied().collect();
+        self.covered.merge(&other.covered).map_err(|both| {
+            let [from_s, to_s] = both.map(|place| grid.time_s(place));
+            partial::Error::Overlap { from_s, to_s }
+        })?;
+        self.samples += other.samples;
+        self.missing += other.missing;
+        self.absent += other.absent;
+        self.gaps += other.gaps;
+        self.factor.merge(&other.factor);
+        self.pyramid.merge(other.pyramid);
+        self.profile.merge(other.profile);
+        self.rows.extend(other.rows);
+        self.settle(&ends);
+        self.close_to(MOST);
+        Ok(())
+    }
+}
+
+impl Partial {
+    /// A piece of a grid, without samples so far.
+    pub(super) fn on(grid: Grid) -> Self {
+        Partial { grid: Some(grid), ..Self::default() }
     }
 
     /// Times of the first and the last place that are covered, s.
     pub fn span_s(&self) -> Option<[f64; 2]> {
-        let (first, last) = (self.covered.first()?, self.covered.last()?);
-        Some([self.grid.time_s(first[0]), self.grid.time_s(last[1])])
+        let grid = self.grid?;
+        Some(self.covered.span()?.map(|place| grid.time_s(place)))
+    }
+
+    /// The same with its holes closed: what is missing there is missing for good, as it is within a piece.
+    pub(super) fn closed(&self) -> Self {
+        let mut closed = self.clone();
+        closed.close_to(1);
+        closed
+    }
+
+    /// Closes holes, the shortest first, until so many stretches are left.
+    fn close_to(&mut self, most: usize) {
+        let size = TILE as i64;
+        let mut ends = Vec::new();
+        while let Some([before, after]) = self.covered.close(most) {
+            self.absent += (after - before - 1) as u64;
+            self.gaps += 1;
+            self.pyramid.insert_empty(before.div_euclid(size) + 1, after.div_euclid(size));
+            ends.extend([[after, before]]);
+        }
+        self.settle(&ends);
+    }
+
+    /// Takes the tiles that no piece held whole and that are whole now: tiles at the beginning or the end of stretches that have grown together.
+    fn settle(&mut self, stretches: &[[i64; 2]]) {
+        let size = TILE as i64;
+        let ragged = stretches.iter().flat_map(|[first, last]| {
+            let [head, tail] = [first.div_euclid(size), last.div_euclid(size)];
+            [
+                (first.rem_euclid(size) != 0).then_some(head),
+                ((last + 1).rem_euclid(size) != 0).then_some(tail),
+            ]
+        });
+        let ragged: BTreeSet<i64> = ragged.flatten().filter(|tile| self.is_covered(*tile)).collect();
+        if ragged.is_empty() {
+            return;
+        }
+        let mut tiles = by_tile(&self.rows);
+        for tile in ragged {
+            self.take_tile(tile, &tiles.remove(&tile).unwrap_or_default());
+        }
+        self.rows = tiles.into_values().flatten().collect();
+    }
+
+    /// Whether all places of a tile are covered.
+    fn is_covered(&self, tile: i64) -> bool {
+        let [first, last] = [tile * TILE as i64, (tile + 1) * TILE as i64 - 1];
+        let stretches = self.covered.stretches();
+        let at = stretches.partition_point(|stretch| stretch[1] < last);
+        stretches.get(at).is_some_and(|stretch| stretch[0] <= first)
     }
 
     /// Takes the samples of a tile that is known whole.
@@ -158,59 +216,4 @@ fn by_tile(rows: &[Row]) -> BTreeMap<i64, Vec<Row>> {
     rows.iter().for_each(|row| tiles.entry(row.0.div_euclid(TILE as i64)).or_default().push(*row));
     tiles.values_mut().for_each(|rows| rows.sort_by_key(|row| row.0));
     tiles
-}
-
-/// Joins pieces of one series, in any order; between them there may be holes, which other pieces fill later.
-///
-/// Blocks of the pyramid stand at absolute places and their sums keep the rounding, so that the pieces' answer is that of one
-/// pass but for the order in which the triangular factors are put together.
-///
-/// # Errors
-///
-/// [`Error::Empty`] of none, [`Error::Unlike`] for other grids, [`Error::Overlap`] where two pieces cover the same place.
-pub fn merge(mut pieces: Vec<Partial>) -> Result<Partial, Error> {
-    pieces.sort_by_key(|piece| piece.covered.first().copied());
-    let grid = pieces.first().ok_or(Error::Empty)?.grid;
-    if let Some(other) = pieces.iter().find(|piece| piece.grid != grid) {
-        return Err(Error::Unlike(grid.to_string(), other.grid.to_string()));
-    }
-    let mut ranges: Vec<[i64; 2]> = pieces.iter().flat_map(|piece| &piece.covered).copied().collect();
-    ranges.sort_unstable();
-    let mut merged = Partial::new(grid);
-    for [first, last] in &ranges {
-        match merged.covered.last_mut() {
-            Some(before) if *first <= before[1] => {
-                let (from_s, to_s) = (grid.time_s(*first), grid.time_s(before[1].min(*last)));
-                return Err(Error::Overlap { from_s, to_s });
-            }
-            Some(before) if *first == before[1] + 1 => before[1] = *last,
-            _ => merged.covered.push([*first, *last]),
-        }
-    }
-    let mut rows = Vec::new();
-    for piece in pieces {
-        merged.samples += piece.samples;
-        merged.missing += piece.missing;
-        merged.absent += piece.absent;
-        merged.gaps += piece.gaps;
-        merged.factor.merge(&piece.factor);
-        merged.pyramid.merge(piece.pyramid);
-        merged.profile.merge(piece.profile);
-        rows.extend(piece.rows);
-    }
-    // Tiles that no piece held whole and that are whole now.
-    let size = TILE as i64;
-    let mut tiles = by_tile(&rows);
-    let ragged = ranges.iter().flat_map(|[first, last]| {
-        let [head, tail] = [first.div_euclid(size), last.div_euclid(size)];
-        [(first.rem_euclid(size) != 0).then_some(head), ((last + 1).rem_euclid(size) != 0).then_some(tail)]
-    });
-    for tile in ragged.flatten().collect::<BTreeSet<i64>>() {
-        if merged.covered.iter().any(|[first, last]| *first <= tile * size && (tile + 1) * size - 1 <= *last)
-        {
-            merged.take_tile(tile, &tiles.remove(&tile).unwrap_or_default());
-        }
-    }
-    merged.rows = tiles.into_values().flatten().collect();
-    Ok(merged)
 }

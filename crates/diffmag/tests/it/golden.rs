@@ -2,6 +2,7 @@
 //! under `truth`, made outside this project, and the answer is held against it as well.
 
 use common::{DifferentialCalibration, Document, to_text};
+use diffmag::Columns;
 use serde_json::Value;
 
 const INPUT: &str = "diffmag/turned-pair/input.json";
@@ -23,9 +24,11 @@ fn other_known(mut document: Document) -> Document {
 }
 
 fn in_pieces() -> Document {
-    let piece = |name: &str| diffmag::take(&testkit::fixture(&format!("diffmag/pieces/{name}.csv")), None);
+    let piece = |name: &str| {
+        partial::take(&Columns::default(), &testkit::fixture(&format!("diffmag/pieces/{name}.csv")))
+    };
     let pieces = ["evening", "morning"].map(|name| piece(name).expect("a piece"));
-    diffmag::stream::document(&diffmag::stream::merge(pieces.into()).expect("one series")).expect("an answer")
+    diffmag::stream::document(&partial::merge(pieces.into()).expect("one series")).expect("an answer")
 }
 
 #[test]

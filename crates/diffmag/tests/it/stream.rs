@@ -1,10 +1,12 @@
 //! One pass against pieces, batches, gaps and holes, and against numbers from outside.
 
-use diffmag::stream::{Batch, Error, Grid, Partial, Statistics, StreamFit, answer, merge};
+use diffmag::stream::{Batch, Error, Grid, Partial, Statistics, StreamFit, answer};
 use noise::Stream;
-use proptest::prelude::*;
+use partial::{Error as Fault, Partial as _, merge, parse, to_line};
 use serde_json::Value;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Time, reference and test.
 struct Series {
@@ -41,23 +43,23 @@ fn series(rows: usize, first_s: f64, seed: u64) -> Series {
 }
 
 impl Series {
-    fn push(&self, statistics: &mut Statistics, rows: std::ops::Range<usize>) -> Result<(), Error> {
+    fn push(&self, statistics: &mut Statistics, rows: Range<usize>) -> Result<(), Error> {
         let [x, y, z, u, v, w] = self.columns.each_ref().map(|column| &column[rows.clone()]);
         statistics.push(&Batch { time_s: &self.time_s[rows], reference_nt: [x, y, z], test_nt: [u, v, w] })
     }
 
     /// Rows in batches; those of `left_out` are not there.
-    fn partial(&self, rows: std::ops::Range<usize>, batch: usize) -> Partial {
+    fn partial(&self, rows: Range<usize>, batch: usize) -> Partial {
         let grid = Grid { step_s: 1.0, half: false };
         let mut statistics = Statistics::on(grid);
         let end = rows.end;
         for from in rows.step_by(batch) {
             self.push(&mut statistics, from..(from + batch).min(end)).expect("good rows");
         }
-        statistics.finish().expect("rows")
+        statistics.finish()
     }
 
-    fn without(mut self, rows: std::ops::Range<usize>) -> Self {
+    fn without(mut self, rows: Range<usize>) -> Self {
         self.time_s.drain(rows.clone());
         self.columns.iter_mut().for_each(|column| drop(column.drain(rows.clone())));
         self
@@ -110,54 +112,70 @@ fn batches_do_not_matter() {
     let mut series = series(20_000, -777.0, 3);
     series.columns[4][5000] = f64::NAN;
     let series = series.without(9000..9777);
-    let whole = series.partial(0..series.time_s.len(), usize::MAX >> 1).to_text();
+    let whole = to_line(&series.partial(0..series.time_s.len(), usize::MAX >> 1));
     for batch in [1, 7, 1000, 4096] {
-        assert_eq!(series.partial(0..series.time_s.len(), batch).to_text(), whole, "{batch}");
+        assert_eq!(to_line(&series.partial(0..series.time_s.len(), batch)), whole, "{batch}");
     }
-    let read = Partial::parse(&whole).expect("a piece");
-    assert_eq!(read.to_text(), whole);
+    let read: Partial = parse(&whole).expect("a piece");
+    assert_eq!(to_line(&read), whole);
     assert_eq!((read.samples, read.missing, read.absent, read.gaps), (19_222, 1, 777, 1));
     println!("{} bytes", whole.len());
     assert!(whole.len() < 80_000);
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
-    #[test]
-    fn pieces_in_any_order_are_one_pass(
-        cuts in prop::sample::select(vec![1_usize, 2, 6]).prop_flat_map(|n| prop::collection::vec(200_usize..11_800, n)),
-        order in any::<u64>(),
-        first in prop::sample::select(vec![0.0, -5003.0, 1_700_000_017.0]),
-        gap in 1000_usize..10_000,
-        missing in prop::collection::vec(0_usize..11_000, 0..30),
-    ) {
-        let mut series = series(12_000, first, order);
-        missing.iter().for_each(|row| series.columns[row % 6][*row] = f64::NAN);
-        let series = series.without(gap..gap + 700);
-        let rows = series.time_s.len();
-        let mut cuts: Vec<usize> = cuts.into_iter().map(|cut| cut.min(rows - 1)).filter(|cut| *cut != gap).collect();
-        cuts.extend([0, rows]);
-        cuts.sort_unstable();
-        cuts.dedup();
-        let mut pieces: Vec<Partial> = cuts.windows(2).map(|pair| series.partial(pair[0]..pair[1], 4096)).collect();
-        let whole = answer(&series.partial(0..rows, 4096)).expect("an answer");
-        for round in 0..pieces.len() as u64 {
-            let other = ((order >> round) % pieces.len() as u64) as usize;
-            pieces.swap(round as usize, other);
+/// A series with a gap and readings that are missing, from a seed.
+fn with_holes(seed: u64) -> Series {
+    let mut series = series(12_700, [0.0, -5003.0, 1_700_000_017.0][(seed % 3) as usize], seed);
+    (0..seed % 30).for_each(|k| {
+        series.columns[(k % 6) as usize][((seed >> 7) as usize + 397 * k as usize) % 11_000] = f64::NAN
+    });
+    let gap = 1000 + (seed % 9000) as usize;
+    series.without(gap..gap + 700)
+}
+
+#[test]
+fn pieces_in_any_order_and_grouping() {
+    let cached: RefCell<Option<(u64, Series)>> = RefCell::default();
+    let piece = |seed: u64, rows: Range<usize>| {
+        let mut cached = cached.borrow_mut();
+        if cached.as_ref().is_none_or(|(of, _)| *of != seed) {
+            *cached = Some((seed, with_holes(seed)));
         }
-        // Two by two with holes between, then the rest; each written and read again.
-        let mut joined: Option<Partial> = None;
-        for piece in pieces {
-            let piece = Partial::parse(&piece.to_text()).expect("a piece");
-            joined = Some(match joined {
-                None => piece,
-                Some(joined) => merge(vec![joined, piece]).expect("no overlap"),
-            });
-        }
-        let joined = answer(&joined.expect("pieces")).expect("an answer");
-        let (distance, place) = apart(&whole, &joined);
-        prop_assert!(distance < 1e-12, "{distance:e} {place}");
-    }
+        cached.as_ref().expect("made").1.partial(rows, 4096)
+    };
+    testkit::partials_merge(12, 12_000, piece, |one: &Partial, other: &Partial| {
+        let (distance, place) = apart(&answer(one).expect("an answer"), &answer(other).expect("an answer"));
+        if distance < 1e-12 { Ok(()) } else { Err(format!("{distance:e} {place}")) }
+    });
+}
+
+#[test]
+fn holes_between_pieces_are_those_within_one() {
+    let whole = series(9000, 17.0, 8).without(3011..3975);
+    let pieces = [0..2000, 2000..3011, 3011..whole.time_s.len()].map(|rows| whole.partial(rows, 999));
+    let joined = merge(pieces.to_vec()).expect("no overlap");
+    assert_eq!((joined.absent, joined.gaps), (0, 0), "another piece may fill the hole");
+    let (joined, whole) =
+        (answer(&joined).expect("an answer"), answer(&whole.partial(0..8036, 999)).expect("an answer"));
+    assert_eq!((joined.absent, joined.gaps), (964, 1));
+    let (distance, place) = apart(&whole, &joined);
+    assert!(distance < 1e-12, "{distance:e} {place}");
+}
+
+#[test]
+fn the_size_has_a_limit() {
+    // Twice as many holes as are kept open, each between two tiles or within one.
+    let all = series(60_000, 5.0, 2);
+    let pieces: Vec<Partial> = (0..1000).map(|k| all.partial(60 * k..60 * k + 20 + k % 30, 4096)).collect();
+    let joined = merge(pieces.clone()).expect("no overlap");
+    let text = to_line(&joined);
+    println!("{} bytes, {} of one piece", text.len(), to_line(&pieces[0]).len());
+    assert!(text.len() < 8_000_000);
+    assert_eq!(joined.gaps, 1000 - partial::MOST as u64);
+    let mut other = merge(pieces.iter().step_by(2).cloned().collect()).expect("no overlap");
+    other.join(merge(pieces.iter().skip(1).step_by(2).cloned().collect()).expect("apart")).expect("apart");
+    let (distance, place) = apart(&answer(&joined).expect("an answer"), &answer(&other).expect("an answer"));
+    assert!(distance < 1e-12, "{distance:e} {place}");
 }
 
 #[test]
@@ -166,21 +184,18 @@ fn wrong_pieces_are_refused() {
     let piece = |rows| series.partial(rows, 1000);
     let text = |error: Error| error.to_string();
     let overlap = merge(vec![piece(0..2000), piece(1999..4000)]).expect_err("the row 1999 twice");
-    assert_eq!(
-        text(overlap),
-        "two pieces cover the same time, from 1999 s to 1999 s; each sample may be in one piece only"
-    );
+    assert_eq!(text(overlap), Error::Piece(Fault::Overlap { from_s: 1999.0, to_s: 1999.0 }).to_string());
     let mut other = piece(2000..4000);
-    other.grid.step_s = 2.0;
+    other.grid = Some(Grid { step_s: 2.0, half: false });
     assert!(
         text(merge(vec![piece(0..2000), other]).expect_err("two steps")).contains("every 1 s and every 2 s")
     );
-    assert_eq!(merge(Vec::new()), Err(Error::Empty));
-    let kind = piece(0..2000).to_text().replace("\"diffmag\"", "\"sensorcal\"");
-    let edited = piece(0..2000).to_text().replace("\"profile\":{\"level\":6", "\"profile\":{\"level\":99");
-    assert!(text(Partial::parse(&edited).expect_err("no such level")).contains("was it edited?"));
-    assert!(text(Partial::parse(&kind).expect_err("another kind")).contains("found `sensorcal`"));
-    assert!(matches!(Partial::parse("{}"), Err(Error::Format(_))));
+    assert_eq!(merge(Vec::<Partial>::new()), Err(Fault::Empty.into()));
+    let kind = to_line(&piece(0..2000)).replace("\"diffmag\"", "\"sensorcal\"");
+    let edited = to_line(&piece(0..2000)).replace("\"profile\":{\"level\":6", "\"profile\":{\"level\":99");
+    assert!(parse::<Partial>(&edited).expect_err("no such level").to_string().contains("was it edited?"));
+    assert!(parse::<Partial>(&kind).expect_err("another kind").to_string().contains("found `sensorcal`"));
+    assert!(matches!(parse::<Partial>("{}"), Err(Fault::Format { .. })));
     assert!(answer(&piece(0..100)).is_err());
 }
 
@@ -194,10 +209,10 @@ fn wrong_rows_are_told_by_their_number() {
     series.time_s[150] = 150.45;
     assert!(matches!(push(&series), Err(Error::OffGrid { row: 150, .. })));
     series.time_s[150] = 149.0;
-    assert!(matches!(push(&series), Err(Error::Backwards { row: 150, .. })));
+    assert!(matches!(push(&series), Err(Error::Piece(Fault::Backwards { row: 150, .. }))));
     series.time_s[150] = f64::NAN;
-    assert!(matches!(push(&series), Err(Error::NoTime { row: 150 })));
-    assert_eq!(Statistics::new().finish(), Err(Error::Empty));
+    assert!(matches!(push(&series), Err(Error::Piece(Fault::NoTime { row: 150 }))));
+    assert_eq!(Statistics::new().finish(), Partial::default());
 }
 
 #[test]

@@ -58,7 +58,7 @@ fn missed(truth: Truth, seed: u64) -> IndexMap<&'static str, Vec<f64>> {
     statistics
         .push(&Batch { time_s: &time_s, reference_nt, test_nt: [&test[0], &test[1], &test[2]] })
         .expect("rows");
-    let fit = answer(&statistics.finish().expect("a piece")).expect("an answer");
+    let fit = answer(&statistics.finish()).expect("an answer");
     let mut all = IndexMap::<_, Vec<f64>>::new();
     let of = |estimate: &Estimate, truth: f64| {
         let [low, high] = estimate.interval(0.95);

@@ -21,7 +21,7 @@ fn pieces() -> tempfile::TempDir {
     let good = fs::read_to_string(folder.path().join("good.json")).expect("a piece");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
     write("cut-short.json", &good[..good.len() / 2]);
-    write("later-version.json", &good.replacen("\"version\":1", "\"version\":99", 1));
+    write("later-version.json", &good.replacen("\"version\":2", "\"version\":99", 1));
     write("other-kind.json", &good.replacen("\"scalarcal\"", "\"diffmag\"", 1));
     write("edited.json", &good.replacen("\"rows\":100", "\"rows\":99", 1));
     folder

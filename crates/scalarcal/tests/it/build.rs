@@ -176,7 +176,7 @@ pub fn piece(document: &Document, rows: Range<usize>) -> Partial {
     };
     let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
     statistics.push(&batch).expect("good rows");
-    statistics.finish().expect("rows")
+    statistics.finish()
 }
 
 /// Declares that the noise is white.

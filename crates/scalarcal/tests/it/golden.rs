@@ -1,7 +1,7 @@
 //! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
 
 use common::{Document, to_text};
-use scalarcal::{Options, stream};
+use scalarcal::{Columns, Options, stream};
 
 fn case(name: &str, input: &str, options: Options) {
     testkit::golden(&format!("scalarcal/{name}"), input, |text| {
@@ -31,9 +31,10 @@ fn pieces() {
     testkit::golden("scalarcal/pieces", "scalarcal/pieces/stated.json", |text| {
         let stated = Document::parse(text).expect("a document");
         let take = |name: &str| {
-            scalarcal::take(&testkit::fixture(&format!("scalarcal/pieces/{name}.csv"))).expect("a piece")
+            partial::take(&Columns, &testkit::fixture(&format!("scalarcal/pieces/{name}.csv")))
+                .expect("a piece")
         };
-        let joined = stream::merge(vec![take("evening"), take("morning")]).expect("one series");
+        let joined = partial::merge(vec![take("evening"), take("morning")]).expect("one series");
         to_text(&stream::document(&joined, stated, &Options::default()).expect("a calibration"))
     });
 }

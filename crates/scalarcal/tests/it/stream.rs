@@ -1,10 +1,13 @@
 //! One pass against rows at hand, and pieces in any order and grouping against one pass.
 
 use common::{Document, ScalarCalibration};
+use partial::{Error as Fault, merge, parse, to_line};
 use physics::Unit;
-use proptest::prelude::*;
-use scalarcal::stream::{self, Batch, Error, Partial, Statistics, merge};
+use scalarcal::stream::{self, Batch, Error, Partial, Statistics};
 use scalarcal::{Options, Source};
+
+use std::cell::RefCell;
+use std::ops::Range;
 
 use crate::build::{Campaign, declared, found, piece};
 
@@ -66,7 +69,7 @@ fn batches_do_not_matter() {
     let document = clipped(4, 2000);
     let recording = &document.recordings[0];
     let column = |name: &str| recording.column(name).expect("a column");
-    let whole = piece(&document, 0..2000).to_text();
+    let whole = to_line(&piece(&document, 0..2000));
     for batch in [1, 7, 1000] {
         let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
         for from in (0..2000).step_by(batch) {
@@ -78,52 +81,38 @@ fn batches_do_not_matter() {
             };
             statistics.push(&batch).expect("good rows");
         }
-        assert_eq!(statistics.finish().expect("rows").to_text(), whole, "{batch}");
+        assert_eq!(to_line(&statistics.finish()), whole, "{batch}");
     }
-    let read = Partial::parse(&whole).expect("a piece");
-    assert_eq!(read.to_text(), whole);
+    let read: Partial = parse(&whole).expect("a piece");
+    assert_eq!(to_line(&read), whole);
     println!("{} bytes", whole.len());
     assert!(whole.len() < 400_000 && !whole.contains('\n'));
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
-
-    /// Associative and commutative to rounding, with a piece without rows as identity.
-    #[test]
-    fn pieces_in_any_order_and_grouping(
-        seed in 0u64..1000,
-        mut cuts in prop::collection::vec(1usize..2999, 1..7),
-        order in Just((0..7).collect::<Vec<usize>>()).prop_shuffle(),
-        groups in prop::collection::vec(0usize..6, 6),
-    ) {
-        let document = clipped(seed, 3000);
-        cuts.extend([0, 3000]);
-        cuts.sort_unstable();
-        cuts.dedup();
-        let pieces: Vec<Partial> = cuts.windows(2).map(|cut| piece(&document, cut[0]..cut[1])).collect();
-        let whole = piece(&document, 0..3000);
-        let mut left: Vec<Partial> =
-            order.into_iter().filter_map(|place| pieces.get(place).cloned()).collect();
-        left.push(Partial::new(Unit::Volt, Source::Scalar));
-        for place in groups {
-            if left.len() > 1 {
-                let place = place % (left.len() - 1);
-                let next = left.remove(place + 1);
-                left[place] = merge(vec![left[place].clone(), next]).expect("no overlap");
-            }
+#[test]
+fn pieces_in_any_order_and_grouping() {
+    let document = RefCell::new((0, clipped(0, 3000)));
+    let piece = |seed: u64, rows: Range<usize>| {
+        let mut document = document.borrow_mut();
+        if document.0 != seed {
+            *document = (seed, clipped(seed, 3000));
         }
-        let joined = merge(left).expect("no overlap");
-        prop_assert_eq!((joined.rows, joined.missing, joined.span_s()), (whole.rows, whole.missing, whole.span_s()));
-        let distance = apart(&answer(&joined, &document), &answer(&whole, &document));
-        prop_assert!(distance < 1e-6, "{}", distance);
-        let windows = |partial: &Partial| -> Vec<(f64, f64, u64)> {
-            let answer = answer(partial, &document);
-            let stability = scalar(&answer).stability.clone().expect("windows");
+        piece(&document.1, rows)
+    };
+    testkit::partials_merge(12, 3000, piece, |one: &Partial, other: &Partial| {
+        let document = clipped(0, 3000);
+        let [one_answer, other_answer] = [one, other].map(|partial| answer(partial, &document));
+        let distance = apart(&one_answer, &other_answer);
+        let windows = |answer: &Document| -> Vec<(f64, f64, u64)> {
+            let stability = scalar(answer).stability.clone().expect("windows");
             stability.windows.iter().map(|window| (window.from_s, window.to_s, window.rows)).collect()
         };
-        prop_assert_eq!(windows(&joined), windows(&whole));
-    }
+        let counts = |partial: &Partial| (partial.rows, partial.missing, partial.span_s());
+        match (counts(one) == counts(other), windows(&one_answer) == windows(&other_answer)) {
+            (true, true) if distance < 1e-6 => Ok(()),
+            (rows, windows) => Err(format!("{distance:e}; rows the same: {rows}, windows: {windows}")),
+        }
+    });
 }
 
 #[test]
@@ -154,13 +143,13 @@ fn what_a_stream_cannot_take_is_refused() {
     let document = clipped(7, 600);
     let first = piece(&document, 0..300);
     let twice = merge(vec![first.clone(), piece(&document, 299..600)]).expect_err("twice");
-    assert_eq!(twice, Error::Overlap { from_s: 299.0, to_s: 299.0 });
+    assert_eq!(twice, Fault::Overlap { from_s: 299.0, to_s: 299.0 }.into());
     let other = Partial::new(Unit::Nanotesla, Source::Scalar);
-    assert!(matches!(merge(vec![first.clone(), other]), Err(Error::Unlike { .. })));
+    assert!(matches!(merge(vec![first.clone(), other]), Err(Error::Piece(Fault::Unlike { .. }))));
     let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
     let one = [1.0, 1.0];
     let batch = Batch { time_s: &one, readings: [&one, &one, &one], magnitude_nt: &one };
-    assert_eq!(statistics.push(&batch), Err(Error::Backwards { row: 1, time_s: 1.0 }));
+    assert_eq!(statistics.push(&batch), Err(Fault::Backwards { row: 1, time_s: 1.0 }.into()));
     let robust = Options { robust: true, ..Options::default() };
     assert!(stream::document(&first, document, &robust).is_err());
 }

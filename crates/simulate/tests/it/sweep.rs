@@ -27,6 +27,17 @@ fn one_thread_and_two_give_the_same_bytes() {
 }
 
 #[test]
+fn parts_of_the_seeds_are_the_whole() {
+    let part = |seeds: &str| {
+        run(
+            "2",
+            &["sweep", "-q", &plan("magsat-axes"), "--seeds", seeds, "--set", "truth.residual_field_nt.z=5"],
+        )
+    };
+    assert!([part("1..2"), part("3..5")].concat() == part("1..5"));
+}
+
+#[test]
 fn seeds_and_values_in_every_combination() {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = folder.path().join("truth.ndjson");

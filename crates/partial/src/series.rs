@@ -1,0 +1,155 @@
+//! Files of a series, which become pieces: tables, and recordings of documents.
+
+use common::{Document, Error as Fault, Recording, range};
+use std::fs::{self, File};
+use std::path::Path;
+use tables::{Format, Reader};
+
+use crate::{Partial, merge};
+
+/// How a stage makes statistics of the rows of a series.
+pub trait Series: Sync {
+    /// The statistics.
+    type Partial: Partial;
+    /// What takes rows.
+    type Take: Take<Partial = Self::Partial>;
+    /// The procedure whose recordings of a document are taken.
+    const PROCEDURE: &'static str;
+
+    /// The columns that are wanted of those that there are, times first, and what takes them.
+    ///
+    /// # Errors
+    ///
+    /// What is missing, in words.
+    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Self::Take), String>;
+}
+
+/// Takes a series batch by batch.
+pub trait Take {
+    /// What comes of it.
+    type Partial: Partial;
+
+    /// Takes the next rows, in the order of the names that were wanted.
+    ///
+    /// # Errors
+    ///
+    /// Rows that cannot be taken, by their number.
+    fn push(&mut self, columns: &[&[f64]]) -> Result<(), <Self::Partial as Partial>::Error>;
+
+    /// The piece.
+    ///
+    /// # Errors
+    ///
+    /// Where there is none.
+    fn finish(self) -> Result<Self::Partial, <Self::Partial as Partial>::Error>;
+}
+
+/// Takes a file in one pass and bounded memory: CSV, NDJSON or Parquet by its extension, `.json` a document, of which the recordings
+/// of the procedure are taken, with times since 1970 where they say when they began.
+///
+/// # Errors
+///
+/// A file that cannot be read, or rows that cannot be taken, each with file and row.
+pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
+    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
+        return document(series, path);
+    }
+    table(series, path, 0.0)
+}
+
+fn table<S: Series>(series: &S, path: &Path, start_s: f64) -> Result<S::Partial, Fault> {
+    let shown = path.display().to_string();
+    let of_file = |reason: String| Fault::Request(format!("{shown}: {reason}"));
+    let unreadable = |error: tables::Error| Fault::Request(error.to_string());
+    let refused = |error| of_file(told::<S>(error));
+    let there = columns(path).map_err(unreadable)?;
+    let (names, mut taking) = series.begin(&there).map_err(|missing| {
+        of_file(format!("found the columns {}; expected {missing} among them", there.join(", ")))
+    })?;
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    for batch in Reader::open(path, Some(&names)).map_err(unreadable)? {
+        let mut batch = batch.map_err(unreadable)?;
+        let columns = names.iter().copied().zip(batch.columns.iter().map(Vec::as_slice));
+        range::rows(&shown, batch.first_row, columns)?;
+        if start_s != 0.0 {
+            batch.columns[0].iter_mut().for_each(|time| *time += start_s);
+        }
+        let columns: Vec<&[f64]> = batch.columns.iter().map(Vec::as_slice).collect();
+        taking.push(&columns).map_err(refused)?;
+    }
+    taking.finish().map_err(refused)
+}
+
+/// The names of a table's columns, without decoding any.
+fn columns(path: &Path) -> Result<Vec<String>, tables::Error> {
+    if Format::of(path)? == Format::Parquet
+        && let Ok(file) = File::open(path)
+        && file.metadata().is_ok_and(|found| found.is_file())
+    {
+        let columns = tables::parquet_columns(file, &path.display().to_string())?;
+        return Ok(columns.into_iter().map(|(name, _)| name).collect());
+    }
+    Ok(Reader::open(path, None)?.columns().to_vec())
+}
+
+fn document<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
+    let text = fs::read_to_string(path).map_err(|source| Fault::File {
+        path: path.into(),
+        action: "read",
+        source,
+    })?;
+    let of_file = |error: String| Fault::Request(format!("{}: {error}", path.display()));
+    if text.get(..64).unwrap_or(&text).contains("fluxcal-partial") {
+        let kind = S::Partial::KIND;
+        return Err(of_file(format!(
+            "found statistics that were written before; expected rows. To join statistics: {kind} merge"
+        )));
+    }
+    let document = Document::parse(&text).map_err(|error| of_file(error.to_string()))?;
+    let all = document.recordings.iter().enumerate();
+    let pieces: Vec<S::Partial> = all
+        .filter(|(_, recording)| recording.procedure == S::PROCEDURE)
+        .map(|(index, one)| recording(series, path, index, one))
+        .collect::<Result<_, _>>()?;
+    if pieces.is_empty() {
+        return Err(of_file(format!(
+            "found no recording of the procedure {}; expected at least one",
+            S::PROCEDURE
+        )));
+    }
+    merge(pieces).map_err(|error| of_file(told::<S>(error)))
+}
+
+fn recording<S: Series>(
+    series: &S,
+    path: &Path,
+    index: usize,
+    recording: &Recording,
+) -> Result<S::Partial, Fault> {
+    let key = format!("recordings[{index}]");
+    let start_s = recording.start().map_or(0.0, |start| start.unix_s);
+    if let Some(beside) = &recording.table {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let beside = tables::beside(folder, beside).map_err(|error| {
+            Fault::document(format!("{key}.table"), error.to_string(), "a file beside the document")
+        })?;
+        return table(series, &beside, start_s);
+    }
+    let there: Vec<String> = recording.columns.keys().cloned().collect();
+    let (names, mut taking) = series
+        .begin(&there)
+        .map_err(|missing| Fault::document(format!("{key}.columns"), there.join(", "), missing))?;
+    let mut columns: Vec<&[f64]> = names.iter().filter_map(|name| recording.column(name)).collect();
+    let times: Vec<f64>;
+    if let Some(first) = columns.first_mut().filter(|_| start_s != 0.0) {
+        times = first.iter().map(|time| time + start_s).collect();
+        *first = &times;
+    }
+    let taken = taking.push(&columns).and_then(|()| taking.finish());
+    taken.map_err(|error| Fault::document(key, told::<S>(error), "rows of rising times"))
+}
+
+fn told<S: Series>(error: <S::Partial as Partial>::Error) -> String {
+    let error: Fault = error.into();
+    error.to_string()
+}

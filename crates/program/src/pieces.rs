@@ -1,0 +1,142 @@
+//! `stream` and `merge`: long series in one pass, and statistics of their pieces that are joined later.
+
+use clap::Args;
+use common::{Document, Error, HistoryEntry};
+use partial::{Partial, Series};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use crate::apart;
+use crate::pipe::{self, Program};
+
+/// Files of a series.
+#[derive(Args, Clone, Debug)]
+pub struct Stream {
+    /// Pieces in any order: .csv, .ndjson, .parquet, or .json, a document
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    out: Out,
+}
+
+/// Statistics of pieces.
+#[derive(Args, Clone, Debug)]
+pub struct Merge {
+    /// What `stream --partial` and `merge --partial` wrote, one piece a line; absent or `-`: standard input
+    files: Vec<PathBuf>,
+    #[command(flatten)]
+    out: Out,
+}
+
+#[derive(Args, Clone, Debug)]
+struct Out {
+    /// Write the statistics in one line, to be merged with those of other pieces, in place of the answer
+    #[arg(long)]
+    partial: bool,
+    /// Write to this file; absent: standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Say nothing on standard error
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// The document of an answer, and the SHA-256 of the one that was read for it.
+pub type Answered = (Document, Option<String>);
+
+/// How a program answers from statistics.
+pub struct Answer<'a, P> {
+    /// The program.
+    pub program: Program,
+    /// What is read beside the pieces.
+    pub document: Option<&'a Path>,
+    /// What the history records of the request beside the subcommand.
+    pub arguments: Vec<String>,
+    /// The answer.
+    pub of: &'a dyn Fn(&P) -> Result<Answered, Error>,
+    /// What is said of it.
+    pub words: &'a dyn Fn(&Document) -> String,
+}
+
+impl Stream {
+    /// Takes the files and answers, or writes the statistics.
+    ///
+    /// # Errors
+    ///
+    /// What cannot be read, taken, joined or answered.
+    pub fn run<S: Series>(&self, series: &S, answer: &Answer<'_, S::Partial>) -> Result<(), Error> {
+        let take = || {
+            let pieces = self.files.par_iter().map(|file| partial::take(series, file));
+            partial::merge(pieces.collect::<Result<_, Error>>()?).map_err(Into::into)
+        };
+        self.out.write("stream", &self.files, take, answer)
+    }
+}
+
+impl Merge {
+    /// Joins the pieces and answers, or writes the statistics.
+    ///
+    /// # Errors
+    ///
+    /// What cannot be read, joined or answered.
+    pub fn run<P: Partial>(&self, answer: &Answer<'_, P>) -> Result<(), Error> {
+        let mut files = self.files.clone();
+        if files.is_empty() {
+            files.push("-".into());
+        }
+        let join = || {
+            let sources = files.iter().map(|file| open(file)).collect::<Result<Vec<_>, Error>>()?;
+            partial::merge_lines(sources)
+        };
+        self.out.write("merge", &files, join, answer)
+    }
+}
+
+/// A file, or standard input, as messages call it and as it is read.
+fn open(file: &Path) -> Result<(String, Box<dyn BufRead>), Error> {
+    if file != Path::new("-") {
+        let opened =
+            File::open(file).map_err(|source| Error::File { path: file.into(), action: "read", source })?;
+        return Ok((file.display().to_string(), Box::new(BufReader::new(opened))));
+    }
+    if io::stdin().is_terminal() {
+        return Err(Error::Request(
+            "no pieces: standard input is a terminal. Give files, or put `stream --partial` before this program in a pipe; \
+             --help shows an example"
+                .into(),
+        ));
+    }
+    Ok(("standard input".into(), Box::new(io::stdin().lock())))
+}
+
+impl Out {
+    fn write<P: Partial>(
+        &self,
+        command: &str,
+        files: &[PathBuf],
+        pieces: impl FnOnce() -> Result<P, Error>,
+        answer: &Answer<'_, P>,
+    ) -> Result<(), Error> {
+        let inputs = files.iter().map(PathBuf::as_path).chain(answer.document);
+        apart::check(self.output.as_deref(), inputs)?;
+        let joined = pieces()?;
+        if self.partial {
+            return pipe::write(self.output.as_deref(), &(partial::to_line(&joined) + "\n"));
+        }
+        let (mut document, input_sha256) = (answer.of)(&joined)?;
+        document.history.push(HistoryEntry {
+            stage: answer.program.name.into(),
+            version: answer.program.version.into(),
+            arguments: std::iter::once(command.to_string()).chain(answer.arguments.iter().cloned()).collect(),
+            input_sha256,
+            extra: Default::default(),
+        });
+        pipe::write(self.output.as_deref(), &document.to_text()?)?;
+        if !self.quiet {
+            pipe::say(&(answer.words)(&document));
+        }
+        Ok(())
+    }
+}
