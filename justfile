@@ -49,6 +49,23 @@ bench:
     FLUXCAL_ROWS=10000000 cargo bench -p correct --bench table
     cargo build --release && cargo build --profile dist && cargo bench -p program --bench profiles
 
+# A network on a cluster of two workers of Apache Spark, and campaigns by make; needs Java 17 (Debian: openjdk-17-jre-headless), and fetches Spark
+fleet-test: fleet-venv
+    rm -rf target/fleet-test target/fleet-campaigns target/fleet-programs && mkdir target/fleet-programs
+    cp target/release/simulate target/release/correct target/release/diffmag target/release/scalarcal target/fleet-programs
+    target/fleet-venv/bin/python fleet/test_fleet.py target/fleet-programs target/fleet-test
+    target/fleet-venv/bin/python fleet/test_campaigns.py target/fleet-programs target/fleet-campaigns
+
+# A month of ten stations at 10 Hz: docs/fleet.md; 25 GB of disk and some half an hour
+fleet-measure rate_hz="10" days="30" observatories="8" satellites="2": fleet-venv
+    rm -rf target/fleet-measured
+    target/fleet-venv/bin/python fleet/measure.py target/release target/fleet-measured docs/fleet.md {{rate_hz}} {{days}} {{observatories}} {{satellites}}
+
+[private]
+fleet-venv:
+    cargo build --release -p simulate -p correct -p diffmag -p scalarcal
+    test -x target/fleet-venv/bin/spark-submit || { python3 -m venv target/fleet-venv && target/fleet-venv/bin/pip install -q -r fleet/requirements.txt; }
+
 # Physics concealed and sealed, what diagnose finds of it, and recordings that somebody else made: docs/proof.md and docs/proof/real.md. Three
 # steps with a folder that must be new: what was opened once is not scored again.
 proof folder="target/proof":
