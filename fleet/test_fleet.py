@@ -18,7 +18,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 
 import network
-from cluster import Cluster
+from cluster import HERE, Cluster
 
 
 def spoil(readings):
@@ -85,8 +85,8 @@ def by_hand(path, readings, programs, out):
 
 
 def main(programs, folder):
+    programs, folder = os.path.abspath(programs), os.path.abspath(folder)
     os.makedirs(folder)
-    programs = os.path.abspath(programs)
     path = network.make(folder, programs)
     readings = os.path.join(folder, "readings")
     spoil(readings)
@@ -124,22 +124,40 @@ def compare(cluster, path, readings, programs, folder, expected):
     assert not differ, f"not what the programs give alone: {differ}"
     print(f"two workers give what the programs give alone: {len(whole)} files, the same bytes")
 
+    before = []
+
     def lose():
         # Half-way: some days are done, most are not.
-        while len(glob.glob(f"{folder}/lost/corrected/*/*/*.parquet")) < 4:
+        days = lambda: len(glob.glob(f"{folder}/lost/corrected/*/*/*.parquet"))
+        while days() < 4:
             time.sleep(0.01)
         cluster.lose_a_worker()
+        before.append(days())
 
     losing = threading.Thread(target=lose)
     losing.start()
-    cluster.run("fleet.py", "run", path, readings, f"{folder}/lost", "--programs", programs)
+    # By a URI, and given the days that it finds by itself.
+    cluster.run(
+        "fleet.py", "run", path, f"file://{readings}", f"file://{folder}/lost", "--programs", programs, "--from", "2026-02-26", "--to", "2026-03-03"
+    )
     losing.join()
     assert cluster.started[2].wait() == -signal.SIGKILL
+    everything = len([name for name in whole if name.startswith("corrected")])
+    assert before[0] < everything, f"{before[0]} of {everything} days were done before the worker was lost"
     lost = {name: data for name, data in tree(f"{folder}/lost").items() if not os.path.basename(name).startswith(".")}
     assert lost.pop("findings.parquet") == findings, "other findings where a worker was lost"
     differ = sorted(name for name in lost.keys() | whole.keys() if lost.get(name) != whole.get(name))
     assert not differ, f"not the same where a worker was lost: {differ}"
     print("with a worker lost half-way: the same bytes")
+
+    # After a change of a baseline: the days since, here without Spark.
+    since = [sys.executable, os.path.join(HERE, "fleet.py"), "run", "--alone", path, readings, f"{folder}/since", "--programs", programs]
+    subprocess.run([*since, "--from", "2026-03-01", "--to", "2026-03-03"], check=True, capture_output=True)
+    part = tree(f"{folder}/since")
+    part.pop("findings.parquet")
+    march = {name: data for name, data in whole.items() if "2026-03" in name}
+    assert part == march, "not the days since a day"
+    print("the days since a day: the same bytes as of all days")
 
 
 if __name__ == "__main__":
