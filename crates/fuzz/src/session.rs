@@ -144,7 +144,11 @@ impl Session {
         let mut writes = line.writes;
         let mut is_document = line.kind == Kind::Document;
         for _ in 0..FURTHER {
-            let after = if writes == Writes::Piece { &["diffmag merge"] } else { commands::next(program) };
+            let after: &[&'static str] = match (writes, program) {
+                (Writes::Piece, "scalarcal") => &["scalarcal merge"],
+                (Writes::Piece, _) => &["diffmag merge"],
+                _ => commands::next(program),
+            };
             let reads_on = matches!(writes, Writes::Document | Writes::Piece);
             let is_small = last.written.len() <= LARGEST;
             if !is_small

@@ -14,6 +14,7 @@ const SIGNS: [f64; 2] = [1.0, -1.0];
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct End {
     first: (f64, u64),
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     next: Option<(f64, u64)>,
 }
 
@@ -53,6 +54,11 @@ pub type At = u8;
 pub struct Ends([[Option<End>; 2]; 3]);
 
 impl Ends {
+    /// Whether there were no rows.
+    pub fn is_empty(&self) -> bool {
+        self.0.iter().flatten().all(Option::is_none)
+    }
+
     /// Takes a row; gives the ends at which it stands, and those that it moved.
     pub fn take(&mut self, readings: [f64; 3]) -> (At, At) {
         let (mut at, mut moved) = (0, 0);

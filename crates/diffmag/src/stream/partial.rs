@@ -18,7 +18,8 @@ pub struct Row(pub i64, pub [f64; 6]);
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Partial {
-    /// Where the samples stand; null: there are none, and any grid will do.
+    /// Where the samples stand; absent: there are none, and any grid will do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
     /// First and last place of each stretch of time that is covered; what is missing within is missing for good.
     pub(super) covered: Covered<i64>,
@@ -151,11 +152,14 @@ impl Partial {
         if ragged.is_empty() {
             return;
         }
-        let mut tiles = by_tile(&self.rows);
+        let of = |row: &Row| row.0.div_euclid(size);
+        let (rows, left) =
+            std::mem::take(&mut self.rows).into_iter().partition(|row| ragged.contains(&of(row)));
+        self.rows = left;
+        let mut tiles = by_tile(&rows);
         for tile in ragged {
             self.take_tile(tile, &tiles.remove(&tile).unwrap_or_default());
         }
-        self.rows = tiles.into_values().flatten().collect();
     }
 
     /// Whether all places of a tile are covered.

@@ -26,6 +26,7 @@ pub struct Partial {
     /// Rows that repeat the one before in all three sensors.
     pub repeated: u64,
     /// The largest and the smallest readings.
+    #[serde(default, skip_serializing_if = "Ends::is_empty")]
     pub(super) ends: Ends,
     /// Factors of the products.
     #[serde(flatten)]
