@@ -6,6 +6,7 @@
 mod accuracy;
 mod axes;
 mod directions;
+mod joint;
 mod noise;
 mod offset;
 mod range;
@@ -19,6 +20,7 @@ pub use verdict::{Found, Missing, Rule, Shown, Side, Verdict};
 pub use words::section;
 
 use common::{Axis, Document};
+use joint::Joint;
 
 /// The id of the certificate's section.
 pub const ID: &str = "certificate";
@@ -45,21 +47,22 @@ pub fn judge<'a>(document: &Document, spec: &'a Spec) -> Result<Vec<Judged<'a>>,
     document.check()?;
     physics::adopt(document).map_err(|error| error.at("model"))?;
     let rule = Rule { factor: spec.guard_factor };
-    Ok(spec.requirements.iter().map(|requirement| one(document, requirement, rule)).collect())
+    let joint = Joint::of(document)?;
+    Ok(spec.requirements.iter().map(|requirement| one((document, &joint), requirement, rule)).collect())
 }
 
-fn one<'a>(document: &Document, requirement: &'a Requirement, rule: Rule) -> Judged<'a> {
+fn one<'a>((document, joint): (&Document, &Joint), requirement: &'a Requirement, rule: Rule) -> Judged<'a> {
     let shown = match requirement.kind {
-        Kind::OrthogonalityDeg => axes::orthogonality(document),
-        Kind::AxesArcsec => axes::known(document),
-        Kind::AxesFromNominalArcsec => axes::from_nominal(document, requirement),
+        Kind::OrthogonalityDeg => axes::orthogonality(document, joint),
+        Kind::AxesArcsec => axes::known(document, joint),
+        Kind::AxesFromNominalArcsec => axes::from_nominal(document, joint, requirement),
         Kind::AxesOverTemperatureArcsec => axes::over_temperature(document, requirement),
         Kind::RangeNt => range::range(document),
         Kind::ResolutionNt => range::resolution(document),
         Kind::BandwidthHz => range::bandwidth(document),
         Kind::NoiseZeroToPeakNt => noise::zero_to_peak(document, requirement),
-        Kind::OffsetStabilityNt => offset::stability(document, requirement),
-        Kind::AbsoluteAccuracyNt => accuracy::accuracy(document, requirement, rule),
+        Kind::OffsetStabilityNt => offset::stability(document, joint, requirement),
+        Kind::AbsoluteAccuracyNt => accuracy::accuracy((document, joint), requirement, rule),
     };
     let side = requirement.kind.side();
     let of = |shown: &Shown| {

@@ -6,7 +6,7 @@ use physics::Kind;
 
 use crate::Found;
 use crate::departure::FOUND_BELOW;
-use crate::effects::likely_size;
+use crate::effects;
 
 /// Who put an effect into the model: on a second run it is replaced.
 const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
@@ -35,7 +35,7 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
     }
     let matters = across_matters(&found.calibration);
     if let Some(cross) = found.calibration.cross_field.as_ref().filter(|_| matters) {
-        effects.extend(across(cross, sensor));
+        effects.extend(across(cross, sensor, found.likely));
     }
     let mine =
         |effect: &AdoptedEffect| effect.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1);
@@ -76,14 +76,13 @@ pub fn across_matters(calibration: &SensorCalibration) -> bool {
 }
 
 /// The effects of fields across; a parameter that was not seen is zero, give or take what the others make likely.
-fn across(cross: &CrossFieldFit, sensor: Axis) -> Vec<AdoptedEffect> {
-    [(Kind::CrossField, &cross.offset), (Kind::CrossFieldSensitivity, &cross.sensitivity)]
+fn across(cross: &CrossFieldFit, sensor: Axis, likely: [f64; 2]) -> Vec<AdoptedEffect> {
+    let [offset, sensitivity] = effects::KINDS;
+    [(offset, &cross.offset, likely[0]), (sensitivity, &cross.sensitivity, likely[1])]
         .into_iter()
-        .filter(|(_, found)| !found.is_empty())
-        .map(|(kind, found)| {
+        .filter(|(_, found, _)| !found.is_empty())
+        .map(|(kind, found, likely)| {
             let all = kind.parameters().iter();
-            let sizes = found.values().map(|size| (size.value(), size.std().unwrap_or(0.0)));
-            let likely = likely_size(sizes, cross.noise.degrees_of_freedom);
             let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, likely));
             one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
         })

@@ -39,6 +39,8 @@ pub struct Found {
     pub fit: CrossFieldFit,
     /// The parameters as they were estimated.
     pub block: Block,
+    /// Standard deviation of a parameter that was not seen, for each of [`effects::KINDS`], nT.
+    pub likely: [f64; 2],
     /// Readings that were left out of a fit, one after the other.
     pub left_out: Vec<LeftOut>,
 }
@@ -86,14 +88,14 @@ pub fn coefficients(
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let same = departure::extend(&problem, &candidates)?;
-    let weighty = allowed.weighty(&same.fit.linear);
-    let sized = Sized::of(&weighty, &same.fit, runs.iter().map(|run| run.rows.len()).collect())?;
+    let sized = Sized::of(allowed.clone(), &same.fit, &runs, (&shape, place))?;
     let problem = Problem { allowed: &sized.allowed, ..problem };
     let extended = departure::extend(&problem, &candidates)?;
     let fit = &extended.fit;
     let first = without.values.len();
     let places: Vec<usize> = (first..first + sought.len()).collect();
-    let errors = effects::unknown(&sided, &directions, (&sought, &unseen), fit, first)?;
+    let likely = effects::likely(&sought, fit, first);
+    let errors = effects::unknown(&sided, &directions, (&sought, &unseen), (fit, first), likely)?;
     let own = own_covariance(&problem, fit, &places, &errors)?;
     for (at, one) in sought.iter().enumerate() {
         let variance = own[at][at] + fit.common[(first + at, first + at)];
@@ -126,7 +128,7 @@ pub fn coefficients(
     let (held_out, left_out) = passes::left_out(&problem, (&sought, first), (&shape, place))?.unzip();
     found.held_out = held_out;
     findings(sensor, &unseen, &runs, &mut found, conditions);
-    Ok(Some(Found { fit: found, block, left_out: left_out.unwrap_or_default() }))
+    Ok(Some(Found { fit: found, block, likely, left_out: left_out.unwrap_or_default() }))
 }
 
 /// Covariance of some unknowns from scatter and from errors that add columns to the readings.
@@ -188,13 +190,11 @@ fn levels_of(
     for (number, run) in runs.iter().enumerate() {
         let from = groups.len();
         for row in &run.rows {
-            if groups.len() > MOST_LEVELS {
-                return Ok(());
-            }
             let at: Vec<f64> = across.coils[number].iter().map(|coil| run.coil_nt(*coil, *row)).collect();
             let same = |other: &Vec<f64>| at.iter().zip(other).all(|(a, b)| (a - b).abs() < ACROSS * FULL_NT);
             match fields[from..].iter().position(same) {
                 Some(group) => groups[from + group].1.push(*row),
+                None if groups.len() == MOST_LEVELS => return Ok(()),
                 None => {
                     groups.push((number, vec![*row]));
                     fields.push(at);

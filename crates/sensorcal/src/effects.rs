@@ -88,7 +88,7 @@ pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<S
 /// that it is not zero, with the odds of the Bayesian information criterion, √n exp(−z²/2) against it. Their sum is divided by one
 /// less than their number, for so few say little of their common size: of two normal values the mean square is too small for
 /// a third one in more than half of all cases.
-pub fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {
+fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {
     let squares: Vec<f64> = others
         .map(|(value, std)| {
             let against = readings.max(1.0).sqrt() * (-0.5 * (value / std).powi(2)).exp();
@@ -98,21 +98,27 @@ pub fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f
     (squares.iter().sum::<f64>() / squares.len().saturating_sub(1).max(1) as f64).sqrt()
 }
 
+/// That prior standard deviation for each of [`KINDS`], nT: by the parameters from `first` on of a fit, which belong to `seen`.
+pub fn likely(seen: &[Sought], fit: &Fit, first: usize) -> [f64; 2] {
+    KINDS.map(|kind| {
+        let of = seen.iter().enumerate().filter(|(_, one)| one.kind == kind);
+        likely_size(of.map(|(at, _)| (fit.values[first + at], fit.type_a(first + at))), fit.linear.freedom)
+    })
+}
+
 /// What errors of the directions, and parameters that cannot be told, do to the parameters that were found: each independent error of one
 /// standard deviation as the readings' departure, over the used rows of all runs.
 ///
-/// The parameters from `first` on of the fit belong to `seen`, which were calculated for `directions`.
+/// The parameters from `first` on of the fit belong to `seen`, which were calculated for `directions`; `likely` are the standard deviations of
+/// those that cannot be told.
 pub fn unknown(
     runs: &[Run<'_>],
     directions: &Directions,
     (seen, unseen): (&[Sought], &[Sought]),
-    fit: &Fit,
-    first: usize,
+    (fit, first): (&Fit, usize),
+    likely: [f64; 2],
 ) -> Result<Vec<Vec<f64>>, Error> {
-    let size = |kind: Kind| {
-        let of = seen.iter().enumerate().filter(|(_, one)| one.kind == kind);
-        likely_size(of.map(|(at, _)| (fit.values[first + at], fit.type_a(first + at))), fit.linear.freedom)
-    };
+    let size = |kind: Kind| likely[usize::from(kind == KINDS[1])];
     // By themselves: what was not seen.
     let scaled = |column: Vec<f64>, size: f64| column.iter().map(|value| value * size).collect::<Vec<f64>>();
     let mut errors: Vec<Vec<f64>> =

@@ -223,7 +223,7 @@ impl Lagged<'_, '_> {
         let fitted: Vec<usize> = places.iter().copied().flatten().collect();
         let block = Block {
             name: format!("sensor {sensor}: scatter of the temperature runs"),
-            degrees_of_freedom: fit.linear.freedom,
+            degrees_of_freedom: fit.noise.degrees_of_freedom,
             parameters: paths
                 .iter()
                 .zip(&places)

@@ -86,6 +86,8 @@ struct Found {
     turned: Option<Turned>,
     /// The parameters of fields across as they were estimated.
     across: Option<Block>,
+    /// Standard deviation of those that were not seen, for each of their effects, nT.
+    likely: [f64; 2],
     /// Readings with fields across that were left out of a fit.
     left_out: Vec<LeftOut>,
 }
@@ -216,9 +218,9 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<Found, Error>
     let (reversal, turned) = reversal::offset(document, sensor, &k, &shape, &conditions)?.unzip();
     let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
     let across = cross_field::coefficients(document, sensor, &shape, &conditions, sides)?;
-    let (cross_field, across, left_out) = match across {
-        Some(found) => (Some(found.fit), Some(found.block), found.left_out),
-        None => (None, None, Vec::new()),
+    let (cross_field, across, likely, left_out) = match across {
+        Some(found) => (Some(found.fit), Some(found.block), found.likely, found.left_out),
+        None => (None, None, [0.0; 2], Vec::new()),
     };
     let calibration = SensorCalibration {
         sensitivity: constants.as_ref().map(|found| Box::new(found.fit.clone())),
@@ -229,7 +231,7 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<Found, Error>
         cross_field: cross_field.map(Box::new),
         ..SensorCalibration::default()
     };
-    Ok(Found { calibration, conditions, constants, turned, across, left_out })
+    Ok(Found { calibration, conditions, constants, turned, across, likely, left_out })
 }
 
 /// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through the recordings in a

@@ -16,9 +16,11 @@ const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
 const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
 /// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of processes, in one pass.
-const FULL: usize = 2000;
+pub const FULL: usize = 2000;
 /// Variance of a recording's own level over that of its readings' noise, where several recordings share their constants.
 const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
+/// Powers of the size of a reading's noise with which slow noise scatters: with the fast noise, not at all, with its variance.
+const POWERS: [f64; 3] = [1.0, 0.0, 2.0];
 /// Covariances that weigh less than this are left out of further fits.
 const WEIGHTY: f64 = 1e-3;
 
@@ -36,8 +38,10 @@ pub enum Place {
 /// What is known of a sensor's noise.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// White and flicker noise where they are known.
+    /// The sensor's noise where it is known.
     known: Option<Noise>,
+    /// That of the field in the coils beside it, as the facility declares it.
+    field: Option<Noise>,
     /// Where from: `measured`, `declared`, `residuals`.
     source: &'static str,
     /// Variance of rounding, nT².
@@ -45,8 +49,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// As it was measured in this document; else as the instrument declares it; else from the residuals. Rounding to codes of
-    /// `code_nt` counts as white noise.
+    /// As it was measured in this document; else as the instrument declares it; else from the residuals. Beside noise that is known counts
+    /// that of the field in the coils as the facility declares it. Rounding to codes of `code_nt` counts as white noise.
     pub fn of(document: &Document, sensor: Axis, measured: Option<&SensorNoise>, code_nt: f64) -> Self {
         let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
         let noisy = |noise: &Noise| noise.rms_nt(1e3, 1.0) > 0.0;
@@ -56,7 +60,9 @@ impl Shape {
             (None, Some(declared)) => (Some(declared.clone()), "declared"),
             (None, None) => (None, "residuals"),
         };
-        Self { known, source, rounding_nt2: code_nt * code_nt / 12.0 }
+        let field = document.facility.as_ref().and_then(|facility| facility.noise.clone());
+        let field = field.filter(|noise| known.is_some() && noisy(noise));
+        Self { known, field, source, rounding_nt2: code_nt * code_nt / 12.0 }
     }
 
     /// Whether the sensor's noise is known.
@@ -68,23 +74,28 @@ impl Shape {
     /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
     /// top; where it is not known, white noise alone or with flicker noise in every proportion.
     pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
-        self.allowed_beyond(FULL, recordings, place)
+        self.allowed_beyond(FULL, recordings, place, None)
+    }
+
+    /// The same where the noise of each reading has a size of its own, by recording and row; in one pass, each recording. What is slower than the readings follow each
+    /// other scatters with a power of that, any of [`POWERS`]: traffic by day may add more to the slow noise than to the fast.
+    pub fn sized(&self, recordings: &[Rows], place: Place, sizes: &[Vec<f64>]) -> Result<Allowed, Error> {
+        self.allowed_beyond(FULL, recordings, place, Some(sizes))
     }
 
     /// The same with full matrices for so many readings.
-    fn allowed_beyond(&self, full: usize, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
+    fn allowed_beyond(
+        &self,
+        full: usize,
+        recordings: &[Rows],
+        place: Place,
+        sizes: Option<&[Vec<f64>]>,
+    ) -> Result<Allowed, Error> {
         let extra: Vec<More> = match (&self.known, place) {
             (None, _) => More::unknown(),
             (Some(_), Place::Shield) => vec![More::NONE],
             (Some(_), Place::Coils | Place::Levels) => {
-                let each = FIELD.iter().flat_map(|e| {
-                    [[*e, 0.0], [0.5 * e, 0.5 * e], [0.0, *e]].map(|[white, flicker]| More {
-                        white,
-                        flicker,
-                        ..More::NONE
-                    })
-                });
-                std::iter::once(More::NONE).chain(each).collect()
+                std::iter::once(More::NONE).chain(More::of_field()).collect()
             }
         };
         let source = match (self.source, place) {
@@ -92,20 +103,31 @@ impl Shape {
             (source, _) => format!("{source}, with that of the field"),
         };
         let mut allowed = Allowed { source, known: self.known.is_some(), ..Allowed::default() };
-        let white = self.known.as_ref().map_or(1.0, |noise| noise.white_rms_nt.unwrap_or(0.0).powi(2))
-            + self.rounding();
-        let own = Noise { white_rms_nt: Some(white.sqrt()), ..self.known.clone().unwrap_or_default() };
+        // White noise of all that is known together in the first, what has memory in each.
+        let mut known = vec![self.known.clone().unwrap_or_default()];
+        known.extend(self.field.clone().filter(|_| place != Place::Shield));
+        let white = known.iter().map(|noise| noise.white_rms_nt.unwrap_or(0.0).powi(2)).sum::<f64>();
+        let white = if self.known.is_some() { white + self.rounding_nt2 } else { 1.0 };
+        known.iter_mut().for_each(|noise| noise.white_rms_nt = None);
+        known[0].white_rms_nt = Some(white.sqrt());
         let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
         if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > full {
             for more in extra {
-                allowed.add_long(recordings, [&own, &flicker], more)?;
+                allowed.add_long(recordings, (&known, &flicker), more)?;
             }
-            return Ok(allowed);
+            return Ok(match sizes {
+                Some(sizes) => allowed.scaled(&sizes.iter().map(|sizes| sizes[0]).collect::<Vec<_>>()),
+                None => allowed,
+            });
         }
         let parts: Vec<[Vec<f64>; 2]> = recordings
             .iter()
             .map(|(rows, time)| {
-                let mut own = covariance(&own, *rows, time.as_deref())?;
+                let mut own = vec![0.0; rows * rows];
+                for noise in &known {
+                    let one = covariance(noise, *rows, time.as_deref())?;
+                    own.iter_mut().zip(one).for_each(|(sum, one)| *sum += one);
+                }
                 if mean_variance(&own, *rows) == 0.0 {
                     // Noise with memory alone, and no times: the readings are as good as independent.
                     (0..*rows).for_each(|row| own[row * rows + row] = 1.0);
@@ -114,8 +136,12 @@ impl Shape {
             })
             .collect::<Result<_, Error>>()?;
         let levels = if place == Place::Levels { &LEVELS[..] } else { &LEVELS[..1] };
-        let each = levels.iter().flat_map(|level| extra.iter().map(move |more| (*more, *level)));
-        for (more, level) in each {
+        let powers = if sizes.is_some() { &POWERS[..] } else { &POWERS[..1] };
+        let each = levels.iter().flat_map(|level| {
+            let each = extra.iter().flat_map(|more| powers.iter().map(|power| (*more, *power)));
+            each.map(|(more, power)| (more, *level, power))
+        });
+        for (more, level, power) in each {
             allowed.add(recordings, more.probability, |number, rows| {
                 let [own, shape] = &parts[number];
                 let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));
@@ -124,16 +150,20 @@ impl Shape {
                 let level = level * mean * total;
                 let mut all: Vec<f64> =
                     own.iter().zip(shape).map(|(own, shape)| own + scale * shape + level).collect();
-                (0..rows).for_each(|row| all[row * rows + row] += more.white * mean);
+                let added = more.white * mean;
+                (0..rows).for_each(|row| all[row * rows + row] += added);
+                if let Some(sizes) = sizes.map(|sizes| &sizes[number]) {
+                    let slow: Vec<f64> = sizes.iter().map(|size| size.powf(2.0 * power)).collect();
+                    for row in 0..rows {
+                        all[row * rows + row] -= white + added;
+                        (0..rows).for_each(|other| all[row * rows + other] *= slow[row].min(slow[other]));
+                        all[row * rows + row] += sizes[row].powi(2) * (white + added);
+                    }
+                }
                 Ok(Block { covariance: all, memory_share: 1.0 - (white / mean + more.white) / total })
             })?;
         }
         Ok(allowed)
-    }
-
-    /// Variance of rounding beside known noise; unknown noise has it already.
-    fn rounding(&self) -> f64 {
-        if self.known.is_some() { self.rounding_nt2 } else { 0.0 }
     }
 }
 
@@ -149,6 +179,12 @@ struct More {
 impl More {
     const NONE: More = More { white: 0.0, flicker: 0.0, probability: 1.0 };
 
+    /// Of the field beside a sensor whose noise is known.
+    fn of_field() -> impl Iterator<Item = Self> {
+        let of = |size: &f64| [[*size, 0.0], [0.5 * size, 0.5 * size], [0.0, *size]];
+        FIELD.iter().flat_map(of).map(|[white, flicker]| More { white, flicker, ..More::NONE })
+    }
+
     /// Beside white noise of which nothing is known.
     fn unknown() -> Vec<Self> {
         let probability = (1.0 - WHITE) / RATIOS.len() as f64;
@@ -157,8 +193,12 @@ impl More {
     }
 }
 
+fn undetermined(error: noise::NoiseError) -> Error {
+    Error::Undetermined(error.to_string())
+}
+
 fn covariance(noise: &Noise, rows: usize, time: Option<&[f64]>) -> Result<Vec<f64>, Error> {
-    noise::covariance(noise, rows, time).map_err(|error| Error::Undetermined(error.to_string()))
+    noise::covariance(noise, rows, time).map_err(undetermined)
 }
 
 fn mean_variance(covariance: &[f64], rows: usize) -> f64 {
@@ -231,12 +271,12 @@ impl Allowed {
         Ok(())
     }
 
-    /// One more for long recordings, in one pass over the readings: a noise, and white noise and flicker noise besides, each with its
-    /// variance over that of the noise.
+    /// One more for long recordings, in one pass over the readings: what is known, and white noise and flicker noise besides, each with its
+    /// variance over that of what is known.
     fn add_long(
         &mut self,
         recordings: &[Rows],
-        [own, flicker]: [&Noise; 2],
+        (known, flicker): (&[Noise], &Noise),
         more: More,
     ) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
@@ -246,18 +286,16 @@ impl Allowed {
             let time = time.as_deref();
             let length_s = time.and_then(|time| Some(time.last()? - time.first()?)).unwrap_or(0.0);
             let sum = |noises: &[Noise]| {
-                noise::Whitening::of_sum(noises, time, *rows, length_s)
-                    .map_err(|error| Error::Undetermined(error.to_string()))
+                noise::Whitening::of_sum(noises, time, *rows, length_s).map_err(undetermined)
             };
-            let mut own = own.clone();
-            if own.white_rms_nt == Some(0.0) && length_s == 0.0 {
+            let mut noises = known.to_vec();
+            if noises[0].white_rms_nt == Some(0.0) && length_s == 0.0 {
                 // Flicker noise alone, and no times: the readings are as good as independent.
-                own.white_rms_nt = Some(1.0);
+                noises[0].white_rms_nt = Some(1.0);
             }
-            let white = own.white_rms_nt.unwrap_or(0.0).powi(2);
-            let mean = sum(std::slice::from_ref(&own))?.variance_nt2();
-            own.white_rms_nt = Some((white + more.white * mean).sqrt());
-            let mut noises = vec![own];
+            let white = noises[0].white_rms_nt.unwrap_or(0.0).powi(2);
+            let mean = sum(&noises)?.variance_nt2();
+            noises[0].white_rms_nt = Some((white + more.white * mean).sqrt());
             if more.flicker > 0.0 && length_s > 0.0 {
                 let size = sum(std::slice::from_ref(flicker))?.variance_nt2();
                 let amplitude = more.flicker * mean / size;
@@ -269,7 +307,7 @@ impl Allowed {
                 .iter()
                 .map(|noise| noise::mean_variance(noise, *rows, time))
                 .sum::<Result<f64, _>>()
-                .map_err(|error| Error::Undetermined(error.to_string()))?;
+                .map_err(undetermined)?;
             let levelled = !whitening.is_white() && level > 0.0;
             let whitening = if levelled { whitening.with_level(level.sqrt()) } else { whitening };
             groups.push(Arc::new(InOnePass(whitening)));
@@ -306,9 +344,14 @@ impl Allowed {
     }
 
     /// Each with its standard deviations in each recording times a factor.
-    pub fn scaled(&self, scales: &[Vec<f64>]) -> Self {
-        let whitenings = self.whitenings.iter().zip(scales).map(|(white, scales)| white.scaled(scales));
+    fn scaled(&self, scales: &[f64]) -> Self {
+        let whitenings = self.whitenings.iter().map(|white| white.scaled(scales));
         Self { whitenings: whitenings.collect(), ..self.clone() }
+    }
+
+    /// Whether this is the sensor's own noise alone.
+    pub fn is_own(&self) -> bool {
+        self.known && self.whitenings.len() == 1
     }
 
     /// The sensor's own noise alone, where it is known.
@@ -358,12 +401,12 @@ mod tests {
     fn both(noise: &str, time: &[f64]) -> [CorrelatedFit; 2] {
         let noise: Noise = serde_json::from_str(noise).expect("a noise");
         let rows = time.len();
-        let shape = Shape { known: Some(noise.clone()), source: "declared", rounding_nt2: 0.0 };
+        let shape = Shape { known: Some(noise.clone()), field: None, source: "declared", rounding_nt2: 0.0 };
         let design = Mat::from_fn(rows, 3, |i, j| (2.0 * (i % 11) as f64 / 10.0 - 1.0).powi(j as i32));
         let y = noise::series(&noise, 7, "readings", rows, Some(time)).expect("noise");
         [usize::MAX, 0].map(|full| {
             let recordings = [(rows, Some(time.to_vec()))];
-            let allowed = shape.allowed_beyond(full, &recordings, Place::Coils).expect("covariances");
+            let allowed = shape.allowed_beyond(full, &recordings, Place::Coils, None).expect("covariances");
             correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted).expect("a fit")
         })
     }
@@ -392,6 +435,35 @@ mod tests {
                     assert!((b / a - 1.0).abs() < within && apart < 0.2, "{noise}: {at}: {} {apart}", b / a);
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_declared_noise_of_the_field_counts_in_coils_and_not_in_a_shield() {
+        let noise = |text: &str| serde_json::from_str::<Noise>(text).expect("a noise");
+        let of = |known: &str, field: Option<&str>| Shape {
+            known: Some(noise(known)),
+            field: field.map(noise),
+            source: "declared",
+            rounding_nt2: 0.0,
+        };
+        let (white, walk) = (r#"{"white_rms_nt": 0.1}"#, r#"{"random_walk_nt_per_sqrt_s": 0.01}"#);
+        let (both, apart) =
+            (of(r#"{"white_rms_nt": 0.1, "random_walk_nt_per_sqrt_s": 0.01}"#, None), of(white, Some(walk)));
+        let recordings = [(30, Some((0..30).map(|i| 11.0 * f64::from(i)).collect::<Vec<f64>>()))];
+        let y: Vec<f64> = (0..30).map(|i| f64::from(i * i % 7)).collect();
+        let first = |shape: &Shape, full: usize, place: Place| {
+            let allowed = shape.allowed_beyond(full, &recordings, place, None).expect("covariances");
+            allowed.whitenings[0].apply_to(&y)
+        };
+        let differ = |one: &[f64], other: &[f64]| {
+            one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / y[3]
+        };
+        for full in [FULL, 0] {
+            assert!(differ(&first(&both, full, Place::Coils), &first(&apart, full, Place::Coils)) < 1e-9);
+            let shield = first(&apart, full, Place::Shield);
+            assert!(differ(&first(&of(white, None), full, Place::Shield), &shield) < 1e-9);
+            assert!(differ(&first(&both, full, Place::Shield), &shield) > 1e-3);
         }
     }
 }

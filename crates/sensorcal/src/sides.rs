@@ -114,12 +114,11 @@ impl Sides {
     /// The likeliest directions, by Gauss-Newton steps in the tangents of the nominal ones. How well sensors were turned along
     /// coils is taken from how the recordings agree.
     pub fn solve(&self, leans: &[Lean]) -> Result<Directions, Error> {
-        let tangents = self.nominal.map(|direction| frames::tangents(&direction));
         let mut unknowns = [0.0; UNKNOWNS];
         let mut aligned = ALIGNED;
         let observed = (2 * self.turned.len() + leans.len()) as f64;
         for step in 0.. {
-            let (design, y, std) = self.linearise(&tangents, &unknowns, leans, aligned);
+            let (design, y, std) = self.linearise(&unknowns, leans, aligned);
             let fit = linear::fit(design.as_ref(), &y, Some(&std))?;
             let moved =
                 (0..UNKNOWNS).map(|at| (fit.coefficients[at] - unknowns[at]).abs()).fold(0.0, f64::max);
@@ -136,7 +135,8 @@ impl Sides {
                 continue;
             }
             let of = |unknowns: &[f64; UNKNOWNS], from: usize| {
-                let one = |axis: usize| self.direction(&tangents, unknowns, from + axis).0;
+                let one =
+                    |axis: usize| frames::turned(&self.nominal[from + axis], turn(unknowns, from + axis));
                 Matrix3::from_columns(&[one(0), one(1), one(2)])
             };
             let covariance = Mat::from_fn(6, 6, |i, j| fit.covariance[(i, j)]);
@@ -164,13 +164,15 @@ impl Sides {
     /// the leans, what is known of each direction.
     fn linearise(
         &self,
-        tangents: &[[Vector3<f64>; 2]; 6],
         unknowns: &[f64; UNKNOWNS],
         leans: &[Lean],
         aligned: f64,
     ) -> (Mat<f64>, Vec<f64>, Vec<f64>) {
-        let each: Vec<(Vector3<f64>, [Vector3<f64>; 2])> =
-            (0..6).map(|at| self.direction(tangents, unknowns, at)).collect();
+        let of = |at: usize| {
+            let (nominal, turn) = (&self.nominal[at], turn(unknowns, at));
+            (frames::turned(nominal, turn), frames::turned_derivatives(nominal, turn))
+        };
+        let each: Vec<(Vector3<f64>, [Vector3<f64>; 2])> = (0..6).map(of).collect();
         let rows = 3 * self.turned.len() + leans.len() + UNKNOWNS;
         let mut design = Mat::zeros(rows, UNKNOWNS);
         let mut residual = vec![0.0; rows];
@@ -210,18 +212,9 @@ impl Sides {
             .collect();
         (design, y, std)
     }
+}
 
-    /// A direction, n + T p at unit length, and its derivatives by p.
-    fn direction(
-        &self,
-        tangents: &[[Vector3<f64>; 2]; 6],
-        unknowns: &[f64],
-        at: usize,
-    ) -> (Vector3<f64>, [Vector3<f64>; 2]) {
-        let [one, other] = tangents[at];
-        let long = self.nominal[at] + one * unknowns[2 * at] + other * unknowns[2 * at + 1];
-        let direction = long.normalize();
-        let by = |tangent: Vector3<f64>| (tangent - direction * direction.dot(&tangent)) / long.norm();
-        (direction, [by(one), by(other)])
-    }
+/// The two unknowns of a direction.
+fn turn(unknowns: &[f64; UNKNOWNS], at: usize) -> [f64; 2] {
+    [unknowns[2 * at], unknowns[2 * at + 1]]
 }

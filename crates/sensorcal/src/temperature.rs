@@ -2,8 +2,8 @@
 
 use common::number::significant;
 use common::{
-    Axis, CommonExtremum, Document, PerAxis, Quantity, SensorCalibration, TemperatureFit, TemperatureOfPart,
-    procedure,
+    Axis, CommonExtremum, Document, FitNoise, PerAxis, Quantity, SensorCalibration, TemperatureFit,
+    TemperatureOfPart, procedure,
 };
 use estimate::stats;
 use faer::Mat;
@@ -17,7 +17,8 @@ use crate::lag;
 use crate::levels::{self, Level};
 use crate::readings::{Run, code_width, runs};
 use crate::sensitivity::along;
-use crate::shape::{Allowed, Shape};
+use crate::shape::{Allowed, Place, Shape};
+use crate::sizes::Sized;
 
 /// A temperature that moves by less than this in a recording is held, K.
 const MOVED_K: f64 = 0.5;
@@ -131,7 +132,13 @@ pub fn coefficients(
     // A lag that was found explains what noise of the field had to explain without it.
     let allowed = departure::noise_called_for(&lags.problem, &candidates)?;
     let lagged = Problem { allowed: &allowed, ..lags.problem.with(lags.problem.unknowns.clone()) };
-    let extended = departure::extend(&lagged, &candidates)?;
+    let first = lagged.solve()?;
+    let effect = |at: &usize| matches!(lagged.unknowns[*at], Unknown::Chain(Parameter::Effect(..), _));
+    let places: Vec<usize> = (0..lagged.unknowns.len()).filter(effect).collect();
+    let sized = Sized::of(allowed.clone(), &first, &heated.runs, (&shape, Place::Coils))?;
+    let mut extended = departure::extend(&Problem { allowed: &sized.allowed, ..lagged }, &candidates)?;
+    let (degrees_of_freedom, coverage_factor_95) = sized.freedom(&extended.fit, &places)?;
+    extended.fit.noise = FitNoise { degrees_of_freedom, coverage_factor_95, ..extended.fit.noise };
     let (levels, each) = levels::at_temperatures(&heated, &shape)?;
     describe(&heated, &lags, &extended.fit, (&levels, &each), &mut found);
     found.departures = extended.departures;
@@ -354,8 +361,8 @@ fn describe(
             let linear = lags.linear(kinds).map(|at| fit.quantity(at)).unwrap_or_default();
             let curvature = lags.index(kinds[0], 1);
             let quadratic = curvature.map(|at| fit.quantity(at));
-            let p =
-                curvature.map(|at| stats::two_sided_p(fit.values[at] / fit.type_a(at), fit.linear.freedom));
+            let p = curvature
+                .map(|at| stats::two_sided_p(fit.values[at] / fit.type_a(at), fit.noise.degrees_of_freedom));
             let lag = lags.index(kinds[1], 1).map(|at| fit.quantity(at));
             if let (Some(c), Some(q)) = (lags.linear(kinds), curvature)
                 && p.is_some_and(|p| p < FOUND_BELOW)

@@ -4,10 +4,11 @@ mod across;
 mod sensor;
 
 use common::number::{bare, fixed, signed, significant};
-use common::{Axis, Document};
+use common::{Axis, Document, uncertainty};
 use nalgebra::{Matrix3, Vector3};
 
 use super::directions::Directions;
+use super::joint::Joint;
 use super::range::calibrated_nt;
 use super::temperature::{Part, asked};
 use super::verdict::{Found, Missing, Rule, Shown};
@@ -20,14 +21,14 @@ const DIRECTIONS: usize = 2000;
 /// Error of a component of the corrected field in SEN, nT, at the field, the temperatures and the time where |e| + k u is largest.
 ///
 /// With W = (μᵀ)⁻¹ and b_i = m_i · B, the field is W b, and what it errs by is Σ_i W_ji δb_i − Σ_i W_ji (δm_i · B). e is what is known and
-/// not corrected (the drift of the offsets since the calibration); u² = Σ_i W_ji² u²(δb_i) + gᵀ C g + c², g = W_ji B for the
-/// elements of m_i, c = Σ_i |W_ji u_c(b_i)| the coil constants' part, which sensors calibrated in one coil have in common. The terms of δb_i are those
-/// of [`sensor::Sensor`]; JCGM 100, with terms that are independent of one another where the document has no covariance.
+/// not corrected (the drift of the offsets since the calibration); u² = gᵀ C g + Σ_i W_ji² t_i², with g the derivatives by all parameters of
+/// the three sensors and their directions, C their joint covariance (`calibration.uncertainty`), and t_i the terms of [`sensor::Sensor`] that
+/// rest on no parameter; JCGM 100.
 ///
 /// Along each diameter of the sphere every term is largest at one of its ends (a cubic bend less its line: over the whole sphere), so
 /// that the surface is enough. Fields beyond those that the sensors were calibrated in are left out, and named.
-pub fn accuracy(document: &Document, requirement: &Requirement, rule: Rule) -> Vec<Shown> {
-    let budget = match Budget::of(document, requirement) {
+pub fn accuracy(of: (&Document, &Joint), requirement: &Requirement, rule: Rule) -> Vec<Shown> {
+    let budget = match Budget::of(of, requirement) {
         Ok(budget) => budget,
         Err(missing) => return vec![Err(missing)],
     };
@@ -39,6 +40,10 @@ struct Budget {
     directions: Directions,
     inverse: Matrix3<f64>,
     sensors: [Sensor; 3],
+    /// The parameters of the sensors, one sensor after the other, then the nine cosines: the term of each.
+    names: Vec<&'static str>,
+    /// Columns whose outer products are their covariance.
+    root: Vec<Vec<f64>>,
     /// Largest field, and the largest along each sensor, nT.
     range_nt: f64,
     along_nt: [f64; 3],
@@ -50,20 +55,17 @@ struct Budget {
 /// The error of a component in one case.
 struct ComponentError {
     bias: f64,
-    /// Standard uncertainty of each term.
+    std: f64,
+    /// The derivative by each parameter.
+    weights: Vec<f64>,
+    /// Standard uncertainty of each term that rests on no parameter.
     terms: Vec<(&'static str, f64)>,
 }
 
-impl ComponentError {
-    fn std(&self) -> f64 {
-        self.terms.iter().map(|(_, std)| std * std).sum::<f64>().sqrt()
-    }
-}
-
 impl Budget {
-    fn of(document: &Document, requirement: &Requirement) -> Result<Self, Missing> {
+    fn of((document, joint): (&Document, &Joint), requirement: &Requirement) -> Result<Self, Missing> {
         let missing = |why: &str| Missing { of: "field".into(), why: why.into() };
-        let directions = Directions::of(document).map_err(missing)?;
+        let directions = Directions::of(document, joint).map_err(missing)?;
         let inverse = directions.mu.transpose().try_inverse();
         let inverse =
             inverse.ok_or_else(|| missing("the sensors lie in a plane; such axes give no field"))?;
@@ -75,7 +77,7 @@ impl Budget {
         for axis in Axis::ALL {
             let found = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
             let found = found.ok_or_else(|| missing("the sensors were not calibrated; sensorcal does it"))?;
-            let sensor = Sensor::of(document, requirement, axis, found, &mut gaps);
+            let sensor = Sensor::of((document, joint), requirement, axis, found, &mut gaps);
             let sensor = sensor.ok_or_else(|| {
                 missing("a sensor's sensitivity or offset has no uncertainty; sensorcal finds both from `sensor_sensitivity` and \
                          `sensor_offset_reversal`")
@@ -131,8 +133,13 @@ impl Budget {
         };
         let [of_sensor, of_electronics] = [Part::Sensor, Part::Electronics].map(ends);
         let warmer = of_sensor.iter().flat_map(|s| of_electronics.iter().map(|e| [*s, *e])).collect();
+        let of_sensors = sensors.iter().flat_map(|sensor| sensor.parameters.iter().cloned());
+        let of_directions = uncertainty::directions("sensors").into_iter().map(|path| ("directions", path));
+        let (names, paths): (Vec<_>, Vec<_>) = of_sensors.chain(of_directions).unzip();
+        let root = uncertainty::root(&joint.covariance(&paths)).map_err(|found| missing(&found))?;
         let sensors = sensors.try_into().map_err(|_| missing("three sensors are needed"))?;
-        Ok(Self { directions, inverse, sensors, range_nt, along_nt, warmer, gaps: gaps.sentences() })
+        let gaps = gaps.sentences();
+        Ok(Self { directions, inverse, sensors, names, root, range_nt, along_nt, warmer, gaps })
     }
 
     /// Where |e| + k u of a component is largest.
@@ -142,14 +149,14 @@ impl Budget {
             for warmer in &self.warmer {
                 let case = Case { field, warmer: *warmer };
                 let error = self.error(axis, &case);
-                let size = error.bias.abs() + factor * error.std();
+                let size = error.bias.abs() + factor * error.std;
                 if worst.as_ref().is_none_or(|(most, ..)| size > *most) {
                     worst = Some((size, error, case));
                 }
             }
         }
         let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, case)| {
-            (error.bias, error.std(), words(size, &error, &case))
+            (error.bias, error.std, words(size, &self.terms(&error), &case))
         });
         Found { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
     }
@@ -163,36 +170,51 @@ impl Budget {
 
     fn error(&self, axis: Axis, case: &Case) -> ComponentError {
         let mut bias = 0.0;
-        let mut common = 0.0;
         let mut terms: Vec<(&'static str, f64)> = Vec::new();
-        let mut weights = [Vector3::zeros(); 3];
+        let (mut weights, mut of_directions) = (Vec::with_capacity(self.names.len()), Vec::new());
         for sensor in Axis::ALL {
             let weight = self.inverse[(axis.index(), sensor.index())];
             let along = self.directions.column(sensor).dot(&case.field);
             let own = self.sensors[sensor.index()].error(along, sensor, case);
             bias += weight * own.bias;
-            common += (weight * own.common).abs();
-            weights[sensor.index()] = case.field * weight;
-            for (name, std) in own.terms {
-                let size = weight * std;
-                match terms.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, sum)) => *sum = sum.hypot(size),
-                    None => terms.push((name, size.abs())),
-                }
-            }
+            weights.extend(own.weights.iter().map(|by| weight * by));
+            of_directions.extend(case.field.iter().map(|field| -weight * field));
+            terms.extend(own.terms.map(|(name, std)| (name, weight * std)));
         }
-        terms.push(("coil constants (common)", common));
-        terms.push(("directions", self.directions.variance(&weights).sqrt()));
+        weights.extend(of_directions);
+        let variance = self.variance(&weights) + terms.iter().map(|(_, std)| std * std).sum::<f64>();
+        ComponentError { bias, std: variance.sqrt(), weights, terms }
+    }
+
+    /// gᵀ C g.
+    fn variance(&self, weights: &[f64]) -> f64 {
+        let moved = |column: &Vec<f64>| column.iter().zip(weights).map(|(c, by)| c * by).sum::<f64>();
+        self.root.iter().map(|column| moved(column).powi(2)).sum()
+    }
+
+    /// Standard uncertainty of each term alone, the largest first.
+    fn terms(&self, error: &ComponentError) -> Vec<(&'static str, f64)> {
+        let mut names: Vec<&'static str> = self.names.clone();
+        names.extend(error.terms.iter().map(|(name, _)| *name));
+        names.sort_unstable();
+        names.dedup();
+        let of = |name: &'static str| {
+            let own = |(by, of): (&f64, &&'static str)| if *of == name { *by } else { 0.0 };
+            let weights: Vec<f64> = error.weights.iter().zip(&self.names).map(own).collect();
+            let alone =
+                error.terms.iter().filter(|(of, _)| *of == name).map(|(_, std)| std * std).sum::<f64>();
+            (name, (self.variance(&weights) + alone).sqrt())
+        };
+        let mut terms: Vec<(&'static str, f64)> = names.into_iter().map(of).collect();
         terms.sort_by(|a, b| b.1.total_cmp(&a.1));
-        ComponentError { bias, terms }
+        terms
     }
 }
 
-fn words(size: f64, error: &ComponentError, case: &Case) -> String {
+fn words(size: f64, terms: &[(&'static str, f64)], case: &Case) -> String {
     let field = [0, 1, 2].map(|row| fixed(case.field[row], 0)).join(", ");
     let [sensor, electronics] = case.warmer.map(|kelvin| signed(&significant(kelvin, 3)));
-    let largest: Vec<String> = error
-        .terms
+    let largest: Vec<String> = terms
         .iter()
         .take(4)
         .filter(|(_, std)| *std > 0.0)

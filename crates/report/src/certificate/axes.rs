@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use physics::frames::{ARCSEC, angle, matrix};
 
 use super::directions::Directions;
+use super::joint::Joint;
 use super::temperature::{Part, asked};
 use super::verdict::{Found, Missing, Shown};
 use super::{Requirement, each_sensor, sensor_name};
@@ -12,8 +13,8 @@ const PAIRS: [(Axis, Axis); 3] = [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis:
 
 /// 90° less the angle between two sensors, deg: δ = asin(m_i · m_j). u(δ) = √(gᵀ C g)/cos δ, where g is m_j for the elements
 /// of m_i and m_i for those of m_j.
-pub fn orthogonality(document: &Document) -> Vec<Shown> {
-    let directions = match Directions::of(document) {
+pub fn orthogonality(document: &Document, joint: &Joint) -> Vec<Shown> {
+    let directions = match Directions::of(document, joint) {
         Ok(directions) => directions,
         Err(why) => return vec![Err(Missing { of: "axes".into(), why: why.into() })],
     };
@@ -36,8 +37,8 @@ pub fn orthogonality(document: &Document) -> Vec<Shown> {
 
 /// Largest standard uncertainty σ of a direction, arcsec, over all ways that it may turn. σ itself is uncertain by σ/√(2ν), ν
 /// the degrees of freedom of the fit (JCGM 100, E.4.3).
-pub fn known(document: &Document) -> Vec<Shown> {
-    each_direction(document, |directions, axis| {
+pub fn known(document: &Document, joint: &Joint) -> Vec<Shown> {
+    each_direction(document, joint, |directions, axis| {
         let value = directions.largest_std(axis) / ARCSEC;
         let std = directions.freedom.map_or(0.0, |freedom| value / (2.0 * freedom).sqrt());
         let how = match directions.freedom {
@@ -50,14 +51,14 @@ pub fn known(document: &Document) -> Vec<Shown> {
 
 /// Angle between a sensor and its direction in `nominal_matrix`, arcsec. u² = the largest variance of the direction over all
 /// ways that it may turn, and that of the nominal direction.
-pub fn from_nominal(document: &Document, requirement: &Requirement) -> Vec<Shown> {
+pub fn from_nominal(document: &Document, joint: &Joint, requirement: &Requirement) -> Vec<Shown> {
     let Some(rows) = &requirement.nominal_matrix else {
         let why = "the specification gives no `nominal_matrix`; put in the directions that were found before, and this document \
                    shows how far the sensors have turned since";
         return vec![Err(Missing { of: "axes".into(), why: why.into() })];
     };
     let nominal = matrix(rows);
-    each_direction(document, |directions, axis| {
+    each_direction(document, joint, |directions, axis| {
         let meant = nominal.column(axis.index()).normalize();
         let own = directions.largest_std(axis) / ARCSEC;
         let std = own.hypot(requirement.nominal_std_arcsec.unwrap_or(0.0));
@@ -65,8 +66,12 @@ pub fn from_nominal(document: &Document, requirement: &Requirement) -> Vec<Shown
     })
 }
 
-fn each_direction(document: &Document, one: impl Fn(&Directions, Axis) -> (f64, f64, String)) -> Vec<Shown> {
-    let directions = match Directions::of(document) {
+fn each_direction(
+    document: &Document,
+    joint: &Joint,
+    one: impl Fn(&Directions, Axis) -> (f64, f64, String),
+) -> Vec<Shown> {
+    let directions = match Directions::of(document, joint) {
         Ok(directions) => directions,
         Err(why) => return vec![Err(Missing { of: "axes".into(), why: why.into() })],
     };

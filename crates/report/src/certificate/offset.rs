@@ -1,6 +1,7 @@
 use common::number::{signed, significant, uncertain};
 use common::{Axis, Document, OffsetDrift, Quantity};
 
+use super::joint::Joint;
 use super::temperature::{Coefficients, Part, asked};
 use super::verdict::{Found, Missing, Shown, normal_std};
 use super::{Requirement, each_sensor, sensor_name};
@@ -13,11 +14,11 @@ const YEAR_D: f64 = 365.25;
 
 /// Largest change of an offset, nT: over the temperatures |Σ_parts c ΔT + q ΔT²| at the worst of their ends and
 /// turning points; over the years what [`drift`] gives; both added, with u² the sum of both squares (JCGM 100).
-pub fn stability(document: &Document, requirement: &Requirement) -> Vec<Shown> {
-    each_sensor(document, |axis| one(document, requirement, axis))
+pub fn stability(document: &Document, joint: &Joint, requirement: &Requirement) -> Vec<Shown> {
+    each_sensor(document, |axis| one((document, joint), requirement, axis))
 }
 
-fn one(document: &Document, requirement: &Requirement, axis: Axis) -> Shown {
+fn one((document, joint): (&Document, &Joint), requirement: &Requirement, axis: Axis) -> Shown {
     let missing = |why: String| Missing { of: sensor_name(axis), why };
     let mut found =
         Found { of: sensor_name(axis), value: 0.0, std: 0.0, gaps: Vec::new(), how: String::new() };
@@ -32,7 +33,7 @@ fn one(document: &Document, requirement: &Requirement, axis: Axis) -> Shown {
         }
     }
     if !parts.is_empty() {
-        let coefficients = Coefficients::of(document, axis);
+        let coefficients = Coefficients::of(document, joint, axis);
         let coefficients = coefficients.filter(|known| parts.iter().all(|(part, _)| known.has(*part)));
         let coefficients = coefficients.ok_or_else(|| {
             missing(

@@ -1,7 +1,7 @@
 use common::{Axis, Document, Quantity, TemperatureOfPart};
 
+use super::joint::{Joint, effect};
 use super::spec::Temperatures;
-use super::verdict::normal_std;
 
 /// What may be warm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,13 +108,14 @@ pub struct Coefficients {
     values: Vec<f64>,
     /// Their names, as `offset_temperature.coefficient_nt_per_k`.
     names: Vec<String>,
+    /// Their paths in the document.
+    pub paths: Vec<String>,
     covariance: Vec<Vec<f64>>,
-    widened: f64,
 }
 
 impl Coefficients {
     /// From the temperature run of a sensor.
-    pub fn of(document: &Document, axis: Axis) -> Option<Self> {
+    pub fn of(document: &Document, joint: &Joint, axis: Axis) -> Option<Self> {
         let fit = document.calibration.as_ref()?.sensor(axis)?.temperature.as_ref()?;
         let value = |name: &String| {
             let (effect, parameter) = name.split_once('.')?;
@@ -130,12 +131,13 @@ impl Coefficients {
             }
         };
         let values: Option<Vec<f64>> = fit.covariance_order.iter().map(value).collect();
-        Some(Self {
-            values: values?,
-            names: fit.covariance_order.clone(),
-            covariance: fit.covariance.clone(),
-            widened: normal_std(1.0, fit.noise.coverage_factor_95),
-        })
+        let path = |name: &String| {
+            let (of, parameter) = name.split_once('.')?;
+            Some(effect(of, axis, parameter))
+        };
+        let paths: Vec<String> = fit.covariance_order.iter().map(path).collect::<Option<_>>()?;
+        let covariance = joint.covariance(&paths);
+        Some(Self { values: values?, names: fit.covariance_order.clone(), paths, covariance })
     }
 
     /// Whether what a part's temperature does was found.
@@ -151,6 +153,15 @@ impl Coefficients {
     /// What reading `field_nt` changes by when the parts are so much warmer (K), with its standard uncertainty, nT:
     /// ΔB = Σ_parts (B 10⁻⁶ (c ΔT + q ΔT²) + c' ΔT + q' ΔT²), u² = gᵀ C g.
     pub fn change(&self, field_nt: f64, warmer: &[(Part, f64)]) -> (f64, f64) {
+        let by = self.weights(field_nt, warmer);
+        let value = by.iter().zip(&self.values).map(|(by, value)| by * value).sum();
+        let row = |row: &Vec<f64>| row.iter().zip(&by).map(|(entry, by)| entry * by).sum::<f64>();
+        let variance: f64 = self.covariance.iter().zip(&by).map(|(entries, by)| by * row(entries)).sum();
+        (value, variance.max(0.0).sqrt())
+    }
+
+    /// The derivative of that change by each parameter.
+    pub fn weights(&self, field_nt: f64, warmer: &[(Part, f64)]) -> Vec<f64> {
         let weight = |name: &String| {
             let (effect, parameter) = name.split_once('.').unwrap_or((name, ""));
             let found = warmer.iter().find(|(part, _)| part.effects().contains(&effect));
@@ -158,11 +169,7 @@ impl Coefficients {
             let scale = if effect.starts_with("sensitivity") { field_nt * 1e-6 } else { 1.0 };
             scale * if parameter.starts_with("curvature") { kelvin * kelvin } else { *kelvin }
         };
-        let by: Vec<f64> = self.names.iter().map(weight).collect();
-        let value = by.iter().zip(&self.values).map(|(by, value)| by * value).sum();
-        let row = |row: &Vec<f64>| row.iter().zip(&by).map(|(entry, by)| entry * by).sum::<f64>();
-        let variance: f64 = self.covariance.iter().zip(&by).map(|(entries, by)| by * row(entries)).sum();
-        (value, variance.max(0.0).sqrt() * self.widened)
+        self.names.iter().map(weight).collect()
     }
 
     /// Temperature less reference at which an offset stands still within a range, K, by the part's own curve.

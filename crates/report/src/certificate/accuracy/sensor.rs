@@ -1,14 +1,15 @@
-use common::{AdoptedEffect, Axis, Document, Quantity, SensorCalibration};
+use common::uncertainty;
+use common::{AdoptedEffect, Axis, Document, SensorCalibration};
 use nalgebra::Vector3;
 use physics::Kind;
 use physics::frames::ARCSEC;
 
 use super::super::Requirement;
 use super::super::axes::turn_per_k;
+use super::super::joint::{self, Joint};
 use super::super::offset::{Drift, drift};
 use super::super::range::{calibrated_nt, codes_nt};
 use super::super::temperature::{Coefficients, Part};
-use super::super::verdict::normal_std;
 use super::Gaps;
 use super::across::Across;
 
@@ -40,31 +41,36 @@ pub struct Case {
 pub struct SensorError {
     /// What is known and not corrected.
     pub bias: f64,
-    /// Standard uncertainty from the coil's constant, which other sensors may share.
-    pub common: f64,
-    /// Standard uncertainty of each other term.
-    pub terms: Vec<(&'static str, f64)>,
+    /// The derivative by each of [`Sensor::parameters`].
+    pub weights: Vec<f64>,
+    /// Standard uncertainty of each term that rests on no parameter.
+    pub terms: [(&'static str, f64); 6],
 }
 
-/// The terms of one sensor's error δb:
-/// - V δk + δO with their covariance, V = (b − O)/k; the part of u(k) that comes from the coil stands apart;
-/// - nonlinearity: with the model's coefficients a (b/50 000 nT)^p and u(a); where none was found, the size and u of what was looked for, a
-///   cubic one less the line that fits it best over the field of the calibration;
-/// - temperatures: gᵀ C g of the coefficients;
-/// - turn of the axis with temperature: u(a) and u(b) times the fields across;
-/// - fields across: gᵀ C g of the coefficients, and their size where the model does not correct them; one that could not be seen is
-///   zero, give or take the largest that was;
+/// The terms of one sensor's error δb. Of parameters, with their joint covariance:
+/// - V δk + δO, V = (b − O)/k;
+/// - nonlinearity: the model's coefficients a (b/50 000 nT)^p;
+/// - temperatures: the coefficients;
+/// - turn of the axis with temperature: times the fields across;
+/// - fields across: the coefficients.
+///
+/// By themselves:
+/// - nonlinearity where none was found: the size and u of what was looked for, a cubic one less the line that fits it best over the
+///   field of the calibration;
+/// - fields across that the model does not correct: their size;
 /// - noise of a reading: flicker noise in the band of the recordings, and white noise; rounding δ/√12;
 /// - drift of the offset, turn of the reversals (a bound, rectangular).
 pub struct Sensor {
+    /// The parameters, each with the name of its term.
+    pub parameters: Vec<(&'static str, String)>,
     sensitivity: f64,
     offset: f64,
-    covariance: [[f64; 2]; 2],
-    common_k: f64,
+    /// Powers of the field along the sensor for which the model has a coefficient.
+    powers: Vec<i32>,
     nonlinearity: [f64; 2],
     nonlinearity_over_nt: Option<f64>,
     temperature: Option<Coefficients>,
-    turn: Option<[f64; 2]>,
+    turns: bool,
     across: Option<Across>,
     noise: f64,
     rounding: f64,
@@ -75,19 +81,34 @@ pub struct Sensor {
 impl Sensor {
     /// From a document, for what the requirement asks; what has no term is named. None where k or O has no uncertainty.
     pub fn of(
-        document: &Document,
+        (document, joint): (&Document, &Joint),
         requirement: &Requirement,
         axis: Axis,
         found: &SensorCalibration,
         gaps: &mut Gaps,
     ) -> Option<Self> {
-        let k = found.sensitivity_nt_per_v.as_ref().or(found.sensitivity_nt_per_nt.as_ref())?;
+        let volt = found.sensitivity_nt_per_v.as_ref().map(|k| (k, "v"));
+        let (k, unit) = volt.or(found.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nt")))?;
         let offset = found.offset_nt.as_ref()?;
-        let (covariance, common_k) = constants(document, axis, found, k, offset)?;
+        let constants = [uncertainty::sensitivity(axis, unit), joint::offset(document, axis)];
+        let known = joint.covariance(&constants);
+        if known[0][0] == 0.0 || known[1][1] == 0.0 {
+            return None;
+        }
+        let mut parameters: Vec<(&'static str, String)> =
+            constants.map(|path| ("sensitivity and offset", path)).into();
         let effects = effects(document, axis, gaps);
-        let modelled = |kind: Kind| effects.iter().find(|effect| effect.effect == kind.name()).copied();
-        let (nonlinearity, nonlinearity_over_nt) = nonlinearity(found, modelled);
-        let temperature = Coefficients::of(document, axis);
+        let modelled = |kind: Kind| effects.iter().any(|effect| effect.effect == kind.name());
+        let bends = [(Kind::QuadraticNonlinearity, 2), (Kind::CubicNonlinearity, 3)];
+        let bends = bends.into_iter().filter(|(kind, _)| modelled(*kind));
+        let powers = bends
+            .map(|(kind, power)| {
+                parameters.push(("nonlinearity", joint::effect(kind.name(), axis, "departure_nt")));
+                power
+            })
+            .collect::<Vec<i32>>();
+        let nonlinearity = if powers.is_empty() { looked_for(found) } else { [0.0; 2] };
+        let temperature = Coefficients::of(document, joint, axis);
         let warm = [
             (Part::Sensor, requirement.sensor_temperature_c.is_some()),
             (Part::Electronics, requirement.electronics_temperature_c.is_some()),
@@ -106,9 +127,18 @@ impl Sensor {
                 );
             }
         }
-        let turn = turn_per_k(document, axis).map(|pair| pair.map(|angle| angle.std().unwrap_or(0.0)));
+        let paths = temperature.iter().flat_map(|known| known.paths.iter().cloned());
+        parameters.extend(paths.map(|path| ("temperatures", path)));
+        let turns = turn_per_k(document, axis).is_some();
+        if turns {
+            let names = ["first_arcsec_per_k", "second_arcsec_per_k"];
+            let of = |name: &str| ("turn with temperature", joint::effect("axis_temperature", axis, name));
+            parameters.extend(names.map(of));
+        }
         let cross = found.cross_field.as_ref();
-        let across = cross.map(|fit| Across::of(fit, modelled(Kind::CrossField).is_some()));
+        let across = cross.map(|fit| Across::of(fit, axis, modelled(Kind::CrossField)));
+        let paths = across.iter().flat_map(|across| across.paths.iter().cloned());
+        parameters.extend(paths.map(|path| ("fields across", path)));
         let noise = found.noise.as_ref();
         let drift = requirement.years.zip(found.drift.as_ref()).map(|(years, found)| drift(found, years));
         let (drift, undetermined) = match drift.transpose() {
@@ -117,7 +147,7 @@ impl Sensor {
         };
         for (lacks, what) in [
             (
-                warm[0].1 && turn.is_none(),
+                warm[0].1 && !turns,
                 "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
             ),
             (across.is_none(), "what fields across do is not known (`cross_field` would show it)"),
@@ -136,14 +166,14 @@ impl Sensor {
         let code = codes_nt(document, axis).into_iter().flatten().reduce(f64::max);
         let reversal = found.reversal.as_ref();
         Some(Self {
+            parameters,
             sensitivity: k.value(),
             offset: offset.value(),
-            covariance,
-            common_k,
+            powers,
             nonlinearity,
-            nonlinearity_over_nt,
+            nonlinearity_over_nt: calibrated_nt(found),
             temperature,
-            turn,
+            turns,
             across,
             noise: noise.map_or(0.0, |noise| {
                 let flicker = noise.bands.first().map_or(0.0, |band| band.flicker_rms_nt.value());
@@ -158,32 +188,31 @@ impl Sensor {
     /// The error with a field along the sensor of `along` nT.
     pub fn error(&self, along: f64, axis: Axis, case: &Case) -> SensorError {
         let reading = (along - self.offset) / self.sensitivity;
-        let [[kk, ko], [_, oo]] = self.covariance;
         let [u, v] = [1, 2].map(|on| case.field[(axis.index() + on) % 3]);
         let share = along / FULL_NT;
         let line = self.nonlinearity_over_nt.map_or(0.0, |over| 0.6 * (over / FULL_NT).powi(2) * share);
         let [of_sensor, of_electronics] = case.warmer;
         let warmer = [(Part::Sensor, of_sensor), (Part::Electronics, of_electronics)];
-        let turned = self.turn.map_or(0.0, |[a, b]| (a * u).hypot(b * v) * of_sensor.abs() * ARCSEC);
-        let terms = vec![
-            ("sensitivity and offset", (reading * reading * kk + 2.0 * reading * ko + oo).max(0.0).sqrt()),
-            (
-                "nonlinearity",
-                (self.nonlinearity[0] * share * share).hypot(self.nonlinearity[1] * (share.powi(3) - line)),
-            ),
-            ("temperatures", self.temperature.as_ref().map_or(0.0, |known| known.change(along, &warmer).1)),
-            ("turn with temperature", turned),
-            (
-                "fields across",
-                self.across.as_ref().map_or(0.0, |across| across.std(share, u / FULL_NT, v / FULL_NT)),
-            ),
+        let across = Across::weights(share, u / FULL_NT, v / FULL_NT);
+        // What is corrected for a parameter errs the other way.
+        let mut weights = vec![reading, 1.0];
+        weights.extend(self.powers.iter().map(|power| -share.powi(*power)));
+        let temperatures = self.temperature.iter().flat_map(|known| known.weights(along, &warmer));
+        weights.extend(temperatures.map(|weight| -weight));
+        if self.turns {
+            weights.extend([u, v].map(|field| -field * of_sensor * ARCSEC));
+        }
+        weights.extend(self.across.iter().flat_map(|_| across.map(|weight| -weight)));
+        let bent = [self.nonlinearity[0] * share * share, self.nonlinearity[1] * (share.powi(3) - line)];
+        let terms = [
+            ("nonlinearity", bent[0].hypot(bent[1])),
+            ("fields across", self.across.as_ref().map_or(0.0, |known| known.left(&across).abs())),
             ("noise of a reading", self.noise),
             ("rounding", self.rounding),
             ("drift of the offset", self.drift.as_ref().map_or(0.0, |drift| drift.std)),
             ("turn of the reversals", self.reversal),
         ];
-        let bias = self.drift.as_ref().map_or(0.0, |drift| drift.value);
-        SensorError { bias, common: reading.abs() * self.common_k, terms }
+        SensorError { bias: self.drift.as_ref().map_or(0.0, |drift| drift.value), weights, terms }
     }
 }
 
@@ -208,52 +237,12 @@ fn effects<'a>(document: &'a Document, axis: Axis, gaps: &mut Gaps) -> Vec<&'a A
     own
 }
 
-/// Size of what is left of a quadratic and a cubic nonlinearity at 50 000 nT, nT; and the field over which the line was fitted that has taken
-/// a cubic's share, where none was found.
-fn nonlinearity<'a>(
-    found: &SensorCalibration,
-    modelled: impl Fn(Kind) -> Option<&'a AdoptedEffect>,
-) -> ([f64; 2], Option<f64>) {
-    let kinds = [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity];
-    if kinds.iter().any(|kind| modelled(*kind).is_some()) {
-        let std = |kind: Kind| modelled(kind).and_then(|effect| effect.parameters.get("departure_nt")?.std());
-        return (kinds.map(|kind| std(kind).unwrap_or(0.0)), None);
-    }
-    let looked_for = |kind: Kind| {
-        let departures = &found.sensitivity.as_ref()?.departures;
-        let departure = departures.iter().find(|departure| departure.departure == kind.name())?;
-        let size = departure.parameter.get("departure_nt")?;
-        Some(size.value().hypot(size.std().unwrap_or(0.0)))
-    };
-    (kinds.map(|kind| looked_for(kind).unwrap_or(0.0)), calibrated_nt(found))
-}
-
-/// Covariance of k and O without the part of u(k) that comes from the coil, and that part. What axescal adds to an offset has
-/// the uncertainty of the sum.
-fn constants(
-    document: &Document,
-    axis: Axis,
-    found: &SensorCalibration,
-    k: &Quantity,
-    offset: &Quantity,
-) -> Option<([[f64; 2]; 2], f64)> {
-    let key =
-        if found.sensitivity_nt_per_v.is_some() { "sensitivity_nt_per_v" } else { "sensitivity_nt_per_nt" };
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let added = axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)?.std());
-    let joint = || {
-        let order = found.covariance_order.as_ref()?;
-        let place = |name: &str| order.iter().position(|key| key == name);
-        found.covariance.as_ref()?.get(place(key)?)?.get(place("offset_nt")?).copied()
-    };
-    let joint = if added.is_some() { 0.0 } else { joint().unwrap_or(0.0) };
-    let (std_k, std_o) = (k.std()?, added.or(offset.std())?);
-    let fit = found.sensitivity.as_ref();
-    let common = fit.and_then(|fit| fit.uncertainty.get(key)).map_or(0.0, |budget| budget.type_b.min(std_k));
-    let factors =
-        [fit.map(|fit| fit.noise.coverage_factor_95), found.reversal.as_ref().map(|r| r.coverage_factor_95)];
-    let widened = normal_std(1.0, factors.into_iter().flatten().fold(0.0, f64::max));
-    let square = widened * widened;
-    let own = (std_k * std_k - common * common).max(0.0);
-    Some(([[own * square, joint * square], [joint * square, std_o * std_o * square]], common * widened))
+/// Size of a quadratic and a cubic nonlinearity at 50 000 nT that were looked for and not found, nT.
+fn looked_for(found: &SensorCalibration) -> [f64; 2] {
+    [Kind::QuadraticNonlinearity, Kind::CubicNonlinearity].map(|kind| {
+        let departures = found.sensitivity.iter().flat_map(|fit| &fit.departures);
+        let mut of = departures.filter(|departure| departure.departure == kind.name());
+        let size = of.next().and_then(|departure| departure.parameter.get("departure_nt"));
+        size.map_or(0.0, |size| size.value().hypot(size.std().unwrap_or(0.0)))
+    })
 }
