@@ -79,8 +79,14 @@ impl Shape {
 
     /// The same where the noise of each reading has a size of its own, by recording and row; in one pass, each recording. What is slower than the readings follow each
     /// other scatters with a power of that, any of [`POWERS`]: traffic by day may add more to the slow noise than to the fast.
-    pub fn sized(&self, recordings: &[Rows], place: Place, sizes: &[Vec<f64>]) -> Result<Allowed, Error> {
-        self.allowed_beyond(FULL, recordings, place, Some(sizes))
+    /// Only of what has some of the `weights`, which a fit gave to those without.
+    pub fn sized(
+        &self,
+        recordings: &[Rows],
+        place: Place,
+        (sizes, weights): (&[Vec<f64>], &[f64]),
+    ) -> Result<Allowed, Error> {
+        self.allowed_beyond(FULL, recordings, place, Some((sizes, weights)))
     }
 
     /// The same with full matrices for so many readings.
@@ -89,8 +95,10 @@ impl Shape {
         full: usize,
         recordings: &[Rows],
         place: Place,
-        sizes: Option<&[Vec<f64>]>,
+        sized: Option<(&[Vec<f64>], &[f64])>,
     ) -> Result<Allowed, Error> {
+        let (sizes, weights) = sized.unzip();
+        let weighty = |number: usize| weights.is_none_or(|weights| weights[number] >= WEIGHTY);
         let extra: Vec<More> = match (&self.known, place) {
             (None, _) => More::unknown(),
             (Some(_), Place::Shield) => vec![More::NONE],
@@ -112,7 +120,7 @@ impl Shape {
         known[0].white_rms_nt = Some(white.sqrt());
         let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
         if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > full {
-            for more in extra {
+            for (_, more) in extra.into_iter().enumerate().filter(|(number, _)| weighty(*number)) {
                 allowed.add_long(recordings, (&known, &flicker), more)?;
             }
             return Ok(match sizes {
@@ -137,11 +145,10 @@ impl Shape {
             .collect::<Result<_, Error>>()?;
         let levels = if place == Place::Levels { &LEVELS[..] } else { &LEVELS[..1] };
         let powers = if sizes.is_some() { &POWERS[..] } else { &POWERS[..1] };
-        let each = levels.iter().flat_map(|level| {
-            let each = extra.iter().flat_map(|more| powers.iter().map(|power| (*more, *power)));
-            each.map(|(more, power)| (more, *level, power))
-        });
-        for (more, level, power) in each {
+        let each = levels.iter().flat_map(|level| extra.iter().map(move |more| (*more, *level)));
+        let each = each.enumerate().filter(|(number, _)| weighty(*number));
+        let each = each.flat_map(|(_, one)| powers.iter().map(move |power| (one, *power)));
+        for ((more, level), power) in each {
             allowed.add(recordings, more.probability, |number, rows| {
                 let [own, shape] = &parts[number];
                 let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));

@@ -50,7 +50,8 @@ impl Sized {
         let sizes: Vec<Vec<f64>> = runs.iter().map(of_run).collect();
         let stretches = rows.iter().zip(&own).map(|(rows, (_, freedom))| (*rows, prior + freedom)).collect();
         let recordings: Vec<_> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
-        Ok(Self { allowed: shape.sized(&recordings, place, &sizes)?, stretches })
+        let weights = fit.linear.mixture.weights();
+        Ok(Self { allowed: shape.sized(&recordings, place, (&sizes, weights))?, stretches })
     }
 
     /// The smallest of the effective degrees of freedom of some unknowns of a fit under this noise (Welch and Satterthwaite), and
