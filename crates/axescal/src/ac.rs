@@ -3,10 +3,12 @@
 
 use common::number::{significant, uncertain};
 use common::{Axis, Instrument, PhaseResult, Quantity};
-use estimate::sine::{self, Quantiser};
+use estimate::sine::{self, Basis, Quantiser, Sine};
 use estimate::stats;
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use physics::{Basic, Context, Unit};
+use std::cell::RefCell;
+use std::collections::HashMap;
 
 use crate::Error;
 use crate::modelled::Added;
@@ -40,6 +42,51 @@ pub(crate) struct Place {
     pub orientation: usize,
 }
 
+/// What was fitted to the channels of runs, which are as they were read however often effects are taken off them.
+#[derive(Default)]
+pub(crate) struct Fits {
+    sines: RefCell<HashMap<(usize, String), Sine>>,
+    bases: RefCell<HashMap<usize, Basis>>,
+}
+
+impl Fits {
+    /// The sine of a column of a recording.
+    fn sine(
+        &self,
+        recording: usize,
+        column: &str,
+        fit: impl FnOnce() -> Result<Sine, Error>,
+    ) -> Result<Sine, Error> {
+        let key = (recording, column.to_string());
+        let known = self.sines.borrow().get(&key).copied();
+        known.map_or_else(
+            || {
+                let sine = fit()?;
+                self.sines.borrow_mut().insert(key, sine);
+                Ok(sine)
+            },
+            Ok,
+        )
+    }
+
+    /// The coefficients of cos ωt and sin ωt in a series of the times of a recording.
+    fn cos_sin(
+        &self,
+        recording: usize,
+        (time, hz): (&[f64], f64),
+        values: &[f64],
+    ) -> Result<[f64; 2], estimate::Error> {
+        let mut bases = self.bases.borrow_mut();
+        if let Some(basis) = bases.get(&recording) {
+            return Ok(basis.cos_sin(values));
+        }
+        let basis = Basis::new(time, hz)?;
+        let found = basis.cos_sin(values);
+        bases.insert(recording, basis);
+        Ok(found)
+    }
+}
+
 /// Fits a sine of the known frequency to every channel of a run, less what effects add to it.
 pub(crate) fn run(
     Place { recording, orientation }: Place,
@@ -47,7 +94,7 @@ pub(crate) fn run(
     instrument: Option<&Instrument>,
     context: &Context<'_>,
     basic: &Basic,
-    (sensors, added): (&[Axis], &Added),
+    (sensors, added, fits): (&[Axis], &Added, &Fits),
 ) -> Result<AcRun, Error> {
     let path = format!("recordings[{recording}]");
     if !(hz.is_finite() && hz > 0.0) {
@@ -75,13 +122,16 @@ pub(crate) fn run(
         )
         .into());
     }
-    let fit = |values: &[f64], column: String, quantiser: Option<Quantiser>| {
-        sine::fit(time, values, hz, quantiser).map_err(|error| {
-            Error::from(common::Error::document(
-                format!("{path}.columns.{column}"),
-                format!("readings that determine no sine of {hz} Hz ({error})"),
-                "at least a good part of a cycle, sampled more than twice a cycle",
-            ))
+    let undetermined = |column: &str, error: estimate::Error| {
+        Error::from(common::Error::document(
+            format!("{path}.columns.{column}"),
+            format!("readings that determine no sine of {hz} Hz ({error})"),
+            "at least a good part of a cycle, sampled more than twice a cycle",
+        ))
+    };
+    let fit = |values: &[f64], column: &str, quantiser: Option<Quantiser>| {
+        fits.sine(recording, column, || {
+            sine::fit(time, values, hz, quantiser).map_err(|error| undetermined(column, error))
         })
     };
     // y = a cos ωt + b sin ωt is the real part of (a − i b) e^(iωt).
@@ -89,7 +139,7 @@ pub(crate) fn run(
     for axis in Axis::ALL {
         let current: Vec<f64> = context.current_a.iter().map(|current| current[axis.index()]).collect();
         if current.iter().any(|value| *value != 0.0) {
-            let sine = fit(&current, format!("coil_{axis}_a"), None)?;
+            let sine = fit(&current, &format!("coil_{axis}_a"), None)?;
             coils[axis.index()] =
                 Complex::new(sine.cos, -sine.sin) * basic.coils[axis.index()].constant_nt_per_a;
         }
@@ -103,11 +153,16 @@ pub(crate) fn run(
         if context.unit.code_width(instrument).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
             return Err(hidden(&context.recording.id, sensor));
         }
-        let sine = fit(column, name, quantiser(instrument, context.unit, sensor, sensitivity))?;
+        let sine = fit(column, &name, quantiser(instrument, context.unit, sensor, sensitivity))?;
         let mut phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
         if let Some(added_nt) = added.along(recording, sensor) {
-            let sine = fit(&added_nt, format!("sensor_{sensor}_{}", context.unit.suffix()), None)?;
-            phasor -= Complex::new(sine.cos, -sine.sin) * turn;
+            let [cos, sin] = if added_nt.iter().chain(time).all(|value| value.is_finite()) {
+                fits.cos_sin(recording, (time, hz), &added_nt)
+            } else {
+                sine::fit(time, &added_nt, hz, None).map(|sine| [sine.cos, sine.sin])
+            }
+            .map_err(|error| undetermined(&name, error))?;
+            phasor -= Complex::new(cos, -sin) * turn;
         }
         Ok((sensor, phasor, (sine.std * sensitivity.abs()).max(rounding)))
     };

@@ -10,7 +10,7 @@ use physics::{EffectInstance, LeftOut, References, Role, Setting};
 
 use crate::joint::{self, Split};
 use crate::observe::observe_without;
-use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, observe, solve};
+use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, ac, solve};
 
 /// Words for what the gradients add.
 const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
@@ -48,7 +48,8 @@ pub(crate) struct Solved {
 
 /// Takes the effects off and solves.
 pub(crate) fn solve_without(document: &Document, options: &Options) -> Result<Solved, Error> {
-    let mut observations = observe(document, options)?;
+    let fits = ac::Fits::default();
+    let mut observations = observe_without(document, options, &Added::default(), &fits)?;
     let effects = effects(document)?;
     let places = Places::of(document);
     if effects.is_empty() && !places.act() {
@@ -60,11 +61,11 @@ pub(crate) fn solve_without(document: &Document, options: &Options) -> Result<So
     let mut rounds = 0;
     loop {
         let added = added(document, &effects, &places, directions)?;
-        observations = observe_without(document, options, &added)?;
+        observations = observe_without(document, options, &added, &fits)?;
         let mut solution = solve(document, &observations, options)?;
         rounds += 1;
         if rounds == ROUNDS {
-            let taken = Taken { document, options, effects: &effects, places: &places };
+            let taken = Taken { document, options, effects: &effects, places: &places, fits: &fits };
             let by = taken.by(&observations, &solution)?;
             let split = joint::restate(document, &observations, &mut solution, by)?;
             observations.findings.extend(words(&effects, &places, &added));
@@ -187,6 +188,7 @@ struct Taken<'a> {
     options: &'a Options,
     effects: &'a [EffectInstance],
     places: &'a Places,
+    fits: &'a ac::Fits,
 }
 
 impl Taken<'_> {
@@ -225,7 +227,7 @@ impl Taken<'_> {
     ) -> Result<Vec<f64>, Error> {
         let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
         let moved = added(self.document, effects, places, directions)?;
-        let moved = observe_without(self.document, self.options, &moved)?;
+        let moved = observe_without(self.document, self.options, &moved, self.fits)?;
         let change = |(before, after): (&Observation, &Observation)| {
             (after.value_nt - before.value_nt) / (before.std_nt * solution.noise.of(before) * std)
         };

@@ -19,7 +19,7 @@ const LEAST_DRIVE: f64 = 1e-3;
 
 /// Reads every recording of the procedure.
 pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
-    observe_without(document, options, &Added::default())
+    observe_without(document, options, &Added::default(), &ac::Fits::default())
 }
 
 /// Reads every recording of the procedure, less what effects add to its readings.
@@ -27,6 +27,7 @@ pub(crate) fn observe_without(
     document: &Document,
     options: &Options,
     added: &Added,
+    fits: &ac::Fits,
 ) -> Result<Observations, Error> {
     let recordings: Vec<(usize, &Recording)> = document
         .recordings
@@ -87,7 +88,7 @@ pub(crate) fn observe_without(
             Some(hz) => {
                 let instrument = document.instrument.as_ref();
                 let place = ac::Place { recording: index, orientation };
-                runs.push(ac::run(place, hz, instrument, &context, &basic, (&all.sensors, added))?);
+                runs.push(ac::run(place, hz, instrument, &context, &basic, (&all.sensors, added, fits))?);
             }
             None => rows(document, index, orientation, (&context, &basic), added, &mut all),
         }

@@ -72,6 +72,9 @@ pub fn fit(time_s: &[f64], values: &[f64], hz: f64, quantiser: Option<Quantiser>
             let beyond = (scatter - quantiser.step.powi(2) / 12.0).max(0.0).sqrt();
             let noise = quantiser.noise.unwrap_or(beyond).max(LEAST_NOISE * quantiser.step);
             let rounding = Rounding::new(quantiser.step, noise);
+            if rounding.coefficients.is_empty() {
+                break;
+            }
             for ((corrected, y), fitted) in corrected.iter_mut().zip(&y).zip(&fitted) {
                 *corrected = y - rounding.mean_error(*fitted);
             }
@@ -124,8 +127,8 @@ impl Rounding {
     }
 }
 
-/// cos ωt, sin ωt, 1 and t at the times of the readings.
-struct Basis {
+/// cos ωt, sin ωt, 1 and t at the times of readings.
+pub struct Basis {
     design: Mat<f64>,
     svd: Svd,
     omega: f64,
@@ -133,7 +136,12 @@ struct Basis {
 }
 
 impl Basis {
-    fn new(time: &[f64], hz: f64) -> Result<Self, Error> {
+    /// For times without gaps and a frequency.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooFew`] where no sine is determined.
+    pub fn new(time: &[f64], hz: f64) -> Result<Self, Error> {
         let n = time.len();
         let omega = std::f64::consts::TAU * hz;
         let mean = time.iter().sum::<f64>() / n as f64;
@@ -150,6 +158,12 @@ impl Basis {
             return Err(Error::TooFew { found: svd.rank(), unknowns: 4 });
         }
         Ok(Basis { design, svd, omega, length })
+    }
+
+    /// The coefficients of cos ωt and sin ωt in a series without gaps.
+    pub fn cos_sin(&self, values: &[f64]) -> [f64; 2] {
+        let x = self.svd.solve(values);
+        [x[0], x[1]]
     }
 
     fn values(&self, x: &[f64]) -> Vec<f64> {
