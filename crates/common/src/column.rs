@@ -3,32 +3,86 @@
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
+use serde_json::value::RawValue;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-/// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is. Clones share their readings until one of them is changed:
-/// a month of readings once a second is 20 MB a column.
-#[derive(Clone, Debug, Default)]
-pub struct Column(Arc<Vec<f64>>);
+use crate::column_text::{self, Summary};
+
+/// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is.
+///
+/// Clones share their readings until one of them is changed: a month of readings once a second is 20 MB a column. A column of a document
+/// stays text until its readings are asked for, and is written again as that text unless it was changed: stages pass on what they do not use.
+#[derive(Clone, Default)]
+pub struct Column(Arc<Readings>);
+
+#[derive(Clone, Default)]
+struct Readings {
+    /// As it stands in the document, with what was seen of it.
+    text: Option<(Box<RawValue>, Summary)>,
+    values: OnceLock<Vec<f64>>,
+}
+
+impl Readings {
+    fn values(&self) -> &Vec<f64> {
+        self.values.get_or_init(|| match &self.text {
+            Some((text, summary)) => column_text::values(text.get(), summary.rows),
+            None => Vec::new(),
+        })
+    }
+}
+
+impl Column {
+    /// Number of rows; the text of a column is not read for it.
+    pub fn len(&self) -> usize {
+        self.0.text.as_ref().map_or_else(|| self.0.values().len(), |(_, summary)| summary.rows)
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The first row whose value is outside a range; a missing reading is not. The text is read only where it may hold one.
+    pub fn first_beyond(&self, [low, high]: [f64; 2]) -> Option<usize> {
+        let within = |bound: f64| low <= -bound && bound <= high;
+        if self.0.text.as_ref().is_some_and(|(_, summary)| within(summary.bound)) {
+            return None;
+        }
+        self.iter().position(|value| *value < low || *value > high)
+    }
+}
 
 impl Deref for Column {
     type Target = Vec<f64>;
 
     fn deref(&self) -> &Vec<f64> {
-        &self.0
+        self.0.values()
     }
 }
 
 impl DerefMut for Column {
     fn deref_mut(&mut self) -> &mut Vec<f64> {
-        Arc::make_mut(&mut self.0)
+        if Arc::get_mut(&mut self.0).is_none() {
+            *self = Column::from(self.0.values().clone());
+        }
+        self.0.values();
+        let readings = Arc::get_mut(&mut self.0).expect("of this column alone");
+        readings.text = None;
+        readings.values.get_mut().expect("read above")
     }
 }
 
 impl AsRef<[f64]> for Column {
     fn as_ref(&self) -> &[f64] {
-        &self.0
+        self
+    }
+}
+
+impl fmt::Debug for Column {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.values().fmt(f)
     }
 }
 
@@ -41,13 +95,14 @@ impl PartialEq for Column {
 
 impl From<Vec<f64>> for Column {
     fn from(values: Vec<f64>) -> Self {
-        Column(Arc::new(values))
+        Column(Arc::new(Readings { text: None, values: values.into() }))
     }
 }
 
 impl From<Column> for Vec<f64> {
     fn from(column: Column) -> Self {
-        Arc::unwrap_or_clone(column.0)
+        column.0.values();
+        Arc::unwrap_or_clone(column.0).values.into_inner().unwrap_or_default()
     }
 }
 
@@ -68,6 +123,9 @@ impl FromIterator<f64> for Column {
 
 impl Serialize for Column {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        if let Some((text, _)) = &self.0.text {
+            return text.serialize(serializer);
+        }
         let mut list = serializer.serialize_seq(Some(self.len()))?;
         for value in self.iter() {
             list.serialize_element(&value.is_finite().then_some(*value))?;
@@ -78,10 +136,31 @@ impl Serialize for Column {
 
 impl<'de> Deserialize<'de> for Column {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let readings = Vec::<Reading>::deserialize(deserializer)?;
-        let mut readings: Vec<f64> = readings.into_iter().map(|reading| reading.0).collect();
-        readings.shrink_to_fit();
-        Ok(readings.into())
+        Ok(Vec::<Reading>::deserialize(deserializer)?.into())
+    }
+}
+
+impl From<Vec<Reading>> for Column {
+    fn from(readings: Vec<Reading>) -> Self {
+        readings.into_iter().map(|reading| reading.0).collect()
+    }
+}
+
+/// A column of JSON text, kept as that where it is a plain list.
+pub(crate) struct Unread(pub Column);
+
+impl<'de> Deserialize<'de> for Unread {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = <Box<RawValue>>::deserialize(deserializer)?;
+        match column_text::summary(text.get()) {
+            Some(summary) => {
+                let readings = Readings { text: Some((text, summary)), values: OnceLock::new() };
+                Ok(Unread(Column(Arc::new(readings))))
+            }
+            None => crate::document::at_path::<Vec<Reading>>(text.get())
+                .map(|readings| Unread(readings.into()))
+                .map_err(crate::document::carried),
+        }
     }
 }
 

@@ -125,7 +125,7 @@ impl Document {
 }
 
 /// Reads any JSON of fluxcal's formats, all of which state their version as `fluxcal`.
-pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
+pub fn parse<T: DeserializeOwned + Versioned>(text: &str) -> Result<T, Error> {
     if text.trim().is_empty() {
         return Err(Error::Syntax {
             message: "nothing arrived; expected a JSON document. If this program stands in a pipe, \
@@ -133,8 +133,32 @@ pub fn parse<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
                 .into(),
         });
     }
-    check_version(text)?;
-    at_path(text)
+    match serde_json::from_str::<T>(text) {
+        Ok(value) if value.format_version() == Some(FORMAT_VERSION) => Ok(value),
+        // Once more, to say what is wrong and where.
+        _ => {
+            check_version(text)?;
+            at_path(text)
+        }
+    }
+}
+
+/// JSON of fluxcal's formats.
+pub trait Versioned {
+    /// The format version that it states.
+    fn format_version(&self) -> Option<u64>;
+}
+
+impl Versioned for Document {
+    fn format_version(&self) -> Option<u64> {
+        Some(self.fluxcal)
+    }
+}
+
+impl Versioned for Value {
+    fn format_version(&self) -> Option<u64> {
+        self.get("fluxcal")?.as_u64()
+    }
 }
 
 /// Reads JSON, or a part of it; an error names the path.

@@ -67,7 +67,12 @@ impl Error {
     pub(crate) fn below(self, parent: &str) -> Self {
         match self {
             Error::Document { path, found, expected } => {
-                Error::Document { path: format!("{parent}.{path}"), found, expected }
+                let path = match path.as_str() {
+                    "the document" => parent.into(),
+                    index if index.starts_with('[') => format!("{parent}{index}"),
+                    name => format!("{parent}.{name}"),
+                };
+                Error::Document { path, found, expected }
             }
             error => error,
         }

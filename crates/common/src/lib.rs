@@ -10,6 +10,7 @@ mod calibration;
 mod check;
 mod coil;
 mod column;
+mod column_text;
 mod diagnosis;
 mod differential;
 mod document;
@@ -60,7 +61,7 @@ pub use differential::{
     PulledElement, QuietDisturbed, ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand,
     TransferBands, WindowMean,
 };
-pub use document::{Document, FORMAT_VERSION, at_path, line_of, parse};
+pub use document::{Document, FORMAT_VERSION, Versioned, at_path, line_of, parse};
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use finite::all_finite;

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::fmt;
 
+use crate::column::Unread;
 use crate::number::{bare, quoted};
 use crate::time::Start;
 use crate::{Axis, Column, Error, Extra, Matrix3x3, NoiseOfSensors, range};
@@ -107,8 +108,8 @@ impl Recording {
     /// The column and the row of one that none can; the row in which a time is before another.
     pub fn check(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
-            if let Some(row) = range::first_beyond(name, column) {
-                let [low, high] = range::bounds(name);
+            let [low, high] = range::bounds(name);
+            if let Some(row) = column.first_beyond([low, high]) {
                 return Err(Error::document(
                     format!("{path}.columns.{name}[{row}]"),
                     format!("{} in recording \"{}\"", quoted(column[row]), self.id),
@@ -164,7 +165,7 @@ fn unique_columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns,
         }
         fn visit_map<M: de::MapAccess<'de>>(self, mut map: M) -> Result<Columns, M::Error> {
             let mut columns = Columns::new();
-            while let Some((name, column)) = map.next_entry::<String, Column>()? {
+            while let Some((name, Unread(column))) = map.next_entry::<String, Unread>()? {
                 if columns.contains_key(&name) {
                     return Err(de::Error::custom(format!(
                         "the column `{name}` twice, expected each name once"

@@ -1,4 +1,4 @@
-use common::{Calibration, Error, Facility, Instrument, Model, Noise, PerAxis};
+use common::{Calibration, Error, Facility, Instrument, Model, Noise, PerAxis, Versioned};
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,12 @@ pub struct Plan {
     pub truth: TruthPlan,
     /// The procedures.
     pub procedures: Vec<Procedure>,
+}
+
+impl Versioned for Plan {
+    fn format_version(&self) -> Option<u64> {
+        Some(self.fluxcal)
+    }
 }
 
 impl Plan {

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use common::{Error, Matrix3x3};
+use common::{Error, Matrix3x3, Versioned};
 
 /// Largest factor of the guard band. Beyond it the probability that a verdict is wrong is no number of double precision.
 const LARGEST_FACTOR: f64 = 30.0;
@@ -166,6 +166,12 @@ impl Kind {
             ) => May,
             _ => No,
         }
+    }
+}
+
+impl Versioned for Spec {
+    fn format_version(&self) -> Option<u64> {
+        Some(self.fluxcal)
     }
 }
 

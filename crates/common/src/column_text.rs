@@ -1,0 +1,87 @@
+//! The text of a column: what can be said of it without reading its numbers, and the reading of them.
+
+/// Most digits before the decimal point of a number that is summed up without being read.
+const MOST_DIGITS: usize = 15;
+
+/// What a list of numbers and nulls shows at a glance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Summary {
+    /// Number of rows.
+    pub rows: usize,
+    /// A bound of all absolute values: a power of ten.
+    pub bound: f64,
+}
+
+/// Of valid JSON; None where it is not a plain list of numbers without positive exponents and nulls, with no space but one behind each comma.
+pub fn summary(text: &str) -> Option<Summary> {
+    let inner = text.strip_prefix('[')?.strip_suffix(']')?;
+    if inner.is_empty() {
+        return Some(Summary::default());
+    }
+    let (mut rows, mut most) = (0, 0);
+    let mut rest = inner.as_bytes();
+    loop {
+        rows += 1;
+        rest = rest.strip_prefix(b" ").filter(|_| rows > 1).unwrap_or(rest);
+        let number = rest.strip_prefix(b"-").unwrap_or(rest);
+        let digits = number.iter().take_while(|byte| byte.is_ascii_digit()).count();
+        rest = match digits {
+            0 => number.strip_prefix(b"null").filter(|_| number.len() == rest.len())?,
+            1..=MOST_DIGITS => fraction(&number[digits..])?,
+            _ => return None,
+        };
+        most = most.max(digits);
+        rest = match rest {
+            [] => return Some(Summary { rows, bound: 10_f64.powi(most as i32) }),
+            [b',', others @ ..] => others,
+            _ => return None,
+        };
+    }
+}
+
+/// What follows the digits behind the decimal point and a negative exponent.
+fn fraction(text: &[u8]) -> Option<&[u8]> {
+    let digits = |text: &[u8]| text.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let text = text.strip_prefix(b".").map_or(text, |rest| &rest[digits(rest)..]);
+    match text {
+        [b'e' | b'E', b'-', rest @ ..] => Some(&rest[digits(rest)..]),
+        [b'e' | b'E', ..] => None,
+        _ => Some(text),
+    }
+}
+
+/// The numbers of a text of which there is a [`summary`]; null is NaN.
+pub fn values(text: &str, rows: usize) -> Vec<f64> {
+    let mut values = Vec::with_capacity(rows);
+    if rows > 0 {
+        let inner = &text[1..text.len() - 1];
+        values.extend(inner.split(',').map(|number| number.trim_start().parse().unwrap_or(f64::NAN)));
+    }
+    values
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plain_lists_are_summed_up_and_read() {
+        let text = "[1, -22.5,null,3.25e-7, 4E-2,0]";
+        assert_eq!(summary(text), Some(Summary { rows: 6, bound: 100.0 }));
+        let read = values(text, 6);
+        assert!(read[2].is_nan());
+        assert_eq!([read[0], read[1], read[3], read[4], read[5]], [1.0, -22.5, 3.25e-7, 0.04, 0.0]);
+        assert_eq!(summary("[]"), Some(Summary::default()));
+        assert!(values("[]", 0).is_empty());
+    }
+
+    #[test]
+    fn others_are_not() {
+        let long = format!("[{}]", "1".repeat(MOST_DIGITS + 1));
+        for text in
+            ["{}", "5", "[ 1]", "[1 ]", "[1,\n2]", "[1e5]", "[true]", "[\"1\"]", "[[1]]", "[1,[2]]", &long]
+        {
+            assert_eq!(summary(text), None, "{text}");
+        }
+    }
+}
