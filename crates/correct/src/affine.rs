@@ -30,11 +30,8 @@ impl Affine {
                 rows[0],
             ])
         };
-        let derivatives: Vec<SMatrix<f64, 3, 4>> = known
-            .parameters
-            .iter()
-            .map(|parameter| Ok(affine(&solved.by_parameter(*parameter)?)))
-            .collect::<Result<_, Error>>()?;
+        let derivatives: Vec<SMatrix<f64, 3, 4>> =
+            solved.by_parameters(&known.parameters)?.iter().map(|rows| affine(rows)).collect();
         let mut forms = [SMatrix::zeros(); 6];
         for source in &known.sources {
             let moved: SMatrix<f64, 3, 4> = source.iter().map(|(at, moved)| derivatives[*at] * *moved).sum();

@@ -175,11 +175,7 @@ impl Solution {
         }
         let solved = inverter.field(readings)?;
         let mut covariance = solved.covariance_of_readings(noise_nt2)?;
-        let derivatives: Vec<Vec<Vector3<f64>>> = known
-            .parameters
-            .par_iter()
-            .map(|parameter| solved.by_parameter(*parameter))
-            .collect::<Result<_, _>>()?;
+        let derivatives = solved.by_parameters(&known.parameters)?;
         covariance.par_iter_mut().enumerate().for_each(|(row, covariance)| {
             for source in &known.sources {
                 let moved: Vector3<f64> =

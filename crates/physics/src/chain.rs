@@ -1,8 +1,8 @@
 //! The forward model of a whole recording, with every effect in its place.
 
+use crate::lanes::{Dual, LANES, slope, unit};
 use common::Axis;
 use nalgebra::Vector3;
-use num_dual::Dual64;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -92,51 +92,56 @@ pub fn predict_with_jacobian(
     parameters: &[Parameter],
 ) -> Result<(Prediction, Vec<Prediction>), Error> {
     let prediction = predict(basic, effects, context)?;
-    let derivatives = parameters
-        .par_iter()
-        .map(|parameter| {
-            let mut lifted: Basic<Dual64> = basic.lift();
-            let mut values: Vec<Vec<Dual64>> = effects
+    let derivatives: Vec<Vec<Prediction>> = parameters
+        .par_chunks(LANES)
+        .map(|parameters| {
+            let mut lifted: Basic<Dual> = basic.lift();
+            let mut values: Vec<Vec<Dual>> = effects
                 .iter()
-                .map(|effect| effect.parameters.iter().map(|value| Dual64::from(*value)).collect())
+                .map(|effect| effect.parameters.iter().map(|value| Dual::from(*value)).collect())
                 .collect();
-            seed(basic, &mut lifted, &mut values, *parameter);
-            let values: Vec<&[Dual64]> = values.iter().map(Vec::as_slice).collect();
+            seed(basic, &mut lifted, &mut values, parameters);
+            let values: Vec<&[Dual]> = values.iter().map(Vec::as_slice).collect();
             let lifted = run(&lifted, effects, &values, context)?;
-            let of = |series: Vec<Vector3<Dual64>>| series.iter().map(|v| v.map(|value| value.eps)).collect();
-            Ok(Prediction {
-                field_geo: of(lifted.field_geo),
-                field_sen: of(lifted.field_sen),
-                readings: of(lifted.readings),
-            })
+            let of = |series: &[Vector3<Dual>], lane: usize| {
+                series.iter().map(|v| v.map(|value| slope(&value, lane))).collect()
+            };
+            let prediction = |lane: usize| Prediction {
+                field_geo: of(&lifted.field_geo, lane),
+                field_sen: of(&lifted.field_sen, lane),
+                readings: of(&lifted.readings, lane),
+            };
+            Ok((0..parameters.len()).map(prediction).collect())
         })
         .collect::<Result<_, Error>>()?;
-    Ok((prediction, derivatives))
+    Ok((prediction, derivatives.into_iter().flatten().collect()))
 }
 
-/// Gives one parameter the derivative 1.
+/// Gives each of at most [`LANES`] parameters the derivative 1 in a lane of its own.
 pub(crate) fn seed(
     basic: &Basic,
-    lifted: &mut Basic<Dual64>,
-    values: &mut [Vec<Dual64>],
-    parameter: Parameter,
+    lifted: &mut Basic<Dual>,
+    values: &mut [Vec<Dual>],
+    parameters: &[Parameter],
 ) {
-    let turn = |which: usize| {
-        std::array::from_fn(|k| if k == which { Dual64::new(0.0, 1.0) } else { Dual64::from(0.0) })
-    };
-    match parameter {
-        Parameter::CoilTurn(axis, which) => {
-            lifted
-                .eta
-                .set_column(axis.index(), &frames::turned_at_length(&column(&basic.eta, axis), turn(which)));
+    for (lane, parameter) in parameters.iter().enumerate() {
+        // What a small turn adds to a direction.
+        let added = |column: Vector3<f64>, which: usize| {
+            let turn = std::array::from_fn(|k| if k == which { unit(lane) } else { Dual::from(0.0) });
+            frames::turned_at_length(&column, turn) - column.map(Dual::from)
+        };
+        match *parameter {
+            Parameter::CoilTurn(axis, which) => {
+                let added = added(column(&basic.eta, axis), which);
+                lifted.eta.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
+            }
+            Parameter::SensorTurn(axis, which) => {
+                let added = added(column(&basic.mu, axis), which);
+                lifted.mu.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
+            }
+            Parameter::Effect(effect, number) => values[effect][number] += unit(lane),
+            constant => lifted.constant_mut(constant).into_iter().for_each(|value| *value += unit(lane)),
         }
-        Parameter::SensorTurn(axis, which) => {
-            lifted
-                .mu
-                .set_column(axis.index(), &frames::turned_at_length(&column(&basic.mu, axis), turn(which)));
-        }
-        Parameter::Effect(effect, number) => values[effect][number].eps = 1.0,
-        constant => lifted.constant_mut(constant).into_iter().for_each(|value| value.eps = 1.0),
     }
 }
 

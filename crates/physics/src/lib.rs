@@ -20,6 +20,7 @@ mod effects;
 mod error;
 pub mod frames;
 mod inverse;
+mod lanes;
 pub mod memory;
 mod model;
 mod reading;

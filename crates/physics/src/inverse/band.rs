@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 /// Parts of a field that change the readings by less than this share of themselves are not determined by them.
-const UNSEEN: f64 = 1e-6;
+pub(super) const UNSEEN: f64 = 1e-6;
 /// A value is not determined where more than this share of it is still unseen after [`LOOKS`] passes.
 const LOST_SHARE: f64 = 1e-12;
 /// Passes after which that is judged.

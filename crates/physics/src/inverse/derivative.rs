@@ -1,28 +1,30 @@
 //! Derivatives of a field that was found, by what it was found with.
 
 use nalgebra::{Matrix3, Vector3};
-use num_dual::Dual64;
+use rayon::prelude::*;
 
 use super::{PASSES, REACHES, Row, Solved, Step};
 use crate::chain::seed;
+use crate::lanes::{self, Dual, LANES};
 use crate::{Basic, Error, Parameter};
 
 /// A derivative has settled when a pass changes it by no more than this share of its largest value.
 const TOLERANCE: f64 = 1e-9;
 
 impl Solved<'_> {
-    /// ∂B/∂θ for each row, nT per unit of the parameter, the readings held: F(B, θ) = y gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where
-    /// there is no field.
-    pub fn by_parameter(&self, parameter: Parameter) -> Result<Vec<Vector3<f64>>, Error> {
-        let mut basic: Basic<Dual64> = self.inverter.basic.lift();
-        let mut values = self.inverter.values();
-        seed(self.inverter.basic, &mut basic, &mut values, parameter);
-        self.derivative(&basic, &values, |_| Vector3::zeros())
-    }
-
-    /// ∂B/∂y along `direction`, a change of each row's readings in nT along the sensors.
-    pub fn by_readings(&self, direction: impl Fn(usize) -> Vector3<f64>) -> Result<Vec<Vector3<f64>>, Error> {
-        self.derivative(&self.inverter.basic.lift(), &self.inverter.values(), direction)
+    /// ∂B/∂θ for each of some parameters and each row, nT per unit of the parameter, the readings held: F(B, θ) = y gives
+    /// ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
+    pub fn by_parameters(&self, parameters: &[Parameter]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+        let all: Vec<Vec<Vec<Vector3<f64>>>> = parameters
+            .par_chunks(LANES)
+            .map(|parameters| {
+                let mut basic: Basic<Dual> = self.inverter.basic.lift();
+                let mut values = self.inverter.values();
+                seed(self.inverter.basic, &mut basic, &mut values, parameters);
+                self.derivatives(parameters.len(), Some((&basic, &values)), |_, _| Vector3::zeros())
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(all.into_iter().flatten().collect())
     }
 
     /// Covariance of each row's field, nT², from errors of the readings that are independent from row to row and between
@@ -33,13 +35,17 @@ impl Solved<'_> {
             _ => 1,
         };
         let mut covariance = vec![Matrix3::zeros(); self.rows.len()];
-        for (colour, sensor) in (0..3 * apart).map(|k| (k / 3, k % 3)) {
-            let std = variance_nt2[sensor].sqrt();
-            let direction = |row: usize| {
-                if row % apart == colour { Vector3::ith(sensor, std) } else { Vector3::zeros() }
+        let errors: Vec<(usize, usize)> = (0..3 * apart).map(|k| (k / 3, k % 3)).collect();
+        for errors in errors.chunks(LANES) {
+            let direction = |row: usize, lane: usize| {
+                let (colour, sensor) = errors[lane];
+                let std = if row % apart == colour { variance_nt2[sensor].sqrt() } else { 0.0 };
+                Vector3::ith(sensor, std)
             };
-            for (covariance, error) in covariance.iter_mut().zip(self.by_readings(direction)?) {
-                *covariance += error * error.transpose();
+            for moved in self.derivatives(errors.len(), None, direction)? {
+                for (covariance, error) in covariance.iter_mut().zip(moved) {
+                    *covariance += error * error.transpose();
+                }
             }
         }
         Ok(covariance)
@@ -50,53 +56,81 @@ impl Solved<'_> {
         match &self.step {
             Step::Unmix(_) => self.inverter.is_affine(),
             Step::Band(band) => band.reach() == 0,
+            Step::Rows(_) => true,
         }
     }
 
-    /// The same passes as for the field, with the derivative carried along.
-    fn derivative(
+    /// The same passes as for the field, with derivatives carried along: by parameters that are seeded, or by the readings of each row, which change
+    /// along a direction in each lane, in nT along the sensors.
+    fn derivatives(
         &self,
-        basic: &Basic<Dual64>,
-        values: &[Vec<Dual64>],
-        direction: impl Fn(usize) -> Vector3<f64>,
-    ) -> Result<Vec<Vector3<f64>>, Error> {
+        lanes: usize,
+        seeded: Option<(&Basic<Dual>, &[Vec<Dual>])>,
+        direction: impl Fn(usize, usize) -> Vector3<f64>,
+    ) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let sensitivity = self.inverter.basic.sensors.map(|sensor| sensor.sensitivity);
-        let mut derivative = vec![Vector3::zeros(); self.rows.len()];
-        for _ in 0..PASSES {
-            let field: Vec<Vector3<Dual64>> = self
-                .at
-                .iter()
-                .zip(&derivative)
-                .map(|(at, by): (&Vector3<f64>, &Vector3<f64>)| {
-                    Vector3::from_fn(|k, _| Dual64::new(at[k], by[k]))
-                })
-                .collect();
-            let readings = self.inverter.read(basic, values, &field)?;
-            let difference: Vec<Vector3<f64>> = readings
-                .iter()
-                .enumerate()
-                .map(|(row, reading)| {
-                    if self.rows[row] == Row::Missing || !reading.iter().all(|value| value.eps.is_finite()) {
-                        return Vector3::zeros();
-                    }
-                    direction(row) - Vector3::from_fn(|i, _| reading[i].eps * sensitivity[i])
-                })
-                .collect();
-            let change = self.step.of(&difference);
+        let own = seeded.is_none().then(|| (self.inverter.basic.lift(), self.inverter.values()));
+        let mut derivatives = vec![vec![Vector3::zeros(); self.rows.len()]; lanes];
+        for pass in 0..PASSES {
+            let readings = match (seeded, &own) {
+                // Without seeds the readings of a field that does not change do not change.
+                (None, _) if pass == 0 => None,
+                (None, None) => None,
+                (Some((basic, values)), _) => Some(self.pass(basic, values, &derivatives)?),
+                (None, Some((basic, values))) => Some(self.pass(basic, values, &derivatives)?),
+            };
             let (mut moved, mut largest): (f64, f64) = (0.0, 0.0);
-            for (row, derivative) in derivative.iter_mut().enumerate() {
-                *derivative += change[row];
-                if self.rows[row] == Row::Found {
-                    moved = moved.max(change[row].amax());
-                    largest = largest.max(derivative.amax());
+            for (lane, derivative) in derivatives.iter_mut().enumerate() {
+                let difference: Vec<Vector3<f64>> = (0..self.rows.len())
+                    .map(|row| {
+                        let reading = readings.as_ref().map(|readings| &readings[row]);
+                        let finite = reading.is_none_or(|reading| reading.iter().all(lanes::is_finite));
+                        if self.rows[row] == Row::Missing || !finite {
+                            return Vector3::zeros();
+                        }
+                        let slope = |i: usize| {
+                            reading.map_or(0.0, |reading| lanes::slope(&reading[i], lane) * sensitivity[i])
+                        };
+                        direction(row, lane) - Vector3::from_fn(|i, _| slope(i))
+                    })
+                    .collect();
+                let change = self.step.of(&difference);
+                for (row, derivative) in derivative.iter_mut().enumerate() {
+                    *derivative += change[row];
+                    if self.rows[row] == Row::Found {
+                        moved = moved.max(change[row].amax());
+                        largest = largest.max(derivative.amax());
+                    }
                 }
             }
             if moved <= TOLERANCE * largest || self.is_exact() {
                 break;
             }
         }
-        let found = |row: usize| self.rows[row] == Row::Found;
-        let missing = Vector3::repeat(f64::NAN);
-        Ok((0..self.rows.len()).map(|row| if found(row) { derivative[row] } else { missing }).collect())
+        for derivative in &mut derivatives {
+            for (derivative, row) in derivative.iter_mut().zip(&self.rows) {
+                if *row != Row::Found {
+                    *derivative = Vector3::repeat(f64::NAN);
+                }
+            }
+        }
+        Ok(derivatives)
+    }
+
+    /// The readings of the field with what is known of its derivatives.
+    fn pass(
+        &self,
+        basic: &Basic<Dual>,
+        values: &[Vec<Dual>],
+        derivatives: &[Vec<Vector3<f64>>],
+    ) -> Result<Vec<Vector3<Dual>>, Error> {
+        let by = |row: usize, k: usize, lane: usize| derivatives.get(lane).map_or(0.0, |of| of[row][k]);
+        let field: Vec<Vector3<Dual>> = self
+            .at
+            .iter()
+            .enumerate()
+            .map(|(row, at)| Vector3::from_fn(|k, _| lanes::dual(at[k], |lane| by(row, k, lane))))
+            .collect();
+        self.inverter.read(basic, values, &field)
     }
 }

@@ -66,6 +66,8 @@ enum Step {
     Unmix(Matrix3<f64>),
     /// The inverse of the slope over neighbouring rows.
     Band(Band),
+    /// The inverse of the slope in each row, where rows are independent of each other.
+    Rows(Vec<Matrix3<f64>>),
 }
 
 impl Step {
@@ -73,6 +75,9 @@ impl Step {
         match self {
             Step::Unmix(unmix) => difference.iter().map(|difference| unmix * difference).collect(),
             Step::Band(band) => band.solve(difference),
+            Step::Rows(inverses) => {
+                inverses.iter().zip(difference).map(|(inverse, by)| inverse * by).collect()
+            }
         }
     }
 }
@@ -148,7 +153,7 @@ impl<'a> Inverter<'a> {
         let mut best = best.expect("at least one reach is tried");
         if !remembers && !self.is_affine() {
             // Row by row the slope at the field is all of ∂F/∂B: each derivative then takes one pass.
-            best.step = Step::Band(self.slope(&best.at, 0)?);
+            best.step = Step::Rows(self.inverses(&best.at)?);
         }
         Ok(best)
     }

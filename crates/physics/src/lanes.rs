@@ -1,0 +1,30 @@
+//! Numbers that carry several derivatives at once: one pass of the chain gives them all.
+
+use num_dual::DualSVec64;
+
+/// Derivatives that are carried.
+pub(crate) const LANES: usize = 8;
+
+/// A value with its derivatives.
+pub(crate) type Dual = DualSVec64<LANES>;
+
+/// Zero, with the derivative one in a lane.
+pub(crate) fn unit(lane: usize) -> Dual {
+    Dual::from_re(0.0).derivative(lane)
+}
+
+/// A value with derivatives.
+pub(crate) fn dual(value: f64, derivatives: impl Fn(usize) -> f64) -> Dual {
+    let lanes = nalgebra::SVector::from_fn(|lane, _| derivatives(lane));
+    Dual::new(value, num_dual::Derivative::some(lanes))
+}
+
+/// The derivative in a lane.
+pub(crate) fn slope(value: &Dual, lane: usize) -> f64 {
+    value.eps.0.map_or(0.0, |lanes| lanes[lane])
+}
+
+/// Whether all derivatives are finite.
+pub(crate) fn is_finite(value: &Dual) -> bool {
+    value.eps.0.is_none_or(|lanes| lanes.iter().all(|slope| slope.is_finite()))
+}
