@@ -66,6 +66,12 @@ fleet-venv:
     cargo build --release -p simulate -p correct -p diffmag -p scalarcal
     test -x target/fleet-venv/bin/spark-submit || { python3 -m venv target/fleet-venv && target/fleet-venv/bin/pip install -q -r fleet/requirements.txt; }
 
+# fluxcal beside NumPy, SciPy, pandas, Polars, PyArrow, orjson and allantools, which go into a virtual environment below target: docs/performance.md
+bench-peers runs="5":
+    cargo build --release --workspace --bins
+    python3 -m venv target/peers && target/peers/bin/pip install --quiet -r peers/requirements.txt
+    target/peers/bin/python peers/run.py --runs {{runs}} -o docs/performance.md
+
 # Physics concealed and sealed, what diagnose finds of it, and recordings that somebody else made: docs/proof.md and docs/proof/real.md. Three
 # steps with a folder that must be new: what was opened once is not scored again.
 proof folder="target/proof":
@@ -94,7 +100,7 @@ prove:
     FLUXCAL_CAMPAIGNS=400 cargo test --release -p diagnose --test it coverage:: -- --nocapture
     FLUXCAL_CASES=all cargo test --release -p diagnose --test it joint::
     FLUXCAL_CAMPAIGNS=300 cargo test --release -p diagnose --test it clean:: -- --nocapture
-    FLUXCAL_CASES=all cargo test --release -p diagnose --test it -- --nocapture outside:: several::
+    FLUXCAL_CASES=all cargo test --release -p diagnose --test it -- --nocapture outside:: several:: scalar::
     FLUXCAL_CASES=all FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test it single:: -- --nocapture
 
 # All programs with man pages and bash completions, below ~/.local or PREFIX
