@@ -335,7 +335,7 @@ def jobs(programs: Path) -> list[Job]:
             libraries=["polars", "pyarrow"],
             rows=10_000_000,
             limit=lambda made: reading(Path(made["path"])),
-            note="The peers apply a matrix; `correct` subtracts three effects besides and gives each sample its uncertainty.",
+            note="The peers apply a matrix; `correct` subtracts three effects besides and gives each sample its uncertainty: derivatives of the field by some twenty parameters in every row, which is where the time goes.",
         ),
         Job(
             name="spectrum",
@@ -357,7 +357,7 @@ def jobs(programs: Path) -> list[Job]:
             peer="flicker",
             libraries=["NumPy"],
             rows=3_000_000,
-            note="`simulate` also writes its samples, as JSON; NumPy makes them and drops them.",
+            note="`simulate` also writes its samples, as JSON, which takes longer than making them; NumPy makes them and drops them.",
         ),
         Job(
             name="document",
