@@ -103,9 +103,9 @@ prove:
     FLUXCAL_CASES=all cargo test --release -p diagnose --test it -- --nocapture outside:: several:: scalar::
     FLUXCAL_CASES=all FLUXCAL_TIMES=3,1,0.3 FLUXCAL_TABLE=table.md cargo test --release -p diagnose --test it single:: -- --nocapture
 
-# All programs with man pages and bash completions, below ~/.local or PREFIX
+# All programs and `fluxcal`, which runs them, with man pages and bash completions, below ~/.local or PREFIX
 install prefix="$HOME/.local":
-    for program in simulate ingest series coilcal sensorcal axescal scalarcal diffmag diagnose correct report; do \
+    for program in simulate ingest series coilcal sensorcal axescal scalarcal diffmag diagnose correct report fluxcal; do \
         cargo install --locked --profile dist --path crates/$program --root {{prefix}} --target-dir target && \
         {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
         mkdir -p {{prefix}}/share/bash-completion/completions && \

@@ -5,13 +5,13 @@ use clap::{Parser, Subcommand, ValueEnum};
 use common::Axis;
 use common::procedure;
 use program::manual;
-use program::pipe::{self, Io, Program};
+use program::pipe::{self, Program, StageIo};
 use std::process::ExitCode;
 
 const PROGRAM: Program =
     Program { name: "axescal", version: env!("CARGO_PKG_VERSION"), takes: &[procedure::AXES_ORIENTATION] };
 
-/// Directions of the sensors and of the coils, in arcseconds, with their uncertainty
+/// Find the directions of the sensors and of the coils, in arcseconds, with their uncertainty
 #[derive(Parser)]
 #[command(
     version,
@@ -22,7 +22,7 @@ const PROGRAM: Program =
 )]
 struct Cli {
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     /// Take calibration.axes.coils as known, with its covariance or std_arcsec
     #[arg(long)]
     known_coils: bool,
@@ -94,7 +94,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     };
     pipe::stage(
         PROGRAM,
-        &cli.io,
+        &cli.stage,
         options.arguments(),
         |document| axescal::run(document, &options),
         |document| axescal::summary(document, &options),

@@ -4,7 +4,7 @@ use baselines::{Method, Options};
 use clap::Parser;
 use common::procedure;
 use physics::Kind;
-use program::pipe::{self, Io, Program};
+use program::pipe::{self, Io, Program, StageIo};
 use std::process::ExitCode;
 
 const PROGRAM: Program =
@@ -42,7 +42,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     let options = Options { method: cli.method, seed: cli.seed, without: cli.without.clone() };
     pipe::stage(
         PROGRAM,
-        &cli.io,
+        &StageIo::from(&cli.io),
         arguments,
         |document| baselines::run(document, &options),
         baselines::summary,

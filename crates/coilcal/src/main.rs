@@ -3,7 +3,7 @@
 use clap::Parser;
 use coilcal::Options;
 use common::procedure;
-use program::pipe::{self, Io, Program};
+use program::pipe::{self, Program, StageIo};
 use program::{manual, number};
 use std::process::ExitCode;
 
@@ -13,7 +13,7 @@ const PROGRAM: Program = Program {
     takes: &[procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL],
 };
 
-/// Constants of the coils, with their uncertainty
+/// Find the constants and gradients of a facility's coils, with their uncertainty
 #[derive(Parser)]
 #[command(
     version,
@@ -23,12 +23,12 @@ const PROGRAM: Program = Program {
 )]
 struct Cli {
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     /// Distance off a coil's centre for which the field error is stated, m
-    #[arg(long, value_name = "M", default_value_t = 0.05, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = number::not_negative)]
     off_centre_m: f64,
     /// Nyquist frequency of the instrument that will measure in the coils, Hz
-    #[arg(long, value_name = "HZ", default_value_t = 50.0, allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_name = "HZ", default_value_t = 50.0, value_parser = number::positive)]
     nyquist_hz: f64,
 }
 
@@ -40,6 +40,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     let options = Options { off_centre_m: cli.off_centre_m, nyquist_hz: cli.nyquist_hz };
     let arguments =
         vec![format!("--off-centre-m={}", cli.off_centre_m), format!("--nyquist-hz={}", cli.nyquist_hz)];
-    pipe::stage(PROGRAM, &cli.io, arguments, |document| coilcal::run(document, &options), coilcal::summary)?;
+    pipe::stage(
+        PROGRAM,
+        &cli.stage,
+        arguments,
+        |document| coilcal::run(document, &options),
+        coilcal::summary,
+    )?;
     Ok(())
 }

@@ -124,8 +124,14 @@ impl Document {
     }
 }
 
+/// Text without the byte order mark that some editors put before it.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
+}
+
 /// Reads any JSON of fluxcal's formats, all of which state their version as `fluxcal`.
 pub fn parse<T: DeserializeOwned + Versioned>(text: &str) -> Result<T, Error> {
+    let text = unmarked(text);
     if text.trim().is_empty() {
         return Err(Error::Syntax {
             message: "nothing arrived; expected a JSON document. If this program stands in a pipe, \
@@ -167,6 +173,7 @@ impl Versioned for Value {
 ///
 /// What is no JSON, with line and column; what is not of the type, with its path, what was found and what was expected.
 pub fn at_path<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
+    let text = unmarked(text);
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut deserializer)
         .map_err(|error| explain(text, &error.path().to_string(), error.inner()))?;
@@ -324,7 +331,7 @@ pub fn line_of(text: &str, path: &str) -> Option<usize> {
 
 /// The value at a path, or the innermost one on the way to it that is there.
 fn value_at<'a>(text: &'a str, path: &str) -> Option<&'a str> {
-    let mut rest: &serde_json::value::RawValue = serde_json::from_str(text).ok()?;
+    let mut rest: &serde_json::value::RawValue = serde_json::from_str(unmarked(text)).ok()?;
     for segment in path.split(['.', '[']).filter(|segment| !segment.is_empty()) {
         let next = match segment.strip_suffix(']') {
             Some(index) => {
@@ -362,6 +369,16 @@ mod tests {
         let before: Value = serde_json::from_str(text).expect("JSON");
         let after = serde_json::to_value(&document).expect("JSON");
         assert_eq!(before, after);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_passed_over() {
+        let marked = "\u{feff}{\"fluxcal\": 1,\n \"title\": 2}";
+        let error = Document::parse(marked).expect_err("no title");
+        assert_eq!(error.to_string(), "title: found 2; expected a string");
+        assert_eq!(line_of(marked, "title"), Some(2));
+        assert!(Document::parse("\u{feff}{\"fluxcal\": 1}").is_ok());
+        assert_eq!(at_path::<Value>("\u{feff}[1]").expect("a list"), serde_json::json!([1]));
     }
 
     #[test]

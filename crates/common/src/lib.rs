@@ -73,7 +73,7 @@ pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
 };
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
-pub use recording::{Columns, Conditions, Recording, Theodolite, TheodoliteAngle, procedure};
+pub use recording::{Columns, Conditions, Dropped, Recording, Theodolite, TheodoliteAngle, procedure};
 pub use scalar::{
     AgainstKnown, BodyIron, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter,
     ScalarStability, ScalarWindow, VectorFit, WeakestDirection,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 use std::fmt;
 
 use crate::column::Unread;
-use crate::number::{bare, quoted};
+use crate::number::{bare, counted, quoted};
 use crate::time::Start;
 use crate::{Axis, Column, Error, Extra, Matrix3x3, NoiseOfSensors, range};
 
@@ -72,6 +72,23 @@ pub struct Recording {
     /// Instead of `columns`: a file beside the document, as a relative path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
+    /// What the readings were before a stage left them out (`--drop-recordings`). Readings that are put back are held to it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dropped: Option<Dropped>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Readings that were left out of a document.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+pub struct Dropped {
+    /// How many rows there were.
+    pub rows: usize,
+    /// SHA-256 of the columns in the order of their names, in hexadecimal: of each its name in UTF-8, a zero byte, and its values as IEEE
+    /// 754 doubles, the lowest byte first; a missing reading is the NaN 7ff8000000000000.
+    pub sha256: String,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
@@ -90,13 +107,25 @@ impl Recording {
     ///
     /// # Errors
     ///
-    /// A table of which no column was read.
+    /// A table of which no column was read; readings that a stage left out.
     pub fn at_hand(&self, path: &str) -> Result<(), Error> {
         match &self.table {
             Some(table) if self.columns.is_empty() => {
                 let found = format!("the table \"{table}\", which was not read");
                 Err(Error::document(format!("{path}.table"), found, "the readings under `columns`"))
             }
+            None if self.columns.is_empty() => match &self.dropped {
+                Some(dropped) => Err(Error::document(
+                    format!("{path}.dropped"),
+                    format!(
+                        "{} of recording \"{}\" that an earlier stage left out",
+                        counted(dropped.rows, "row"),
+                        self.id
+                    ),
+                    "the readings; run that stage without --drop-recordings, or this one before it",
+                )),
+                None => Ok(()),
+            },
             _ => Ok(()),
         }
     }

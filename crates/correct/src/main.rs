@@ -4,8 +4,8 @@ use clap::{Parser, ValueEnum};
 use common::{Document, Recording};
 use correct::{Frame, Options, Request, Station};
 use ingest::{Mapping, Readings};
-use program::manual;
-use program::pipe::{self, Input, Io, Program};
+use program::pipe::{self, Input, Io, Program, StageIo};
+use program::{manual, progress};
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use tables::Content;
 
 const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
-/// The field that made the readings, in nT, with the uncertainty of each sample
+/// Turn raw readings into the field in nT, with the uncertainty of each sample
 #[derive(Parser)]
 #[command(
     version,
@@ -97,7 +97,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     let options = Options { frame };
     pipe::stage_or(
         PROGRAM,
-        &cli.io,
+        &StageIo::from(&cli.io),
         arguments,
         |file| format!("correct --calibration DOCUMENT {file}"),
         |document| correct::run(document, &options),
@@ -116,12 +116,15 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
         readings: readings.as_ref(),
         recording: cli.recording.as_deref(),
         frame,
-        input: cli.io.file.as_deref().filter(|path| *path != Path::new("-")),
+        input: pipe::named(cli.io.file.as_deref()),
         input_format: cli.from.map(Into::into),
-        output: cli.io.output.as_deref(),
+        output: pipe::named(cli.io.output.as_deref()),
         output_format: cli.to.map(Into::into),
         iaga: cli.iaga.as_deref().map(|code| Station { code, start: cli.start.as_deref() }),
     };
+    if request.output.is_none() {
+        progress::give_way();
+    }
     let tally = correct::correct_table(&request).map_err(|error| text.locate(error.into()))?;
     if !cli.io.quiet {
         pipe::say(&correct::table_summary(&tally, &document, cli.recording.as_deref(), frame));

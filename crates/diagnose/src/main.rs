@@ -4,21 +4,16 @@ use clap::Parser;
 use common::Document;
 use common::procedure;
 use diagnose::Options;
-use indicatif::ProgressBar;
 use physics::Kind;
-use program::pipe::{self, Input, Io, Program};
-use program::{apart, manual, number};
+use program::pipe::{self, Input, Program, StageIo};
+use program::{apart, manual, number, progress};
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::time::Duration;
 
 const PROGRAM: Program =
     Program { name: "diagnose", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
 
-/// From one picture of the spinner to the next.
-const TICK: Duration = Duration::from_millis(120);
-
-/// What physics the model left out: where recording and prediction differ, the effect that explains it, the better model
+/// Find what physics the model left out: where it shows, which effect explains it, the better model
 #[derive(Parser)]
 #[command(
     version,
@@ -28,7 +23,7 @@ const TICK: Duration = Duration::from_millis(120);
 )]
 struct Cli {
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     /// A simulation to hold the recordings against, in the place of what calibration and model predict
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
@@ -45,7 +40,7 @@ struct Cli {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Probability of a claim where there is nothing
-    #[arg(long, default_value_t = 0.01, allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, default_value_t = 0.01, value_parser = number::positive)]
     level: f64,
 }
 
@@ -66,19 +61,18 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         options.against = Some(Document::parse(&input.text).map_err(|error| input.locate(error))?);
         arguments.push("--against".into());
     }
-    apart::check(cli.plan.as_deref(), cli.io.file.as_deref().into_iter().chain(cli.against.as_deref()))?;
+    apart::check(
+        cli.plan.as_deref(),
+        cli.stage.io.file.as_deref().into_iter().chain(cli.against.as_deref()),
+    )?;
+    apart::from_document("--plan", cli.plan.as_deref(), cli.stage.io.output.as_deref())?;
     let mut plan = None;
-    // Hidden where standard error is no terminal.
-    let spinner = if cli.io.quiet { ProgressBar::hidden() } else { ProgressBar::new_spinner() };
-    spinner.enable_steady_tick(TICK);
     pipe::stage(
         PROGRAM,
-        &cli.io,
+        &cli.stage,
         arguments,
         |document| {
-            let found =
-                diagnose::run_told(document, &options, &|words| spinner.set_message(words.to_string()));
-            spinner.finish_and_clear();
+            let found = diagnose::run_told(document, &options, &progress::tell);
             plan = found.as_ref().ok().and_then(diagnose::plan);
             found
         },

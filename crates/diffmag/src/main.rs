@@ -5,14 +5,14 @@ use common::procedure;
 use diffmag::stream::{self, Partial};
 use diffmag::{Columns, Options};
 use program::pieces::{self, Answer};
-use program::pipe::{self, Io, Program};
+use program::pipe::{self, Program, StageIo};
 use program::{manual, number};
 use std::process::ExitCode;
 
 const PROGRAM: Program =
     Program { name: "diffmag", version: env!("CARGO_PKG_VERSION"), takes: &[procedure::DIFFERENTIAL] };
 
-/// How two magnetometers are turned and scaled against each other, noise and drift of the one under test
+/// Compare two magnetometers side by side: how they are turned and scaled, noise, drift, clocks
 #[derive(Parser)]
 #[command(
     version,
@@ -25,7 +25,7 @@ struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     /// Correct the times of the test instrument by what its clock differs, and fit again
     #[arg(long)]
     correct_clock: bool,
@@ -33,9 +33,9 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Long series in files, in one pass and bounded memory
+    /// Compare long series in files, in one pass and bounded memory
     Stream(StreamArgs),
-    /// Join statistics that `stream --partial` wrote
+    /// Compare by statistics of pieces, which `diffmag stream --partial` wrote
     #[command(after_help = "Example:\n  \
         diffmag stream --partial fixtures/diffmag/pieces/morning.csv > pieces.ndjson\n  \
         diffmag stream --partial fixtures/diffmag/pieces/evening.csv >> pieces.ndjson\n  \
@@ -50,7 +50,7 @@ struct StreamArgs {
     #[command(flatten)]
     stream: pieces::Stream,
     /// From one sample to the next, s; found from the first rows where it is not told
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
     step_s: Option<f64>,
     /// The reference's columns are NAME_x_nt, NAME_y_nt, NAME_z_nt
     #[arg(long, value_name = "NAME", default_value = "reference")]
@@ -73,7 +73,13 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let options = Options { correct_clock: cli.correct_clock };
     let arguments = if cli.correct_clock { vec!["--correct-clock".to_string()] } else { Vec::new() };
-    pipe::stage(PROGRAM, &cli.io, arguments, |document| diffmag::run(document, &options), diffmag::summary)?;
+    pipe::stage(
+        PROGRAM,
+        &cli.stage,
+        arguments,
+        |document| diffmag::run(document, &options),
+        diffmag::summary,
+    )?;
     Ok(())
 }
 

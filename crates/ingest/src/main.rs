@@ -13,7 +13,7 @@ const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERS
 /// Vector readings that the document knows.
 const QUANTITIES: [&str; 6] = ["sensor", "reference", "test", "third", "outside", "ambient"];
 
-/// Files of observatories and loggers into a document: IAGA-2002, CSV, NDJSON, Parquet
+/// Read files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON, Parquet
 #[derive(Parser)]
 #[command(
     version,
@@ -44,7 +44,7 @@ struct GuessArgs {
     /// What vector readings are
     #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES)]
     quantity: String,
-    /// Write to this file instead of standard output
+    /// Write to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Say nothing on standard error
@@ -87,9 +87,9 @@ struct IngestArgs {
     #[arg(long)]
     trust_rows: bool,
     /// Add this to D of IAGA-2002, minutes of arc, in place of what the file's DECBAS says
-    #[arg(long, value_name = "ARCMIN", allow_hyphen_values = true, value_parser = number::finite)]
+    #[arg(long, value_name = "ARCMIN", value_parser = number::finite)]
     declination_base_arcmin: Option<f64>,
-    /// Write the document to this file instead of standard output
+    /// Write the document to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Let -o name the document of --add: it is replaced when all is done

@@ -15,7 +15,7 @@ mod text;
 
 pub use covered::{Covered, MOST, Moment};
 pub use error::Error;
-pub use series::{Series, Take, take};
+pub use series::{Series, Take, take, take_from};
 pub use text::{merge_lines, parse, to_line};
 
 use serde::Serialize;

@@ -2,10 +2,14 @@
 
 use common::{Document, Error as Fault, Recording, range};
 use std::fs::{self, File};
+use std::io::{Cursor, Read};
 use std::path::Path;
-use tables::{Format, Reader};
+use tables::{Content, Format, Reader};
 
 use crate::{Partial, merge};
+
+/// Bytes of a stream that are read to see its format and its columns.
+const HEAD: u64 = 1 << 20;
 
 /// How a stage makes statistics of the rows of a series.
 pub trait Series: Sync {
@@ -52,25 +56,76 @@ pub trait Take {
 /// A file that cannot be read, or rows that cannot be taken, each with file and row.
 pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
-        return document(series, path);
+        let text = fs::read_to_string(path).map_err(|source| unreadable(path, source))?;
+        return document(series, path, &text);
     }
     table(series, path, 0.0)
 }
 
+/// Takes what comes from a stream, in one pass: CSV, NDJSON or a document, told by how it begins. `shown` stands for it in messages.
+///
+/// # Errors
+///
+/// As [`take`].
+pub fn take_from<S: Series>(
+    series: &S,
+    mut input: impl Read + Send + 'static,
+    shown: &str,
+) -> Result<S::Partial, Fault> {
+    let failed = |source| unreadable(Path::new(shown), source);
+    let mut head = Vec::new();
+    input.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+    let refused = |error: tables::Error| Fault::Request(error.to_string());
+    let format = match Content::of(shown, &head).map_err(refused)? {
+        Content::Delimited => Format::Csv,
+        Content::NdJson => Format::NdJson,
+        Content::Document => {
+            input.read_to_end(&mut head).map_err(failed)?;
+            let text = String::from_utf8(head).map_err(|_| {
+                Fault::Request(format!("{shown}: found bytes that are not UTF-8; expected JSON"))
+            })?;
+            return document(series, Path::new(shown), &text);
+        }
+        other => {
+            return Err(Fault::Request(format!(
+                "{shown}: found {}; expected CSV, NDJSON or a document, or this as a file",
+                other.name()
+            )));
+        }
+    };
+    // Whole lines of it tell the columns.
+    let lines = head.iter().rposition(|byte| *byte == b'\n').map_or(head.len(), |end| end + 1);
+    let there =
+        Reader::from_read(Cursor::new(head[..lines].to_vec()), format, shown, None).map_err(refused)?;
+    let there = there.columns().to_vec();
+    let open = |names: &[&str]| Reader::from_read(Cursor::new(head).chain(input), format, shown, Some(names));
+    rows(series, shown, &there, open, 0.0)
+}
+
 fn table<S: Series>(series: &S, path: &Path, start_s: f64) -> Result<S::Partial, Fault> {
-    let shown = path.display().to_string();
+    let there = columns(path).map_err(|error| Fault::Request(error.to_string()))?;
+    rows(series, &path.display().to_string(), &there, |names| Reader::open(path, Some(names)), start_s)
+}
+
+/// Takes the rows of the columns that are wanted.
+fn rows<S: Series>(
+    series: &S,
+    shown: &str,
+    there: &[String],
+    open: impl FnOnce(&[&str]) -> Result<Reader, tables::Error>,
+    start_s: f64,
+) -> Result<S::Partial, Fault> {
     let of_file = |reason: String| Fault::Request(format!("{shown}: {reason}"));
     let unreadable = |error: tables::Error| Fault::Request(error.to_string());
     let refused = |error| of_file(told::<S>(error));
-    let there = columns(path).map_err(unreadable)?;
-    let (names, mut taking) = series.begin(&there).map_err(|missing| {
+    let (names, mut taking) = series.begin(there).map_err(|missing| {
         of_file(format!("found the columns {}; expected {missing} among them", there.join(", ")))
     })?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    for batch in Reader::open(path, Some(&names)).map_err(unreadable)? {
+    for batch in open(&names).map_err(unreadable)? {
         let mut batch = batch.map_err(unreadable)?;
         let columns = names.iter().copied().zip(batch.columns.iter().map(Vec::as_slice));
-        range::rows(&shown, batch.first_row, columns)?;
+        range::rows(shown, batch.first_row, columns)?;
         if start_s != 0.0 {
             batch.columns[0].iter_mut().for_each(|time| *time += start_s);
         }
@@ -92,20 +147,19 @@ fn columns(path: &Path) -> Result<Vec<String>, tables::Error> {
     Ok(Reader::open(path, None)?.columns().to_vec())
 }
 
-fn document<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
-    let text = fs::read_to_string(path).map_err(|source| Fault::File {
-        path: path.into(),
-        action: "read",
-        source,
-    })?;
+fn unreadable(path: &Path, source: std::io::Error) -> Fault {
+    Fault::File { path: path.into(), action: "read", source }
+}
+
+fn document<S: Series>(series: &S, path: &Path, text: &str) -> Result<S::Partial, Fault> {
     let of_file = |error: String| Fault::Request(format!("{}: {error}", path.display()));
-    if text.get(..64).unwrap_or(&text).contains("fluxcal-partial") {
+    if text.get(..64).unwrap_or(text).contains("fluxcal-partial") {
         let kind = S::Partial::KIND;
         return Err(of_file(format!(
             "found statistics that were written before; expected rows. To join statistics: {kind} merge"
         )));
     }
-    let document = Document::parse(&text).map_err(|error| of_file(error.to_string()))?;
+    let document = Document::parse(text).map_err(|error| of_file(error.to_string()))?;
     let all = document.recordings.iter().enumerate();
     let pieces: Vec<S::Partial> = all
         .filter(|(_, recording)| recording.procedure == S::PROCEDURE)

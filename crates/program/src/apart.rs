@@ -4,6 +4,8 @@ use common::Error;
 use std::fs;
 use std::path::Path;
 
+use crate::sink::named;
+
 /// Refuses an output that is one of the inputs, by whatever name. `-` and files that are not there yet are none.
 ///
 /// # Errors
@@ -13,8 +15,10 @@ pub fn check<'a>(
     outputs: impl IntoIterator<Item = &'a Path>,
     inputs: impl IntoIterator<Item = &'a Path> + Clone,
 ) -> Result<(), Error> {
-    for output in outputs {
-        if let Some(input) = inputs.clone().into_iter().find(|input| same(output, input)) {
+    for output in outputs.into_iter().filter(|output| named(Some(output)).is_some()) {
+        if let Some(input) =
+            inputs.clone().into_iter().find(|input| named(Some(input)).is_some() && same(output, input))
+        {
             return Err(Error::Request(format!(
                 "{}: is also read, as {}; name another file to write to, so that what was read is not lost",
                 output.display(),
@@ -23,6 +27,23 @@ pub fn check<'a>(
         }
     }
     Ok(())
+}
+
+/// Refuses what is written besides the document, by the option of that name, to where the document goes.
+///
+/// # Errors
+///
+/// The option and the place.
+pub fn from_document(option: &str, other: Option<&Path>, document: Option<&Path>) -> Result<(), Error> {
+    let real = |path: &Path| fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
+    let place = |path: Option<&Path>| named(path).and_then(real);
+    if other.is_none() || place(other) != place(document) {
+        return Ok(());
+    }
+    let shown = named(document).map_or("standard output".into(), |path| path.display().to_string());
+    Err(Error::Request(format!(
+        "{option} and the document both go to {shown}; name another file for one of them"
+    )))
 }
 
 /// Whether two names lead to one file.

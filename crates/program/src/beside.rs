@@ -4,7 +4,8 @@ use common::{Column, Document, Error, Recording};
 use std::path::Path;
 use tables::{Reader, Writer};
 
-use crate::pipe::Sink;
+use crate::dropped;
+use crate::sink::{Sink, named};
 
 /// Rows up to which a recording keeps its readings in the document.
 pub const INLINE_ROWS: usize = 10_000;
@@ -58,6 +59,7 @@ pub fn file_name(id: &str) -> String {
 ///
 /// What cannot be written.
 pub fn write(output: Option<&Path>, text: &str, tables: &[Table]) -> Result<(), Error> {
+    let output = named(output);
     let mut sink = Sink::open(output)?;
     if output.is_some() {
         sink.write(text)?;
@@ -110,7 +112,9 @@ fn one(recording: &mut Recording, folder: &Path, path: &str) -> Result<(), Error
     }
     columns.iter_mut().for_each(Vec::shrink_to_fit);
     recording.columns = names.into_iter().zip(columns.into_iter().map(Column::from)).collect();
-    recording.check(path.trim_end_matches(".table"))
+    let path = path.trim_end_matches(".table");
+    recording.check(path)?;
+    dropped::check(recording, path)
 }
 
 /// Leaves the readings of tables to their files again.

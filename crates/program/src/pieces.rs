@@ -8,14 +8,16 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
 
-use crate::apart;
 use crate::pipe::{self, Program};
+use crate::{apart, progress};
+
+/// As messages call it.
+const STANDARD_INPUT: &str = "standard input";
 
 /// Files of a series.
 #[derive(Args, Clone, Debug)]
 pub struct Stream {
-    /// Pieces in any order: .csv, .ndjson, .parquet, or .json, a document
-    #[arg(required = true)]
+    /// Pieces in any order: .csv, .ndjson, .parquet, or .json, a document; absent or `-`: CSV, NDJSON or a document on standard input
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     out: Out,
@@ -35,7 +37,7 @@ struct Out {
     /// Write the statistics in one line, to be merged with those of other pieces, in place of the answer
     #[arg(long)]
     partial: bool,
-    /// Write to this file; absent: standard output
+    /// Write to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Say nothing on standard error
@@ -67,11 +69,20 @@ impl Stream {
     ///
     /// What cannot be read, taken, joined or answered.
     pub fn run<S: Series>(&self, series: &S, answer: &Answer<'_, S::Partial>) -> Result<(), Error> {
+        let files = files(&self.files)?;
         let take = || {
-            let pieces = self.files.par_iter().map(|file| partial::take(series, file));
+            progress::steps(files.len());
+            let pieces = files.par_iter().map(|file| {
+                let piece = match pipe::named(Some(file)) {
+                    Some(file) => partial::take(series, file),
+                    None => partial::take_from(series, io::stdin(), STANDARD_INPUT),
+                };
+                progress::step();
+                piece
+            });
             partial::merge(pieces.collect::<Result<_, Error>>()?).map_err(Into::into)
         };
-        self.out.write("stream", &self.files, take, answer)
+        self.out.write("stream", &files, take, answer)
     }
 }
 
@@ -82,10 +93,7 @@ impl Merge {
     ///
     /// What cannot be read, joined or answered.
     pub fn run<P: Partial>(&self, answer: &Answer<'_, P>) -> Result<(), Error> {
-        let mut files = self.files.clone();
-        if files.is_empty() {
-            files.push("-".into());
-        }
+        let files = files(&self.files)?;
         let join = || {
             let sources = files.iter().map(|file| open(file)).collect::<Result<Vec<_>, Error>>()?;
             partial::merge_lines(sources)
@@ -94,21 +102,29 @@ impl Merge {
     }
 }
 
-/// A file, or standard input, as messages call it and as it is read.
-fn open(file: &Path) -> Result<(String, Box<dyn BufRead>), Error> {
-    if file != Path::new("-") {
-        let opened =
-            File::open(file).map_err(|source| Error::File { path: file.into(), action: "read", source })?;
-        return Ok((file.display().to_string(), Box::new(BufReader::new(opened))));
-    }
-    if io::stdin().is_terminal() {
-        return Err(Error::Request(
-            "no pieces: standard input is a terminal. Give files, or put `stream --partial` before this program in a pipe; \
+/// The files that are read, `-` where none is named.
+fn files(named: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    let files = if named.is_empty() { vec!["-".into()] } else { named.to_vec() };
+    match files.iter().filter(|file| pipe::named(Some(file)).is_none()).count() {
+        0 => Ok(files),
+        1 if io::stdin().is_terminal() => Err(Error::Request(
+            "no pieces: standard input is a terminal. Give files, or put another program before this one in a pipe; \
              --help shows an example"
                 .into(),
-        ));
+        )),
+        1 => Ok(files),
+        _ => Err(Error::Request("- twice; standard input can be read once".into())),
     }
-    Ok(("standard input".into(), Box::new(io::stdin().lock())))
+}
+
+/// A file, or standard input, as messages call it and as it is read.
+fn open(file: &Path) -> Result<(String, Box<dyn BufRead>), Error> {
+    let Some(file) = pipe::named(Some(file)) else {
+        return Ok((STANDARD_INPUT.into(), Box::new(io::stdin().lock())));
+    };
+    let opened =
+        File::open(file).map_err(|source| Error::File { path: file.into(), action: "read", source })?;
+    Ok((file.display().to_string(), Box::new(BufReader::new(opened))))
 }
 
 impl Out {
@@ -125,6 +141,7 @@ impl Out {
         if self.partial {
             return pipe::write(self.output.as_deref(), &(partial::to_line(&joined) + "\n"));
         }
+        progress::tell("fitting");
         let (mut document, input_sha256) = (answer.of)(&joined)?;
         document.history.push(HistoryEntry {
             stage: answer.program.name.into(),

@@ -4,17 +4,18 @@
 //! code is 0 (done), 1 (the data do not allow the answer) or 2 (the request or the document is wrong).
 
 use clap::Args;
-use files::Unfinished;
 use sha2::{Digest, Sha256};
 use std::fs;
-use std::io::{self, ErrorKind, IsTerminal, Read, Write};
+use std::io::{self, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process;
 
-use common::{Document, Error, ExitCode, HistoryEntry, line_of};
+use common::number::counted;
+use common::{Document, Error, ExitCode, HistoryEntry, Recording, line_of};
 
 use crate::outline::outline;
-use crate::{apart, beside, readings};
+pub use crate::sink::{Sink, named, write};
+use crate::{apart, beside, dropped, hexadecimal, progress, readings};
 
 /// Arguments for the document's way in and out, the same in every stage.
 #[derive(Args, Clone, Debug, Default)]
@@ -22,7 +23,7 @@ pub struct Io {
     /// The document to read; absent or `-`: standard input
     #[arg(value_name = "DOCUMENT")]
     pub file: Option<PathBuf>,
-    /// Write to this file instead of standard output
+    /// Write to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Let -o name the document that is read: it is replaced when all is done
@@ -31,6 +32,23 @@ pub struct Io {
     /// Say nothing on standard error
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// The same for a stage that takes recordings.
+#[derive(Args, Clone, Debug, Default)]
+pub struct StageIo {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub io: Io,
+    /// Leave the readings that this program takes out of the document it writes; their SHA-256 stays
+    #[arg(long)]
+    pub drop_recordings: bool,
+}
+
+impl From<&Io> for StageIo {
+    fn from(io: &Io) -> Self {
+        StageIo { io: io.clone(), drop_recordings: false }
+    }
 }
 
 impl Io {
@@ -77,11 +95,11 @@ impl Input {
         command: impl Fn(&str) -> String,
     ) -> Result<(Self, Document), Error> {
         let (bytes, source_name) = bytes(file)?;
-        let named = file.filter(|path| *path != Path::new("-")).map(|path| path.display().to_string());
+        let file_name = named(file).map(|path| path.display().to_string());
         let readings = readings::told(&bytes).map(|found| Error::Syntax {
             message: format!(
                 "{source_name}: found {found}; expected a fluxcal document. To read it:\n  {}",
-                command(named.as_deref().unwrap_or("FILE"))
+                command(file_name.as_deref().unwrap_or("FILE"))
             ),
         });
         if let Some(error) = readings {
@@ -89,6 +107,10 @@ impl Input {
         }
         let input = Self::of(bytes, source_name)?;
         let document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
+        for (index, recording) in document.recordings.iter().enumerate() {
+            let checked = dropped::check(recording, &format!("recordings[{index}]"));
+            checked.map_err(|error| input.locate(error))?;
+        }
         Ok((input, document))
     }
 
@@ -104,7 +126,7 @@ impl Input {
 
     /// SHA-256 of the text, in hexadecimal.
     pub fn sha256(&self) -> String {
-        Sha256::digest(self.text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(&Sha256::digest(self.text.as_bytes()))
     }
 
     /// The same with no more of the text than says on which line something stands.
@@ -129,7 +151,7 @@ impl Input {
 
 /// What is in a file or comes on standard input, and how messages name it.
 fn bytes(file: Option<&Path>) -> Result<(Vec<u8>, String), Error> {
-    match file.filter(|path| *path != Path::new("-")) {
+    match named(file) {
         Some(path) => {
             let bytes = fs::read(path).map_err(|source| unreadable(path, source))?;
             Ok((bytes, path.display().to_string()))
@@ -185,7 +207,7 @@ fn quoted(file: &str) -> String {
 /// `arguments` is what the history records of the request. Nothing is written when anything fails.
 pub fn stage<E>(
     program: Program,
-    io: &Io,
+    stage: &StageIo,
     arguments: Vec<String>,
     run: impl FnOnce(Document) -> Result<Document, E>,
     words: impl FnOnce(&Document) -> String,
@@ -193,15 +215,15 @@ pub fn stage<E>(
 where
     Error: From<E>,
 {
-    stage_or(program, io, arguments, |file| program.ingest(file), run, words)
+    stage_or(program, stage, arguments, |file| program.ingest(file), run, words)
 }
 
 /// As [`stage`], where another command than `ingest` reads a file of readings that was given as the document: `command` makes it of the
 /// file's name.
 pub fn stage_or<E>(
     program: Program,
-    io: &Io,
-    arguments: Vec<String>,
+    stage: &StageIo,
+    mut arguments: Vec<String>,
     command: impl Fn(&str) -> String,
     run: impl FnOnce(Document) -> Result<Document, E>,
     words: impl FnOnce(&Document) -> String,
@@ -209,6 +231,7 @@ pub fn stage_or<E>(
 where
     Error: From<E>,
 {
+    let StageIo { io, drop_recordings } = stage;
     let (input, mut document) = Input::document(io.file.as_deref(), command)?;
     let (input_sha256, input) = (input.sha256(), input.outlined());
     let located = |error: Error| input.locate(error);
@@ -216,9 +239,19 @@ where
     let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
     io.apart(tables.iter().map(PathBuf::as_path))?;
     beside::read(&mut document, io.folder(), program.takes).map_err(located)?;
+    let rows = document.recordings.iter().map(Recording::rows).sum();
+    progress::tell(&format!(
+        "{} of {}",
+        counted(rows, "row"),
+        counted(document.recordings.len(), "recording")
+    ));
     let mut document = run(document).map_err(Error::from).map_err(located)?;
     let said = (!io.quiet).then(|| words(&document));
     beside::put_back(&mut document);
+    if *drop_recordings {
+        dropped::drop(&mut document, program.takes);
+        arguments.push("--drop-recordings".into());
+    }
     document.history.push(HistoryEntry {
         stage: program.name.into(),
         version: program.version.into(),
@@ -231,68 +264,9 @@ where
     Ok(())
 }
 
-/// Writes text to a file (beside it first, then renamed) or to standard output.
-/// A reader that has gone is no error.
-pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
-    let mut sink = Sink::open(output)?;
-    sink.write(text)?;
-    sink.finish()
-}
-
-/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a device.
-pub struct Sink {
-    /// As it is named in errors.
-    path: PathBuf,
-    target: Target,
-}
-
-enum Target {
-    Stdout,
-    File(fs::File, Unfinished),
-}
-
-impl Sink {
-    /// Opens a file, or standard output where none is given.
-    pub fn open(output: Option<&Path>) -> Result<Self, Error> {
-        let Some(path) = output else {
-            return Ok(Self { path: "standard output".into(), target: Target::Stdout });
-        };
-        let failed = |source| Error::File { path: path.into(), action: "written", source };
-        let (file, unfinished) = files::create(path).map_err(failed)?;
-        Ok(Self { path: path.into(), target: Target::File(file, unfinished) })
-    }
-
-    /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is wanted.
-    pub fn write(&mut self, text: &str) -> Result<bool, Error> {
-        let result = match &mut self.target {
-            Target::Stdout => {
-                let mut stdout = io::stdout().lock();
-                stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
-            }
-            Target::File(file, _) => file.write_all(text.as_bytes()),
-        };
-        match (&self.target, result) {
-            (_, Ok(())) => Ok(true),
-            (Target::Stdout, Err(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-            (_, Err(source)) => Err(Error::File { path: self.path.clone(), action: "written", source }),
-        }
-    }
-
-    /// Gives the file its name.
-    pub fn finish(self) -> Result<(), Error> {
-        match self.target {
-            Target::Stdout => Ok(()),
-            Target::File(_, unfinished) => unfinished.finish().map_err(|source| Error::File {
-                path: self.path,
-                action: "written",
-                source,
-            }),
-        }
-    }
-}
-
 /// People's words, to standard error. A closed standard error is no reason to fail.
 pub fn say(words: &str) {
+    progress::end();
     let _ = writeln!(io::stderr(), "{}", words.trim_end());
 }
 
@@ -301,6 +275,7 @@ pub fn finish<E>(program: Program, result: Result<(), E>) -> process::ExitCode
 where
     E: AsRef<dyn std::error::Error + Send + Sync>,
 {
+    progress::end();
     let Err(error) = result else { return process::ExitCode::SUCCESS };
     let error: &(dyn std::error::Error + Send + Sync) = error.as_ref();
     say(&format!("{}: {error}", program.name));
@@ -327,17 +302,5 @@ mod tests {
         assert_eq!(error, expected);
         fs::write(&path, "{\"fluxcal\": 1}").expect("written");
         assert!(Input::document(Some(&path), |file| program.ingest(file)).is_ok());
-    }
-
-    #[test]
-    fn a_file_is_whole_or_not_there() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("out.json");
-        write(Some(&path), "{}\n").expect("written");
-        assert_eq!(fs::read_to_string(&path).expect("there"), "{}\n");
-        let lost = folder.path().join("absent").join("out.json");
-        let error = write(Some(&lost), "{}").expect_err("no such folder");
-        assert!(error.to_string().contains("cannot be written"), "{error}");
-        assert_eq!(fs::read_dir(folder.path()).expect("readable").count(), 1);
     }
 }

@@ -7,6 +7,7 @@ const LINES: usize = 200;
 
 /// What a file of readings is, in words; None for what may be meant as a document.
 pub fn told(bytes: &[u8]) -> Option<&'static str> {
+    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     match Content::of("", bytes) {
         Ok(Content::Iaga) => Some("IAGA-2002"),
         Ok(Content::Cdf) => Some("CDF"),
@@ -50,9 +51,16 @@ mod tests {
             told(b"{\"t\": 1, \"x\": 2}\n{\"t\": 2, \"x\": 2}\n"),
             Some("a JSON object a line (NDJSON)")
         );
-        for document in
-            ["{\"fluxcal\": 1}", "{\n\"recordings\": []}", "[1, 2]", "", "Dear colleague", "{\"a\": 1}"]
-        {
+        assert_eq!(told(b"\xEF\xBB\xBFtime,x\n0,1.5\n"), Some("lines of values (CSV)"));
+        for document in [
+            "{\"fluxcal\": 1}",
+            "\u{feff}{\"fluxcal\": 1}",
+            "{\n\"recordings\": []}",
+            "[1, 2]",
+            "",
+            "Dear colleague",
+            "{\"a\": 1}",
+        ] {
             assert_eq!(told(document.as_bytes()), None, "{document}");
         }
     }

@@ -4,7 +4,7 @@ use clap::{Args, Parser, Subcommand};
 use common::{Document, Error, procedure};
 use physics::Kind;
 use program::pieces::{self, Answer};
-use program::pipe::{self, Input, Io, Program};
+use program::pipe::{self, Input, Program, StageIo};
 use program::{manual, number};
 use scalarcal::stream::{self, Partial};
 use scalarcal::{Columns, Options};
@@ -14,7 +14,7 @@ use std::process::ExitCode;
 const PROGRAM: Program =
     Program { name: "scalarcal", version: env!("CARGO_PKG_VERSION"), takes: &[procedure::FREE_RUN] };
 
-/// Sensitivities, offsets and angles of a vector magnetometer by the magnitude of the field, without a facility
+/// Calibrate a vector magnetometer by the magnitude of the field, without a facility
 #[derive(Parser)]
 #[command(
     version,
@@ -27,7 +27,7 @@ struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     #[command(flatten)]
     fit: FitArgs,
     /// Leave out rows that are far from the rest
@@ -46,11 +46,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Long series in files, in one pass and bounded memory
+    /// Calibrate by long series in files, in one pass and bounded memory
     #[command(after_help = "Example:\n  \
         scalarcal stream --document fixtures/scalarcal/pieces/stated.json \\\n    fixtures/scalarcal/pieces/*.csv > result.json")]
     Stream(StreamArgs),
-    /// Join statistics that `stream --partial` wrote
+    /// Calibrate by statistics of pieces, which `scalarcal stream --partial` wrote
     #[command(after_help = "Example:\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv > pieces.ndjson\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv >> pieces.ndjson\n  \
@@ -67,7 +67,7 @@ struct FitArgs {
     #[arg(long)]
     reference_offset: bool,
     /// Tell the calibration in windows of this length, s, and whether it is the same in all
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
     windows: Option<f64>,
 }
 
@@ -131,7 +131,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     };
     pipe::stage(
         PROGRAM,
-        &cli.io,
+        &cli.stage,
         options.arguments(),
         |document| scalarcal::run(document, &options),
         scalarcal::summary,

@@ -103,8 +103,8 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
         if recording.procedure != procedure::FREE_RUN || driven(recording) {
             continue;
         }
-        let Some(unit) = unit_of(recording) else { continue };
         recording.at_hand(&format!("recordings[{index}]"))?;
+        let Some(unit) = unit_of(recording) else { continue };
         match series(recording, index, unit, options)? {
             Some(one) => {
                 units.push((unit, index));

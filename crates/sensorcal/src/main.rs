@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use common::procedure;
-use program::pipe::{self, Io, Program};
+use program::pipe::{self, Program, StageIo};
 use program::{manual, number};
 use sensorcal::Options;
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ const PROGRAM: Program = Program {
     ],
 };
 
-/// Sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty
+/// Find sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty
 #[derive(Parser)]
 #[command(
     version,
@@ -30,18 +30,18 @@ const PROGRAM: Program = Program {
 )]
 struct Cli {
     #[command(flatten)]
-    io: Io,
+    stage: StageIo,
     /// How far the turn of a reversal may miss 180°, deg
-    #[arg(long, value_name = "DEG", default_value_t = 3.0, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = number::not_negative)]
     turn_deg: f64,
     /// How far axes may be from nominal where the document does not give them (standard deviation), deg
-    #[arg(long, value_name = "DEG", default_value_t = 3.0, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = number::not_negative)]
     axes_std_deg: f64,
     /// Fields along the sensor for the error budget, nT [default: zero, half and all of what was applied]
-    #[arg(long, value_name = "NT", value_delimiter = ',', allow_hyphen_values = true, value_parser = number::finite)]
+    #[arg(long, value_name = "NT", value_delimiter = ',', value_parser = number::finite)]
     budget_field_nt: Vec<f64>,
     /// Temperatures less the reference for the error budget, K [default: 0, and 10 where coefficients are known]
-    #[arg(long, value_name = "K", value_delimiter = ',', allow_hyphen_values = true, value_parser = number::finite)]
+    #[arg(long, value_name = "K", value_delimiter = ',', value_parser = number::finite)]
     budget_warmer_k: Vec<f64>,
 }
 
@@ -68,7 +68,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     };
     pipe::stage(
         PROGRAM,
-        &cli.io,
+        &cli.stage,
         arguments,
         |document| sensorcal::run(document, &options),
         sensorcal::summary,

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 const PROGRAM: Program =
     Program { name: "series", version: env!("CARGO_PKG_VERSION"), takes: procedure::ALL };
 
-/// Recordings cut, averaged over windows, resampled, joined to common times; columns renamed
+/// Cut, average, resample and join recordings, and rename their columns
 #[derive(Parser)]
 #[command(
     version,
@@ -31,12 +31,12 @@ enum Command {
     #[command(after_help = "Example:\n  \
         ingest fixtures/ingest/lemi.sec | series cut --from 5 --to 15 > result.json")]
     Cut(CutArgs),
-    /// Take means over windows that begin at whole multiples of their length in UTC, with the number of samples in each
+    /// Take means over windows that begin at whole multiples of their length in UTC, and count samples
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series average --window 10 > result.json"
     )]
     Average(AverageArgs),
-    /// Give even times of another step, whole multiples of it in UTC; what the step cannot hold is filtered out
+    /// Resample to whole multiples of a step in UTC; what the step cannot hold is filtered out
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/logger.csv | series resample --step 60 > result.json"
     )]
@@ -46,7 +46,7 @@ enum Command {
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series rename sensor=test > result.json"
     )]
     Rename(RenameArgs),
-    /// Make recordings one: the columns of the others at the times of the first. Clocks are taken as they are
+    /// Join recordings into one: the columns of the others at the times of the first, clocks as they are
     #[command(after_help = "Example:\n  \
         ingest --as reference --id hut fixtures/ingest/field.ndjson > hut.json\n  \
         ingest --as test --id field --add hut.json fixtures/ingest/field.csv \\\n    \
@@ -77,10 +77,10 @@ struct AverageArgs {
     #[arg(long, value_name = "ID")]
     recording: Vec<String>,
     /// The length of a window, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_name = "S", value_parser = number::positive)]
     window: f64,
     /// The least share of a full window's samples, 0 to 1; a mean of fewer is missing
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, allow_negative_numbers = true, value_parser = share)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
     share: f64,
 }
 
@@ -92,7 +92,7 @@ struct ResampleArgs {
     #[arg(long, value_name = "ID")]
     recording: Vec<String>,
     /// The step, s
-    #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_name = "S", value_parser = number::positive)]
     step: f64,
 }
 
@@ -129,7 +129,7 @@ struct NamedIo {
     /// The document to read; absent or `-`: standard input
     #[arg(long = "document", value_name = "DOCUMENT")]
     file: Option<PathBuf>,
-    /// Write to this file instead of standard output
+    /// Write to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Let -o name the document that is read: it is replaced when all is done

@@ -3,9 +3,8 @@
 use clap::{Args, Parser, Subcommand};
 use common::number::counted;
 use common::{Document, Error, HistoryEntry, Recording};
-use indicatif::{ProgressBar, ProgressStyle};
-use program::manual;
-use program::pipe::{self, Input, Io, Program, Sink};
+use program::pipe::{self, Input, Io, Program, Sink, StageIo};
+use program::{apart, manual, progress};
 use rayon::prelude::*;
 use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
 use std::path::{Path, PathBuf};
@@ -13,7 +12,7 @@ use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
-/// From a plan to the recordings that a campaign would give
+/// Make the recordings that a campaign would give, from a plan
 #[derive(Parser)]
 #[command(
     version,
@@ -38,6 +37,7 @@ enum Command {
     /// Carry out a plan for many seeds or values, one document a line
     Sweep(SweepArgs),
     /// Print the catalogue of effects
+    #[command(after_help = "Example:\n  simulate effects coil_heating")]
     Effects {
         /// One effect; absent: all
         effect: Option<String>,
@@ -136,7 +136,7 @@ fn main() -> ExitCode {
 
 fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let CampaignArgs { io, seed, truth, run_sheet } = args;
-    apart(io, truth.as_deref())?;
+    separate(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
     let mut plan = simulate::Plan::parse(&input.text).map_err(located)?;
@@ -181,14 +181,14 @@ fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
     let words = |document: &Document| {
         format!("simulate: {} predicted", counted(document.recordings.len(), "recording"))
     };
-    pipe::stage(PROGRAM, io, arguments.collect(), run, words)?;
+    pipe::stage(PROGRAM, &StageIo::from(io), arguments.collect(), run, words)?;
     notes.iter().for_each(|note| say(io, note));
     Ok(())
 }
 
 fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     let SweepArgs { io, seeds, set, truth } = args;
-    apart(io, truth.as_deref())?;
+    separate(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
     let seeds = seeds.as_ref().map(|seeds| seeds.0.as_slice()).unwrap_or_default();
@@ -200,7 +200,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     let mut documents = Sink::open(io.output.as_deref())?;
     let mut truths = truth.as_deref().map(|path| Sink::open(Some(path))).transpose()?;
     let truth_wanted = truths.is_some();
-    let progress = progress(cases.len(), io.quiet);
+    progress::steps(cases.len());
     let sha256 = input.sha256();
     let one = |case: &Case| -> Result<(String, String), Error> {
         let plan = simulate::plan_of(&input.text, case)?;
@@ -226,10 +226,9 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
                 break 'all;
             }
             written += 1;
-            progress.inc(1);
+            progress::step();
         }
     }
-    progress.finish_and_clear();
     if let Some(truths) = truths {
         truths.finish()?;
     }
@@ -242,17 +241,11 @@ fn effects(effect: Option<&str>, layout: Layout) -> anyhow::Result<()> {
     Ok(pipe::write(None, &simulate::catalogue(effect, layout)?)?)
 }
 
-/// The truth never goes into the document.
 /// What is written is not what is read, and the truth never goes into the document.
-fn apart(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
+fn separate(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
     io.apart([])?;
-    program::apart::check(truth, io.file.as_deref())?;
-    let real = |path: &Path| std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).ok();
-    if truth.is_some() && truth.and_then(real) == io.output.as_deref().and_then(real) {
-        let words = "--truth and --output name the same file; the truth never goes into the document";
-        return Err(Error::Request(words.into()));
-    }
-    Ok(())
+    apart::check(truth, io.file.as_deref())?;
+    apart::from_document("--truth", truth, io.output.as_deref())
 }
 
 fn history(arguments: Vec<String>, sha256: String) -> HistoryEntry {
@@ -269,15 +262,6 @@ fn say(io: &Io, words: &str) {
     if !io.quiet {
         pipe::say(&format!("{}: {words}", PROGRAM.name));
     }
-}
-
-/// A bar on standard error where that is a terminal.
-fn progress(length: usize, quiet: bool) -> ProgressBar {
-    if quiet {
-        return ProgressBar::hidden();
-    }
-    let style = ProgressStyle::with_template("{bar:40} {pos} of {len}, {eta} left").expect("a good template");
-    ProgressBar::new(length as u64).with_style(style)
 }
 
 /// Seconds as days, hours and minutes.

@@ -48,6 +48,7 @@ fn recording(
         let expected = "the readings under `columns`, which is what replay can replace";
         return Err(Error::document(format!("{path}.table"), "a file beside the document", expected));
     }
+    recorded.at_hand(&path)?;
     let at = |error: physics::Error| error.at(&path);
     let Setting { basic, context } = Setting::of(document, recorded, references).map_err(at)?;
     let differential = context.reference_nt.is_some();

@@ -36,11 +36,13 @@ pub fn examples(program: &str, subcommands: &[&str]) -> TempDir {
     folder
 }
 
-/// A program prints completions and writes man pages; its help begins with what it does.
+/// A program prints completions and writes man pages; its help begins with what it does and an example.
 pub fn manual(program: &str) {
     let name = Path::new(program).file_name().and_then(|name| name.to_str()).expect("a name");
     let help = run(program, &["--help"], "").stdout;
-    assert!(!help.starts_with("What a program says of itself"), "{help}");
+    let mut lines = help.lines().skip(1);
+    let below = (lines.next(), lines.next().map(|line| line.starts_with("Example")));
+    assert_eq!(below, (Some(""), Some(true)), "one line on what it does, then an example: {help}");
     for (shell, option) in [("bash", "--man"), ("zsh", "--man"), ("fish", "-l man")] {
         let completions = run(program, &["--completions", shell], "");
         assert_eq!(completions.code, 0, "{}", completions.stderr);
@@ -50,6 +52,6 @@ pub fn manual(program: &str) {
     let done = run_in(program, folder.path(), &["--man", "pages"]);
     assert_eq!(done.code, 0, "{}", done.stderr);
     let page = std::fs::read_to_string(folder.path().join(format!("pages/{name}.1"))).expect("a page");
-    assert!(page.contains(".SH NAME") && page.contains("Example"), "{page}");
+    assert!(page.contains(".SH NAME") && page.contains(".SH EXAMPLE"), "{page}");
     assert_eq!(run(program, &["--completions", "sh"], "").code, 2);
 }

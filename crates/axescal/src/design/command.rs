@@ -5,8 +5,8 @@ use common::number::{bare, counted, figures};
 use common::{Axis, Matrix3x3};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
-use program::number;
 use program::pipe::{self, Input};
+use program::{apart, number};
 use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -24,10 +24,10 @@ use super::{Design, ErrorModel, basis, design};
     and an instrument with 0.1 nT of white noise. With --number: 1 nT, exact theodolites.")]
 pub struct Arguments {
     /// Error that each direction is to keep within, arcsec
-    #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, default_value_t = 0.5, value_parser = number::positive)]
     target_arcsec: f64,
     /// Probability with which it is to be kept, for each direction
-    #[arg(long, default_value_t = 0.95, allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, default_value_t = 0.95, value_parser = number::positive)]
     confidence: f64,
     /// Directions that are to keep within it
     #[arg(long, value_enum, default_value_t = Of::All)]
@@ -49,51 +49,51 @@ pub struct Arguments {
     #[arg(long, default_value = "cube")]
     candidates: String,
     /// White noise of one reading, site and instrument, nT
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     noise_nt: Option<f64>,
     /// Flicker noise: power density at 1 Hz, nT²/Hz
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     flicker_nt2_per_hz: Option<f64>,
     /// Width of one code of the converter, nT
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     quantisation_nt: Option<f64>,
     /// Largest field of the coils, nT: one number, or those of x, y and z with commas
-    #[arg(long, allow_negative_numbers = true, value_delimiter = ',', value_parser = number::positive)]
+    #[arg(long, value_delimiter = ',', value_parser = number::positive)]
     drive_nt: Vec<f64>,
     /// Standard uncertainty of one theodolite reading of an angle, arcsec; with --number, of the orientation about each axis
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     theodolite_arcsec: Option<f64>,
     /// Standard uncertainty of what all readings of an angle in one setting have in common, arcsec
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     theodolite_shared_arcsec: Option<f64>,
     /// Standard uncertainty of each component of the field that nulling leaves, nT
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     residual_field_nt: Option<f64>,
     /// Standard uncertainty of the coils' gradients, as a share of their field for each metre, ppm/m
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     gradient_ppm_per_m: Option<f64>,
     /// Distance of each sensor from the coils' centre, along its own axis, m
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     sensor_distance_m: Option<f64>,
     /// Turning the block to another orientation and reading the theodolites once, min
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     orientation_min: Option<f64>,
     /// Reading the theodolites once more, min
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     theodolite_min: Option<f64>,
     /// From a change of the drive to the first reading, s
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     settle_s: Option<f64>,
     /// One reading, s
-    #[arg(long, allow_negative_numbers = true, value_parser = number::positive)]
+    #[arg(long, value_parser = number::positive)]
     reading_s: Option<f64>,
     /// One level of temperature, min
-    #[arg(long, allow_negative_numbers = true, value_parser = number::not_negative)]
+    #[arg(long, value_parser = number::not_negative)]
     temperature_min: Option<f64>,
     /// Levels of temperature, of all sensors and parts together
     #[arg(long)]
     temperature_levels: Option<usize>,
-    /// Write to this file instead of standard output
+    /// Write to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Say nothing on standard error
@@ -112,6 +112,7 @@ enum Of {
 
 /// Runs the command: JSON to standard output, the table to standard error.
 pub fn main(arguments: &Arguments) -> Result<(), common::Error> {
+    apart::from_document("--write-plan", arguments.write_plan.as_deref(), arguments.output.as_deref())?;
     let candidates = candidates(&arguments.candidates)?;
     let (design, words) = match arguments.number {
         Some(number) => {

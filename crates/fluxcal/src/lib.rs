@@ -1,0 +1,102 @@
+//! The programs of fluxcal, by name.
+
+use std::env::{self, consts::EXE_SUFFIX};
+use std::path::PathBuf;
+
+/// A program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Program {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does: the first line of its own help.
+    pub does: &'static str,
+}
+
+/// All of them, in the order in which a calibration needs them.
+pub const PROGRAMS: [Program; 11] = [
+    Program { name: "simulate", does: "Make the recordings that a campaign would give, from a plan" },
+    Program {
+        name: "ingest",
+        does: "Read files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON, Parquet",
+    },
+    Program { name: "series", does: "Cut, average, resample and join recordings, and rename their columns" },
+    Program {
+        name: "coilcal",
+        does: "Find the constants and gradients of a facility's coils, with their uncertainty",
+    },
+    Program {
+        name: "sensorcal",
+        does: "Find sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty",
+    },
+    Program {
+        name: "axescal",
+        does: "Find the directions of the sensors and of the coils, in arcseconds, with their uncertainty",
+    },
+    Program {
+        name: "scalarcal",
+        does: "Calibrate a vector magnetometer by the magnitude of the field, without a facility",
+    },
+    Program {
+        name: "diffmag",
+        does: "Compare two magnetometers side by side: how they are turned and scaled, noise, drift, clocks",
+    },
+    Program {
+        name: "diagnose",
+        does: "Find what physics the model left out: where it shows, which effect explains it, the better model",
+    },
+    Program {
+        name: "correct",
+        does: "Turn raw readings into the field in nT, with the uncertainty of each sample",
+    },
+    Program {
+        name: "report",
+        does: "One page that shows what each stage found: words, tables, plots, and the data of each plot",
+    },
+];
+
+/// How alike two names are at least (Jaro and Winkler, 0 to 1) for the one to be meant by the other.
+const ALIKE: f64 = 0.75;
+
+/// The program of that name.
+pub fn program(name: &str) -> Option<Program> {
+    PROGRAMS.into_iter().find(|program| program.name == name)
+}
+
+/// The program whose name is most like one that is none.
+pub fn nearest(name: &str) -> Option<Program> {
+    let alike = |program: &Program| strsim::jaro_winkler(name, program.name);
+    PROGRAMS.into_iter().max_by(|a, b| alike(a).total_cmp(&alike(b))).filter(|program| alike(program) > ALIKE)
+}
+
+impl Program {
+    /// Where it is: beside the running executable; its bare name, which is looked for on the PATH, where it is not.
+    pub fn path(&self) -> PathBuf {
+        let file = format!("{}{EXE_SUFFIX}", self.name);
+        let own = env::current_exe().and_then(|own| own.canonicalize()).ok();
+        let beside = own.and_then(|own| Some(own.parent()?.join(&file)));
+        beside.filter(|path| path.is_file()).unwrap_or(file.into())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn names_that_are_nearly_right() {
+        for (typed, meant) in [
+            ("axecal", "axescal"),
+            ("Axescal", "axescal"),
+            ("sim", "simulate"),
+            ("scalecal", "scalarcal"),
+            ("diff", "diffmag"),
+            ("reprot", "report"),
+            ("diagnosis", "diagnose"),
+        ] {
+            assert_eq!(nearest(typed).map(|program| program.name), Some(meant), "{typed}");
+        }
+        for typed in ["xyz", "calibrate-everything", ""] {
+            assert_eq!(nearest(typed), None, "{typed}");
+        }
+    }
+}
