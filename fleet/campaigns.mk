@@ -55,13 +55,9 @@ $(OUT)/.done/given/%: $(IN)/%.json
 $(OUT)/given/%.json: $(OUT)/.done/given/%
 	@:
 
-$(OUT)/.done/simulate/seed-%: $(PLAN) $(BIN)/simulate
-	@mkdir -p $(OUT)/simulate $(@D)
-	@echo "simulate seed-$*"
-	@$(BIN)/simulate campaign -q --seed $* $(PLAN) -o $(OUT)/simulate/seed-$*.new
-	@if cmp -s $(OUT)/simulate/seed-$*.new $(OUT)/simulate/seed-$*.json; then rm $(OUT)/simulate/seed-$*.new; else mv $(OUT)/simulate/seed-$*.new $(OUT)/simulate/seed-$*.json; fi
-	@touch $@
-$(OUT)/simulate/seed-%.json: $(OUT)/.done/simulate/seed-%
+$(OUT)/.done/simulate/%: $(PLAN) $(BIN)/simulate
+	$(call done,simulate,$(BIN)/simulate campaign -q --seed $(patsubst seed-%,%,$*) $(PLAN))
+$(OUT)/simulate/%.json: $(OUT)/.done/simulate/%
 	@:
 
 $(OUT)/report/%.html: $(OUT)/$(last)/%.json $(BIN)/report

@@ -12,6 +12,7 @@ import json
 import os
 import shutil
 import sys
+import tempfile
 import time
 
 import pyarrow as pa
@@ -56,7 +57,7 @@ def write_findings(done, out):
     rows = [row for one in done for row in one.findings]
     rows.sort(key=lambda row: [row[name] or "" for name in COLUMNS])
     table = pa.table({name: pa.array([row[name] for row in rows], pa.string()) for name in COLUMNS})
-    local = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"findings-{os.getpid()}.parquet")
+    local = os.path.join(tempfile.gettempdir(), f"findings-{os.getpid()}.parquet")
     pq.write_table(table, local)
     stations.Folder(out).store("findings.parquet", local)
     os.remove(local)

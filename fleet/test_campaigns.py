@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 
 import network
 
@@ -24,6 +25,8 @@ def main(programs, folder):
         given = [f"BIN={folder}/bin", f"OUT={folder}/out", "STAGES=scalarcal correct", *arguments]
         done = subprocess.run(["make", "-f", f"{HERE}/campaigns.mk", "-j2", *given], capture_output=True, text=True)
         assert done.returncode == 0, done.stdout + done.stderr
+        # What the test changes next must be newer than what was done, by the file system's clock of some milliseconds.
+        time.sleep(0.05)
         return sorted(line for line in done.stdout.splitlines() if not line.startswith("make"))
 
     def recording(number):

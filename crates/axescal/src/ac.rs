@@ -42,7 +42,7 @@ pub(crate) struct Place {
     pub orientation: usize,
 }
 
-/// What was fitted to the channels of runs, which are as they were read however often effects are taken off them.
+/// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are subtracted, so that each is fitted once.
 #[derive(Default)]
 pub(crate) struct Fits {
     sines: RefCell<HashMap<(usize, String), Sine>>,

@@ -9,17 +9,18 @@ use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
 
 use crate::column_text::{self, Summary};
+use crate::range;
 
 /// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is.
 ///
 /// Clones share their readings until one of them is changed: a month of readings once a second is 20 MB a column. A column of a document
-/// stays text until its readings are asked for, and is written again as that text unless it was changed: stages pass on what they do not use.
+/// stays text until its readings are asked for, and is written as that text unless it was changed: stages pass on what they do not use.
 #[derive(Clone, Default)]
 pub struct Column(Arc<Readings>);
 
 #[derive(Clone, Default)]
 struct Readings {
-    /// As it stands in the document, with what was seen of it.
+    /// The JSON text of the document, with its summary.
     text: Option<(Box<RawValue>, Summary)>,
     values: OnceLock<Vec<f64>>,
 }
@@ -45,12 +46,12 @@ impl Column {
     }
 
     /// The first row whose value is outside a range; a missing reading is not. The text is read only where it may hold one.
-    pub fn first_beyond(&self, [low, high]: [f64; 2]) -> Option<usize> {
+    pub fn first_outside(&self, [low, high]: [f64; 2]) -> Option<usize> {
         let within = |bound: f64| low <= -bound && bound <= high;
         if self.0.text.as_ref().is_some_and(|(_, summary)| within(summary.bound)) {
             return None;
         }
-        self.iter().position(|value| *value < low || *value > high)
+        range::first_outside([low, high], self)
     }
 }
 
@@ -142,7 +143,9 @@ impl<'de> Deserialize<'de> for Column {
 
 impl From<Vec<Reading>> for Column {
     fn from(readings: Vec<Reading>) -> Self {
-        readings.into_iter().map(|reading| reading.0).collect()
+        let mut values: Vec<f64> = readings.into_iter().map(|reading| reading.0).collect();
+        values.shrink_to_fit();
+        values.into()
     }
 }
 

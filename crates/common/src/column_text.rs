@@ -1,9 +1,9 @@
-//! The text of a column: what can be said of it without reading its numbers, and the reading of them.
+//! The JSON text of a column: its summary, for which no number is parsed, and its parsing.
 
-/// Most digits before the decimal point of a number that is summed up without being read.
+/// A number with more digits before the decimal point is not summarised.
 const MOST_DIGITS: usize = 15;
 
-/// What a list of numbers and nulls shows at a glance.
+/// Rows and range of a list of numbers and nulls.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Number of rows.
@@ -12,7 +12,7 @@ pub struct Summary {
     pub bound: f64,
 }
 
-/// Of valid JSON; None where it is not a plain list of numbers without positive exponents and nulls, with no space but one behind each comma.
+/// Summarises valid JSON. None where it is not a plain list of nulls and of numbers without positive exponents, with at most one space after each comma.
 pub fn summary(text: &str) -> Option<Summary> {
     let inner = text.strip_prefix('[')?.strip_suffix(']')?;
     if inner.is_empty() {
@@ -39,7 +39,7 @@ pub fn summary(text: &str) -> Option<Summary> {
     }
 }
 
-/// What follows the digits behind the decimal point and a negative exponent.
+/// The text after the fraction and the negative exponent of a number.
 fn fraction(text: &[u8]) -> Option<&[u8]> {
     let digits = |text: &[u8]| text.iter().take_while(|byte| byte.is_ascii_digit()).count();
     let text = text.strip_prefix(b".").map_or(text, |rest| &rest[digits(rest)..]);
@@ -50,7 +50,7 @@ fn fraction(text: &[u8]) -> Option<&[u8]> {
     }
 }
 
-/// The numbers of a text of which there is a [`summary`]; null is NaN.
+/// Parses a text that has a [`summary`]; null is NaN.
 pub fn values(text: &str, rows: usize) -> Vec<f64> {
     let mut values = Vec::with_capacity(rows);
     if rows > 0 {
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plain_lists_are_summed_up_and_read() {
+    fn plain_lists_are_summarised_and_parsed() {
         let text = "[1, -22.5,null,3.25e-7, 4E-2,0]";
         assert_eq!(summary(text), Some(Summary { rows: 6, bound: 100.0 }));
         let read = values(text, 6);

@@ -28,7 +28,7 @@ pub fn all_finite(name: &str, result: &dyn Debug) -> Result<(), Error> {
 pub(crate) fn readings(recordings: &[Recording]) -> Result<(), Error> {
     for (index, recording) in recordings.iter().enumerate() {
         for (name, column) in &recording.columns {
-            if let Some(row) = column.first_beyond(range::bounds(name)) {
+            if let Some(row) = column.first_outside(range::bounds(name)) {
                 return Err(Error::Unanswerable(format!(
                     "recordings[{index}].columns.{name}[{row}] came out as {:e} in recording \"{}\", which no instrument reads: a \
                      number that it follows from is far from what it stands for. Nothing was written",

@@ -18,7 +18,7 @@ pub struct Model {
 }
 
 /// One effect of the catalogue with the values of its parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct AdoptedEffect {
     /// The catalogue's name.

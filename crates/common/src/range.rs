@@ -21,7 +21,11 @@ pub fn bounds(column: &str) -> [f64; 2] {
 
 /// The first row whose value no instrument reads. A missing reading is none.
 pub fn first_beyond(column: &str, values: &[f64]) -> Option<usize> {
-    let [low, high] = bounds(column);
+    first_outside(bounds(column), values)
+}
+
+/// The first row whose value is outside a range. A missing reading is none.
+pub(crate) fn first_outside([low, high]: [f64; 2], values: &[f64]) -> Option<usize> {
     values.iter().position(|value| *value < low || *value > high)
 }
 

@@ -138,7 +138,7 @@ impl Recording {
     pub fn check(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
             let [low, high] = range::bounds(name);
-            if let Some(row) = column.first_beyond([low, high]) {
+            if let Some(row) = column.first_outside([low, high]) {
                 return Err(Error::document(
                     format!("{path}.columns.{name}[{row}]"),
                     format!("{} in recording \"{}\"", quoted(column[row]), self.id),

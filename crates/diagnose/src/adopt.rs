@@ -73,10 +73,9 @@ fn effects(document: &mut Document, outcome: &Outcome) {
             coil: effect.axis.filter(|_| coil),
             column: effect.column.clone(),
             recording: effect.recording.clone(),
-            from_s: None,
-            to_s: None,
             parameters,
             extra: [("found_by".to_string(), "diagnose".into())].into_iter().collect(),
+            ..AdoptedEffect::default()
         });
     }
 }

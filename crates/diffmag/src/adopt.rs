@@ -43,14 +43,9 @@ pub fn clock(document: &mut Document, pair: &Pair, found: &ClockDifference) {
 fn effect(kind: Kind, size: Quantity) -> AdoptedEffect {
     AdoptedEffect {
         effect: kind.name().into(),
-        sensor: None,
-        coil: None,
-        column: None,
-        recording: None,
-        from_s: None,
-        to_s: None,
         parameters: [(kind.parameters()[0].name.to_string(), size)].into_iter().collect(),
         extra: [("found_by".to_string(), "diffmag".into())].into_iter().collect(),
+        ..AdoptedEffect::default()
     }
 }
 

@@ -9,9 +9,9 @@ import time
 
 import pandas as pd
 
-way, path = sys.argv[1:]
-start = time.perf_counter()
-if way == "iaga":
+
+def iaga(path):
+    """The table of a file of IAGA-2002."""
     with open(path) as file:
         skip = next(number for number, line in enumerate(file) if line.startswith("DATE"))
     names = ["date", "time", "doy", "sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt"]
@@ -19,11 +19,21 @@ if way == "iaga":
     when = pd.to_datetime(table["date"] + " " + table["time"], format="%Y-%m-%d %H:%M:%S.%f")
     table = table[names[3:]].mask(table[names[3:]] >= 88888)
     table.insert(0, "time", when)
-else:
-    options = {"engine": "pyarrow"} if way == "csv-pyarrow" else {}
+    return table
+
+
+def csv(path, **options):
+    """The table of a CSV file with times in ISO 8601."""
     table = pd.read_csv(path, **options)
     table["time"] = pd.to_datetime(table["time"], format="ISO8601")
-read = time.perf_counter() - start
-sums = [float(table[name].sum()) for name in table.columns[1:]]
-table.to_parquet(path + ".peer.parquet", index=False)
-print(json.dumps({"read": read, "whole": time.perf_counter() - start, "rows": len(table), "sums": sums}))
+    return table
+
+
+if __name__ == "__main__":
+    way, path = sys.argv[1:]
+    start = time.perf_counter()
+    table = iaga(path) if way == "iaga" else csv(path, **({"engine": "pyarrow"} if way == "csv-pyarrow" else {}))
+    read = time.perf_counter() - start
+    sums = [float(table[name].sum()) for name in table.columns[1:]]
+    table.to_parquet(path + ".peer.parquet", index=False)
+    print(json.dumps({"read": read, "whole": time.perf_counter() - start, "rows": len(table), "sums": sums}))

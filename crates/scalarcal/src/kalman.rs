@@ -5,8 +5,8 @@ use noise::{Process, Whitening};
 
 /// Sensors, each with noise of its own.
 pub const SENSORS: usize = 3;
-/// Longest period of noise with memory, in lengths of a recording: it did not begin with it. Below, the density levels off, and is flat from about a
-/// hundredth of a length.
+/// Longest period of noise with memory, in lengths of a recording: it did not begin with it. Below that
+/// frequency the density levels off: the corner of its slowest process is near 1/100T.
 const OLDEST: f64 = 8.0;
 
 /// What has the memory.
@@ -185,6 +185,24 @@ mod tests {
                 let product: f64 = (0..=t).map(|k| lower.L()[(t, k)] * white_series[k]).sum();
                 assert!((product - reading).abs() < 1e-9, "{t}");
             }
+        }
+    }
+
+    /// The variance of the mean over a recording of T is that of A/f down to 1/216T (600 rows) to 1/333T (21 600 rows):
+    /// A (3/2 − γ − ln 2πfT) with Euler's γ.
+    #[test]
+    fn noise_is_older_than_the_recording() {
+        for rows in [600_u32, 2400, 21_600] {
+            let time: Vec<f64> = (0..rows).map(|row| 120.0 * f64::from(row)).collect();
+            let length = 120.0 * f64::from(rows - 1);
+            let form = Form { of: Memory::Sensors, ratio: 1.0, exponent: 1.0 };
+            let of_mean = |process: &Process| {
+                let x = process.rate_per_s * length;
+                process.variance_nt2 * 2.0 / (x * x) * (x - 1.0 + (-x).exp())
+            };
+            let variance: f64 = processes(&time, form).expect("processes").0.iter().map(of_mean).sum();
+            let lowest = (1.5 - 0.577_215_664_9 - variance).exp() / std::f64::consts::TAU;
+            assert!((200.0..350.0).contains(&lowest.recip()), "{rows}: {variance} {}", lowest.recip());
         }
     }
 }

@@ -117,13 +117,10 @@ fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<usize>)> {
         let effect = AdoptedEffect {
             effect: effect.kind.name().into(),
             sensor: effect.axis,
-            coil: None,
             column: effect.column.clone(),
-            recording: None,
-            from_s: None,
-            to_s: None,
             parameters,
             extra: [(FOUND_BY.0.to_string(), FOUND_BY.1.into())].into_iter().collect(),
+            ..AdoptedEffect::default()
         };
         (effect, places)
     };

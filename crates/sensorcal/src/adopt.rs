@@ -59,13 +59,9 @@ pub fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> 
     AdoptedEffect {
         effect: kind.name().into(),
         sensor: Some(sensor),
-        coil: None,
-        column: None,
-        recording: None,
-        from_s: None,
-        to_s: None,
         parameters,
         extra,
+        ..AdoptedEffect::default()
     }
 }
 

@@ -182,7 +182,7 @@ fn rows_that_are_missing_raise_no_alarm() {
         let of = |values: &[f64]| -> Vec<f64> { kept.iter().map(|row| values[*row]).collect() };
         let with_gaps = test.each_ref().map(|column| of(column));
         let found = clock((&time, &made.read("reference")), (&of(&time), &with_gaps), false);
-        alarms += found.jumps.len();
+        alarms += usize::from(!found.jumps.is_empty());
     }
     assert!(testkit::agrees(alarms, recordings as usize, [0.0, 0.01], 1), "{alarms} of {recordings}");
 }

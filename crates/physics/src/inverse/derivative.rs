@@ -17,12 +17,7 @@ impl Solved<'_> {
     pub fn by_parameters(&self, parameters: &[Parameter]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let all: Vec<Vec<Vec<Vector3<f64>>>> = parameters
             .par_chunks(LANES)
-            .map(|parameters| {
-                let mut basic: Basic<Dual> = self.inverter.basic.lift();
-                let mut values = self.inverter.values();
-                seed(self.inverter.basic, &mut basic, &mut values, parameters);
-                self.derivatives(parameters.len(), Some((&basic, &values)), |_, _| Vector3::zeros())
-            })
+            .map(|some| self.derivatives(some, some.len(), |_, _| Vector3::zeros()))
             .collect::<Result<_, Error>>()?;
         Ok(all.into_iter().flatten().collect())
     }
@@ -42,7 +37,7 @@ impl Solved<'_> {
                 let std = if row % apart == colour { variance_nt2[sensor].sqrt() } else { 0.0 };
                 Vector3::ith(sensor, std)
             };
-            for moved in self.derivatives(errors.len(), None, direction)? {
+            for moved in self.derivatives(&[], errors.len(), direction)? {
                 for (covariance, error) in covariance.iter_mut().zip(moved) {
                     *covariance += error * error.transpose();
                 }
@@ -60,25 +55,22 @@ impl Solved<'_> {
         }
     }
 
-    /// The same passes as for the field, with derivatives carried along: by parameters that are seeded, or by the readings of each row, which change
-    /// along a direction in each lane, in nT along the sensors.
+    /// The same passes as for the field, with derivatives carried along in so many lanes: by one parameter in each; without parameters, by the readings
+    /// of each row, which change along a direction in each lane, in nT along the sensors.
     fn derivatives(
         &self,
+        parameters: &[Parameter],
         lanes: usize,
-        seeded: Option<(&Basic<Dual>, &[Vec<Dual>])>,
         direction: impl Fn(usize, usize) -> Vector3<f64>,
     ) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let sensitivity = self.inverter.basic.sensors.map(|sensor| sensor.sensitivity);
-        let own = seeded.is_none().then(|| (self.inverter.basic.lift(), self.inverter.values()));
+        let (mut basic, mut values) = (self.inverter.basic.lift(), self.inverter.values());
+        seed(self.inverter.basic, &mut basic, &mut values, parameters);
         let mut derivatives = vec![vec![Vector3::zeros(); self.rows.len()]; lanes];
         for pass in 0..PASSES {
-            let readings = match (seeded, &own) {
-                // Without seeds the readings of a field that does not change do not change.
-                (None, _) if pass == 0 => None,
-                (None, None) => None,
-                (Some((basic, values)), _) => Some(self.pass(basic, values, &derivatives)?),
-                (None, Some((basic, values))) => Some(self.pass(basic, values, &derivatives)?),
-            };
+            // Where neither a parameter nor yet the field has a derivative, the readings have none.
+            let still = pass == 0 && parameters.is_empty();
+            let readings = if still { None } else { Some(self.pass(&basic, &values, &derivatives)?) };
             let (mut moved, mut largest): (f64, f64) = (0.0, 0.0);
             for (lane, derivative) in derivatives.iter_mut().enumerate() {
                 let difference: Vec<Vector3<f64>> = (0..self.rows.len())

@@ -65,17 +65,7 @@ impl Joint {
 
 /// The path of a parameter of an effect of a sensor.
 pub fn effect(name: &str, sensor: Axis, parameter: &str) -> String {
-    let effect = AdoptedEffect {
-        effect: name.into(),
-        sensor: Some(sensor),
-        coil: None,
-        column: None,
-        recording: None,
-        from_s: None,
-        to_s: None,
-        parameters: Default::default(),
-        extra: Default::default(),
-    };
+    let effect = AdoptedEffect { effect: name.into(), sensor: Some(sensor), ..AdoptedEffect::default() };
     uncertainty::effect(&effect, parameter)
 }
 

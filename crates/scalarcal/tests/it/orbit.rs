@@ -13,7 +13,7 @@ const MERAYO: [f64; 2] = [2.0, 0.2];
 /// Share of intervals of 95 % that hold.
 pub const BAND: [f64; 2] = [0.93, 0.97];
 /// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its mean zero. The fit allows for older noise still
-/// (its processes level off below 1/40T), so that its intervals of offsets are wider than this noise needs.
+/// (see `kalman`), so that its intervals of offsets are wider than this noise needs.
 pub const LONGER: usize = 22;
 /// How the offsets follow the temperature, nT/K.
 const PER_K: [f64; 3] = [0.31, -0.18, 0.44];
