@@ -13,9 +13,7 @@ use crate::departures::{self, FOUND_BELOW, Kind};
 use crate::levels::{Level, levels, mean, visits, within};
 use crate::readings::{Reading, Readings};
 
-/// Below this probability of the lack of fit, uncertainties rest on the levels: all visits of a level may err together.
-const LEVELS_BELOW: f64 = 0.1;
-/// Below this one the lack of fit is told.
+/// Below this probability the lack of fit is reported.
 const TOLD_BELOW: f64 = 0.01;
 /// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
 const RIVAL_WITHIN: f64 = 6.63;
@@ -229,26 +227,24 @@ fn between(groups: &[Level], fit: &LinearFit) -> f64 {
     groups.iter().map(|group| group.members.len() as f64 * mean(group, residual).powi(2)).sum()
 }
 
-/// The scatter of visits about the model, since the readings of a visit share what wanders slowly, but no less than that of the readings, which
-/// their means have at least; that of the levels where it is more than the visits explain; as declared where there are no degrees of freedom.
+/// The largest scatter about the model: that of the readings, of the visits, whose readings share what wanders slowly, or of the levels, all of
+/// whose visits may err together. As declared where there are no degrees of freedom.
 pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
     let of = |sum_of_squares: f64, count: usize, source: &'static str| {
         let freedom = count as f64 - fit.rank as f64;
         Scatter { std_nt: (sum_of_squares / freedom.max(1.0)).sqrt(), freedom, source }
     };
     let visits = visits(levels);
-    let lack = lack_of_fit(levels, fit).filter(|lack| lack.p_value < LEVELS_BELOW);
-    let found = if lack.is_some() || visits.len() == levels.len() {
-        of(between(levels, fit), levels.len(), "levels")
-    } else {
-        of(between(&visits, fit), visits.len(), "visits")
-    };
-    let residuals = of(fit.sum_of_squares, fit.residuals.len(), "residuals");
-    let found = if lack.is_none() && residuals.std_nt >= found.std_nt { residuals } else { found };
-    match declared.filter(|_| found.freedom < 1.0) {
-        Some(std_nt) => Scatter { std_nt, freedom: f64::INFINITY, source: "declared" },
-        None => found,
-    }
+    let largest = [
+        of(fit.sum_of_squares, fit.residuals.len(), "residuals"),
+        of(between(&visits, fit), visits.len(), "visits"),
+        of(between(levels, fit), levels.len(), "levels"),
+    ]
+    .into_iter()
+    .filter(|scatter| scatter.freedom >= 1.0)
+    .max_by(|a, b| a.std_nt.total_cmp(&b.std_nt));
+    let declared = declared.map(|std_nt| Scatter { std_nt, freedom: f64::INFINITY, source: "declared" });
+    largest.or(declared).unwrap_or(Scatter { std_nt: 0.0, freedom: 0.0, source: "residuals" })
 }
 
 /// How k and B0 move with resistor and voltmeter, the same at all points: against what these do to a calculated field.

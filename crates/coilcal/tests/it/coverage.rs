@@ -4,7 +4,8 @@ use common::{Axis, Budget, Document, Quantity};
 use noise::Stream;
 use serde_json::json;
 
-fn plan(seed: u64) -> simulate::Plan {
+/// Four readings of each level, in so many visits.
+fn plan(seed: u64, visits: u64) -> simulate::Plan {
     let plan = json!({
         "fluxcal": 1,
         "seed": seed,
@@ -15,21 +16,38 @@ fn plan(seed: u64) -> simulate::Plan {
         "unstated": ["coils"],
         "drive": "voltage",
         "truth": {"calibration": {"coils": {"z": {"constant_nt_per_a": 43021.9, "offset_nt": 0.7}}}},
-        "procedures": [{"procedure": "coil_constant", "id": "coil", "coil": "z", "repeats": 4}]
+        "procedures": (0..visits).map(|visit| json!({
+            "procedure": "coil_constant", "id": format!("coil-{visit}"), "coil": "z", "repeats": 4 / visits
+        })).collect::<Vec<_>>()
     });
     simulate::Plan::parse(&plan.to_string()).expect("a plan")
 }
 
-/// Adds what the site's field does from one drive to the next, a normal variate for each.
-fn disturb(document: &mut Document, std_nt: f64, seed: u64) {
+/// What shares an error of the site's field.
+#[derive(Clone, Copy, Debug)]
+enum Shared {
+    /// The readings of one drive.
+    Drive,
+    /// Those of all drives with the same current.
+    Level,
+}
+
+/// Adds a normal variate to the field of each drive, or of each level.
+fn disturb(document: &mut Document, std_nt: f64, shared: Shared, seed: u64) {
     let mut draw = Stream::new(seed, "site");
+    let mut of_levels: Vec<(f64, f64)> = Vec::new();
     for recording in &mut document.recordings {
         let drive = recording.column("coil_z_v").expect("the drive").to_vec();
         let mut site = 0.0;
         let mut reference = recording.column("reference_nt").expect("the reference").to_vec();
         for row in 0..reference.len() {
             if row == 0 || (drive[row] - drive[row - 1]).abs() > 1e-4 {
-                site = std_nt * draw.normal();
+                let before = of_levels.iter().find(|(level, _)| (level - drive[row]).abs() < 1e-2);
+                site = match (shared, before) {
+                    (Shared::Level, Some((_, site))) => *site,
+                    _ => std_nt * draw.normal(),
+                };
+                of_levels.push((drive[row], site));
             }
             reference[row] += site;
         }
@@ -38,13 +56,18 @@ fn disturb(document: &mut Document, std_nt: f64, seed: u64) {
 }
 
 /// Asserts that intervals of constant and offset cover where the site's field changes by so much from one drive to the next.
-fn covers(site_nt: f64, alone_falls_short: bool) {
+fn covers(site_nt: f64, shared: Shared, alone_falls_short: bool) {
     let count = testkit::campaigns(200) as usize;
+    let visits = match shared {
+        Shared::Drive => 1,
+        Shared::Level => 2,
+    };
     // For constant and offset: covered by the joint uncertainty, covered by type A alone.
     let mut covered = [[0; 2]; 2];
     for seed in 0..count as u64 {
-        let simulate::Campaign { mut document, .. } = simulate::campaign(&plan(seed)).expect("simulated");
-        disturb(&mut document, site_nt, seed);
+        let simulate::Campaign { mut document, .. } =
+            simulate::campaign(&plan(seed, visits)).expect("simulated");
+        disturb(&mut document, site_nt, shared, seed);
         let found = coilcal::run(document, &coilcal::Options::default())
             .expect("calibrated")
             .calibration
@@ -67,7 +90,7 @@ fn covers(site_nt: f64, alone_falls_short: bool) {
     for (key, [joint, alone]) in ["constant", "offset"].iter().zip(covered) {
         let percent = |covered: usize| 100.0 * covered as f64 / count as f64;
         println!(
-            "site {site_nt} nT, {key}: {:.1} % of {count}, without the common errors {:.1} %",
+            "site {site_nt} nT by {shared:?}, {key}: {:.1} % of {count}, without the common errors {:.1} %",
             percent(joint),
             percent(alone)
         );
@@ -78,10 +101,15 @@ fn covers(site_nt: f64, alone_falls_short: bool) {
 
 #[test]
 fn intervals_cover_and_would_not_without_the_common_errors() {
-    covers(0.0, true);
+    covers(0.0, Shared::Drive, true);
 }
 
 #[test]
 fn intervals_cover_where_readings_of_one_drive_share_the_site_s_field() {
-    [0.2, 0.5, 2.0].into_iter().for_each(|site_nt| covers(site_nt, false));
+    [0.2, 0.5, 2.0].into_iter().for_each(|site_nt| covers(site_nt, Shared::Drive, false));
+}
+
+#[test]
+fn intervals_cover_where_all_readings_of_a_level_err_together() {
+    [0.2, 0.5, 2.0].into_iter().for_each(|site_nt| covers(site_nt, Shared::Level, false));
 }
