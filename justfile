@@ -16,7 +16,7 @@ recordings:
 
 # Golden cases and schemas only
 golden:
-    cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
+    cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: conformity:: certificate::
 
 # What an empty target directory takes: to the README's first result, and through the tests; then what a changed line takes
 times:
@@ -30,7 +30,7 @@ times:
 
 # Write golden documents, messages and schemas anew; read the difference before it is kept
 bless:
-    BLESS=1 cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: certificate::
+    BLESS=1 cargo test --workspace --test it -- golden:: schema:: bad_input:: effects:: conformity:: certificate::
 
 # Every program on fixtures that were changed: ten minutes from a seed, the files of findings kept (`--case N` repeats one)
 fuzz seed="1" minutes="10":

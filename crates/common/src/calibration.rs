@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
     GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, Uncertainty,
-    document, to_text,
+    document, json, to_text,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -63,19 +63,9 @@ impl Calibration {
     ///
     /// The two together are no calibration.
     pub fn overlaid(&self, other: &Self, path: &str) -> Result<Self, Error> {
-        fn merge(under: &mut Value, over: Value) {
-            match (under, over) {
-                (Value::Object(under), Value::Object(over)) => {
-                    for (key, value) in over {
-                        merge(under.entry(key).or_insert(Value::Null), value);
-                    }
-                }
-                (under, over) => *under = over,
-            }
-        }
         let value = |one: &Self| serde_json::from_str::<Value>(&to_text(one)).expect("what was just written");
         let mut merged = value(self);
-        merge(&mut merged, value(other));
+        json::overlay(&mut merged, value(other));
         Self::read(&merged.to_string()).map_err(|error| error.below(path))
     }
 

@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 use crate::number::counted;
 use crate::{
-    Calibration, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording, all_finite,
-    check, finite, to_line, to_text,
+    Calibration, Certificate, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording,
+    all_finite, check, finite, to_line, to_text,
 };
 
 /// The format version that this library reads and writes.
@@ -41,6 +41,9 @@ pub struct Document {
     /// What diagnose wrote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub diagnosis: Option<Vec<Diagnosis>>,
+    /// What a calibration certificate states beside the results.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub certificate: Option<Box<Certificate>>,
     /// The stages that the document went through.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub history: Vec<HistoryEntry>,

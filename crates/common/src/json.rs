@@ -1,4 +1,5 @@
 use serde::Serialize;
+use serde_json::Value;
 use serde_json::ser::Formatter;
 use std::io::{self, Write};
 
@@ -11,6 +12,18 @@ pub fn to_text<T: Serialize>(value: &T) -> String {
 /// JSON on one line, without spaces.
 pub fn to_line<T: Serialize>(value: &T) -> String {
     written(value, false)
+}
+
+/// Puts one value over another: objects key by key, all else as a whole.
+pub(crate) fn overlay(under: &mut Value, over: Value) {
+    match (under, over) {
+        (Value::Object(under), Value::Object(over)) => {
+            for (key, value) in over {
+                overlay(under.entry(key).or_insert(Value::Null), value);
+            }
+        }
+        (under, over) => *under = over,
+    }
 }
 
 /// One serializer for both: a type's code for it is made once.

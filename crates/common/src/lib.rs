@@ -7,6 +7,7 @@
 mod axes;
 mod axis;
 mod calibration;
+mod certificate;
 mod check;
 mod coil;
 mod column;
@@ -43,6 +44,9 @@ pub use axes::{
 };
 pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibration_of};
+pub use certificate::{
+    Adjustment, CalibratedItem, Certificate, Method, Party, Person, Reference, ReferenceKind, ResultBefore,
+};
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
 };

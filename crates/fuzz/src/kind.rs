@@ -39,7 +39,10 @@ impl Kind {
             "parquet" => Some(Kind::Parquet),
             "cdf" => Some(Kind::Cdf),
             "txt" if name.ends_with("counts.txt") => Some(Kind::Csv),
-            "json" if !name.ends_with("tolerances.json") && !name.contains("reference/") => {
+            "json"
+                if !["tolerances.json", "certificate/magsat.json"].iter().any(|end| name.ends_with(end))
+                    && !name.contains("reference/") =>
+            {
                 Some(Self::of_json(name, bytes))
             }
             "json" if name.ends_with("campaign_plan.json") => Some(Kind::Plan),

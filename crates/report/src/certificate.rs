@@ -1,91 +1,94 @@
-//! The document against a specification: each requirement with its value, uncertainty, margin and verdict.
+//! The certificate that a calibration laboratory hands over: what ISO/IEC 17025:2017 asks of one in 7.8.2 and 7.8.4.
 //!
-//! A value comes from what the stages wrote to `calibration` and `model`; nothing is fitted here. Each kind of requirement has a function
-//! whose docstring gives the equation. What the document does not hold is *not shown*, with the procedure that would show it.
+//! Results come from `calibration`, `model` and the statement of conformity; what a laboratory has to say besides, from the document's
+//! `certificate`. What is missing is a blank line with its clause. Nothing is estimated here, and no clock is read.
 
-mod accuracy;
-mod axes;
-mod directions;
-mod joint;
-mod noise;
-mod offset;
-mod range;
-mod spec;
-mod temperature;
-mod verdict;
-mod words;
+mod administration;
+mod alike;
+mod conditions;
+mod expanded;
+mod html;
+mod method;
+mod references;
+mod results;
+mod sheet;
 
-pub use spec::{Calibrated, Kind, Requirement, Spec, Temperatures};
-pub use verdict::{Found, Missing, Rule, Shown, Side, Verdict};
-pub use words::section;
+pub use html::{Paper, render};
+pub use sheet::{Field, Item, Part, Sheet};
 
-use common::{Axis, Document};
-use joint::Joint;
+use common::{Certificate, Document};
 
-/// The id of the certificate's section.
-pub const ID: &str = "certificate";
+use crate::conformity::{self, Spec};
+use crate::{Error, sections};
 
-/// A requirement with what the document shows of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Judged<'a> {
-    /// The requirement.
-    pub requirement: &'a Requirement,
-    /// What is shown of each sensor, pair of sensors or component of the field.
-    pub shown: Vec<Shown>,
-    /// The worst of their verdicts.
-    pub verdict: Verdict,
-    /// Which of them decides: of those with this verdict the one with the smallest margin; None where nothing is shown.
-    pub decisive: Option<usize>,
+/// What is asked of a certificate.
+#[derive(Clone, Debug, Default)]
+pub struct Asked<'a> {
+    /// SHA-256 of the document's text, in hexadecimal.
+    pub document_sha256: Option<&'a str>,
+    /// SHA-256 of the text of administrative data beside the document.
+    pub data_sha256: Option<&'a str>,
+    /// The specification of a statement of conformity, with the SHA-256 of its text.
+    pub spec: Option<(&'a Spec, Option<&'a str>)>,
 }
 
-/// Holds a document against each requirement of a specification.
+/// The certificate of a document.
 ///
 /// # Errors
 ///
-/// Where the document names effects that are none, or a covariance does not go with its `covariance_order`.
-pub fn judge<'a>(document: &Document, spec: &'a Spec) -> Result<Vec<Judged<'a>>, common::Error> {
-    document.check()?;
-    physics::adopt(document).map_err(|error| error.at("model"))?;
-    let rule = Rule { factor: spec.guard_factor };
-    let joint = Joint::of(document)?;
-    Ok(spec.requirements.iter().map(|requirement| one((document, &joint), requirement, rule)).collect())
+/// Where the document's covariances or effects are none, as for the statement of conformity.
+pub fn run(document: &Document, asked: &Asked<'_>) -> Result<Sheet, Error> {
+    let none = Certificate::default();
+    let data = document.certificate.as_deref().unwrap_or(&none);
+    let mut sheet = Sheet::of(data);
+    administration::item(&mut sheet, document, data);
+    method::part(&mut sheet, document, data, asked);
+    conditions::part(&mut sheet, document, data);
+    references::part(&mut sheet, document, data);
+    results::part(&mut sheet, document, data)?;
+    conformity_part(&mut sheet, document, asked)?;
+    administration::close(&mut sheet, data);
+    sheet.notes.extend(alike::notes(document, data));
+    Ok(sheet)
 }
 
-fn one<'a>((document, joint): (&Document, &Joint), requirement: &'a Requirement, rule: Rule) -> Judged<'a> {
-    let shown = match requirement.kind {
-        Kind::OrthogonalityDeg => axes::orthogonality(document, joint),
-        Kind::AxesArcsec => axes::known(document, joint),
-        Kind::AxesFromNominalArcsec => axes::from_nominal(document, joint, requirement),
-        Kind::AxesOverTemperatureArcsec => axes::over_temperature(document, requirement),
-        Kind::RangeNt => range::range(document),
-        Kind::ResolutionNt => range::resolution(document),
-        Kind::BandwidthHz => range::bandwidth(document),
-        Kind::NoiseZeroToPeakNt => noise::zero_to_peak(document, requirement),
-        Kind::OffsetStabilityNt => offset::stability(document, joint, requirement),
-        Kind::AbsoluteAccuracyNt => accuracy::accuracy((document, joint), requirement, rule),
+/// The statement of conformity, where a specification is given.
+fn conformity_part(sheet: &mut Sheet, document: &Document, asked: &Asked<'_>) -> Result<(), Error> {
+    sheet.begin("Statement of conformity", "7.8.4.1 e, 7.8.6");
+    let Some((spec, _)) = asked.spec else {
+        sheet.say("No statement of conformity with a specification is made.");
+        return Ok(());
     };
-    let side = requirement.kind.side();
-    let of = |shown: &Shown| {
-        shown.as_ref().map_or(Verdict::NotShown, |found| rule.verdict(side, requirement.limit, found))
-    };
-    let verdict = shown.iter().map(of).max().unwrap_or(Verdict::NotShown);
-    let margin = |found: &Found| rule.margin(side, requirement.limit, found);
-    let deciding = shown.iter().enumerate().filter(|(_, shown)| of(shown) == verdict);
-    let decisive = deciding
-        .filter_map(|(number, shown)| Some((number, margin(shown.as_ref().ok()?))))
-        .min_by(|(_, a), (_, b)| a.total_cmp(b))
-        .map(|(number, _)| number);
-    Judged { requirement, shown, verdict, decisive }
+    let section = conformity::section(document, spec)?;
+    for words in section.words.iter().take(2).chain(&section.warnings) {
+        sheet.say(words.as_str());
+    }
+    for item in section.items {
+        match item {
+            crate::Item::Table(table) => sheet.table(table),
+            crate::Item::Words(words) => sheet.say(words),
+            crate::Item::Heading(heading) => sheet.heading(heading),
+            crate::Item::Plot(_) => {}
+        }
+    }
+    Ok(())
 }
 
-/// What is shown of each sensor that the instrument has.
-fn each_sensor(document: &Document, one: impl Fn(Axis) -> Shown) -> Vec<Shown> {
-    let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.as_ref());
-    let has = |axis: &Axis| stated.is_none_or(|sensors| sensors.is_empty() || sensors.contains(axis));
-    Axis::ALL.into_iter().filter(has).map(one).collect()
+/// What people are told: the fields that are blank, and the keys that look as if they belonged into one.
+pub fn summary(sheet: &Sheet) -> String {
+    let mut lines = vec![match sheet.blank() {
+        blank if blank.is_empty() => "report: certificate: every field is filled in".to_string(),
+        blank => format!(
+            "report: certificate: {} blank: {}",
+            crate::number::counted(blank.len(), "field"),
+            blank.join("; ")
+        ),
+    }];
+    lines.extend(sheet.notes.iter().map(|note| format!("  {note}")));
+    lines.join("\n")
 }
 
-/// A sensor as people read it.
-fn sensor_name(axis: Axis) -> String {
-    format!("sensor {axis}")
+/// What the stages found striking, as remarks on the results.
+fn remarks(document: &Document) -> Vec<String> {
+    sections::findings(document)
 }

@@ -4,6 +4,7 @@
 //! a document has its file below `sections`. What the document does not hold is not computed here.
 
 pub mod certificate;
+pub mod conformity;
 mod error;
 pub mod html;
 mod number;
@@ -24,17 +25,17 @@ pub struct Options {
     /// SHA-256 of the document's text, in hexadecimal, to be stated on the page.
     pub document_sha256: Option<String>,
     /// Hold the document against this specification.
-    pub spec: Option<certificate::Spec>,
+    pub spec: Option<conformity::Spec>,
 }
 
 /// The page of a document.
 ///
 /// # Errors
 ///
-/// Where the certificate cannot be made; a document without content gives a page that says so.
+/// Where the statement of conformity cannot be made; a document without content gives a page that says so.
 pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
-    let certificate = options.spec.as_ref().map(|spec| certificate::section(document, spec)).transpose()?;
-    Ok(sections::page(document, certificate, options.document_sha256.as_deref()))
+    let conformity = options.spec.as_ref().map(|spec| conformity::section(document, spec)).transpose()?;
+    Ok(sections::page(document, conformity, options.document_sha256.as_deref()))
 }
 
 /// What people are told.
@@ -42,9 +43,9 @@ pub fn summary(page: &Page) -> String {
     let plots = page.sections.iter().flat_map(|section| &section.items);
     let plots = plots.filter(|item| matches!(item, Item::Plot(_))).count();
     let findings: usize = page.sections.iter().map(|section| section.warnings.len()).sum();
-    let certificate = page.sections.iter().find(|section| section.id == certificate::ID);
-    let verdicts = certificate.and_then(|section| section.words.first());
-    let verdicts = verdicts.map_or(String::new(), |words| format!("\n  certificate: {words}"));
+    let conformity = page.sections.iter().find(|section| section.id == conformity::ID);
+    let verdicts = conformity.and_then(|section| section.words.first());
+    let verdicts = verdicts.map_or(String::new(), |words| format!("\n  conformity: {words}"));
     format!(
         "report: {}, {}, {}{verdicts}",
         counted(page.sections.len(), "section"),

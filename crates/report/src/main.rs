@@ -1,10 +1,11 @@
 //! `report`: any document as one page.
 
-use clap::Parser;
-use common::procedure;
-use program::pipe::{self, Input, Io, Program};
-use program::{beside, manual};
-use report::certificate::Spec;
+use clap::{Parser, ValueEnum};
+use common::{Error, procedure};
+use program::pipe::{self, Input, Io, Program, Sink};
+use program::{apart, beside, manual};
+use report::certificate::{self, Asked};
+use report::conformity::Spec;
 use report::{Options, html, text};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,7 +20,8 @@ const PROGRAM: Program =
     after_help = "Example:\n  \
     report fixtures/diagnose/warm/expected.json -o report.html\n  \
     report --text fixtures/diagnose/warm/expected.json\n  \
-    report --text --spec fixtures/specs/magsat.json fixtures/specs/calibrated/input.json\n\n\
+    report --text --spec fixtures/specs/magsat.json fixtures/specs/calibrated/input.json\n  \
+    report --certificate certificate.html fixtures/specs/calibrated/input.json\n\n\
     The page is HTML that needs no network. No clock is in it: the same document gives the same bytes.\n\
     Exit codes: 0 done, whatever the page says; 2 the request or the document is wrong."
 )]
@@ -29,9 +31,36 @@ struct Cli {
     /// Plain text, for the terminal, instead of HTML
     #[arg(long)]
     text: bool,
-    /// Hold the document against this specification, as a certificate; the exit code is 0 whatever its verdicts
+    /// Hold the document against this specification, as a statement of conformity; the exit code is 0 whatever its verdicts
     #[arg(long, value_name = "FILE")]
     spec: Option<PathBuf>,
+    /// Write a calibration certificate (ISO/IEC 17025:2017, 7.8.2 and 7.8.4) to this file; the page is then written where -o names a file
+    #[arg(long, value_name = "FILE")]
+    certificate: Option<PathBuf>,
+    /// Administrative data of the certificate, as under the document's `certificate`, which they are put over
+    #[arg(long, value_name = "FILE", requires = "certificate")]
+    certificate_data: Option<PathBuf>,
+    /// Paper that the certificate is laid out for; without it the printer's
+    #[arg(long, value_enum, requires = "certificate")]
+    paper: Option<Paper>,
+}
+
+/// A size of paper.
+#[derive(Clone, Copy, ValueEnum)]
+enum Paper {
+    /// 210 mm × 297 mm
+    A4,
+    /// 8.5 in × 11 in
+    Letter,
+}
+
+impl From<Paper> for certificate::Paper {
+    fn from(paper: Paper) -> Self {
+        match paper {
+            Paper::A4 => certificate::Paper::A4,
+            Paper::Letter => certificate::Paper::Letter,
+        }
+    }
 }
 
 fn main() -> ExitCode {
@@ -40,11 +69,22 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    cli.io.apart(cli.spec.as_deref())?;
+    let beside_it = [cli.spec.as_deref(), cli.certificate_data.as_deref()];
+    cli.io.apart(beside_it.into_iter().flatten())?;
+    // The certificate never replaces what is read, nor is it the page.
+    let read = [cli.io.file.as_deref(), cli.io.output.as_deref()].into_iter().chain(beside_it).flatten();
+    apart::check(cli.certificate.as_deref(), read.collect::<Vec<_>>())?;
+    if cli.certificate.is_some() && cli.certificate == cli.io.output {
+        let words =
+            "-o and --certificate name one file; the page and the certificate are two, name two files";
+        return Err(Error::Request(words.into()).into());
+    }
     let mut options = Options::default();
+    let mut spec_sha256 = None;
     if let Some(file) = &cli.spec {
         let input = Input::read(Some(file))?;
         options.spec = Some(Spec::parse(&input.text).map_err(|error| input.locate(error))?);
+        spec_sha256 = Some(input.sha256());
     }
     let (input, mut document) = Input::document(cli.io.file.as_deref(), |file| PROGRAM.ingest(file))?;
     options.document_sha256 = Some(input.sha256());
@@ -52,10 +92,39 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         pipe::say(&format!("report: {}; the page does without", input.locate(error)));
     }
     let page = report::run(&document, &options).map_err(|error| input.locate(error.into()))?;
-    let render = if cli.text { text::render } else { html::render };
-    pipe::write(cli.io.output.as_deref(), &render(&page))?;
+    let (mut words, mut written) = (Vec::new(), Vec::new());
+    if let Some(file) = &cli.certificate {
+        let data = cli.certificate_data.as_deref().map(|file| Input::read(Some(file))).transpose()?;
+        if let Some(data) = &data {
+            let stated = document.certificate.take().unwrap_or_default();
+            let merged = stated.overlaid(&data.text).map_err(|error| data.locate(error))?;
+            document.certificate = Some(Box::new(merged));
+        }
+        let data_sha256 = data.map(|data| data.sha256());
+        let asked = Asked {
+            document_sha256: options.document_sha256.as_deref(),
+            data_sha256: data_sha256.as_deref(),
+            spec: options.spec.as_ref().map(|spec| (spec, spec_sha256.as_deref())),
+        };
+        let sheet = certificate::run(&document, &asked).map_err(|error| input.locate(error.into()))?;
+        written.push((Some(file.as_path()), certificate::render(&sheet, cli.paper.map(Into::into))));
+        words.push(certificate::summary(&sheet));
+    }
+    if cli.certificate.is_none() || cli.io.output.is_some() {
+        let render = if cli.text { text::render } else { html::render };
+        written.push((cli.io.output.as_deref(), render(&page)));
+        words.insert(0, report::summary(&page));
+    }
+    // Both files get their names when both are whole.
+    let mut sinks = Vec::new();
+    for (file, text) in &written {
+        let mut sink = Sink::open(*file)?;
+        sink.write(text)?;
+        sinks.push(sink);
+    }
+    sinks.into_iter().try_for_each(Sink::finish)?;
     if !cli.io.quiet {
-        pipe::say(&report::summary(&page));
+        pipe::say(&words.join("\n"));
     }
     Ok(())
 }

@@ -31,7 +31,10 @@ mod words;
 use common::Document;
 use std::collections::HashSet;
 
-use crate::{Item, Page, Section, certificate};
+pub use axes_map::direction;
+pub use words::key;
+
+use crate::{Item, Page, Section, conformity};
 
 /// How a part of a document is shown; None where the document does not have it.
 type Part = fn(&Document) -> Option<Section>;
@@ -57,19 +60,24 @@ const PARTS: [Part; 17] = [
     history::section,
 ];
 
-/// The page of a document whose text has this hash, its certificate first.
-pub fn page(document: &Document, certificate: Option<Section>, sha256: Option<&str>) -> Page {
+/// The page of a document whose text has this hash, the statement of conformity first.
+pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&str>) -> Page {
     let parts = PARTS.iter().filter_map(|part| part(document));
-    let mut sections: Vec<Section> = certificate.into_iter().chain(parts).collect();
+    let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
     let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
     let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
     Page { title, summary: summary(document, &sections, sha256), sections }
 }
 
+/// What the stages found striking, a sentence each.
+pub fn findings(document: &Document) -> Vec<String> {
+    PARTS.iter().filter_map(|part| part(document)).flat_map(|section| section.warnings).collect()
+}
+
 fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
     let mut summary = Vec::new();
-    if sections.iter().all(|section| section.id == certificate::ID) {
+    if sections.iter().all(|section| section.id == conformity::ID) {
         summary.push(
             "There is nothing in this document: no recording, no calibration, no diagnosis. A document is begun by `ingest` from \
              files of a logger, or by `simulate`; the calibrating programs then add to it."

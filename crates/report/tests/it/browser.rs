@@ -2,7 +2,7 @@
 //! phone's width. Needs the browser: `just browser`.
 
 use common::Document;
-use report::certificate::Spec;
+use report::conformity::Spec;
 use report::{Options, html};
 use serde::Deserialize;
 use std::collections::HashMap;

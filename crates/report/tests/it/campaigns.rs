@@ -1,8 +1,8 @@
-//! What certificates say of simulated campaigns, against the same certificate of the truth. FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST the seed
+//! What statements of conformity say of simulated campaigns, against the same statement of the truth. FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST the seed
 //! of the first. The programs must be built.
 
 use common::{Axis, Document};
-use report::certificate::{self, Spec};
+use report::conformity::{self, Spec};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -83,9 +83,9 @@ fn spec() -> Spec {
     Spec::parse(&spec.to_string()).expect("a specification")
 }
 
-/// 95 % intervals of the certificate: 93 to 97 %, and at least 93 % for the trend, which allows for a random walk.
+/// 95 % intervals of the statement: 93 to 97 %, and at least 93 % for the trend, which allows for a random walk.
 #[test]
-fn certificates_hold_over_campaigns() {
+fn statements_hold_over_campaigns() {
     let (count, first) = (testkit::campaigns(1), testkit::number("FLUXCAL_FIRST").unwrap_or(1));
     let spec = spec();
     let mut held: BTreeMap<String, Vec<bool>> = BTreeMap::new();
@@ -94,7 +94,7 @@ fn certificates_hold_over_campaigns() {
         let mut found = calibrated(&document);
         found.recordings.clear();
         let exact = true_of(&found, &truth);
-        let (found, exact) = [&found, &exact].map(|of| certificate::judge(of, &spec).expect("judged")).into();
+        let (found, exact) = [&found, &exact].map(|of| conformity::judge(of, &spec).expect("judged")).into();
         for (one, truth) in found.iter().zip(&exact) {
             for (shown, truth) in one.shown.iter().zip(&truth.shown) {
                 let (shown, truth) = [shown, truth].map(|shown| shown.as_ref().expect("shown")).into();

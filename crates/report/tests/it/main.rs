@@ -4,6 +4,7 @@ mod bad_input;
 mod browser;
 mod campaigns;
 mod certificate;
+mod conformity;
 mod golden;
 mod help;
 mod laws;

@@ -1,4 +1,4 @@
-//! `calibration.uncertainty`, from which every standard uncertainty of a certificate comes.
+//! `calibration.uncertainty`, from which every standard uncertainty of a statement of conformity comes.
 
 use common::uncertainty::{self, Block};
 use common::{AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, Uncertainty};
@@ -54,8 +54,8 @@ impl Joint {
         covariance
     }
 
-    /// From a parameter's standard uncertainty to its 95 % interval.
-    fn factor(&self, path: &str) -> f64 {
+    /// From a parameter's standard uncertainty to its 95 % interval; zero where nothing says it.
+    pub fn factor(&self, path: &str) -> f64 {
         let freedom = self.sources.degrees_of_freedom(path);
         let own = self.factors.get(path).copied().unwrap_or(0.0);
         let student = StudentsT::new(0.0, 1.0, freedom).ok().filter(|_| freedom.is_finite());

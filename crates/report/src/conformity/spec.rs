@@ -23,7 +23,7 @@ pub struct Spec {
     #[serde(default = "one_sided_95")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0, max = 30.0)))]
     pub guard_factor: f64,
-    /// The requirements, in the order of the certificate.
+    /// The requirements, in the order of the table.
     pub requirements: Vec<Requirement>,
 }
 

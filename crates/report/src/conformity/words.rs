@@ -5,7 +5,7 @@ use super::{ID, Judged, Kind, Requirement, Spec, judge};
 use crate::number::{bare, counted, significant, uncertain};
 use crate::{Cell, Error, Item, Section, Table};
 
-/// The certificate: its first sentence counts the verdicts.
+/// The statement of conformity: its first sentence counts the verdicts.
 ///
 /// # Errors
 ///
@@ -13,7 +13,7 @@ use crate::{Cell, Error, Item, Section, Table};
 pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     let rule = Rule { factor: spec.guard_factor };
     let judged = judge(document, spec)?;
-    let mut section = Section::new(ID, format!("Certificate: {}", spec.title));
+    let mut section = Section::new(ID, format!("Conformity: {}", spec.title));
     section.words = head(document, spec, &judged);
     section.warnings = judged.iter().filter(|one| one.verdict == Verdict::Fail).map(failure).collect();
     let mut table = Table::new(
@@ -65,7 +65,7 @@ fn head(document: &Document, spec: &Spec, judged: &[Judged<'_>]) -> Vec<String> 
         ),
         format!("Specification: {}{source}.", spec.title),
         format!("Instrument: {}.", instrument.unwrap_or("the document gives it no name")),
-        "No clock is in this certificate: the same document and specification give the same bytes.".into(),
+        "No clock is in this statement: the same document and specification give the same bytes.".into(),
     ]
 }
 
@@ -148,7 +148,7 @@ fn found_how(one: &Judged<'_>) -> String {
     sentences.join(" ")
 }
 
-/// Every value that the certificate rests on.
+/// Every value that the statement rests on.
 fn each(judged: &[Judged<'_>]) -> Table {
     let mut table = Table::new(
         "Every value",

@@ -1,0 +1,423 @@
+//! The statement of conformity: against numbers made in SciPy, by hand, and as it stands.
+
+use common::{Axis, Document};
+use report::conformity::{self, Found, Judged, Kind, Shown, Spec, Verdict};
+use report::{Page, text};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+const REPORT: &str = env!("CARGO_BIN_EXE_report");
+
+fn calibrated() -> Value {
+    serde_json::from_str(&testkit::read_fixture("specs/calibrated/input.json")).expect("JSON")
+}
+
+fn magsat() -> Value {
+    serde_json::from_str(&testkit::read_fixture("specs/magsat.json")).expect("JSON")
+}
+
+fn document(value: &Value) -> Document {
+    Document::parse(&value.to_string()).expect("a document")
+}
+
+fn spec(value: &Value) -> Spec {
+    Spec::parse(&value.to_string()).expect("a specification")
+}
+
+/// One requirement as a specification.
+fn only(requirement: Value) -> Spec {
+    let mut requirement = requirement;
+    requirement["title"] = "a requirement".into();
+    spec(&json!({"fluxcal": 1, "title": "one", "requirements": [requirement]}))
+}
+
+fn judged<'a>(document: &Document, spec: &'a Spec) -> Vec<Judged<'a>> {
+    conformity::judge(document, spec).expect("judged")
+}
+
+fn found(shown: &Shown) -> &Found {
+    shown.as_ref().unwrap_or_else(|missing| panic!("{missing:?}"))
+}
+
+/// A value within a relative tolerance.
+#[track_caller]
+fn near(value: f64, expected: f64, tolerance: f64) {
+    assert!((value - expected).abs() <= tolerance * expected.abs(), "{value} where {expected} is expected");
+}
+
+#[test]
+fn values_and_uncertainties_are_those_of_draws_in_numpy() {
+    let reference: Value =
+        serde_json::from_str(&testkit::read_fixture("reference/certificate.json")).expect("JSON");
+    let (document, spec) = (document(&calibrated()), spec(&magsat()));
+    let all = judged(&document, &spec);
+    let of = |kind: Kind, years: bool| {
+        let one =
+            all.iter().find(|one| one.requirement.kind == kind && one.requirement.years.is_some() == years);
+        one.expect("a requirement").shown.iter().map(found).collect::<Vec<_>>()
+    };
+    let pairs = |key: &str, found: Vec<&Found>, of_value: f64, of_std: f64| {
+        let expected = reference["calibrated"][key].as_array().expect("a list");
+        assert_eq!(expected.len(), found.len(), "{key}");
+        for (expected, found) in expected.iter().zip(found) {
+            let number = |key: &str| expected[key].as_f64().expect("a number");
+            println!(
+                "{key}, {}: {:.5} ± {:.5}; by draws {:.5} ± {:.5}",
+                found.of,
+                found.value.abs(),
+                found.std,
+                number("value"),
+                number("std")
+            );
+            near(found.value.abs(), number("value"), of_value);
+            near(found.std, number("std"), of_std);
+        }
+    };
+    // The spread of 20 000 draws is known to 0.5 %; the largest of the two ways to turn is a little high in draws.
+    pairs("orthogonality_deg", of(Kind::OrthogonalityDeg, false), 1e-9, 0.015);
+    pairs("axes_arcsec", of(Kind::AxesArcsec, false), 0.015, 0.015);
+    pairs("offset_over_temperature_nt", of(Kind::OffsetStabilityNt, false), 1e-4, 0.015);
+    pairs("offset_over_year_nt", of(Kind::OffsetStabilityNt, true), 1e-9, 1e-9);
+    for (expected, found) in reference["calibrated"]["absolute_accuracy_nt"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .zip(of(Kind::AbsoluteAccuracyNt, true))
+    {
+        // The worst of 157 places is not quite the worst of 2 006.
+        let number = |key: &str| expected[key].as_f64().expect("a number");
+        let (size, by_draws) = (found.value.abs() + 1.96 * found.std, number("value") + 1.96 * number("std"));
+        println!("accuracy, {}: {size:.4}; by draws {by_draws:.4}", found.of);
+        assert!((0.99..1.02).contains(&(size / by_draws)), "{size} beside {by_draws}");
+    }
+}
+
+#[test]
+fn orthogonality_is_what_axescal_found() {
+    let input = calibrated();
+    let by_axescal = &input["calibration"]["axes"]["sensors"]["non_orthogonality_arcsec"];
+    let spec = only(json!({"kind": "orthogonality_deg", "limit": 0.1}));
+    let document = document(&input);
+    // The same 95 % interval under the normal distribution.
+    let factor = input["calibration"]["axes"]["fit"]["coverage_factor_95"].as_f64().expect("a factor");
+    for (pair, shown) in ["xy", "yz", "xz"].iter().zip(&judged(&document, &spec)[0].shown) {
+        let number = |key: &str| by_axescal[pair][key].as_f64().expect("a number");
+        near(found(shown).value * 3600.0, number("value"), 1e-9);
+        near(found(shown).std * 3600.0, number("std") * factor / 1.959_963_984_540_054, 1e-6);
+    }
+}
+
+/// Sensor x turned by 3″ and known to 0.3″; the nominal directions are known to 0.4″: u = 0.5″.
+#[test]
+fn turned_since_the_nominal_directions_were_found() {
+    let turned = (3.0f64 / 3600.0).to_radians();
+    let matrix = json!([[turned.cos(), 0.0, 0.0], [turned.sin(), 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let document = document(
+        &json!({"fluxcal": 1, "calibration": {"axes": {"sensors": {"matrix": matrix, "std_arcsec": 0.3}}}}),
+    );
+    let with = |limit: f64| {
+        let spec =
+            only(json!({"kind": "axes_from_nominal_arcsec", "limit": limit, "nominal_std_arcsec": 0.4,
+                "nominal_matrix": [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]}));
+        let one = &judged(&document, &spec)[0];
+        assert_eq!(one.decisive, Some(0));
+        near(found(&one.shown[0]).value, 3.0, 1e-6);
+        near(found(&one.shown[0]).std, 0.5, 1e-9);
+        one.verdict
+    };
+    // 3 + 1.645 · 0.5 = 3.8225, 3 − 1.645 · 0.5 = 2.1775.
+    assert_eq!(
+        [3.8226, 3.8224, 2.1776, 2.1774].map(with),
+        [Verdict::Pass, Verdict::NotShown, Verdict::NotShown, Verdict::Fail]
+    );
+}
+
+/// 0.06″/K and 0.08″/K over 30 K are 3″; their uncertainties of 0.01 and 0.02″/K make 0.6″.
+#[test]
+fn turned_by_temperature() {
+    let effect = |axis: &str| {
+        json!({"effect": "axis_temperature", "sensor": axis, "parameters": {
+            "first_arcsec_per_k": {"value": 0.06, "std": 0.01}, "second_arcsec_per_k": {"value": -0.08, "std": 0.02}}})
+    };
+    let document = document(
+        &json!({"fluxcal": 1, "calibration": {"reference_conditions": {"sensor_temperature_c": 20.0}},
+        "model": {"effects": [effect("x"), effect("y"), effect("z")]}}),
+    );
+    let spec = only(
+        json!({"kind": "axes_over_temperature_arcsec", "limit": 5.0, "sensor_temperature_c": [-10.0, 40.0]}),
+    );
+    let one = &judged(&document, &spec)[0];
+    near(found(&one.shown[2]).value, 3.0, 1e-12);
+    near(found(&one.shown[2]).std, 0.6, 1e-12);
+    assert_eq!(one.verdict, Verdict::Pass);
+}
+
+/// A lag of 4 ms lets 39.79 Hz through; u(τ)/τ = 1/40. An output that stands at 60 000 nT is a range of 60 000 nT.
+#[test]
+fn bandwidth_by_its_lag_and_a_range_by_its_end() {
+    let mut input = calibrated();
+    for axis in ["x", "y", "z"] {
+        let lag = json!({"effect": "loop_bandwidth", "sensor": axis, "parameters": {"lag_s": {"value": 0.004, "std": 0.0001}}});
+        input["model"]["effects"].as_array_mut().expect("a list").push(lag);
+    }
+    input["calibration"]["sensors"]["y"]["sensitivity"]["saturation"] =
+        json!({"readings": [null, 9.4], "fields_nt": [null, 60000.0], "count": 5});
+    let document = document(&input);
+    let bandwidth = only(json!({"kind": "bandwidth_hz", "limit": 25.0}));
+    let one = &judged(&document, &bandwidth)[0];
+    near(found(&one.shown[0]).value, 39.788_735_773, 1e-11);
+    near(found(&one.shown[0]).std, 0.994_718_394_324, 1e-12);
+    assert_eq!(one.verdict, Verdict::Pass);
+    let of = |limit: f64| {
+        let spec = only(json!({"kind": "range_nt", "limit": limit}));
+        let one = &judged(&document, &spec)[0];
+        let decisive = found(&one.shown[one.decisive.expect("one")]);
+        (one.verdict, decisive.of.clone())
+    };
+    assert_eq!(of(64000.0), (Verdict::Fail, "sensor y above zero".into()));
+    // Below zero it was seen to follow to −50 025 nT, and no farther.
+    assert_eq!(of(55000.0), (Verdict::NotShown, "sensor x below zero".into()));
+    assert_eq!(of(50000.0).0, Verdict::Pass);
+}
+
+#[test]
+fn accuracy_is_shown_where_the_calibration_covers_all_that_is_asked() {
+    let asked = |range: f64, limit: f64| {
+        only(json!({"kind": "absolute_accuracy_nt", "limit": limit, "range_nt": range, "years": 1.0,
+            "sensor_temperature_c": "calibrated", "electronics_temperature_c": [0.0, 50.0]}))
+    };
+    let mut input = calibrated();
+    let covered = asked(50000.0, 5.0);
+    let lacking = document(&input);
+    assert_eq!(judged(&lacking, &covered)[0].verdict, Verdict::NotShown);
+    for axis in ["x", "y", "z"] {
+        let parameters = json!({"first_arcsec_per_k": {"value": 0.01, "std": 0.005}, "second_arcsec_per_k": {"value": 0.0, "std": 0.005}});
+        let turn = json!({"effect": "axis_temperature", "sensor": axis, "parameters": parameters});
+        input["model"]["effects"].as_array_mut().expect("a list").push(turn);
+    }
+    let whole = document(&input);
+    assert_eq!(judged(&whole, &covered)[0].verdict, Verdict::Pass);
+    assert_eq!(judged(&whole, &asked(64000.0, 5.0))[0].verdict, Verdict::NotShown);
+    // A known drift of 20 nT in a year is more than any uncertainty: that fails.
+    for axis in ["x", "y", "z"] {
+        input["calibration"]["sensors"][axis]["drift"]["trend_nt_per_year"] =
+            json!({"value": 20.0, "std": 0.1});
+    }
+    assert_eq!(judged(&document(&input), &covered)[0].verdict, Verdict::Fail);
+    // What the budget has no term for is named.
+    let effect = json!({"effect": "warm_up", "sensor": "y", "parameters": {"amplitude_nt": 1.0, "time_constant_s": 600.0}});
+    let mut other = calibrated();
+    other["model"]["effects"].as_array_mut().expect("a list").push(effect);
+    let other = document(&other);
+    let all = judged(&other, &covered);
+    let gaps = &found(&all[0].shown[0]).gaps;
+    assert!(gaps.iter().any(|gap| gap.contains("sensor y") && gap.contains("warm_up")), "{gaps:?}");
+}
+
+/// Constants that are stated without their recordings give a figure over the whole range, and no pass.
+#[test]
+fn a_stated_calibration_passes_no_accuracy() {
+    let text = testkit::read_fixture("axescal/magsat/expected.json");
+    let document = Document::parse(&text).expect("a document");
+    let spec = only(json!({"kind": "absolute_accuracy_nt", "limit": 5.0, "range_nt": 64000.0}));
+    let one = &judged(&document, &spec)[0];
+    assert_eq!(one.verdict, Verdict::NotShown);
+    // 1.36″ in 64 000 nT across are 0.42 nT; axes that are 5.8° off a right angle make it a little more.
+    let largest = one.shown.iter().map(|shown| found(shown).std).fold(0.0, f64::max);
+    assert!((0.42..0.60).contains(&largest), "{largest}");
+    assert!(
+        found(&one.shown[0])
+            .gaps
+            .iter()
+            .any(|gap| gap.contains("in which fields it was calibrated is not known"))
+    );
+}
+
+/// A document with nothing in it shows nothing, and says for each requirement what would.
+#[test]
+fn nothing_is_shown_of_an_empty_document() {
+    let (document, spec) = (Document { fluxcal: 1, ..Document::default() }, spec(&magsat()));
+    for one in judged(&document, &spec) {
+        assert_eq!((one.verdict, one.decisive), (Verdict::NotShown, None), "{:?}", one.requirement.kind);
+        assert!(!one.shown.is_empty());
+        assert!(one.shown.iter().all(Result::is_err));
+    }
+}
+
+/// What a fixture may show in part is not taken as shown: each part that is taken away turns the requirement to not shown.
+#[test]
+fn what_is_taken_away_is_not_shown() {
+    let cases = [
+        ("noise", "noise_zero_to_peak_nt"),
+        ("drift", "offset_stability_nt"),
+        ("temperature", "offset_stability_nt"),
+        ("sensitivity", "range_nt"),
+    ];
+    for (part, kind) in cases {
+        let mut input = calibrated();
+        input["calibration"]["sensors"]["y"].as_object_mut().expect("an object").remove(part);
+        let (document, spec) = (document(&input), spec(&magsat()));
+        for one in judged(&document, &spec).iter().filter(|one| one.requirement.kind.name() == kind) {
+            let years = one.requirement.years.is_some();
+            if kind == "offset_stability_nt" && years != (part == "drift") {
+                continue;
+            }
+            let missing = one.shown[Axis::Y.index()].as_ref().expect_err(kind);
+            assert!(missing.of.starts_with("sensor y"), "{missing:?}");
+        }
+    }
+    let mut input = calibrated();
+    input["calibration"]["sensors"]["y"]["temperature"]["electronics"] = Value::Null;
+    let lacking = document(&input);
+    let spec =
+        only(json!({"kind": "offset_stability_nt", "limit": 9.0, "electronics_temperature_c": [0.0, 40.0]}));
+    assert_eq!(judged(&lacking, &spec)[0].verdict, Verdict::NotShown);
+}
+
+/// A value without an uncertainty decides nothing; a sensor that the instrument does not have is not asked for.
+#[test]
+fn without_uncertainty_nothing_is_shown() {
+    let lag = json!({"effect": "loop_bandwidth", "sensor": "x", "parameters": {"lag_s": 0.004}});
+    let mut input = json!({"fluxcal": 1, "instrument": {"sensors": ["x"]}, "model": {"effects": [lag]}});
+    let spec = only(json!({"kind": "bandwidth_hz", "limit": 25.0}));
+    let bare = document(&input);
+    let one = &judged(&bare, &spec)[0];
+    assert_eq!((one.verdict, one.shown.len()), (Verdict::NotShown, 1));
+    assert!(one.shown[0].as_ref().expect_err("no uncertainty").why.contains("no uncertainty"));
+    input["model"]["effects"][0]["parameters"]["lag_s"] = json!({"value": 0.004, "std": 0.0001});
+    assert_eq!(judged(&document(&input), &spec)[0].verdict, Verdict::Pass);
+}
+
+#[test]
+fn a_covariance_that_does_not_go_with_its_order_is_refused() {
+    let mut input = calibrated();
+    input["calibration"]["sensors"]["x"]["temperature"]["covariance"].as_array_mut().expect("a list").pop();
+    let error = Document::parse(&input.to_string()).expect_err("a wrong covariance");
+    assert_eq!(
+        error.to_string(),
+        "calibration.sensors.x.temperature.covariance: found 7 rows of up to 8 numbers; expected 8 rows of 8, as its `covariance_order` has names"
+    );
+}
+
+/// The statement of the fixture, word for word. BLESS=1 writes it anew; read the difference before it is kept.
+#[test]
+fn golden() {
+    let input = testkit::read_fixture("specs/calibrated/input.json");
+    let document = Document::parse(&input).expect("a document");
+    let section = conformity::section(&document, &spec(&magsat())).expect("a statement");
+    let page = Page { title: "Golden".into(), sections: vec![section], ..Page::default() };
+    let text = text::render(&page);
+    let file = testkit::fixture("specs/calibrated/expected.txt");
+    if testkit::bless() {
+        fs::write(&file, &text).expect("written");
+    }
+    assert_eq!(text, fs::read_to_string(&file).expect("committed"));
+}
+
+/// Every specification of `fixtures/specs/bad` brings its message, exit code 2, and nothing on standard output.
+#[test]
+fn each_fault_of_a_specification_has_its_message() {
+    let folder = testkit::fixture("specs/bad");
+    let mut names: Vec<String> = fs::read_dir(&folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
+        .filter(|name| name.ends_with(".json"))
+        .collect();
+    names.sort();
+    assert!(names.len() >= 20);
+    for name in names {
+        let run = Command::new(REPORT)
+            .args(["--spec", &name, "../calibrated/input.json"])
+            .current_dir(&folder)
+            .output()
+            .expect("report");
+        let said = String::from_utf8(run.stderr).expect("UTF-8");
+        let file = folder.join(name.replace(".json", ".txt"));
+        if testkit::bless() {
+            fs::write(&file, &said).expect("written");
+        }
+        assert_eq!(said, fs::read_to_string(&file).unwrap_or_default(), "{name}");
+        assert!(run.stdout.is_empty(), "{name}");
+        assert_eq!(run.status.code(), Some(2), "{name}");
+    }
+}
+
+/// Whatever the verdicts, the exit code is 0; the words count them, and no verdict stands in a colour alone.
+#[test]
+fn a_statement_by_the_program() {
+    let folder = testkit::fixture("specs");
+    let run = |arguments: &[&str]| {
+        let output = Command::new(REPORT).args(arguments).current_dir(&folder).output().expect("report");
+        assert_eq!(output.status.code(), Some(0));
+        (String::from_utf8(output.stdout).expect("UTF-8"), String::from_utf8(output.stderr).expect("UTF-8"))
+    };
+    let (html, said) = run(&["--spec", "magsat.json", "calibrated/input.json"]);
+    assert!(said.contains("conformity: 11 requirements: 4 pass, 2 fail, 5 not shown."), "{said}");
+    for verdict in [Verdict::Pass, Verdict::NotShown, Verdict::Fail] {
+        assert!(html.contains(&format!(">{}<", verdict.word())), "{verdict:?}");
+    }
+    assert_eq!(html, run(&["-q", "--spec", "magsat.json", "calibrated/input.json"]).0);
+    let help = testkit::run(REPORT, &["--help"], "").stdout;
+    let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(help.contains("the exit code is 0 whatever its verdicts"), "{help}");
+}
+
+/// The committed schema is the one that the types give; the specification is valid by it. BLESS=1 writes it anew.
+#[test]
+fn committed_schema_and_fixtures() {
+    let schema =
+        common::schema::titled(schemars::schema_for!(Spec), "fluxcal specification", "spec.schema.json");
+    let file = testkit::fixture("../schemas/spec.schema.json");
+    if testkit::bless() {
+        fs::write(&file, common::to_text(&schema)).expect("written");
+    }
+    let committed: Value =
+        serde_json::from_str(&fs::read_to_string(&file).expect("committed")).expect("JSON");
+    assert!(committed == schema, "the types have changed: run with BLESS=1, read the difference, commit it");
+    let specifications = jsonschema::validator_for(&schema).expect("a schema");
+    assert!(specifications.is_valid(&magsat()));
+    let documents = jsonschema::validator_for(&common::schema::document()).expect("a schema");
+    assert!(documents.is_valid(&calibrated()));
+    for name in ["key-unknown", "kind-unknown", "limit-missing", "limit-as-text", "temperatures-as-words"] {
+        let bad: Value =
+            serde_json::from_str(&testkit::read_fixture(&format!("specs/bad/{name}.json"))).expect("JSON");
+        assert!(!specifications.is_valid(&bad), "{name}");
+    }
+}
+
+/// The commands of the pages run as they stand.
+#[test]
+fn the_pages() {
+    ["docs/conformity.md", "docs/certificate.md"].iter().for_each(|page| the_page(page));
+}
+
+fn the_page(page: &str) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
+    let page = fs::read_to_string(root.join(page)).expect("a page");
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("target")).expect("a folder");
+    let programs = Path::new(REPORT).parent().expect("a folder");
+    std::os::unix::fs::symlink(programs, folder.path().join("target/release")).expect("a link");
+    std::os::unix::fs::symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
+    let blocks: Vec<&str> =
+        page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
+    assert!(!blocks.is_empty());
+    let mut said = String::new();
+    for block in blocks {
+        let output = Command::new("sh")
+            .args(["-e", "-c", block])
+            .current_dir(folder.path())
+            .output()
+            .expect("a shell");
+        said += &String::from_utf8_lossy(&output.stdout);
+        said += &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{block}{said}");
+    }
+    // The lines that the page shows are those that come.
+    for line in page.lines().filter_map(|line| line.strip_prefix("    ")).filter(|line| !line.contains('…'))
+    {
+        assert!(said.contains(line), "{line}\nin\n{said}");
+    }
+}
