@@ -60,7 +60,8 @@ fn conformity_part(sheet: &mut Sheet, document: &Document, asked: &Asked<'_>) ->
         return Ok(());
     };
     let section = conformity::section(document, spec)?;
-    for words in section.words.iter().take(2).chain(&section.warnings) {
+    let failures = section.warnings.iter().map(|finding| &finding.words);
+    for words in section.words.iter().take(2).chain(failures) {
         sheet.say(words.as_str());
     }
     for item in section.items {

@@ -82,7 +82,7 @@ fn section(out: &mut String, part: &Section) {
     if !part.warnings.is_empty() {
         out.push_str("<ul class=\"warnings\">\n");
         for warning in &part.warnings {
-            let _ = writeln!(out, "<li>{}</li>", prose(warning));
+            let _ = writeln!(out, "<li>{}</li>", prose(&warning.words));
         }
         out.push_str("</ul>\n");
     }

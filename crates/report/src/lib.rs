@@ -14,7 +14,7 @@ mod sections;
 pub mod text;
 
 pub use error::Error;
-pub use page::{Cell, Header, Item, Page, Section, Table};
+pub use page::{Cell, Finding, Header, Item, Page, Section, Size, Table};
 
 use common::Document;
 use common::number::counted;

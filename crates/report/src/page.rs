@@ -22,10 +22,54 @@ pub struct Section {
     pub title: String,
     /// Sentences at its head.
     pub words: Vec<String>,
-    /// What looks wrong, a sentence each.
-    pub warnings: Vec<String>,
+    /// What looks wrong; those of the largest size come first on the page.
+    pub warnings: Vec<Finding>,
     /// Tables, plots and words in their order; neighbouring plots stand side by side.
     pub items: Vec<Item>,
+}
+
+/// What looks wrong, with the size of what it is about.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Finding {
+    /// A sentence.
+    pub words: String,
+    /// How large it is; None where the document does not say.
+    pub size: Option<Size>,
+}
+
+/// How large a thing is in the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Size {
+    /// A field, nT.
+    Nt(f64),
+    /// A direction, arcsec.
+    Arcsec(f64),
+}
+
+impl Size {
+    /// A field of 50 000 nT across a turned direction, nT.
+    const NT_PER_ARCSEC: f64 = 50_000.0 / 206_264.806;
+
+    /// As a field, nT: what a turn does in one of 50 000 nT.
+    pub fn as_nt(self) -> f64 {
+        match self {
+            Size::Nt(size) => size.abs(),
+            Size::Arcsec(angle) => angle.abs() * Self::NT_PER_ARCSEC,
+        }
+    }
+}
+
+impl Finding {
+    /// A finding of a size; one that is not finite is none.
+    pub fn of(words: impl Into<String>, size: Option<Size>) -> Self {
+        Self { words: words.into(), size: size.filter(|size| size.as_nt().is_finite()) }
+    }
+}
+
+impl From<String> for Finding {
+    fn from(words: String) -> Self {
+        Self { words, size: None }
+    }
 }
 
 /// One part of a section.

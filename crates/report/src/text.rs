@@ -19,7 +19,7 @@ pub fn render(page: &Page) -> String {
             let _ = writeln!(out, "{}", plain(words));
         }
         for warning in &section.warnings {
-            let _ = writeln!(out, "! {}", plain(warning));
+            let _ = writeln!(out, "! {}", plain(&warning.words));
         }
         for item in &section.items {
             match item {

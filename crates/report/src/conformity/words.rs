@@ -15,7 +15,8 @@ pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     let judged = judge(document, spec)?;
     let mut section = Section::new(ID, format!("Conformity: {}", spec.title));
     section.words = head(document, spec, &judged);
-    section.warnings = judged.iter().filter(|one| one.verdict == Verdict::Fail).map(failure).collect();
+    section.warnings =
+        judged.iter().filter(|one| one.verdict == Verdict::Fail).map(|one| failure(one).into()).collect();
     let mut table = Table::new(
         "Requirements",
         [

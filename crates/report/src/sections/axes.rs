@@ -3,9 +3,9 @@
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairComparison, ScaleResult};
 
 use super::axes_map;
-use super::words::{cells, counted, sentence};
+use super::words::{cells, counted, sentence, sized};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Item, Section, Table, number};
+use crate::{Cell, Finding, Item, Section, Size, Table, number};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -21,7 +21,22 @@ pub fn section(document: &Document) -> Option<Section> {
 
 /// Everything that was found; ids of plots begin with `id`.
 fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
-    section.warnings.extend(axes.findings.iter().cloned());
+    let stds = [&axes.sensors, &axes.coils].into_iter().flatten().filter_map(|all| all.std_arcsec.as_ref());
+    let largest = stds.flat_map(|std| Axis::ALL.map(|axis| std.get(axis))).flatten().reduce(f64::max);
+    section.warnings.extend(sized(&axes.findings, largest.map(Size::Arcsec)));
+    section.warnings.extend(axes.doubtful.iter().map(|one| {
+        let words = format!(
+            "orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from what the others predict (p = {})",
+            one.orientation,
+            one.recording,
+            one.row,
+            one.coil,
+            one.sensor,
+            number::figures(one.leave_one_out_nt, 4),
+            number::probability(one.p_adjusted)
+        );
+        Finding::of(words, Some(Size::Nt(one.leave_one_out_nt)))
+    }));
     if let Some(fit) = &axes.fit {
         let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: {}", number::p_value(p)));
         section.say(format!(
@@ -104,19 +119,34 @@ fn angles(of: &str, directions: &AxesDirections) -> Table {
 
 fn residuals(section: &mut Section, id: &str, axes: &AxesCalibration) {
     let Some(readings) = &axes.readings else { return };
-    let mut plot = Plot::new(
-        format!("{id}-residuals"),
-        "Residuals of the readings, orientation by orientation",
-        Dimension::linear("reading", ""),
-        Dimension::linear("reading less prediction", "nT"),
-    );
-    for axis in Axis::ALL {
-        let rows = || (0..readings.residual_nt.len()).filter(|row| readings.sensor.get(*row) == Some(&axis));
-        let x: Vec<f64> = rows().map(|row| (row + 1) as f64).collect();
-        let y: Vec<f64> = rows().map(|row| readings.residual_nt[row]).collect();
-        plot.push(Series::new(format!("sensor {axis}"), Mark::Points, axis.index(), &x, &y));
+    let doubtful = |row: usize| {
+        axes.doubtful.iter().any(|one| {
+            readings.sensor.get(row) == Some(&one.sensor)
+                && readings.row.get(row) == Some(&one.row)
+                && readings.recording.get(row) == Some(&one.recording)
+        })
+    };
+    let draw = |end: &str, title: &str, shown: &dyn Fn(usize) -> bool| {
+        let mut plot = Plot::new(
+            format!("{id}-residuals{end}"),
+            title,
+            Dimension::linear("reading", ""),
+            Dimension::linear("reading less prediction", "nT"),
+        );
+        for axis in Axis::ALL {
+            let of = |row: &usize| readings.sensor.get(*row) == Some(&axis) && shown(*row);
+            let rows = || (0..readings.residual_nt.len()).filter(of);
+            let x: Vec<f64> = rows().map(|row| (row + 1) as f64).collect();
+            let y: Vec<f64> = rows().map(|row| readings.residual_nt[row]).collect();
+            plot.push(Series::new(format!("sensor {axis}"), Mark::Points, axis.index(), &x, &y));
+        }
+        plot
+    };
+    section.plot(draw("", "Residuals of the readings, orientation by orientation", &|_| true));
+    if !axes.doubtful.is_empty() {
+        let title = "The same without the readings that do not belong to the rest";
+        section.plot(draw("-left", title, &|row| !doubtful(row)));
     }
-    section.plot(plot);
     let mut doubtful = Table::new(
         "Readings that do not belong to the rest",
         [

@@ -5,7 +5,7 @@ use common::Document;
 use super::departures;
 use super::words::{counted, led};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table};
+use crate::{Cell, Section, Size, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -49,7 +49,7 @@ pub fn section(document: &Document) -> Option<Section> {
             fit.and_then(|fit| fit.lack_of_fit).map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
         ]);
         let Some(fit) = fit else { continue };
-        section.warnings.extend(led(&name, &fit.findings));
+        section.warnings.extend(led(&name, &fit.findings, Some(Size::Nt(fit.rms_nt))));
         let part = |key: &str| fit.uncertainty.get(key);
         let [k, b0] = ["constant_nt_per_a", "offset_nt"].map(part);
         budget.row([

@@ -63,11 +63,12 @@ pub fn section(document: &Document) -> Option<Section> {
             let counts: Vec<String> =
                 counts.map(|(bit, count)| format!("{bit} in {}", counted(count, "row"))).collect();
             if !counts.is_empty() {
-                section.warnings.push(format!(
+                let words = format!(
                     "{}: flagged in `field_flags`: {}; the page of `correct` says what each flag means",
                     recording.id,
                     counts.join(", ")
-                ));
+                );
+                section.warnings.push(words.into());
             }
         }
     }

@@ -5,7 +5,7 @@ use common::{Axis, CrossFieldFit, Document};
 use super::departures;
 use super::words::led;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table};
+use crate::{Cell, Section, Size, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -37,7 +37,9 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(fit) = &sensor.cross_field else { continue };
         let name = format!("sensor {axis}");
-        section.warnings.extend(led(&name, &fit.findings));
+        let sizes = fit.offset.values().chain(fit.sensitivity.values()).map(|size| size.value().abs());
+        let largest = sizes.reduce(f64::max);
+        section.warnings.extend(led(&name, &fit.findings, largest.map(Size::Nt)));
         for (of, parameters) in [("offset", &fit.offset), ("sensitivity", &fit.sensitivity)] {
             for (key, value) in parameters {
                 let (words, _) = super::words::key(key);

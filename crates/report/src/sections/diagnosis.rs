@@ -5,7 +5,7 @@ use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Ver
 use super::residuals::{Names, plots};
 use super::words::{key, rounded, sentence};
 use crate::plot::Plot;
-use crate::{Cell, Section, Table, number};
+use crate::{Cell, Finding, Section, Size, Table, number};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -39,15 +39,16 @@ pub fn section(document: &Document) -> Option<Section> {
 }
 
 /// That a fit leaves more than there was.
-fn absurd(fit: &Residual) -> Option<String> {
+fn absurd(fit: &Residual) -> Option<Finding> {
     fit.is_absurd().then(|| {
-        format!(
+        let words = format!(
             "The fit leaves more than there was: rms {} nT as it came, {} nT with the calibration fitted again, {} nT with what was found. Do not \
              use it.",
             number::significant(fit.rms_before_nt, 3),
             number::significant(fit.rms_refitted_nt, 3),
             number::significant(fit.rms_after_nt, 3)
-        )
+        );
+        Finding::of(words, Some(Size::Nt(fit.rms_after_nt)))
     })
 }
 
@@ -75,7 +76,9 @@ fn reasons(section: &mut Section, diagnosis: &Diagnosis) {
         section.say(format!("These do equally well: {}.", sets.join("; or ")));
     }
     if let Some(remaining) = diagnosis.remaining.as_ref().filter(|remaining| !remaining.white) {
-        section.warnings.push(format!("What is left is not noise alone: {}", remaining.structure));
+        let words = format!("What is left is not noise alone: {}", remaining.structure);
+        let left = diagnosis.fit.as_ref().map(|fit| Size::Nt(fit.rms_after_nt));
+        section.warnings.push(Finding::of(words, left));
     }
     if let Some(next) = &diagnosis.next_experiment {
         section.say(sentence(&format!("what would tell: {next}")));

@@ -4,7 +4,7 @@ use common::{Axis, Document, OffsetDrift};
 
 use super::words::led;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table};
+use crate::{Cell, Section, Size, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -33,7 +33,7 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(drift) = &sensor.drift else { continue };
         let name = format!("sensor {axis}");
-        section.warnings.extend(led(&name, &drift.findings));
+        section.warnings.extend(led(&name, &drift.findings, Some(Size::Nt(drift.rms_nt))));
         let annual = drift.annual.as_ref();
         table.row([
             name.as_str().into(),
@@ -51,12 +51,28 @@ pub fn section(document: &Document) -> Option<Section> {
             let weight = drift.noise.get(noise).map_or(Cell::Empty, |weight| Cell::Figures(*weight, 2));
             trends.row([name.as_str().into(), noise.replace('_', " ").into(), trend.into(), weight]);
         }
-        plots.push(plot(axis, drift));
+        plots.push(vec![plot(axis, drift), left(axis, drift)]);
     }
     section.table(table);
-    plots.into_iter().for_each(|plot| section.plot(plot));
+    section.plots_side_by_side(plots);
     section.table(trends);
     (!section.items.is_empty()).then_some(section)
+}
+
+/// What trend, yearly term and temperature leave, on a scale of its own.
+fn left(axis: Axis, drift: &OffsetDrift) -> Plot {
+    let dates = &drift.dates;
+    let mut plot = Plot::new(
+        format!("drift-{axis}-left"),
+        format!("What the trend leaves, sensor {axis}"),
+        Dimension::linear("since the first date", "days"),
+        Dimension::linear("offset less fitted", "nT"),
+    );
+    plot.push(
+        Series::new("left", Mark::Points, axis.index(), &dates.time_d, &dates.residual_nt)
+            .with_std(&dates.std_nt),
+    );
+    plot
 }
 
 fn plot(axis: Axis, drift: &OffsetDrift) -> Plot {

@@ -19,7 +19,7 @@ pub fn noise(section: &mut Section, fit: &DifferentialFit) {
         ],
     );
     if let Some(noise) = &fit.reference_noise {
-        section.warnings.extend(noise.findings.iter().cloned());
+        section.warnings.extend(noise.findings.iter().cloned().map(Into::into));
         if !noise.ascribed.is_empty() {
             section.say(sentence(&noise.ascribed));
         }

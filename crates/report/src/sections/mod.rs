@@ -1,5 +1,6 @@
 //! The sections of the page, one file for each part of a document.
 
+mod answer;
 mod axes;
 mod axes_map;
 mod clock;
@@ -34,7 +35,7 @@ use std::collections::HashSet;
 pub use axes_map::direction;
 pub use words::key;
 
-use crate::{Item, Page, Section, conformity};
+use crate::{Finding, Item, Page, Section, Size, Table, conformity, number};
 
 /// How a part of a document is shown; None where the document does not have it.
 type Part = fn(&Document) -> Option<Section>;
@@ -65,14 +66,60 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
     let parts = PARTS.iter().filter_map(|part| part(document));
     let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
+    // The largest first; what has no size keeps its place behind them.
+    let size = |finding: &Finding| finding.size.map_or(-1.0, Size::as_nt);
+    sections.iter_mut().for_each(|part| part.warnings.sort_by(|a, b| size(b).total_cmp(&size(a))));
+    let listed = ranked(&sections);
+    let first = sections.iter().take_while(|section| section.id == conformity::ID).count();
+    sections.splice(first..first, listed);
     let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
     let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
     Page { title, summary: summary(document, &sections, sha256), sections }
 }
 
+/// So many findings stand at the head of the page whatever there is.
+const FIRST: usize = 8;
+
+/// All findings in one list, by their size.
+fn ranked(sections: &[Section]) -> Option<Section> {
+    let mut all: Vec<(&Finding, &str)> = sections
+        .iter()
+        .flat_map(|section| section.warnings.iter().map(|finding| (finding, section.title.as_str())))
+        .collect();
+    let size = |finding: &Finding| finding.size.map_or(-1.0, Size::as_nt);
+    all.sort_by(|(a, _), (b, _)| size(b).total_cmp(&size(a)));
+    let table = |caption| Table::new(caption, [("size", ""), ("finding", ""), ("where", "")]);
+    let (mut first, mut others) = (table("Findings, the largest first"), table("Smaller ones"));
+    for (place, (finding, title)) in all.into_iter().enumerate() {
+        let table = if place < FIRST { &mut first } else { &mut others };
+        let size = match finding.size {
+            Some(Size::Nt(size)) => format!("{} nT", number::significant(size.abs(), 2)),
+            Some(Size::Arcsec(size)) => format!("{} arcsec", number::significant(size.abs(), 2)),
+            None => "not stated".into(),
+        };
+        table.row([size.into(), finding.words.as_str().into(), title.into()]);
+    }
+    let mut section = Section::new("findings", "What stands out");
+    section.table(first);
+    section.table(others);
+    (!section.items.is_empty()).then(|| {
+        section.words.push(
+            "The size is that of what a finding is about: the rms or the largest change of a reading, what the part of a fit leaves, or how far a \
+             direction is uncertain. Changes of a sensitivity and turns count in a field of 50 000 nT, where 1 arcsec is 0.24 nT."
+                .into(),
+        );
+        section
+    })
+}
+
 /// What the stages found striking, a sentence each.
 pub fn findings(document: &Document) -> Vec<String> {
-    PARTS.iter().filter_map(|part| part(document)).flat_map(|section| section.warnings).collect()
+    PARTS
+        .iter()
+        .filter_map(|part| part(document))
+        .flat_map(|section| section.warnings)
+        .map(|finding| finding.words)
+        .collect()
 }
 
 fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
@@ -85,7 +132,12 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         );
         return summary;
     }
+    summary.extend(answer::answer(document));
     summary.extend(answers(document));
+    let conformity = sections.iter().find(|section| section.id == conformity::ID);
+    summary.extend(
+        conformity.and_then(|section| section.words.first()).map(|words| format!("Conformity: {words}")),
+    );
     let rows: usize = document.recordings.iter().map(common::Recording::rows).sum();
     let stages: Vec<&str> = document.history.iter().map(|entry| entry.stage.as_str()).collect();
     let been =
@@ -95,18 +147,8 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         words::counted(document.recordings.len(), "recording"),
         words::counted(rows, "row")
     ));
-    let warned: Vec<&Section> = sections.iter().filter(|section| !section.warnings.is_empty()).collect();
-    let warnings = warned.iter().map(|section| section.warnings.len()).sum();
-    if warnings > 0 {
-        let titles: Vec<&str> = warned.iter().map(|section| section.title.as_str()).collect();
-        summary.push(format!(
-            "{} to read, marked △, under: {}.",
-            words::counted(warnings, "finding"),
-            titles.join(", ")
-        ));
-    }
     summary.push(
-        "Each ± is one standard uncertainty, to two figures, and so is a bar in a plot unless its note says otherwise. What is a 95 % \
+        "Each ± is one standard uncertainty, to two figures; so is a bar in a plot unless its note says otherwise, and what something is known to. What is a 95 % \
          interval is called so."
             .into(),
     );

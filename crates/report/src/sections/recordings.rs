@@ -112,6 +112,9 @@ fn is_read(document: &Document, recording: &Recording) -> bool {
             calibration.axes.as_ref().is_some_and(|axes| axes.fit.is_some() || axes.subset.is_some())
         }
         procedure::DIFFERENTIAL => calibration.differential.as_ref().is_some_and(|found| found.fit.is_some()),
+        procedure::FREE_RUN => {
+            calibration.scalar.as_ref().is_some_and(|scalar| scalar.recordings.contains(&recording.id))
+        }
         _ => false,
     }
 }

@@ -5,20 +5,24 @@ use common::{Axis, Document, SensitivityFit, SensorCalibration};
 use super::departures;
 use super::words::{counted, led};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table};
+use crate::{Cell, Section, Size, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
     let mut section = Section::new("sensors", "Sensors");
-    section.words.push(
-        "B = k V + O along each sensor's own axis; k is in nT/nT for an instrument that gives field.".into(),
-    );
+    let volts = sensors.iter().any(|(_, sensor)| sensor.sensitivity_nt_per_v.is_some());
+    let fields = sensors.iter().any(|(_, sensor)| sensor.sensitivity_nt_per_nt.is_some());
+    section.words.push(match (volts, fields) {
+        (false, true) => "B = k · reading + O along each sensor's own axis; the readings are fields, and k is a scale factor.".into(),
+        _ => "B = k V + O along each sensor's own axis.".into(),
+    });
     let mut constants = Table::new(
         "Constants",
         [
             ("sensor", ""),
-            ("k", "nT/V or nT/nT"),
+            ("k", "nT/V"),
+            ("k", "nT/nT"),
             ("O", "nT"),
             ("model", ""),
             ("readings", ""),
@@ -41,7 +45,8 @@ pub fn section(document: &Document) -> Option<Section> {
         };
         constants.row([
             name.as_str().into(),
-            sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref()).into(),
+            sensor.sensitivity_nt_per_v.as_ref().into(),
+            sensor.sensitivity_nt_per_nt.as_ref().into(),
             sensor.offset_nt.as_ref().into(),
             fit.map(|fit| fit.model.clone()).into(),
             fit.map(|fit| fit.readings).into(),
@@ -50,7 +55,7 @@ pub fn section(document: &Document) -> Option<Section> {
             p(fit.and_then(|fit| fit.runs)),
         ]);
         let Some(fit) = fit else { continue };
-        section.warnings.extend(led(&name, &fit.findings));
+        section.warnings.extend(led(&name, &fit.findings, Some(Size::Nt(fit.noise.rms_nt))));
         for (key, budget) in &fit.uncertainty {
             let (words, unit) = super::words::key(key);
             budgets.row([
@@ -63,6 +68,7 @@ pub fn section(document: &Document) -> Option<Section> {
         }
         departures::add(&mut looked_for, &name, &fit.departures);
         plots.push(deviations(axis, fit));
+        plots.extend(left(axis, fit));
     }
     section.table(constants);
     plots.into_iter().for_each(|plot| section.plot(plot));
@@ -89,11 +95,28 @@ fn deviations(axis: Axis, fit: &SensitivityFit) -> Plot {
         &residuals.field_nt,
         &residuals.deviation_nt,
     ));
-    if fit.model != "line" {
-        let name = format!("by {}", fit.model.replace('_', " "));
-        plot.push(Series::new(name, Mark::Points, 5, &residuals.field_nt, &residuals.residual_nt));
-    }
     plot
+}
+
+/// The residuals of what is fitted beside the line, on a scale of their own.
+fn left(axis: Axis, fit: &SensitivityFit) -> Option<Plot> {
+    let residuals = &fit.residuals;
+    let model = fit.model.replace('_', " ");
+    let mut plot = Plot::new(
+        format!("sensor-{axis}-residuals"),
+        format!("Sensor {axis}: what the fit leaves"),
+        Dimension::linear("field along the sensor", "nT"),
+        Dimension::linear("read less fitted", "nT"),
+    )
+    .note(format!("With {model} beside the line."));
+    plot.push(Series::new(
+        format!("by {model}"),
+        Mark::Points,
+        axis.index(),
+        &residuals.field_nt,
+        &residuals.residual_nt,
+    ));
+    (fit.model != "line").then_some(plot)
 }
 
 fn reversals<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a SensorCalibration)>) {
@@ -118,7 +141,8 @@ fn reversals<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a
     );
     for (axis, sensor) in sensors {
         let Some(reversal) = &sensor.reversal else { continue };
-        section.warnings.extend(led(&format!("sensor {axis}, reversals"), &reversal.findings));
+        let size = reversal.offset_nt.std().map(Size::Nt);
+        section.warnings.extend(led(&format!("sensor {axis}, reversals"), &reversal.findings, size));
         let mut offsets = Vec::new();
         for one in &reversal.recordings {
             table.row([

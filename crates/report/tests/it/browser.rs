@@ -81,6 +81,16 @@ fn pages_in_a_browser() {
         fs::write(folder.path().join(&name), page.replace("</body>", CHECK)).expect("written");
         drawings.insert(name, page.matches("<figure").count());
     }
+    // Certificates as well, in full and with blanks; they have no plots, and are always light.
+    for name in ["magsat.html", "blank.html"] {
+        let page = testkit::read_fixture(&format!("certificate/{name}"));
+        let page = page.replace("</body>", CHECK);
+        for paper in ["A4", "letter"] {
+            printed(folder.path(), &page.replacen("@page {", &format!("@page {{ size: {paper};"), 1));
+        }
+        fs::write(folder.path().join(name), page).expect("written");
+        drawings.insert(name.into(), 0);
+    }
     assert!(drawings.values().filter(|count| **count > 1).count() >= 7, "{drawings:?}");
     let mut wrong = Vec::new();
     for theme in ["light", "dark"] {
@@ -89,12 +99,40 @@ fn pages_in_a_browser() {
         wrong.extend(console);
         for seen in all {
             let Seen { page, width, .. } = &seen;
+            let theme = if drawings[page] == 0 && page != "empty.html" { "light" } else { theme };
             assert!(WIDTHS.contains(width) && seen.theme == theme, "{page}: {width} px, {}", seen.theme);
             assert_eq!(seen.drawings, drawings[page], "plots of {page}");
             wrong.extend(seen.wrong.iter().map(|one| format!("{page}, {width} px, {theme}: {one}")));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A certificate on paper: as many pages as the margin says, each with its number.
+fn printed(folder: &Path, page: &str) {
+    let [html, pdf] = ["print.html", "print.pdf"].map(|name| folder.join(name));
+    fs::write(&html, page).expect("written");
+    let output = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer"])
+        .arg(format!("--print-to-pdf={}", pdf.display()))
+        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+        .arg(format!("file://{}", html.display()))
+        .output();
+    assert!(output.expect("chromium").status.success());
+    let text = Command::new("pdftotext").arg(&pdf).arg("-").output().expect("pdftotext: poppler-utils");
+    let text = String::from_utf8_lossy(&text.stdout).into_owned();
+    let pages: Vec<&str> = text.trim_end_matches('\u{c}').split('\u{c}').collect();
+    assert!(pages.len() >= 3, "{}", pages.len());
+    for (number, page) in pages.iter().enumerate() {
+        let expected = format!("Page {} of {}", number + 1, pages.len());
+        assert!(
+            page.contains(&expected) && page.contains("Calibration certificate No."),
+            "{expected}: {page}"
+        );
+    }
+    assert!(pages.last().is_some_and(|page| page.contains("End of the calibration certificate")));
+    // The end does not stand on a page of its own.
+    assert!(pages.last().is_some_and(|page| page.contains("Signature")), "{pages:?}");
 }
 
 /// Opens the pages in frames of each width, since a window cannot be as narrow as a phone: what each told, and the console.

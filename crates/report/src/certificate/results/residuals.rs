@@ -19,7 +19,8 @@ pub fn table(sheet: &mut Sheet, document: &Document) {
     };
     for (axis, coil) in calibration.coils.iter().flat_map(|coils| coils.iter()) {
         let Some(fit) = &coil.constant else { continue };
-        add(format!("coil {axis}, constant"), Some(fit.readings), fit.rms_nt, &fit.residuals.residual_nt);
+        // Its residuals are means of levels, the rms is that of single readings.
+        add(format!("coil {axis}, constant"), Some(fit.readings), fit.rms_nt, &[]);
     }
     for (axis, sensor) in calibration.sensors.iter().flat_map(|sensors| sensors.iter()) {
         if let Some(fit) = &sensor.sensitivity {
