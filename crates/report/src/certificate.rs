@@ -91,5 +91,5 @@ pub fn summary(sheet: &Sheet) -> String {
 
 /// What the stages found striking, as remarks on the results.
 fn remarks(document: &Document) -> Vec<String> {
-    sections::findings(document)
+    sections::findings(document).into_iter().map(|words| words.replace('`', "")).collect()
 }

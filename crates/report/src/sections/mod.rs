@@ -97,7 +97,7 @@ fn ranked(sections: &[Section]) -> Option<Section> {
             Some(Size::Arcsec(size)) => format!("{} arcsec", number::significant(size.abs(), 2)),
             None => "not stated".into(),
         };
-        table.row([size.into(), finding.words.as_str().into(), title.into()]);
+        table.row([size.into(), finding.words.replace('`', "").into(), title.into()]);
     }
     let mut section = Section::new("findings", "What stands out");
     section.table(first);
