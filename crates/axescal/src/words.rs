@@ -98,6 +98,7 @@ fn describe(axes: &AxesCalibration) -> String {
     for finding in &axes.findings {
         let _ = writeln!(text, "  note: {finding}");
     }
+    text += "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval";
     text
 }
 

@@ -59,6 +59,10 @@ pub fn summary(document: &Document) -> String {
     if let Some(quietest) = nulling.and_then(|nulling| nulling.quietest.as_ref()) {
         let _ = writeln!(text, "  the quietest condition is {quietest}");
     }
+    if !text.is_empty() {
+        text +=
+            "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval";
+    }
     text
 }
 

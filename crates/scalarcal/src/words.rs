@@ -1,6 +1,6 @@
 //! The result in a few lines for people.
 
-use common::number::{counted, p_value, significant, uncertain};
+use common::number::{counted, p_value, signed, significant, uncertain};
 use common::{Axis, Document, ScalarCalibration};
 use std::fmt::Write;
 
@@ -54,11 +54,13 @@ fn describe(scalar: &ScalarCalibration) -> String {
             }
             _ => String::new(),
         };
+        let value = uncertain(parameter.value, parameter.std);
+        let is_change = !["sensitivity", "magnitude"].iter().any(|size| parameter.name.starts_with(size));
         let _ = writeln!(
             text,
             "  {}: {} {}{with}",
             parameter.name,
-            uncertain(parameter.value, parameter.std),
+            if is_change { signed(&value) } else { value },
             parameter.unit
         );
     }
@@ -115,5 +117,6 @@ fn describe(scalar: &ScalarCalibration) -> String {
     for finding in &scalar.findings {
         let _ = writeln!(text, "  note: {finding}");
     }
+    text += "  ± is one standard uncertainty";
     text
 }

@@ -61,9 +61,11 @@ fn runs(page: &str) {
         "diagnose",
         "correct",
         "report",
+        "fluxcal",
     ] {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
+    let path = format!("{}:{}", binaries.display(), std::env::var("PATH").expect("a path"));
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("target")).expect("a folder");
     symlink(binaries, folder.path().join("target/release")).expect("a link");
@@ -78,6 +80,7 @@ fn runs(page: &str) {
         let output = Command::new("sh")
             .args(["-e", "-c", &command])
             .current_dir(folder.path())
+            .env("PATH", &path)
             .output()
             .expect("a shell");
         let [said, given] =
@@ -91,6 +94,24 @@ fn runs(page: &str) {
         run += 1;
     }
     assert!(run > 0, "{page}: no block ran");
+}
+
+/// Every page of the folder, whichever there are.
+#[test]
+fn tutorials() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tutorial");
+    let mut pages: Vec<_> = fs::read_dir(folder)
+        .expect("a folder")
+        .map(|page| page.expect("a page").file_name().into_string().expect("UTF-8"))
+        .collect();
+    pages.sort();
+    assert!(pages.len() >= 4, "{pages:?}");
+    for page in pages {
+        let page = format!("docs/tutorial/{page}");
+        runs(&page);
+        let lines = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&page));
+        assert!(lines.expect("a page").lines().count() < 80, "{page}: a tutorial has less than 80 lines");
+    }
 }
 
 macro_rules! pages {
