@@ -112,6 +112,19 @@ install prefix="$HOME/.local":
         {{prefix}}/bin/$program --completions bash > {{prefix}}/share/bash-completion/completions/$program || exit 1; \
     done
 
+# The wheel: the programs and the module of docs/python.md
+wheel:
+    mkdir -p target/wheel && rm -f target/wheel/*.whl
+    cd python && python3 -c 'import backend; print(backend.build_wheel("../target/wheel"))'
+
+# The wheel in an environment of its own, away from the sources; needs PyPI for pandas, Polars, PyArrow, matplotlib and mypy
+wheel-test: wheel
+    rm -rf target/wheel-test && python3 -m venv target/wheel-test
+    target/wheel-test/bin/pip install -q pandas pyarrow polars matplotlib mypy target/wheel/*.whl
+    cp python/test_wheel.py target/wheel-test
+    cd target/wheel-test && PATH="$PWD/bin:$PATH" bin/python test_wheel.py ../../fixtures
+    cd target/wheel-test && bin/mypy --strict --ignore-missing-imports -p fluxcal
+
 # The main job, to look at
 demo:
     cargo build --release
