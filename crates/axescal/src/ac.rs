@@ -11,7 +11,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use crate::Error;
-use crate::modelled::Added;
+use crate::added::Added;
 use crate::observations::{Observation, Observations, sensor_column};
 
 /// Phases with a smaller chance than this, among all sensors, are reported as a finding.

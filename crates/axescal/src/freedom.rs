@@ -5,7 +5,7 @@ use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, tangents};
 
-use crate::joint;
+use crate::drive::drive_std;
 use crate::unknowns::KnownCoils;
 use crate::{Coils, Error, Freedom, Observations, Options, OrientationGroup};
 
@@ -38,7 +38,7 @@ pub(crate) fn freedom(
         let shown = separates_constants(observations, axis).then_some(f64::INFINITY);
         freedom.sensor_scale[i] =
             scale(sensor.and_then(|sensor| physics::sensitivity(sensor, observations.unit)));
-        let [share, constant] = joint::drive_std(document, &joint, axis);
+        let [share, constant] = drive_std(document, &joint, axis);
         freedom.coil_scale[i] = if options.free_scales { Some(f64::INFINITY) } else { share };
         coil_offsets[i] = constant.filter(|std| *std > NEGLIGIBLE_NT).unwrap_or(0.0);
         freedom.offsets[i] = offset.or(shown);

@@ -6,10 +6,12 @@
 //! the document states with an uncertainty: e, o, small corrections of each R, scales.
 
 mod ac;
+mod added;
 mod assumptions;
 mod checks;
 pub mod design;
 mod directions;
+mod drive;
 mod error;
 mod freedom;
 mod joint;
@@ -32,9 +34,8 @@ mod unknowns;
 mod words;
 
 pub use error::Error;
-pub use means::Together;
 pub use model::AxesProblem;
-pub use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup};
+pub use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup, Together};
 pub use observe::observe;
 pub use options::{Coils, Options, Start};
 pub use solve::{Solution, solve};

@@ -1,7 +1,7 @@
 //! Readings of one drive count as their mean where noise with memory is declared: neighbours err together, and so do means that
 //! follow each other.
 
-use common::{Axis, Noise};
+use common::Noise;
 use nalgebra::{DMatrix, Vector3};
 use std::ops::Range;
 
@@ -13,19 +13,6 @@ const SAME_DRIVE: f64 = 1e-3;
 const MOST_DRIVES: usize = 400;
 /// Terms of the series for the rounding that readings of one drive have in common; each falls with the square of its number.
 const TERMS: usize = 40;
-
-/// Readings of one sensor in one recording, whose errors go together.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Together {
-    /// Number of the recording.
-    pub(crate) recording: usize,
-    /// The sensor.
-    pub(crate) sensor: Axis,
-    /// First rows of the means, in order.
-    pub(crate) rows: Vec<usize>,
-    /// Their covariance, nT².
-    pub(crate) covariance: DMatrix<f64>,
-}
 
 /// The readings of one block and the Cholesky root of their correlation.
 #[derive(Clone, Debug, PartialEq)]

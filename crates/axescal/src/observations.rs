@@ -1,11 +1,9 @@
 //! Readings in nT, each with its drive, its orientation and its standard deviation.
 
 use common::{Axis, Recording};
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use physics::Unit;
 use physics::frames::Orientation;
-
-use crate::Together;
 
 /// Factors on the standard deviations of readings: of those with constant drives, and of amplitudes of AC runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,4 +109,17 @@ pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(Stri
         let name = format!("sensor_{sensor}_{}", unit.suffix());
         recording.column(&name).map(|column| (name, column))
     })
+}
+
+/// Readings of one sensor in one recording, whose errors go together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Together {
+    /// Number of the recording.
+    pub(crate) recording: usize,
+    /// The sensor.
+    pub(crate) sensor: Axis,
+    /// First rows of the means, in order.
+    pub(crate) rows: Vec<usize>,
+    /// Their covariance, nT².
+    pub(crate) covariance: DMatrix<f64>,
 }

@@ -6,11 +6,9 @@ use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 use std::ops::Range;
 
-use crate::modelled::Added;
-use crate::observations::sensor_column;
-use crate::{
-    Error, NoiseSource, Observation, Observations, Options, OrientationGroup, Together, ac, checks, means,
-};
+use crate::added::Added;
+use crate::observations::{Together, sensor_column};
+use crate::{Error, NoiseSource, Observation, Observations, Options, OrientationGroup, ac, checks, means};
 
 /// A coil that makes less than this is as good as off, nT.
 const WEAK_NT: f64 = 5.0;
