@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::reliability::HALF_95;
 use crate::score::{Goal, Score};
-use crate::verdict::{Class, Outcome};
+use crate::verdict::{Class, HALF_95, Outcome};
 use crate::wilson::Share;
 
 /// Readings left out are predicted as before the injection within this, relative.

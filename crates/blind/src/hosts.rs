@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 use testkit::programs::{self, Programs};
 
 use crate::Error;
+use crate::arguments::Make;
 use crate::folder::{self, Asked, Folder};
-use crate::steps::Make;
 use crate::verdict::Outcome;
 
 /// A recording that was tried.

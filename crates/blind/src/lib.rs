@@ -1,5 +1,6 @@
 //! Cases of `concealed` made and sealed, answered by the programs as they are shipped, opened once and scored.
 
+mod arguments;
 mod campaigns;
 mod error;
 mod folder;
@@ -16,7 +17,8 @@ mod tally;
 mod verdict;
 mod wilson;
 
+pub use arguments::{Answer, Make, Scoring};
 pub use campaigns::{Campaign, month, orbit};
 pub use error::Error;
-pub use steps::{Answer, Make, Scoring, answer, make, score, summary};
+pub use steps::{answer, make, score, summary};
 pub use tally::{Arguments as Tally, run as tally};

@@ -3,13 +3,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::verdict::Outcome;
+use crate::verdict::{HALF_95, Outcome};
 use crate::wilson::Share;
 
 /// Edges of the classes of probabilities of names.
 const EDGES: [f64; 5] = [0.5, 0.9, 0.99, 0.999, 1.0];
-/// Half the width of an interval of 95 %, in standard uncertainties.
-pub const HALF_95: f64 = 1.959_964;
 /// Levels of intervals, with half their width in standard uncertainties.
 const LEVELS: [(f64, f64); 4] = [(0.5, 0.674_490), (0.9, 1.644_854), (0.95, HALF_95), (0.99, 2.575_829)];
 /// The least and the most probability that a logarithmic score takes: one wrong name is not all that counts.

@@ -4,7 +4,8 @@ use concealed::case::{TrueEffect, Truth};
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::reliability::HALF_95;
+/// Half the width of an interval of 95 %, in standard uncertainties.
+pub const HALF_95: f64 = 1.959_964;
 
 /// What came of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -58,7 +59,7 @@ impl Class {
 pub struct Sized {
     /// The effect and the parameter.
     pub name: String,
-    /// By how much it is off, in units in which half of the interval of 95 % is [`HALF_95`](crate::reliability::HALF_95).
+    /// By how much it is off, in units in which half of the interval of 95 % is [`HALF_95`].
     pub off: f64,
     /// Whether its uncertainty is stated as a lower bound.
     pub at_least: bool,
