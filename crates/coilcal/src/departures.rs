@@ -6,9 +6,9 @@ use estimate::stats;
 use faer::Mat;
 
 use crate::Error;
-use crate::constant::scatter;
 use crate::levels::Level;
 use crate::readings::Reading;
+use crate::scatter::scatter;
 
 /// A departure is claimed below this probability, adjusted for all that were looked for.
 pub const FOUND_BELOW: f64 = 0.01;

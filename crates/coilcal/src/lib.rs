@@ -12,6 +12,7 @@ mod gradient;
 mod levels;
 mod nulling;
 mod readings;
+mod scatter;
 mod words;
 
 pub use error::Error;
