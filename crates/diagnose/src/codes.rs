@@ -6,8 +6,9 @@ use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::algebra::square;
 use crate::channel::Reader;
-use crate::fit::{Fit, Fitter, square};
+use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;

@@ -6,10 +6,11 @@ use physics::{EffectInstance, Kind, Role, Stage};
 use std::collections::BTreeSet;
 
 use crate::additions::{at_shapes, columns_of, with_all, without};
+use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
 use crate::decide::SURE;
 use crate::events;
-use crate::fit::{Fit, Fitter, settled, square};
+use crate::fit::{Fit, Fitter, settled};
 use crate::form::Followed;
 use crate::form_error;
 use crate::lattice;

@@ -20,9 +20,10 @@ use physics::{EffectInstance, Kind};
 use std::ops::Range;
 
 use crate::additions::columns_of;
+use crate::algebra::square;
 use crate::candidates::{Candidate, Pool};
 use crate::covariates::on_coil;
-use crate::fit::{Fitter, settled, square};
+use crate::fit::{Fitter, settled};
 use crate::level::Rest;
 use crate::model::Model;
 use crate::observed::Observed;

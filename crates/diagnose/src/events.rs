@@ -16,8 +16,9 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
+use crate::algebra::{columns, orthonormal};
 use crate::channel::{Channel, Reader};
-use crate::fit::{Fit, Fitter, columns, orthonormal};
+use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::model::Column;
 use crate::proposal::{Addition, Proposal};

@@ -9,7 +9,8 @@ use faer::Mat;
 use serde_json::{Value, json};
 
 use crate::additions::{at_shapes, with_additions};
-use crate::fit::{Fitter, square};
+use crate::algebra::square;
+use crate::fit::Fitter;
 use crate::generic::following;
 use crate::model::{Model, State};
 use crate::observed::Observed;

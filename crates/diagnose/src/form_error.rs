@@ -17,8 +17,9 @@ use physics::Role;
 
 use crate::Error;
 use crate::additions::without;
+use crate::algebra::{columns as columns_of, left, orthonormal, square};
 use crate::decide::FORM;
-use crate::fit::{Fit, columns as columns_of, left, orthonormal, square};
+use crate::fit::Fit;
 use crate::form::{Followed, orders};
 use crate::model::{Model, State};
 use crate::proposal::Addition;

@@ -19,7 +19,8 @@ use physics::{EffectInstance, Kind, Parameter, Role, frames};
 mod stated;
 
 use crate::Error;
-use crate::fit::{Fit, inverse};
+use crate::algebra::inverse;
+use crate::fit::Fit;
 use crate::lattice;
 use crate::level::Rest;
 use crate::model::{Instrument, Model, Unknown};

@@ -9,6 +9,7 @@
 mod additions;
 mod adopt;
 mod against;
+mod algebra;
 mod atoms;
 mod candidates;
 mod channel;
@@ -162,7 +163,7 @@ impl Outcome {
 
     /// Whether something was left out that is so large.
     fn is_large(&self) -> bool {
-        let left = fit::square(&self.base.residual) / self.base.residual.len().max(1) as f64;
+        let left = algebra::square(&self.base.residual) / self.base.residual.len().max(1) as f64;
         self.verdict != Verdict::Agrees && left > LARGE * LARGE * self.noise.variance()
     }
 }

@@ -6,7 +6,8 @@ use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
-use crate::fit::{Fit, columns, left, orthonormal};
+use crate::algebra::{columns, left, orthonormal};
+use crate::fit::Fit;
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;

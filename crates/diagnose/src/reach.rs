@@ -16,7 +16,8 @@ use common::Document;
 use faer::Mat;
 
 use crate::Error;
-use crate::fit::{Fit, settled, square};
+use crate::algebra::square;
+use crate::fit::{Fit, settled};
 use crate::model::{Model, State};
 use crate::whitening::NoiseModel;
 
@@ -58,7 +59,7 @@ fn likely(model: &Model<'_>, fit: &Fit, noise: &NoiseModel) -> Result<f64, Error
     let rows = fit.residual.len();
     let beforehand: f64 = model.priors.iter().flatten().map(|std| 2.0 * std.ln()).sum();
     let occam = square(&fit.white[rows..]) + beforehand + log_determinant(&fit.jacobian)?;
-    Ok(noise.log_likelihood(fit) - 0.5 * occam)
+    Ok(fit.log_likelihood(noise) - 0.5 * occam)
 }
 
 /// ln det JᵀJ.

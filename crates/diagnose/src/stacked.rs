@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::fit::square;
+use crate::algebra::square;
 use crate::observed::Observed;
 
 /// A column, channel by channel; None where it is zero throughout. Copies share their values.

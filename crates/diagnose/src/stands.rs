@@ -11,8 +11,9 @@ use physics::{EffectInstance, Role};
 
 use crate::Error;
 use crate::Outcome;
+use crate::algebra::square;
 use crate::channel::{Channel, Reader};
-use crate::fit::{Fit, Fitter, settled_white, square};
+use crate::fit::{Fit, Fitter, settled_white};
 use crate::magnitude;
 use crate::model::{Model, State};
 use crate::whitening::NoiseModel;

@@ -30,7 +30,7 @@ pub fn search(
     let Some(noise) = beside_names(document, model, searcher, &outcome.base)? else { return Ok(outcome) };
     let fit = Fitter { model, noise: &noise }.refine(&outcome.base.state)?;
     let other = course::search(document, model, searcher, outcome.before.clone(), (fit, noise), told)?;
-    let likelier = other.noise.log_likelihood(&other.fit) - outcome.base_noise.log_likelihood(&outcome.base);
+    let likelier = other.fit.log_likelihood(&other.noise) - outcome.base.log_likelihood(&outcome.base_noise);
     if other.found.is_empty() || likelier < cost(searcher, model, &other) {
         return Ok(outcome);
     }

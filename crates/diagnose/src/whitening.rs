@@ -10,7 +10,6 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::channel::Channel;
-use crate::fit::{Fit, square};
 use crate::model::State;
 use crate::observed::Observed;
 use crate::stacked::Stacked;
@@ -105,10 +104,9 @@ impl NoiseModel {
         Ok(Self { whitenings, std_nt, known: 0.0, source: "residuals" })
     }
 
-    /// ln of the likelihood of a fit's residual up to a constant: −½ (Σ of squares, whitened, and ln of the covariance's determinant).
-    pub fn log_likelihood(&self, fit: &Fit) -> f64 {
-        let determinant: f64 = self.whitenings.iter().map(Whitening::log_determinant).sum();
-        -0.5 * (square(&fit.white[..fit.residual.len()]) + determinant)
+    /// ln of the determinant of the covariance of all readings.
+    pub fn log_determinant(&self) -> f64 {
+        self.whitenings.iter().map(Whitening::log_determinant).sum()
     }
 
     /// Whether it whitens as another does: the same declaration, through the same converters.

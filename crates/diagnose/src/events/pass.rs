@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::fitted;
 use crate::Error;
+use crate::algebra::square;
 use crate::channel::{Channel, Reader};
-use crate::fit::{Fit, Fitter, square};
+use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::proposal::{Addition, Proposal};
 

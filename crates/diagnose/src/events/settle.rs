@@ -4,7 +4,8 @@ use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter, Role};
 
 use crate::Error;
-use crate::fit::{Fit, Fitter, columns, left, orthonormal, square};
+use crate::algebra::{columns, left, orthonormal, square};
+use crate::fit::{Fit, Fitter};
 use crate::model::State;
 
 /// Most rows by which an event is moved.

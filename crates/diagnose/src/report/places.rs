@@ -5,10 +5,10 @@ use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
 use super::effects::places_of;
+use crate::algebra::square;
 use crate::channel::Channel;
 use crate::covariates;
 use crate::covariates::on_coil;
-use crate::fit::square;
 use crate::model::{Column, Model};
 use crate::what::{What, named};
 use crate::{Options, Outcome};
