@@ -1,6 +1,6 @@
 //! Covariance of η between the test instrument's axes, whose differences may have noise in common.
 
-use estimate::cosine::dot;
+use estimate::dot;
 
 /// Coefficients of the lowest band; each further band has as many as all below it.
 const BAND: usize = 32;

@@ -80,7 +80,7 @@ impl Octave {
             for (i, row) in products.iter_mut().enumerate() {
                 for (j, product) in row.iter_mut().enumerate() {
                     let (a, b) = (&all(i)[edge[0]..edge[1]], &all(j)[edge[0]..edge[1]]);
-                    *product = estimate::cosine::dot(a, b);
+                    *product = estimate::dot(a, b);
                 }
             }
             Self { from: edge[0], count: edge[1] - edge[0], products }

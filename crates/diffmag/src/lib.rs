@@ -9,6 +9,7 @@ mod adopt;
 mod alike;
 mod axes;
 mod bands;
+mod calibration;
 mod clock;
 mod constancy;
 mod contributions;
@@ -33,7 +34,6 @@ mod shown;
 mod significance;
 mod stability;
 pub mod stream;
-mod three;
 mod windows;
 mod words;
 
@@ -70,7 +70,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         prepared = confirmed;
         fits = regression::fit(&prepared.pair, &columns)?;
     }
-    let mut found = regression::calibrate(&raw, &prepared, &fits)?;
+    let mut found = calibration::calibrate(&raw, &prepared, &fits)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;

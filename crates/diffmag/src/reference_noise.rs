@@ -8,11 +8,9 @@ mod bound;
 mod correct;
 mod frame;
 mod own;
+mod three;
 mod words;
 
-pub use correct::{Corrected, Known, Spectrum, by_known, by_spectrum, by_third};
-pub use frame::{Frame, invert};
-pub use own::of_axes;
 pub use words::lines;
 
 use common::{
@@ -22,11 +20,13 @@ use common::{
 use estimate::stats::mean;
 use physics::frames;
 
+use crate::Error;
 use crate::difference::{self, Noise};
 use crate::regression::{self, AxisFit};
 use crate::residual::scatter;
 use crate::series::Pair;
-use crate::{Error, three};
+use correct::{Corrected, Known, Spectrum, by_known, by_spectrum, by_third};
+use frame::Frame;
 
 /// Noise of the reference is told, and bands that disagree are, below this probability.
 const TOLD_BELOW: f64 = 0.01;

@@ -16,7 +16,7 @@ mod memory;
 mod regression;
 
 pub use errors::Errors;
-pub use regression::{Projection, Regression, dot, regress, weighted};
+pub use regression::{Projection, Regression, regress, weighted};
 
 /// What of an ordinate a regression leaves, at least, for it to say something of the noise.
 const LEFT: f64 = 1e-6;

@@ -2,7 +2,7 @@
 
 use faer::{Mat, MatRef};
 
-use crate::cosine::dot;
+use crate::dot::dot;
 
 /// Lags after Newey and West 1994 for the Bartlett kernel: ⌊4 (n/100)^(2/9)⌋.
 pub fn lags(rows: usize) -> usize {

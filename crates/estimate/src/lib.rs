@@ -9,6 +9,7 @@ pub mod cadence;
 pub mod correlated;
 pub mod cosine;
 pub mod cross_spectrum;
+mod dot;
 pub mod even;
 pub mod events;
 pub mod exact;
@@ -40,6 +41,7 @@ pub mod tsqr;
 pub mod wander;
 pub mod whittle;
 
+pub use dot::dot;
 pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};
 pub use svd::Svd;
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::cosine::dot;
+use crate::dot::dot;
 
 mod pchip;
 

@@ -4,7 +4,7 @@ use faer::Mat;
 use fourier::{Complex, Forward};
 
 use crate::Error;
-use crate::cosine::dot;
+use crate::dot::dot;
 use crate::positive::Positive;
 use crate::stats::{chi_squared_p, mean};
 

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use super::moments::Moments;
 use super::{Columns, Joint};
 use crate::Error;
-use estimate::cosine::dot;
+use estimate::dot;
 use estimate::line_search;
 use estimate::stats::mean;
 

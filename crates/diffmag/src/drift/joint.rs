@@ -1,5 +1,6 @@
 use common::{JointDrift, Quantity};
-use estimate::cosine::{Errors, Projection, Regression, dot, weighted};
+use estimate::cosine::{Errors, Projection, Regression, weighted};
+use estimate::dot;
 use estimate::{line_search, stats};
 use std::f64::consts::PI;
 

@@ -5,8 +5,10 @@ use estimate::cross_spectrum::CrossSpectra;
 use estimate::sources::{self, Mixture};
 use physics::frames;
 
+use super::correct::by_third;
+use super::frame::{Frame, invert};
+use super::own::of_axes;
 use crate::Error;
-use crate::reference_noise::{Frame, by_third, invert, of_axes};
 use crate::regression;
 use crate::series::Pair;
 

@@ -2,6 +2,7 @@
 
 use common::{Drift, DriftForm, Quantity};
 use estimate::cosine::{self, Errors};
+use estimate::dot;
 use estimate::hac;
 use estimate::periodogram::periodogram;
 use estimate::spectral::SpectralFit;
@@ -39,10 +40,11 @@ pub struct AxisFit {
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     pub(super) drift_columns: Vec<Vec<f64>>,
     /// How many times as wide as under the noise the uncertainties of η are by what is left itself.
-    pub(super) wider: f64,
+    pub wider: f64,
     /// Covariance of η with that of each axis; nothing for its own.
-    pub(super) across: [[[f64; 3]; 3]; 3],
-    pub(super) source: Source,
+    pub across: [[[f64; 3]; 3]; 3],
+    /// What least squares say.
+    pub source: Source,
 }
 
 impl AxisFit {
@@ -75,11 +77,13 @@ impl AxisFit {
 }
 
 /// The source's fit: least squares of the reference's axes alone.
-pub(super) struct Source {
-    pub(super) fit: SpectralFit,
-    pub(super) newey_west: Vec<f64>,
+pub struct Source {
+    /// The coefficients with their covariances.
+    pub fit: SpectralFit,
+    /// Standard deviations of the coefficients by Newey and West.
+    pub newey_west: Vec<f64>,
     /// T − R η less its mean, nT.
-    pub(super) difference: Vec<f64>,
+    pub difference: Vec<f64>,
 }
 
 /// One axis: the reference's three axes, the drift that the readings demand and the steps, under the noise of what they leave, in
@@ -230,7 +234,7 @@ fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
     let levels = centred(&apart);
-    cosine::dot(left, left) > cosine::dot(&levels, &levels)
+    dot(left, left) > dot(&levels, &levels)
 }
 
 /// Least squares of the reference's axes alone, with the covariance under these errors and by Newey and West.

@@ -1,6 +1,7 @@
 //! Columns that are not fitted: their sizes are held.
 
-use estimate::cosine::{self, Errors, Projection};
+use estimate::cosine::{Errors, Projection};
+use estimate::dot;
 use estimate::spectral::SpectralFit;
 use faer::Mat;
 
@@ -23,7 +24,7 @@ pub fn determined(
         let Some(direction) = Projection::of(&beside, transform, errors)?.direction(transform, errors) else {
             continue;
         };
-        let information = cosine::dot(&direction, &errors.whiten(transform));
+        let information = dot(&direction, &errors.whiten(transform));
         if information * std >= 1.0 {
             fitted.push(number);
         }

@@ -1,8 +1,6 @@
 use common::number::significant;
 use thiserror::Error;
 
-use super::Grid;
-
 /// Why rows cannot be taken, or pieces not be joined.
 #[derive(Debug, Error, PartialEq)]
 pub enum Error {
@@ -35,15 +33,6 @@ pub enum Error {
         /// Rows looked at.
         rows: usize,
     },
-}
-
-impl Error {
-    /// Pieces on two grids.
-    pub(super) fn unlike(one: Grid, other: Grid) -> Self {
-        let [first, second] = [one, other].map(|grid| format!("every {grid} s"));
-        let expected = "the same step in all; state it when they are made (--step-s)";
-        Error::Piece(partial::Error::Unlike { first, second, expected })
-    }
 }
 
 impl From<Error> for common::Error {

@@ -93,6 +93,13 @@ impl Grid {
     pub fn time_s(&self, place: i64) -> f64 {
         (place as f64 + self.phase()) * self.step_s
     }
+
+    /// That pieces on this grid and on another cannot be joined.
+    pub(super) fn unlike(self, other: Self) -> Error {
+        let [first, second] = [self, other].map(|grid| format!("every {grid} s"));
+        let expected = "the same step in all; state it when they are made (--step-s)";
+        Error::Piece(partial::Error::Unlike { first, second, expected })
+    }
 }
 
 impl std::fmt::Display for Grid {

@@ -84,7 +84,7 @@ impl partial::Partial for Partial {
             return Ok(());
         };
         if grid != theirs {
-            return Err(Error::unlike(grid, theirs));
+            return Err(grid.unlike(theirs));
         }
         let ends: Vec<[i64; 2]> =
             self.covered.stretches().iter().chain(other.covered.stretches()).copied().collect();

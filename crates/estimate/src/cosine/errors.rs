@@ -1,7 +1,8 @@
 use faer::{Mat, Side};
 
-use super::{Cosine, dot, memory};
+use super::{Cosine, memory};
 use crate::Error;
+use crate::dot::dot;
 use crate::whittle::WhittleFit;
 
 /// Coefficients whose covariance is exact; the others are independent.

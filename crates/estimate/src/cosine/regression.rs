@@ -2,6 +2,7 @@ use faer::Mat;
 
 use super::{Errors, bins};
 use crate::Error;
+use crate::dot::dot;
 use crate::positive::Positive;
 use crate::spectral::SpectralFit;
 
@@ -107,19 +108,6 @@ pub fn regress(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Spectra
         weighted_covariance: found.covariance,
         independent,
     })
-}
-
-/// Σ a_i b_i, in eight sums, which need not wait for one another.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    const SUMS: usize = 8;
-    let mut sums = [0.0; SUMS];
-    let count = a.len().min(b.len());
-    let (a, b) = (a[..count].chunks_exact(SUMS), b[..count].chunks_exact(SUMS));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        sums.iter_mut().zip(a).zip(b).for_each(|((sum, a), b)| *sum += a * b);
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// What one more column would explain beside others.
