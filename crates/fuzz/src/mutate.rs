@@ -1,6 +1,7 @@
 //! Changes to files: mostly small, sometimes several at once.
 
 pub mod bytes;
+pub mod change;
 pub mod columns;
 pub mod json;
 pub mod pointers;

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::json::{Context, rename};
+use super::change::Context;
 use super::{pointers, values};
 use crate::draw::Draw;
 
@@ -115,7 +115,7 @@ pub fn unit(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let name = some_key(columns, draw);
     let stem = name.rsplit_once('_').map_or(name.as_str(), |(stem, _)| stem);
     let to = *draw.of(&["v", "nt", "a", "s", "c", "ut", "hz", "rad", "furlong", "counts", ""]);
-    rename(columns, &name, format!("{stem}_{to}"));
+    pointers::rename(columns, &name, format!("{stem}_{to}"));
     true
 }
 

@@ -1,22 +1,12 @@
 //! Changes to a JSON value of any kind; those that know of recordings are beside.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
+use super::change::{Change, Context};
 use super::{columns, pointers, recordings, values};
 use crate::corpus::Corpus;
 use crate::draw::Draw;
 use crate::kind::Kind;
-
-/// A change: whether it could be made here.
-type Change = fn(&mut Value, &Context<'_>, &mut Draw) -> bool;
-
-/// What a change may take from elsewhere.
-pub struct Context<'a> {
-    /// All files.
-    pub corpus: &'a Corpus,
-    /// What is changed.
-    pub kind: Kind,
-}
 
 /// A key that no version knows.
 pub const UNKNOWN: &str = "nobody_knows";
@@ -104,13 +94,6 @@ fn other_type(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     true
 }
 
-/// Another key, in its place.
-pub(super) fn rename(map: &mut Map<String, Value>, from: &str, to: String) {
-    let entries = std::mem::take(map);
-    *map =
-        entries.into_iter().map(|(key, value)| (if key == from { to.clone() } else { key }, value)).collect();
-}
-
 fn renamed(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(pointer) = pointers::pick(value, draw) else { return false };
     let (parent, key) = pointers::parts(&pointer);
@@ -125,7 +108,7 @@ fn renamed(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> bool {
         }
     };
     let Some(Value::Object(map)) = value.pointer_mut(parent) else { return false };
-    rename(map, &key, to);
+    pointers::rename(map, &key, to);
     true
 }
 

@@ -1,6 +1,6 @@
 //! Places in a JSON value.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 use crate::draw::Draw;
@@ -78,6 +78,13 @@ fn collect(value: &Value, pointer: &str, all: &mut BTreeMap<String, Vec<String>>
         }
         _ => {}
     }
+}
+
+/// Another key, in its place.
+pub fn rename(map: &mut Map<String, Value>, from: &str, to: String) {
+    let entries = std::mem::take(map);
+    *map =
+        entries.into_iter().map(|(key, value)| (if key == from { to.clone() } else { key }, value)).collect();
 }
 
 #[cfg(test)]

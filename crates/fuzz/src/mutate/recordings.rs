@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::json::Context;
+use super::change::Context;
 use super::values;
 use crate::draw::Draw;
 
