@@ -8,6 +8,17 @@ pub const SECOND_NS: i64 = 1_000_000_000;
 /// Nanoseconds of a day.
 pub const DAY_NS: i64 = 86_400 * SECOND_NS;
 
+/// What a piece's times count from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// 1970-01-01T00:00:00Z.
+    Utc,
+    /// The campaign's beginning, or whatever the file's own clock began with.
+    Campaign,
+    /// There are no times; rows are in the order taken.
+    None,
+}
+
 /// A moment as written: what the clock shows, and what it is ahead of UTC where that is said.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stamp {

@@ -42,14 +42,3 @@ impl From<Error> for Fault {
         }
     }
 }
-
-/// What a cell says, as an error repeats it: in quotes, and not too long.
-pub(crate) fn quoted(bytes: &[u8]) -> String {
-    const SHOWN: usize = 40;
-    let text = crate::text::decoded(bytes);
-    let mut short: String = text.chars().take(SHOWN).collect();
-    if short.len() < text.len() {
-        short.push('…');
-    }
-    format!("{short:?}")
-}

@@ -4,8 +4,7 @@ use common::time::jumped;
 use estimate::cadence::Cadence;
 use serde::Serialize;
 
-use crate::clock::{self, SECOND_NS};
-use crate::piece::Clock;
+use crate::clock::{self, Clock, SECOND_NS};
 use crate::series::Series;
 
 /// Jumps that are said and listed one by one.

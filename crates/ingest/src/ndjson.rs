@@ -4,11 +4,10 @@ use serde_json::{Map, Value};
 use tables::{LINE_LIMIT, Place};
 
 use crate::Error;
-use crate::error::quoted;
 use crate::mapping::{From, Mapping};
 use crate::parts::{Room, RowFault, in_parts};
 use crate::piece::Piece;
-use crate::text::{Source, split_line};
+use crate::text::{Source, quoted, split_line};
 use crate::times::Times;
 
 /// Reads a file.

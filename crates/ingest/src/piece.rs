@@ -6,23 +6,13 @@ use indexmap::IndexMap;
 use tables::Place;
 
 use crate::Error;
+use crate::clock::Clock;
 use crate::fill::{self, Fill};
 use crate::mapping::Mapping;
 use crate::parts::Rows;
 use crate::raw::Raw;
 use crate::text::Source;
 use crate::times::Times;
-
-/// What a piece's times count from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Clock {
-    /// 1970-01-01T00:00:00Z.
-    Utc,
-    /// The campaign's beginning, or whatever the file's own clock began with.
-    Campaign,
-    /// There are no times; rows are in the order taken.
-    None,
-}
 
 /// A file's rows with what the file says of itself.
 #[derive(Clone, Debug)]

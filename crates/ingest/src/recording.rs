@@ -5,9 +5,9 @@ use program::beside::{INLINE_ROWS, Table, file_name};
 use serde_json::{Value, json};
 use std::path::Path;
 
-use crate::clock::{self, SECOND_NS};
+use crate::clock::{self, Clock, SECOND_NS};
 use crate::jumps::{Jump, jumps};
-use crate::piece::{Clock, Piece};
+use crate::piece::Piece;
 use crate::series::{Gaps, Series, gaps, step_s};
 use crate::{Error, Options, Readings, words};
 

@@ -6,8 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 use tables::Place;
 
-use crate::clock::{self, SECOND_NS};
-use crate::piece::{Clock, Piece};
+use crate::clock::{self, Clock, SECOND_NS};
+use crate::piece::Piece;
 use crate::{Error, Keep};
 
 /// Gaps that are listed one by one.

@@ -131,6 +131,17 @@ pub fn split_line(bytes: &[u8]) -> (&[u8], &[u8]) {
     (line.strip_suffix(b"\r").unwrap_or(line), rest)
 }
 
+/// What a cell says, as an error repeats it: in quotes, and not too long.
+pub(crate) fn quoted(bytes: &[u8]) -> String {
+    const SHOWN: usize = 40;
+    let text = decoded(bytes);
+    let mut short: String = text.chars().take(SHOWN).collect();
+    if short.len() < text.len() {
+        short.push('…');
+    }
+    format!("{short:?}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

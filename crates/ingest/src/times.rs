@@ -6,10 +6,9 @@ use jiff::fmt::strtime::{self, BrokenDownTime};
 use tables::Place;
 
 use crate::Error;
-use crate::clock::{self, DAY_NS, SECOND_NS, Stamp, Zone};
+use crate::clock::{self, Clock, DAY_NS, SECOND_NS, Stamp, Zone};
 use crate::mapping::TimeMapping;
 use crate::parts::{RowFault, Rows};
-use crate::piece::Clock;
 use crate::text::Source;
 
 /// How the times of a file are read.

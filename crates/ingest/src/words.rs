@@ -3,9 +3,9 @@
 use common::number::{bare, counted, duration, plural, significant};
 use rayon::prelude::*;
 
-use crate::clock;
+use crate::clock::{self, Clock};
 use crate::jumps::Jump;
-use crate::piece::{Clock, Piece};
+use crate::piece::Piece;
 use crate::series::{Gaps, Series};
 
 /// Words about files that are said one by one.

@@ -5,11 +5,10 @@ use tables::LINE_LIMIT;
 
 use super::Slot;
 use super::fields::{fields, next_field};
-use crate::error::quoted;
 use crate::mapping::Mapping;
 use crate::number;
 use crate::parts::{Room, RowFault};
-use crate::text::{decoded, split_line};
+use crate::text::{decoded, quoted, split_line};
 use crate::times::Times;
 
 /// How the rows of a file are read.

@@ -2,7 +2,6 @@
 
 use tables::Place;
 
-use super::sample::{grouped, plain_number as number};
 use crate::Error;
 use crate::clock;
 use crate::delimited::fields;
@@ -217,4 +216,21 @@ fn decimal(rows: &[Vec<String>], separator: char) -> char {
         marked.count()
     };
     if separator != ',' && with(',') > with('.') { ',' } else { '.' }
+}
+
+/// A number with that decimal mark.
+fn number(cell: &str, decimal: char) -> Option<f64> {
+    let cell = cell.trim();
+    if decimal == ',' && cell.contains('.') {
+        return None;
+    }
+    cell.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
+}
+
+/// A number whose thousands are apart: with that decimal mark and that between thousands.
+fn grouped(cell: &str, decimal: char, thousands: char) -> Option<f64> {
+    let cell = cell.trim();
+    let is_grouped = cell.contains(thousands) && thousands != decimal;
+    crate::number::grouped(cell.as_bytes(), decimal as u8, thousands as u8)
+        .filter(|value| is_grouped && value.is_finite())
 }

@@ -10,7 +10,6 @@ use crate::Error;
 use crate::cdf;
 use crate::clock;
 use crate::mapping::From;
-use crate::number;
 use crate::text::{Source, lines};
 
 /// Rows that are looked at.
@@ -170,23 +169,6 @@ impl Sample {
     pub fn numbers(&self, column: usize) -> Vec<f64> {
         self.cells[column].iter().filter_map(|cell| self.notation.number(cell)).collect()
     }
-}
-
-/// A number with that decimal mark.
-pub fn plain_number(cell: &str, decimal: char) -> Option<f64> {
-    let cell = cell.trim();
-    if decimal == ',' && cell.contains('.') {
-        return None;
-    }
-    cell.replace(decimal, ".").parse().ok().filter(|value: &f64| value.is_finite())
-}
-
-/// A number whose thousands are apart: with that decimal mark and that between thousands.
-pub fn grouped(cell: &str, decimal: char, thousands: char) -> Option<f64> {
-    let cell = cell.trim();
-    let is_grouped = cell.contains(thousands) && thousands != decimal;
-    number::grouped(cell.as_bytes(), decimal as u8, thousands as u8)
-        .filter(|value| is_grouped && value.is_finite())
 }
 
 fn kind(cells: &[String], notation: &Notation) -> Cells {

@@ -3,11 +3,10 @@
 use super::header::Header;
 use crate::Error;
 use crate::clock::{self, DAY_NS};
-use crate::error::quoted;
 use crate::fill;
 use crate::number;
 use crate::parts::{Room, RowFault, Rows, in_parts};
-use crate::text::{Source, split_line};
+use crate::text::{Source, quoted, split_line};
 use common::number::counted;
 
 /// A row has a date, a time of day, a day of the year and a value.

@@ -8,7 +8,7 @@ use tables::Place;
 use super::Said;
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
-use crate::text::{Source, decoded, lines};
+use crate::text::{Source, decoded, lines, quoted};
 
 /// Stands for a missing value.
 const MISSING: [i64; 2] = [9_999_999, 99_999_990];
@@ -63,7 +63,7 @@ pub fn read(source: &Source) -> Result<Said, Error> {
             (0..DAY_NS).contains(&ns).then_some((ns, numbers))
         });
         let Some((ns, numbers)) = row else {
-            let found = crate::error::quoted(line);
+            let found = quoted(line);
             let expected = "a minute (or second) of the day and four whole numbers; was the file cut?";
             return Err(source.fault(Place::Line(line_number.into()), found, expected));
         };
