@@ -10,7 +10,7 @@ use concealed::sets::neutral;
 use serde_json::json;
 
 use crate::host::{Host, Watched};
-use crate::{left, suits};
+use crate::suits;
 
 /// Name of the set.
 pub const SET: &str = "real";
@@ -63,9 +63,9 @@ fn with(
     let (effect, form_error) = form::inexact(kind.name, made, &host.campaign, draw);
     let added = |size: f64| (effect.act)(&host.campaign, &host.plain, size);
     let wanted = strength * host.scatter_nt;
-    let size = case::sized(|size| left::size(host, &added(size)), wanted);
+    let size = case::sized(|size| host.size(&added(size)), wanted);
     let added = added(size);
-    let left_nt = left::size(host, &added);
+    let left_nt = host.size(&added);
     if (left_nt / wanted - 1.0).abs() > CLOSE || !suits::stays(host, &added) {
         return None;
     }

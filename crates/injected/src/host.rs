@@ -1,15 +1,18 @@
 //! A real recording as a host: the document that diagnose gets, and the campaign in which an effect can act.
 
+use concealed::base;
 use concealed::scene::{AXES, Attitude, Bench, Campaign, Kind, Readings, Run, World};
 use concealed::signal::{Signal, held};
 use nalgebra::Matrix3;
-use recorded::{Series, least_squares};
+use recorded::Series;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
 use crate::between;
 use crate::hosts::Candidate;
-use crate::left;
+use crate::length::{longer, without_plane};
+use crate::matrix::matrix;
+use crate::stats::{mean, rms};
 
 /// What diagnose can see of a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,7 +107,7 @@ impl Host {
             scatter_nt: f64::NAN,
         };
         let residual = host.residual(series);
-        let squares = residual.iter().map(|column| left::rms(column).powi(2)).sum::<f64>();
+        let squares = residual.iter().map(|column| rms(column).powi(2)).sum::<f64>();
         host.scatter_nt = (squares / residual.len() as f64).sqrt();
         Some(host)
     }
@@ -119,10 +122,28 @@ impl Host {
                 };
                 let reference = series.column("reference_nt").iter().enumerate();
                 let off: Vec<f64> = reference.map(|(row, scalar)| length(row) - scalar).collect();
-                vec![left::without_plane(self, &off)]
+                vec![without_plane(&self.plain[0], &off)]
             }
-            Watched::Vectors => left::left(self, &self.plain),
+            Watched::Vectors => self.left(&self.plain),
         }
+    }
+
+    /// What is left of `added` when all constants of the basic model are fitted to it, nT, sensor by sensor; of what is held against a scalar
+    /// magnetometer one column, the change of the vector's length less a level and slopes along the three readings, which is all that nine
+    /// constants do where the field points one way.
+    pub fn left(&self, added: &Readings) -> Vec<Vec<f64>> {
+        match self.watched {
+            Watched::Vectors => base::left(&self.centred, added).into_iter().flatten().collect(),
+            Watched::Length => {
+                let longer = longer(&self.plain[0], self.campaign.bench.offset_nt, &added[0]);
+                vec![without_plane(&self.plain[0], &longer)]
+            }
+        }
+    }
+
+    /// The measure of sizes: rms of what is left of `added` in the sensor that keeps most of it, nT.
+    pub fn size(&self, added: &Readings) -> f64 {
+        self.left(added).iter().map(|column| rms(column)).fold(0.0, f64::max)
     }
 
     /// Number of rows.
@@ -147,24 +168,6 @@ impl Host {
         let length = field.iter().map(|part| part * part).sum::<f64>().sqrt();
         field.map(|part| part / length)
     }
-}
-
-/// Matrix and offsets of test = R η + d by plain least squares: the calibration that the document states.
-pub(crate) fn matrix(series: &Series) -> Option<(Matrix3<f64>, [f64; 3])> {
-    let mut columns = vec![vec![1.0; series.rows()]];
-    let mut means = [0.0; 3];
-    for (k, axis) in AXES.iter().enumerate() {
-        let readings = series.column(&format!("reference_{axis}_nt"));
-        means[k] = mean(readings);
-        columns.push(readings.iter().map(|value| value - means[k]).collect());
-    }
-    let (mut eta, mut offset) = (Matrix3::identity(), [0.0; 3]);
-    for (j, axis) in AXES.iter().enumerate() {
-        let found = least_squares(&columns, series.column(&format!("test_{axis}_nt")))?;
-        (0..3).for_each(|i| eta[(i, j)] = found[i + 1]);
-        offset[j] = found[0] - (0..3).map(|i| found[i + 1] * means[i]).sum::<f64>();
-    }
-    Some((eta, offset))
 }
 
 fn world(pair: bool, times: &[f64], fields: &[Vec<f64>; 3]) -> World {
@@ -212,11 +215,6 @@ fn calibration(bench: &Bench, pair: bool) -> Value {
         return json!({"differential": {"matrix": rows, "offset_nt": offsets(|nt| json!(nt))}});
     }
     json!({"sensors": offsets(|nt| json!({"offset_nt": nt}))})
-}
-
-/// Mean of values.
-pub fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 #[cfg(test)]

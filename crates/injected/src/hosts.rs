@@ -5,7 +5,7 @@
 
 use recorded::{Error, Series, Stages};
 
-use crate::host;
+use crate::matrix::matrix;
 
 const DIDD: &str = include_str!("../../../fixtures/ingest/real/didd.json");
 const HAMSCI: &str = include_str!("../../../fixtures/ingest/real/hamsci.json");
@@ -205,7 +205,7 @@ fn conrad_pair(stages: &Stages) -> Result<Series, Error> {
 
 /// The test instrument of a pair in the field that the other one tells it has.
 fn in_the_field(pair: &Series) -> Series {
-    let Some((eta, offset_nt)) = host::matrix(pair) else { return Series::default() };
+    let Some((eta, offset_nt)) = matrix(pair) else { return Series::default() };
     let field = |reference: [f64; 3]| {
         let own = |j: usize| offset_nt[j] + (0..3).map(|i| reference[i] * eta[(i, j)]).sum::<f64>();
         [own(0), own(1), own(2)]

@@ -9,9 +9,11 @@ pub mod between;
 pub mod cases;
 pub mod host;
 pub mod hosts;
-pub mod left;
+pub mod length;
 #[cfg(test)]
 mod made_up;
+pub mod matrix;
+pub mod stats;
 pub mod suits;
 
 pub use cases::{SET, injected, untouched};

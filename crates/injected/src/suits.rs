@@ -14,8 +14,8 @@ use concealed::effect::Effect;
 use concealed::kinds::{self, Single};
 use concealed::scene::{Kind, Readings};
 
-use crate::host::{Host, Watched, mean};
-use crate::left;
+use crate::host::{Host, Watched};
+use crate::stats::{mean, rms};
 
 /// Least share of the changes of an effect that the refit may leave.
 const LEAST_LEFT: f64 = 0.05;
@@ -130,9 +130,9 @@ pub fn stays(host: &Host, added: &Readings) -> bool {
     }
     let changes = added[0].iter().map(|column| {
         let level = mean(column);
-        left::rms(&column.iter().map(|value| value - level).collect::<Vec<_>>())
+        rms(&column.iter().map(|value| value - level).collect::<Vec<_>>())
     });
-    let (changes, left) = (changes.fold(0.0, f64::max), left::size(host, added));
+    let (changes, left) = (changes.fold(0.0, f64::max), host.size(added));
     left.is_finite() && changes > 0.0 && left >= LEAST_LEFT * changes
 }
 
