@@ -21,9 +21,10 @@ pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
 pub use error::Error;
 pub use gather::{Gathered, gathered};
 use grid::Grid;
+pub use piece::Jump;
 use piece::Piece;
 pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
-pub use segments::{Boundary, Jump, Segment};
+pub use segments::{Boundary, Segment};
 
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;

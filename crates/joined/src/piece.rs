@@ -9,7 +9,6 @@ use estimate::even::{EXACT, Places};
 use estimate::resample::{Resampled, resample};
 
 use super::LEAST;
-use super::segments::Jump;
 use crate::{Error, words};
 
 /// Steps that differ by less than this share are of one rate.
@@ -199,6 +198,27 @@ fn column(recording: &Recording, path: &str, (name, expected): &(String, String)
         return Err(Fault::document(format!("{path}.columns.{name}"), found, expected).into());
     }
     Ok(column.clone())
+}
+
+/// A jump of an instrument's times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Jump {
+    /// Id of the recording.
+    pub recording: String,
+    /// JSON path of the recording.
+    pub path: String,
+    /// First row of the recording after it.
+    pub row: usize,
+    /// The time of that row, s.
+    pub at_s: f64,
+    /// How much later the times are from there on, beyond whole steps, s.
+    pub by_s: f64,
+    /// Standard deviation of that, by the times themselves, s.
+    pub std_s: f64,
+    /// How much later they are if the sampling went on, s: the interval less one step.
+    pub all_s: f64,
+    /// The usual step there, s.
+    pub step_s: f64,
 }
 
 #[cfg(test)]

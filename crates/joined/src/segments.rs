@@ -6,6 +6,7 @@ use estimate::even::EXACT;
 
 use super::Instrument;
 use super::grid::Grid;
+use super::piece::Jump;
 
 /// Rows in which no instrument's times jump.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,27 +15,6 @@ pub struct Segment {
     pub rows: Range<usize>,
     /// How much later the test instrument's times are here than in the segment that all are compared with, s; zero until somebody finds it.
     pub late_s: f64,
-}
-
-/// A jump of an instrument's times.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Jump {
-    /// Id of the recording.
-    pub recording: String,
-    /// JSON path of the recording.
-    pub path: String,
-    /// First row of the recording after it.
-    pub row: usize,
-    /// The time of that row, s.
-    pub at_s: f64,
-    /// How much later the times are from there on, beyond whole steps, s.
-    pub by_s: f64,
-    /// Standard deviation of that, by the times themselves, s.
-    pub std_s: f64,
-    /// How much later they are if the sampling went on, s: the interval less one step.
-    pub all_s: f64,
-    /// The usual step there, s.
-    pub step_s: f64,
 }
 
 /// A jump on the grid.
