@@ -1,6 +1,6 @@
 //! What the source of a recording says is in it, and whether a stage that was not told found it.
 
-use crate::page::Page;
+use crate::markdown;
 
 /// One thing that is known.
 #[derive(Clone, Debug)]
@@ -30,12 +30,10 @@ pub fn table(known: impl Iterator<Item = Known>) -> String {
             word(one.found).into(),
         ]
     };
-    let mut page = Page::default();
-    page.table(
+    markdown::table(
         &["known from", "what", "a stage that was not told", "found"],
         &known.into_iter().map(row).collect::<Vec<_>>(),
-    );
-    page.text
+    )
 }
 
 #[cfg(test)]

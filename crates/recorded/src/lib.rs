@@ -8,6 +8,7 @@ mod affine;
 mod by_hand;
 mod by_hand_pair;
 mod known;
+mod markdown;
 mod page;
 mod plot;
 mod prediction;
