@@ -5,9 +5,10 @@ use common::{AgainstKnown, ReferenceOffset, ScalarStability};
 
 use crate::model::Parameter;
 use crate::read::Source;
-use crate::result::told;
 use crate::solved::Solved;
 
+/// What has a smaller probability by chance is said.
+const TOLD_BELOW: f64 = 0.001;
 /// Sensitivities that differ by more than this factor have an odd one among them.
 const UNLIKE: f64 = 3.0;
 /// Cosines between axes above this are hardly those of three sensors at right angles.
@@ -67,4 +68,9 @@ pub fn of(
         all.push("axes are far from right angles: were two channels mixed up, or is one sensor a combination of others?".into());
     }
     all
+}
+
+/// Whether a probability is so small that it is said.
+fn told(p_value: f64) -> bool {
+    p_value < TOLD_BELOW
 }

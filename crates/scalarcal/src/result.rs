@@ -23,8 +23,6 @@ const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
 /// What shows all twelve parameters.
 const MORE_ATTITUDES: &str =
     "record further attitudes, so that the field lies along each sensor in both directions and between them";
-/// What has a smaller probability by chance is said.
-const TOLD_BELOW: f64 = 0.001;
 
 /// What was found beside the calibration.
 #[derive(Default)]
@@ -388,9 +386,4 @@ fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
         p_value,
         used: options.known,
     })
-}
-
-/// Whether a probability is so small that it is said.
-pub fn told(p_value: f64) -> bool {
-    p_value < TOLD_BELOW
 }
