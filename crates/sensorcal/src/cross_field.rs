@@ -151,7 +151,7 @@ fn own_covariance(
 /// B u²: the sensitivity's even dependence on the field across, which the catalogue does not have.
 fn squared(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Candidate {
     let of = |(run, coils): (&Run<'_>, &Vec<Axis>)| -> Vec<f64> {
-        let along = crate::sensitivity::along(run);
+        let along = crate::readings::along(run);
         (0..run.context.rows)
             .map(|row| {
                 let square: f64 = coils.iter().map(|coil| (run.coil_nt(*coil, row) / FULL_NT).powi(2)).sum();

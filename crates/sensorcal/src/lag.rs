@@ -11,7 +11,7 @@ use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::FOUND_BELOW;
 use crate::fit::{Fit, Problem, Unknown};
-use crate::temperature::{Heated, Part};
+use crate::heated::{Heated, Part};
 
 /// Lags that are tried, s.
 const TRIED_S: [f64; 13] =

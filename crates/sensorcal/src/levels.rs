@@ -9,10 +9,9 @@ use std::collections::HashSet;
 use crate::Error;
 use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::{FULL_NT, Run};
-use crate::sensitivity::along;
+use crate::heated::{Heated, Part};
+use crate::readings::{FULL_NT, Run, along};
 use crate::shape::Shape;
-use crate::temperature::{Heated, Part};
 
 /// Temperatures within this of each other are one level, K.
 const SAME_K: f64 = 0.5;

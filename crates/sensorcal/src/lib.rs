@@ -16,6 +16,7 @@ mod drift;
 mod effects;
 mod error;
 mod fit;
+mod heated;
 mod lag;
 mod leaning;
 mod levels;
@@ -254,7 +255,7 @@ fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f
 /// What the document's model says of temperatures, where no recording does.
 fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
     let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
-    let kinds = temperature::Part::ALL.map(|part| part.kinds().concat()).concat();
+    let kinds = heated::Part::ALL.map(|part| part.kinds().concat()).concat();
     let mut conditions = Conditions::default();
     let mut variances = Vec::new();
     let listed = document.model.iter().flat_map(|model| &model.effects);

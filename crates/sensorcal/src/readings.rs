@@ -301,6 +301,14 @@ pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
     run.context.unit.code_width(document.instrument.as_ref())
 }
 
+/// Applied field along the sensor, nT, with its sign as the sensor stands, by row.
+pub fn along(run: &Run<'_>) -> Vec<f64> {
+    let at = run.sensor.index();
+    let axis = run.context.orientation.rotation.transpose() * run.basic.mu.column(at);
+    let sign = axis.dot(&run.basic.eta.column(run.coil.index())).signum();
+    (0..run.context.rows).map(|row| sign * run.applied_nt(row)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

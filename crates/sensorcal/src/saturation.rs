@@ -4,8 +4,7 @@ use common::number::counted;
 use common::{Axis, Document, Saturation};
 
 use crate::Error;
-use crate::readings::{Run, code_width};
-use crate::sensitivity::along;
+use crate::readings::{Run, along, code_width};
 
 /// Readings within this share of the largest one stand still.
 const STILL: f64 = 1e-6;

@@ -14,7 +14,7 @@ use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::{FULL_NT, Run, code_width, first_sensitivity, runs};
+use crate::readings::{FULL_NT, Run, along, code_width, first_sensitivity, runs};
 use crate::saturation;
 use crate::shape::Shape;
 
@@ -197,14 +197,6 @@ pub fn sensitivity_key(unit: Unit) -> &'static str {
 fn largest(runs: &[Run<'_>]) -> f64 {
     let fields = runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row).abs()));
     fields.fold(0.0, f64::max)
-}
-
-/// Applied field along the sensor, nT, with its sign as the sensor stands, by row.
-pub fn along(run: &Run<'_>) -> Vec<f64> {
-    let at = run.sensor.index();
-    let axis = run.context.orientation.rotation.transpose() * run.basic.mu.column(at);
-    let sign = axis.dot(&run.basic.eta.column(run.coil.index())).signum();
-    (0..run.context.rows).map(|row| sign * run.applied_nt(row)).collect()
 }
 
 /// +½ on the way up, −½ on the way down, by row.

@@ -1,0 +1,154 @@
+//! Runs at several temperatures, and whose temperature moved in them.
+
+use common::Axis;
+use common::number::significant;
+use faer::Mat;
+use physics::{Kind, Thermometer};
+
+use crate::Error;
+use crate::departure::visible_share;
+use crate::readings::Run;
+
+/// A temperature that moves by less than this in a recording is held, K.
+const MOVED_K: f64 = 0.5;
+/// Share of a temperature's changes that the other one's must leave.
+const APART: f64 = 0.1;
+
+/// A part whose temperature moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Part {
+    /// The sensor.
+    Sensor,
+    /// The electronics.
+    Electronics,
+}
+
+impl Part {
+    /// Both.
+    pub const ALL: [Part; 2] = [Part::Sensor, Part::Electronics];
+
+    /// Its name in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Part::Sensor => "sensor",
+            Part::Electronics => "electronics",
+        }
+    }
+
+    fn thermometer(self) -> Thermometer {
+        match self {
+            Part::Sensor => Thermometer::Sensor,
+            Part::Electronics => Thermometer::Electronics,
+        }
+    }
+
+    /// The effects on sensitivity and offset, at once and with a lag.
+    pub fn kinds(self) -> [[Kind; 2]; 2] {
+        match self {
+            Part::Sensor => [
+                [Kind::SensitivityTemperature, Kind::SensitivityTemperatureLag],
+                [Kind::OffsetTemperature, Kind::OffsetTemperatureLag],
+            ],
+            Part::Electronics => [
+                [Kind::SensitivityElectronicsTemperature, Kind::SensitivityElectronicsTemperatureLag],
+                [Kind::OffsetElectronicsTemperature, Kind::OffsetElectronicsTemperatureLag],
+            ],
+        }
+    }
+
+    /// Temperature less its reference in a run, K, by row.
+    pub fn warmer(self, run: &Run<'_>) -> Result<Vec<f64>, Error> {
+        let (column, reference) = run
+            .context
+            .temperature(self.thermometer(), "a `temperature_run`")
+            .map_err(|error| error.at(&format!("{}.columns", run.path)))?;
+        Ok(column.iter().map(|t| t - reference).collect())
+    }
+
+    /// The reference, degC.
+    pub fn reference(self, run: &Run<'_>) -> Option<f64> {
+        match self {
+            Part::Sensor => run.context.references.sensor_c,
+            Part::Electronics => run.context.references.electronics_c,
+        }
+    }
+}
+
+/// The runs with the temperatures of each, and which moved.
+pub struct Heated<'a> {
+    /// The runs.
+    pub runs: Vec<Run<'a>>,
+    /// Temperature less reference of sensor and electronics for each run, K.
+    pub warmer: Vec<[Vec<f64>; 2]>,
+    /// Which parts moved and can be told apart.
+    pub parts: Vec<Part>,
+}
+
+/// Which temperatures moved, and whether they can be told apart.
+pub fn parts(
+    sensor: Axis,
+    runs: &[Run<'_>],
+    warmer: &[[Vec<f64>; 2]],
+    findings: &mut Vec<String>,
+) -> Result<Vec<Part>, Error> {
+    let moved = |at: usize| {
+        runs.iter().zip(warmer).any(|(run, both)| {
+            let values = || run.rows.iter().map(|row| both[at][*row]);
+            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min) > MOVED_K
+        })
+    };
+    let parts: Vec<Part> =
+        Part::ALL.into_iter().enumerate().filter(|(at, _)| moved(*at)).map(|(_, p)| p).collect();
+    if parts.is_empty() {
+        return Err(Error::Undetermined(format!(
+            "sensor {sensor}: neither temperature moves by more than {MOVED_K} K in any `temperature_run`; a coefficient needs at least two temperatures, a curvature three"
+        )));
+    }
+    if parts.len() == 2 {
+        // Each temperature against the other, both about their mean in each run.
+        let rows: usize = runs.iter().map(|run| run.rows.len()).sum();
+        let column = |at: usize| -> Vec<f64> {
+            let each = runs.iter().zip(warmer);
+            each.flat_map(|(run, both)| run.rows.iter().map(|row| both[at][*row]).collect::<Vec<_>>())
+                .collect()
+        };
+        let columns = [column(0), column(1)];
+        let number: Vec<usize> =
+            runs.iter().enumerate().flat_map(|(number, run)| vec![number; run.rows.len()]).collect();
+        let share = |of: usize, other: usize| {
+            let means = Mat::from_fn(rows, runs.len(), |i, j| f64::from(u8::from(number[i] == j)));
+            let with = Mat::from_fn(rows, runs.len() + 1, |i, j| {
+                if j < runs.len() { means[(i, j)] } else { columns[other][i] }
+            });
+            visible_share(&with, &columns[of]) / visible_share(&means, &columns[of])
+        };
+        let apart = share(0, 1).min(share(1, 0));
+        if apart < APART {
+            findings.push(format!(
+                "the temperatures of sensor and electronics moved together (all but {} % of the one is in the other): no slope is given, for it could belong to either; heat one with the other held",
+                significant(100.0 * apart, 2)
+            ));
+            return Ok(Vec::new());
+        }
+    }
+    Ok(parts)
+}
+
+/// How many temperatures were held, a kelvin apart.
+pub fn distinct(heated: &Heated<'_>, part: Part) -> usize {
+    let at = usize::from(part == Part::Electronics);
+    let mut all: Vec<f64> = heated
+        .runs
+        .iter()
+        .zip(&heated.warmer)
+        .flat_map(|(run, both)| run.rows.iter().map(|row| both[at][*row]).collect::<Vec<_>>())
+        .collect();
+    all.sort_by(f64::total_cmp);
+    let (mut levels, mut begin) = (1, all.first().copied().unwrap_or(0.0));
+    for temperature in all {
+        if temperature - begin > 1.0 {
+            (levels, begin) = (levels + 1, temperature);
+        }
+    }
+    levels
+}
