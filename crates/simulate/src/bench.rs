@@ -2,22 +2,32 @@
 
 use common::number::bare;
 use common::range::{SCALAR_MARGIN, SCALAR_NT};
-use common::{Axis, Conditions, Document, Error};
+use common::{Axis, Conditions, Document, Error, Facility};
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
 use physics::Basic;
 use physics::frames::{self, ARCSEC};
 
-use crate::plan::{Plan, Timing};
+use crate::differential::DifferentialTruth;
+use crate::outside::OutsidePlan;
 use crate::planned::Step;
+use crate::timing::Timing;
 
 /// Rows that a campaign may have in all its recordings together.
 pub const MOST_ROWS: f64 = 5e7;
 
 /// What the operator knows and has.
 pub struct Bench<'a> {
-    /// The plan.
-    pub plan: &'a Plan,
+    /// Seed of all noise.
+    pub seed: u64,
+    /// When the campaign begins, where that is planned.
+    pub start: Option<&'a str>,
+    /// How long things take.
+    pub timing: &'a Timing,
+    /// The natural field outside, where there is one.
+    pub outside: Option<&'a OutsidePlan>,
+    /// The two magnetometers of a differential recording, where there are two.
+    pub differential: Option<&'a DifferentialTruth>,
     /// What the document will state of facility, instrument and calibration.
     pub document: &'a Document,
     /// The chain as it is stated: the operator sets currents by it.
@@ -27,9 +37,9 @@ pub struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// How long things take.
-    pub fn timing(&self) -> &Timing {
-        &self.plan.timing
+    /// The facility as it is stated.
+    pub fn facility(&self) -> Option<&Facility> {
+        self.document.facility.as_ref()
     }
 
     /// The sensors of a procedure: its own, else the instrument's, else all.
@@ -37,7 +47,7 @@ impl Bench<'_> {
         if own.as_ref().is_some_and(Vec::is_empty) {
             return Err(Error::document(format!("{path}.sensors"), "an empty list", "at least one sensor"));
         }
-        let instrument = self.plan.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
+        let instrument = self.document.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
         if instrument.as_ref().is_some_and(Vec::is_empty) {
             return Err(Error::document("instrument.sensors", "an empty list", "at least one sensor"));
         }
@@ -77,7 +87,7 @@ impl Bench<'_> {
 
     /// The scalar magnetometer reads such a field: `coilcal` refuses readings beyond its range.
     pub fn scalar_reads(&self, field_nt: f64, path: &str) -> Result<(), Error> {
-        let stated = self.plan.facility.as_ref().and_then(|facility| facility.reference_range_nt);
+        let stated = self.facility().and_then(|facility| facility.reference_range_nt);
         let [low, high] = stated.unwrap_or(SCALAR_NT);
         if (low * (1.0 - SCALAR_MARGIN)..=high * (1.0 + SCALAR_MARGIN)).contains(&field_nt) {
             return Ok(());
@@ -91,7 +101,7 @@ impl Bench<'_> {
 
     /// The largest field of a coil, nT, where it is stated.
     pub fn max_nt(&self, coil: Axis) -> Option<f64> {
-        let coils = self.plan.facility.as_ref().and_then(|facility| facility.coils.as_ref())?;
+        let coils = self.facility().and_then(|facility| facility.coils.as_ref())?;
         coils.get(coil)?.max_nt
     }
 
@@ -112,7 +122,7 @@ impl Bench<'_> {
         let to = self.truth.mu.column(sensor.index()).into_owned();
         let between =
             nalgebra::Rotation3::rotation_between(&from, &to).unwrap_or_else(nalgebra::Rotation3::identity);
-        let mut stream = Stream::new(self.plan.seed, &format!("{id}/fixture"));
+        let mut stream = Stream::new(self.seed, &format!("{id}/fixture"));
         let missed = self.random(&mut stream, alignment_arcmin * 60.0 * ARCSEC);
         let rotation = frames::small_rotation(&missed) * between.into_inner() * nominal;
         let theodolite = self.theodolite_arcsec();
@@ -128,7 +138,7 @@ impl Bench<'_> {
 
     /// Standard deviation of one theodolite reading with what it has in common with others, arcsec.
     pub fn theodolite_arcsec(&self) -> f64 {
-        let facility = self.plan.facility.as_ref();
+        let facility = self.facility();
         facility.and_then(|facility| facility.theodolite_std_arcsec(1)).unwrap_or(0.0)
     }
 
@@ -139,7 +149,7 @@ impl Bench<'_> {
 
     /// Readings at one drive, after the field has settled.
     pub fn set(&self, action: String, field_nt: Vector3<f64>, readings: usize) -> Step {
-        let timing = self.timing();
+        let timing = self.timing;
         Step {
             action,
             current_a: self.currents(field_nt),
@@ -156,7 +166,7 @@ impl Bench<'_> {
             action,
             current_a: Vector3::zeros(),
             temperatures_c: None,
-            wait_s: self.timing().field_settle_s,
+            wait_s: self.timing.field_settle_s,
             readings: (length_s / step_s).round() as usize,
             length_s,
         }

@@ -8,9 +8,10 @@ use std::collections::HashSet;
 
 use crate::bench::{Bench, MOST_ROWS, positive};
 use crate::make::{self, World};
-use crate::plan::{CalibrationPart, DriveRecord, Plan, Timing, TruthPlan};
+use crate::plan::{CalibrationPart, DriveRecord, Plan, TruthPlan};
 use crate::planned::Planned;
 use crate::schedule::{Scheduled, schedule};
+use crate::timing::Timing;
 use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
 
 /// The document that a campaign gives, and what is true behind it.
@@ -145,7 +146,16 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     };
     let effects = physics::adopt(&true_document).map_err(|error| error.at("truth.model"))?;
     let basic = unit_directions(Basic::of(&true_document, unit), &mut true_document)?;
-    let bench = Bench { plan, document: &document, stated: &stated, truth: &basic };
+    let bench = Bench {
+        seed: plan.seed,
+        start: plan.start.as_deref(),
+        timing: &plan.timing,
+        outside: plan.truth.outside.as_ref(),
+        differential: plan.truth.differential.as_ref(),
+        document: &document,
+        stated: &stated,
+        truth: &basic,
+    };
     let mut rows = 0.0;
     for (index, procedure) in plan.procedures.iter().enumerate() {
         let path = format!("procedures[{index}]");

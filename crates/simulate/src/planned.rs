@@ -4,7 +4,7 @@ use common::{Axis, Column, Columns, Conditions, Recording};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::aboard::Aboard;
-use crate::plan::Timing;
+use crate::timing::Timing;
 
 /// A recording without its readings.
 pub struct Planned {

@@ -152,7 +152,7 @@ impl Sequence for AxesProcedure {
                 let mut rows = turn();
                 for drive in &drives {
                     let action = format!("drive {} nT", vector([drive.x, drive.y, drive.z], 0.0));
-                    rows.step(bench.set(action, *drive, self.repeats), bench.timing(), &[]);
+                    rows.step(bench.set(action, *drive, self.repeats), bench.timing, &[]);
                 }
                 planned.push(recording(id, rows, conditions));
                 continue;
@@ -195,12 +195,12 @@ impl AxesProcedure {
 
     /// The true rotation of a setting, and what the theodolites say of it.
     fn setting(&self, bench: &Bench<'_>, id: &str, nominal: Matrix3<f64>) -> (Matrix3<f64>, Conditions) {
-        let mut stream = Stream::new(bench.plan.seed, &format!("{id}/theodolite"));
+        let mut stream = Stream::new(bench.seed, &format!("{id}/theodolite"));
         let mut vector = |std: f64| bench.random(&mut stream, std);
         let fixture = frames::small_rotation(&vector(self.fixture_std_arcmin * 60.0 * ARCSEC));
         let rotation = nominal * fixture;
         if self.theodolite_angles {
-            let facility = bench.plan.facility.as_ref();
+            let facility = bench.facility();
             let own = facility.and_then(|facility| facility.theodolite_arcsec).unwrap_or(0.0) * ARCSEC;
             let mut errors: Vec<[f64; 4]> = (0..self.theodolite_readings)
                 .map(|_| {
@@ -209,7 +209,7 @@ impl AxesProcedure {
                 })
                 .collect();
             let shared = facility.and_then(|facility| facility.theodolite_shared_arcsec).unwrap_or(0.0);
-            let mut stream = Stream::new(bench.plan.seed, &format!("{id}/theodolite/shared"));
+            let mut stream = Stream::new(bench.seed, &format!("{id}/theodolite/shared"));
             let shared: [f64; 4] = std::array::from_fn(|_| stream.normal() * shared * ARCSEC);
             errors.iter_mut().for_each(|errors| errors.iter_mut().zip(shared).for_each(|(e, s)| *e += s));
             let angles = theodolite(&fixture, nominal, &errors);
@@ -221,7 +221,7 @@ impl AxesProcedure {
 
     /// Turning the block, with the first reading of the theodolites, and reading them again.
     fn turn(&self, bench: &Bench<'_>, number: usize) -> Rows {
-        let timing = bench.timing();
+        let timing = bench.timing;
         let again = (self.theodolite_readings - 1) as f64 * timing.theodolite_s;
         Rows::new(format!("block to orientation {number}"), timing.orientation_s + again)
     }

@@ -70,7 +70,7 @@ impl Sequence for CoilConstantProcedure {
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
-        let mut rows = Rows::new("scalar magnetometer to the coils' centre", bench.timing().orientation_s);
+        let mut rows = Rows::new("scalar magnetometer to the coils' centre", bench.timing.orientation_s);
         for sign in [1.0, -1.0] {
             for level in 0..self.levels() as usize {
                 let field = sign * (self.from_nt + level as f64 * self.step_nt);
@@ -79,7 +79,7 @@ impl Sequence for CoilConstantProcedure {
                     on(self.coil, field),
                     self.repeats,
                 );
-                rows.step(step, bench.timing(), &[]);
+                rows.step(step, bench.timing, &[]);
             }
         }
         let conditions = Conditions { coil: Some(self.coil), ..Conditions::default() };

@@ -67,12 +67,12 @@ impl Sequence for CoilGradientProcedure {
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
         let field = self.field(bench);
         let mut rows =
-            Rows::new(format!("{} nT on coil {}", bare(field), self.coil), bench.timing().orientation_s);
+            Rows::new(format!("{} nT on coil {}", bare(field), self.coil), bench.timing.orientation_s);
         for place in 0..2 * self.steps + 1 {
             let position = (place as f64 - self.steps as f64) * self.step_m;
             let action = format!("scalar magnetometer to {} m along coil {}", bare(position), self.coil);
             let step = bench.set(action, on(self.coil, field), self.repeats);
-            rows.step(step, bench.timing(), &[("position_m", position)]);
+            rows.step(step, bench.timing, &[("position_m", position)]);
         }
         let conditions = Conditions { coil: Some(self.coil), ..Conditions::default() };
         let id = self.id.clone();

@@ -99,7 +99,7 @@ impl Sequence for CrossFieldProcedure {
                 let Aligned { conditions, rotation, nominal } =
                     bench.along(&id, sensor, coil, 0.0, self.quarter_turns);
                 let mut rows =
-                    Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
+                    Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing.orientation_s);
                 for level in &self.levels_nt {
                     for field in sweep(self.to_nt, self.steps) {
                         let action = format!(
@@ -108,7 +108,7 @@ impl Sequence for CrossFieldProcedure {
                             bare(*level)
                         );
                         let step = bench.set(action, on(coil, field) + on(across, *level), 1);
-                        rows.step(step, bench.timing(), &[]);
+                        rows.step(step, bench.timing, &[]);
                     }
                 }
                 let mut coils = [coil, across];

@@ -35,11 +35,11 @@ impl Sequence for DifferentialProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
         positive(path, "length_s", self.length_s)?;
         positive(path, "step_s", self.step_s)?;
-        if bench.plan.truth.outside.is_none() {
+        if bench.outside.is_none() {
             let expected = "the natural field that both magnetometers see: main_field_nt and its variations";
             return Err(Error::document("truth.outside", "no such key", expected));
         }
-        if bench.plan.truth.differential.is_none() {
+        if bench.differential.is_none() {
             let expected = "the axes and scales of the two magnetometers";
             return Err(Error::document("truth.differential", "no such key", expected));
         }
@@ -47,7 +47,7 @@ impl Sequence for DifferentialProcedure {
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
-        let mut rows = Rows::new("both magnetometers on their pillars", bench.timing().orientation_s);
+        let mut rows = Rows::new("both magnetometers on their pillars", bench.timing.orientation_s);
         let action = format!("record {} at {} s", duration(self.length_s), bare(self.step_s));
         rows.series(bench.record(action, self.length_s, self.step_s), self.step_s, |_| {
             nalgebra::Vector3::zeros()

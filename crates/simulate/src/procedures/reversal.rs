@@ -89,7 +89,7 @@ impl Sequence for DriftProcedure {
         positive(path, "interval_s", self.interval_s)?;
         positive(path, "pairs", self.pairs as f64)?;
         positive(path, "amplification", self.amplification)?;
-        if bench.plan.start.is_none() {
+        if bench.start.is_none() {
             let expected = "the moment at which the campaign begins, so that each date has its `start`";
             return Err(Error::document("start", "no such key", expected));
         }
@@ -114,7 +114,7 @@ impl Sequence for DriftProcedure {
 }
 
 fn reversal(bench: &Bench<'_>, kind: &str, id: String, path: &str, sensor: Axis, pairs: usize) -> Planned {
-    let timing = bench.timing();
+    let timing = bench.timing;
     let mut rows = Rows::new(format!("sensor {sensor} into the shield"), timing.orientation_s);
     let mut last = 0.0;
     for row in 0..2 * pairs {

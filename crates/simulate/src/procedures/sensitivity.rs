@@ -67,11 +67,11 @@ impl Sequence for SensitivityProcedure {
             let Aligned { conditions, rotation, nominal } =
                 bench.along(&id, sensor, coil, self.alignment_std_arcmin, 0.0);
             let mut rows =
-                Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
+                Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing.orientation_s);
             for field in sweep(self.to_nt, self.steps) {
                 let step =
                     bench.set(format!("{} nT on coil {coil}", bare(field)), on(coil, field), self.repeats);
-                rows.step(step, bench.timing(), &[]);
+                rows.step(step, bench.timing, &[]);
             }
             let mut recording =
                 Planned::new(procedure::SENSOR_SENSITIVITY, id, path.into(), conditions, rows, &[coil]);

@@ -62,7 +62,7 @@ impl Sequence for NoiseProcedure {
         let series = self.series.iter().enumerate();
         Ok(series
             .map(|(number, series)| {
-                let mut rows = Rows::new("sensors into the shield", bench.timing().orientation_s);
+                let mut rows = Rows::new("sensors into the shield", bench.timing.orientation_s);
                 let action = format!("record {} s at {} s", series.length_s, series.step_s);
                 let step = bench.record(action, series.length_s, series.step_s);
                 rows.series(step, series.step_s, |_| nalgebra::Vector3::zeros());

@@ -85,7 +85,7 @@ impl Sequence for TemperatureProcedure {
         positive(path, "monitor_s", self.monitor_s.unwrap_or(1.0))?;
         filled(path, "parts", &self.parts)?;
         filled(path, "deviations_k", &self.deviations_k)?;
-        let settle = bench.timing().temperature_settle_s;
+        let settle = bench.timing.temperature_settle_s;
         if let Some(every) = self.monitor_s.filter(|every| *every > settle) {
             let found = format!("{every}, longer than the {settle} s of timing.temperature_settle_s");
             return Err(Error::document(format!("{path}.monitor_s"), found, "a shorter time, or no key"));
@@ -94,7 +94,7 @@ impl Sequence for TemperatureProcedure {
         for sensor in &sensors {
             bench.within(self.coil.unwrap_or(*sensor), self.to_nt, &format!("{path}.to_nt"))?;
         }
-        let monitored = self.monitor_s.map_or(0.0, |step| bench.timing().temperature_settle_s / step);
+        let monitored = self.monitor_s.map_or(0.0, |step| bench.timing.temperature_settle_s / step);
         let rows = (self.steps as f64 + monitored) * self.deviations_k.len() as f64;
         samples(&format!("{path}.steps"), self.steps as f64, 2.0)?;
         Ok(samples(path, rows, 2.0)? * (self.parts.len() * sensors.len()) as f64)
@@ -117,7 +117,7 @@ impl TemperatureProcedure {
         let name = if part == HeatedPart::Sensor { "sensor" } else { "electronics" };
         let id = format!("{}-{name}-{sensor}", self.id);
         let Aligned { conditions, rotation, nominal } = bench.along(&id, sensor, coil, 0.0, 0.0);
-        let mut rows = Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing().orientation_s);
+        let mut rows = Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing.orientation_s);
         let mut reached = self.nominal_c;
         for deviation in &self.deviations_k {
             let target = self.nominal_c + deviation;
@@ -140,7 +140,7 @@ impl TemperatureProcedure {
 
     /// Waits until a temperature is reached, with readings on the way where they are wanted.
     fn settle(&self, bench: &Bench<'_>, part: HeatedPart, from: f64, to: f64, rows: &mut Rows) {
-        let wait = bench.timing().temperature_settle_s;
+        let wait = bench.timing.temperature_settle_s;
         let action = match part {
             HeatedPart::Sensor => format!("sensor to {} degC", bare(to)),
             HeatedPart::Electronics => format!("electronics to {} degC", bare(to)),
@@ -171,6 +171,6 @@ impl TemperatureProcedure {
             HeatedPart::Electronics => (self.nominal_c, temperature),
         };
         let more = [("sensor_temperature_c", sensor), ("electronics_temperature_c", electronics)];
-        rows.step(Step { temperatures_c: Some([sensor, electronics]), ..step }, bench.timing(), &more);
+        rows.step(Step { temperatures_c: Some([sensor, electronics]), ..step }, bench.timing, &more);
     }
 }
