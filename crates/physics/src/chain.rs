@@ -9,7 +9,8 @@ use std::borrow::Cow;
 use crate::effects::add_known_gradient;
 use crate::model::column;
 use crate::{
-    Basic, Context, EffectInstance, Error, Kind, Real, Stage, Surroundings, field_geo, frames, parallel,
+    Basic, Context, EffectInstance, Error, Kind, Parameter, Real, Stage, Surroundings, field_geo, frames,
+    parallel,
 };
 
 /// What the chain predicts for a recording.
@@ -21,25 +22,6 @@ pub struct Prediction<T: Real = f64> {
     pub field_sen: Vec<Vector3<T>>,
     /// The readings of the sensors x, y, z, in the unit of the recording; those of the test instrument where it is differential.
     pub readings: Vec<Vector3<T>>,
-}
-
-/// One parameter of the chain, to be fitted.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Parameter {
-    /// k of a coil, nT/A.
-    CoilConstant(Axis),
-    /// B0 of a coil, nT.
-    CoilOffset(Axis),
-    /// Turn of a coil along one of its two tangents, rad.
-    CoilTurn(Axis, usize),
-    /// Turn of a sensor along one of its two tangents, rad.
-    SensorTurn(Axis, usize),
-    /// k of a sensor.
-    Sensitivity(Axis),
-    /// O of a sensor, nT.
-    SensorOffset(Axis),
-    /// A parameter of an effect: number of the effect, number of its parameter.
-    Effect(usize, usize),
 }
 
 /// Predicts the readings of a recording.

@@ -1,23 +1,9 @@
 //! What one effect is.
 
-use common::{Axis, Recording};
-use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar, Vector3};
-use num_dual::DualNum;
-use std::fmt;
+use common::Axis;
+use nalgebra::Vector3;
 
-use crate::{Basic, Context, Error, Kind};
-
-/// A number that may carry a derivative: `f64` for simulation, a dual number for fits. An effect is
-/// written once for any of them, so a prediction and its Jacobian cannot disagree.
-pub trait Real:
-    DualNum<Primitive = f64> + Copy + Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign
-{
-}
-
-impl<T> Real for T where
-    T: DualNum<Primitive = f64> + Copy + Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign
-{
-}
+use crate::{Basic, Context, Error, Real};
 
 /// What an effect belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -217,67 +203,4 @@ pub trait Effect {
         signal: &mut [Vector3<T>],
         around: &Surroundings<'_, T>,
     ) -> Result<(), Error>;
-}
-
-/// When an effect acts, on the campaign's clock.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Within {
-    /// From then on, s; absent: from the beginning.
-    pub from_s: Option<f64>,
-    /// Until then, this moment left out, s; absent: to the end.
-    pub to_s: Option<f64>,
-}
-
-impl Within {
-    /// Whether it acts at all times.
-    pub fn is_always(&self) -> bool {
-        *self == Self::default()
-    }
-
-    /// Whether it acts at a time.
-    pub fn holds(&self, time_s: f64) -> bool {
-        self.from_s.is_none_or(|from| time_s >= from) && self.to_s.is_none_or(|to| time_s < to)
-    }
-}
-
-/// An effect with the values of its parameters.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EffectInstance {
-    /// Which effect.
-    pub kind: Kind,
-    /// The coil or sensor that it acts on, for an effect of one.
-    pub axis: Option<Axis>,
-    /// The housekeeping column that it follows, for an effect that does.
-    pub column: Option<String>,
-    /// The recording in which it acts; absent: all.
-    pub recording: Option<String>,
-    /// When it acts there.
-    pub within: Within,
-    /// Values, in the order of the effect's parameters.
-    pub parameters: Vec<f64>,
-}
-
-impl EffectInstance {
-    /// Whether it acts in a recording.
-    pub fn acts(&self, recording: &Recording) -> bool {
-        self.recording.as_ref().is_none_or(|only| *only == recording.id)
-            && self.kind.acts_in(&recording.procedure)
-    }
-}
-
-impl fmt::Display for EffectInstance {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let about = self.kind.about();
-        f.write_str(about.title)?;
-        let part = match about.acts {
-            Acts::OneCoil => self.axis.map(|axis| format!("coil {axis}")),
-            _ => self.axis.map(|axis| format!("sensor {axis}")).or_else(|| self.column.clone()),
-        };
-        let values = about.parameters.iter().zip(&self.parameters);
-        let values: Vec<String> = values.map(|(info, value)| format!("{} = {value}", info.name)).collect();
-        match part {
-            Some(part) => write!(f, " ({part}: {})", values.join(", ")),
-            None => write!(f, " ({})", values.join(", ")),
-        }
-    }
 }

@@ -19,22 +19,26 @@ mod effect;
 mod effects;
 mod error;
 pub mod frames;
+mod instance;
 mod inverse;
 mod lanes;
 pub mod memory;
 mod model;
+mod parameter;
 mod reading;
+mod real;
 mod setting;
 
-pub use catalogue::{Kind, adopt, state_references};
-pub use chain::{LeftOut, Parameter, Prediction, predict, predict_acting, predict_with_jacobian};
+pub use catalogue::Kind;
+pub use chain::{LeftOut, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
-pub use effect::{
-    About, Acts, Effect, EffectInstance, ParameterInfo, Place, Real, Role, Stage, Surroundings, Within,
-};
+pub use effect::{About, Acts, Effect, ParameterInfo, Place, Role, Stage, Surroundings};
 pub use error::Error;
+pub use instance::{EffectInstance, Within, adopt, state_references};
 pub use inverse::{Inverter, Row, Solved, field_in_sen};
 pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};
+pub use parameter::Parameter;
 pub use reading::{Reading, field_geo, parallel, reading};
+pub use real::Real;
 pub use setting::Setting;

@@ -48,8 +48,8 @@ pub use time::{Ageing, SensitivityAgeing, WarmUp};
 
 /// What every effect is written with.
 mod prelude {
-    pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Real, Stage, Surroundings};
-    pub use crate::{Context, Error};
+    pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surroundings};
+    pub use crate::{Context, Error, Real};
     pub use nalgebra::Vector3;
 
     /// Field to which coefficients of powers refer, nT.
