@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
     GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, Uncertainty,
-    document, json, to_text,
+    json, parse, to_text,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -71,7 +71,7 @@ impl Calibration {
 
     /// Not generic, so that the code of all these types is made in this crate alone.
     fn read(text: &str) -> Result<Self, Error> {
-        document::at_path(text)
+        parse::at_path(text)
     }
 }
 
@@ -83,7 +83,7 @@ impl Calibration {
 /// As of a document, below the path at which the calibration stands.
 pub fn calibration_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Calibration>, D::Error> {
     let text = Option::<Box<RawValue>>::deserialize(deserializer)?;
-    text.map(|text| Calibration::read(text.get()).map_err(document::carried)).transpose()
+    text.map(|text| Calibration::read(text.get()).map_err(parse::carried)).transpose()
 }
 
 /// One coil: B = k I + B0, along the coil's own axis.

@@ -2,7 +2,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Extra, Quantity, document, json, to_text};
+use crate::{Error, Extra, Quantity, json, parse, to_text};
 
 /// What a calibration certificate states and no program finds (ISO/IEC 17025:2017, 7.8.2 and 7.8.4). An absent key is a blank
 /// line on the certificate. An empty text or list is the statement that there is none.
@@ -82,11 +82,11 @@ impl Certificate {
     ///
     /// A text that is no JSON object of such data, with the path in it.
     pub fn overlaid(&self, text: &str) -> Result<Self, Error> {
-        let over: Self = document::at_path(text)?;
+        let over: Self = parse::at_path(text)?;
         let value = |one: &Self| serde_json::from_str(&to_text(one)).expect("what was just written");
         let mut merged = value(self);
         json::overlay(&mut merged, value(&over));
-        document::at_path(&merged.to_string())
+        parse::at_path(&merged.to_string())
     }
 }
 

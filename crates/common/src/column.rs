@@ -160,9 +160,9 @@ impl<'de> Deserialize<'de> for Unread {
                 let readings = Readings { text: Some((text, summary)), values: OnceLock::new() };
                 Ok(Unread(Column(Arc::new(readings))))
             }
-            None => crate::document::at_path::<Vec<Reading>>(text.get())
+            None => crate::parse::at_path::<Vec<Reading>>(text.get())
                 .map(|readings| Unread(readings.into()))
-                .map_err(crate::document::carried),
+                .map_err(crate::parse::carried),
         }
     }
 }

@@ -24,6 +24,7 @@ mod json;
 mod model;
 mod nulling;
 pub mod number;
+mod parse;
 mod quantity;
 pub mod range;
 mod recording;
@@ -32,6 +33,7 @@ mod scalar;
 pub mod schema;
 mod sensor;
 mod sensor_conditions;
+mod sensor_fit;
 mod sensor_noise;
 mod sensor_offset;
 pub mod series;
@@ -65,7 +67,7 @@ pub use differential::{
     PulledElement, QuietDisturbed, ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand,
     TransferBands, WindowMean,
 };
-pub use document::{Document, FORMAT_VERSION, Versioned, at_path, line_of, parse};
+pub use document::Document;
 pub use error::{Error, ExitCode};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use finite::all_finite;
@@ -76,20 +78,19 @@ pub use model::{AdoptedEffect, Model};
 pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
 };
+pub use parse::{FORMAT_VERSION, Versioned, at_path, line_of, parse};
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Dropped, Recording, Theodolite, TheodoliteAngle, procedure};
 pub use scalar::{
     AgainstKnown, BodyIron, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter,
     ScalarStability, ScalarWindow, VectorFit, WeakestDirection,
 };
-pub use sensor::{
-    FitNoise, PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration,
-    TestResult,
-};
+pub use sensor::{PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration};
 pub use sensor_conditions::{
     CommonExtremum, CrossFieldFit, CrossFieldLevels, HeldOut, Misalignment, TemperatureFit,
     TemperatureLevels, TemperatureOfPart,
 };
+pub use sensor_fit::{FitNoise, TestResult};
 pub use sensor_noise::{AllanDeviation, BandRms, BudgetTerm, ErrorBudget, NoiseSeriesResult, SensorNoise};
 pub use sensor_offset::{
     AnnualTerm, DriftDates, ImperfectTurn, OffsetDrift, Reversal, ReversalOffset, ReversalPairs,

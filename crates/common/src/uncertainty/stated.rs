@@ -1,10 +1,11 @@
 //! What a document states with an uncertainty, with the covariances that stand beside the values.
 
-use crate::axes::AxesDirections;
-use crate::uncertainty::{
+use super::joint::SAME;
+use super::paths::{
     VOLTMETER_ABSOLUTE, VOLTMETER_RELATIVE, added_offset, coil_constant, coil_offset, directions, effect,
     gradient, place, residual_field, resistor, sensitivity, sensor_offset,
 };
+use crate::axes::AxesDirections;
 use crate::{Axis, Calibration, Document, Error, Quantity};
 
 /// Radians of an arcsecond.
@@ -271,7 +272,7 @@ fn together(
         let (i, j) = (place(a)?, place(b)?);
         let same = |at: usize, path: &str| {
             let found = covariance.get(at)?.get(at)?.sqrt();
-            ((found / std(path)? - 1.0).abs() < super::SAME).then_some(())
+            ((found / std(path)? - 1.0).abs() < SAME).then_some(())
         };
         same(i, a)?;
         same(j, b)?;
