@@ -15,6 +15,8 @@ const WHITE: f64 = 0.05;
 const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
 const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
+/// A recording longer than this sees the field in the coils drift, s.
+const DRIFTS_S: f64 = 7200.0;
 /// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of processes, in one pass.
 pub const FULL: usize = 2000;
 /// Variance of a recording's own level over that of its readings' noise, where several recordings share their constants.
@@ -103,7 +105,7 @@ impl Shape {
             (None, _) => More::unknown(),
             (Some(_), Place::Shield) => vec![More::NONE],
             (Some(_), Place::Coils | Place::Levels) => {
-                std::iter::once(More::NONE).chain(More::of_field()).collect()
+                std::iter::once(More::NONE).chain(More::of_field(recordings.iter().any(drifts))).collect()
             }
         };
         let source = match (self.source, place) {
@@ -118,17 +120,16 @@ impl Shape {
         let white = if self.known.is_some() { white + self.rounding_nt2 } else { 1.0 };
         known.iter_mut().for_each(|noise| noise.white_rms_nt = None);
         known[0].white_rms_nt = Some(white.sqrt());
-        let flicker = Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() };
         if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > full {
             for (_, more) in extra.into_iter().enumerate().filter(|(number, _)| weighty(*number)) {
-                allowed.add_long(recordings, (&known, &flicker), more)?;
+                allowed.add_long(recordings, &known, more)?;
             }
             return Ok(match sizes {
                 Some(sizes) => allowed.scaled(&sizes.iter().map(|sizes| sizes[0]).collect::<Vec<_>>()),
                 None => allowed,
             });
         }
-        let parts: Vec<[Vec<f64>; 2]> = recordings
+        let parts: Vec<[Vec<f64>; 3]> = recordings
             .iter()
             .map(|(rows, time)| {
                 let mut own = vec![0.0; rows * rows];
@@ -140,7 +141,9 @@ impl Shape {
                     // Noise with memory alone, and no times: the readings are as good as independent.
                     (0..*rows).for_each(|row| own[row * rows + row] = 1.0);
                 }
-                Ok([own, covariance(&flicker, *rows, time.as_deref())?])
+                let flicker = covariance(&Memory::Flicker.noise(1.0), *rows, time.as_deref())?;
+                let walk = covariance(&Memory::Walk.noise(1.0), *rows, time.as_deref())?;
+                Ok([own, flicker, about_mean(walk, *rows)])
             })
             .collect::<Result<_, Error>>()?;
         let levels = if place == Place::Levels { &LEVELS[..] } else { &LEVELS[..1] };
@@ -150,10 +153,14 @@ impl Shape {
         let each = each.flat_map(|(_, one)| powers.iter().map(move |power| (one, *power)));
         for ((more, level), power) in each {
             allowed.add(recordings, more.probability, |number, rows| {
-                let [own, shape] = &parts[number];
+                let [own, flicker, walk] = &parts[number];
+                let shape = match more.memory {
+                    Memory::Flicker => flicker,
+                    Memory::Walk => walk,
+                };
                 let (mean, size) = (mean_variance(own, rows), mean_variance(shape, rows));
-                let scale = if size > 0.0 { more.flicker * mean / size } else { 0.0 };
-                let total = 1.0 + more.white + more.flicker;
+                let scale = if size > 0.0 { more.slow * mean / size } else { 0.0 };
+                let total = 1.0 + more.white + more.slow;
                 let level = level * mean * total;
                 let mut all: Vec<f64> =
                     own.iter().zip(shape).map(|(own, shape)| own + scale * shape + level).collect();
@@ -174,28 +181,51 @@ impl Shape {
     }
 }
 
-/// Noise that is allowed for beside what is known, by its variance over that.
+/// What has memory beside what is known.
+#[derive(Clone, Copy)]
+enum Memory {
+    /// Flicker noise, 1/f.
+    Flicker,
+    /// A random walk, for what drifts.
+    Walk,
+}
+
+impl Memory {
+    fn noise(self, amplitude: f64) -> Noise {
+        match self {
+            Memory::Flicker => Noise { flicker_nt2_per_hz_at_1hz: Some(amplitude), ..Noise::default() },
+            Memory::Walk => Noise { random_walk_nt_per_sqrt_s: Some(amplitude.sqrt()), ..Noise::default() },
+        }
+    }
+}
+
+/// Noise that is allowed for beside what is known, by its variance over that: white noise, and slow noise with memory.
 #[derive(Clone, Copy)]
 struct More {
     white: f64,
-    flicker: f64,
+    slow: f64,
+    memory: Memory,
     /// Beforehand.
     probability: f64,
 }
 
 impl More {
-    const NONE: More = More { white: 0.0, flicker: 0.0, probability: 1.0 };
+    const NONE: More = More { white: 0.0, slow: 0.0, memory: Memory::Flicker, probability: 1.0 };
 
-    /// Of the field beside a sensor whose noise is known.
-    fn of_field() -> impl Iterator<Item = Self> {
-        let of = |size: &f64| [[*size, 0.0], [0.5 * size, 0.5 * size], [0.0, *size]];
-        FIELD.iter().flat_map(of).map(|[white, flicker]| More { white, flicker, ..More::NONE })
+    /// Of the field beside a sensor whose noise is known; with a walk where it drifts.
+    fn of_field(drifts: bool) -> impl Iterator<Item = Self> {
+        let with = |memory: Memory| {
+            let of = |size: &f64| [[0.5 * size, 0.5 * size], [0.0, *size]];
+            FIELD.iter().flat_map(of).map(move |[white, slow]| More { white, slow, memory, ..More::NONE })
+        };
+        let white = FIELD.iter().map(|white| More { white: *white, ..More::NONE });
+        white.chain(with(Memory::Flicker)).chain(with(Memory::Walk).filter(move |_| drifts))
     }
 
     /// Beside white noise of which nothing is known.
     fn unknown() -> Vec<Self> {
         let probability = (1.0 - WHITE) / RATIOS.len() as f64;
-        let flicker = RATIOS.map(|flicker| More { flicker, probability, ..More::NONE });
+        let flicker = RATIOS.map(|slow| More { slow, probability, ..More::NONE });
         std::iter::once(More { probability: WHITE, ..More::NONE }).chain(flicker).collect()
     }
 }
@@ -212,8 +242,26 @@ fn mean_variance(covariance: &[f64], rows: usize) -> f64 {
     (0..rows).map(|row| covariance[row * rows + row]).sum::<f64>() / rows as f64
 }
 
+/// The covariance of readings less their mean: C − C1ᵀ/n − 1C/n + 1ᵀC1/n².
+fn about_mean(mut covariance: Vec<f64>, rows: usize) -> Vec<f64> {
+    let of_mean: Vec<f64> =
+        covariance.chunks(rows.max(1)).map(|row| row.iter().sum::<f64>() / rows as f64).collect();
+    let mean = of_mean.iter().sum::<f64>() / rows as f64;
+    for i in 0..rows {
+        (0..rows).for_each(|j| covariance[i * rows + j] += mean - of_mean[i] - of_mean[j]);
+    }
+    covariance
+}
+
 /// The rows of one recording: how many, and when, where that is known.
 pub type Rows = (usize, Option<Vec<f64>>);
+
+/// Whether a recording is so long that the daily variation, of which some thousandths leak through the nulling, drifts in it.
+fn drifts((_, time): &Rows) -> bool {
+    time.as_ref()
+        .and_then(|time| Some(time.last()? - time.first()?))
+        .is_some_and(|length_s| length_s > DRIFTS_S)
+}
 
 /// One covariance over one recording.
 struct Block {
@@ -280,12 +328,7 @@ impl Allowed {
 
     /// One more for long recordings, in one pass over the readings: what is known, and white noise and flicker noise besides, each with its
     /// variance over that of what is known.
-    fn add_long(
-        &mut self,
-        recordings: &[Rows],
-        (known, flicker): (&[Noise], &Noise),
-        more: More,
-    ) -> Result<(), Error> {
+    fn add_long(&mut self, recordings: &[Rows], known: &[Noise], more: More) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut groups: Vec<Arc<dyn Root>> = Vec::new();
         let mut memory_share = 0.0;
@@ -303,25 +346,30 @@ impl Allowed {
             let white = noises[0].white_rms_nt.unwrap_or(0.0).powi(2);
             let mean = sum(&noises)?.variance_nt2();
             noises[0].white_rms_nt = Some((white + more.white * mean).sqrt());
-            if more.flicker > 0.0 && length_s > 0.0 {
-                let size = sum(std::slice::from_ref(flicker))?.variance_nt2();
-                let amplitude = more.flicker * mean / size;
-                noises.push(Noise { flicker_nt2_per_hz_at_1hz: Some(amplitude), ..Noise::default() });
+            let mut walk = None;
+            if more.slow > 0.0 && length_s > 0.0 {
+                let size = sum(&[more.memory.noise(1.0)])?.variance_nt2();
+                let slow = more.memory.noise(more.slow * mean / size);
+                match more.memory {
+                    Memory::Flicker => noises.push(slow),
+                    Memory::Walk => walk = Some(slow),
+                }
             }
-            // As in the full matrix, noise with memory has no mean over its recording: what is slower belongs to the offset.
-            let whitening = sum(&noises)?;
+            // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is slower belongs to the offset.
             let level: f64 = noises
                 .iter()
                 .map(|noise| noise::mean_variance(noise, *rows, time))
                 .sum::<Result<f64, _>>()
                 .map_err(undetermined)?;
+            noises.extend(walk);
+            let whitening = sum(&noises)?;
             let levelled = !whitening.is_white() && level > 0.0;
             let whitening = if levelled { whitening.with_level(level.sqrt()) } else { whitening };
             groups.push(Arc::new(InOnePass(whitening)));
             // About the mean of the recording, as `mean` is.
             let alone = white * (1.0 - 1.0 / (*rows as f64).max(1.0));
             let share = if mean > 0.0 {
-                1.0 - (alone / mean + more.white) / (1.0 + more.white + more.flicker)
+                1.0 - (alone / mean + more.white) / (1.0 + more.white + more.slow)
             } else {
                 0.0
             };
