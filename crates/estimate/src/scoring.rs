@@ -67,9 +67,8 @@ pub(crate) fn minimise(
                 (moved < cost).then_some(Found { cost: moved, theta })
             })
         };
-        let steps = [newton, scoring];
-        let next = steps.iter().filter(|step| gain(step, &gradient) > 0.0).filter_map(down);
-        match next.min_by(|a, b| a.cost.total_cmp(&b.cost)) {
+        // Newton's step; where it does not lead down, that of the Fisher information, which always does.
+        match [newton, scoring].iter().filter(|step| gain(step, &gradient) > 0.0).find_map(down) {
             Some(next) => theta = next.theta,
             None => break,
         }

@@ -41,7 +41,14 @@ impl Slow {
 
     /// The same for noise of the density Δt (f Δt)^-α, as if samples were missing at the ends of a stretch only.
     pub fn power_law(&self, exponent: f64) -> Mat<f64> {
-        let g = haar::sum_covariance(exponent);
+        let of = haar::sum_covariance(exponent);
+        // Stretches begin and end at whole lengths but for the first and the last.
+        let longest = self.spans.last().map_or(0.0, |[_, end]| *end);
+        let whole: Vec<f64> =
+            (0..=(longest as usize).min(16 * self.spans.len())).map(|length| of(length as f64)).collect();
+        let g = |h: f64| {
+            whole.get(h.abs() as usize).copied().filter(|_| h.fract() == 0.0).unwrap_or_else(|| of(h))
+        };
         let scale = self.length.powf(exponent - 1.0);
         steps_of(self.means.len(), |i, j| {
             let ([a, b], [c, d]) = (self.spans[i], self.spans[j]);
