@@ -2,7 +2,7 @@
 
 use common::uncertainty::{self, Block};
 use common::{AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, Uncertainty};
-use statrs::distribution::{ContinuousCDF, StudentsT};
+use estimate::stats;
 use std::collections::HashMap;
 
 use super::verdict::normal_std;
@@ -58,8 +58,7 @@ impl Joint {
     pub fn factor(&self, path: &str) -> f64 {
         let freedom = self.sources.degrees_of_freedom(path);
         let own = self.factors.get(path).copied().unwrap_or(0.0);
-        let student = StudentsT::new(0.0, 1.0, freedom).ok().filter(|_| freedom.is_finite());
-        student.map_or(own, |law| law.inverse_cdf(0.975))
+        if freedom.is_finite() { stats::coverage_factor(0.95, freedom) } else { own }
     }
 }
 
@@ -174,4 +173,24 @@ fn directions(calibration: &Calibration) -> Option<(Block, f64)> {
     let block =
         block("calibration.axes.sensors.covariance".into(), uncertainty::directions("sensors"), covariance);
     Some((block, axes.fit.as_ref().map_or(0.0, |fit| fit.coverage_factor_95)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_degrees_of_freedom_are_as_good_as_infinite() {
+        let text = |freedom: &str| {
+            format!(
+                r#"{{"fluxcal": 1, "calibration": {{"sensors": {{"x": {{"offset_nt": {{"value": 0, "std": 1}}}}}}, "uncertainty": {{"sources":
+                [{{"name": "scatter", "degrees_of_freedom": {freedom}, "moves": {{"calibration.sensors.x.offset_nt": 1}}}}]}}}}}}"#
+            )
+        };
+        for (freedom, factor) in [("10", 2.228_138_85), ("9e5", 1.959_963_98), ("1e7", 1.959_963_98)] {
+            let joint = Joint::of(&Document::parse(&text(freedom)).expect("a document")).expect("sources");
+            let found = joint.factor(&uncertainty::sensor_offset(Axis::X));
+            assert!((found - factor).abs() < 1e-5, "{freedom}: {found}");
+        }
+    }
 }
