@@ -9,6 +9,10 @@ use crate::Error;
 use crate::gauss_newton::Linear;
 use crate::linear::{self, LinearFit};
 use crate::mixture::{Component, Mixture};
+use crate::svd::Svd;
+
+/// Combinations of unknowns count as shown down to this share of the largest singular value.
+const SHOWN: f64 = 1e-12;
 
 /// What makes the readings of one group independent: L⁻¹, for their covariance V = L Lᵀ.
 pub trait Root: std::fmt::Debug + Send + Sync {
@@ -163,7 +167,8 @@ impl Linear for CorrelatedFit {
 /// For each that is known up to a factor, the factor is s² = r' V⁻¹ r/(n − p). Where there are several they are averaged by
 /// their restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + (n − p) ln r' V⁻¹ r), or with r' V⁻¹ r in place of the last term
 /// where they are known as they stand, times what each weighs beforehand: an interval does not rest on the one that happens to be likeliest.
-/// With one covariance this is generalised least squares, and Student's t with n − p degrees of freedom is exact.
+/// With one covariance this is generalised least squares, and Student's t with n − p degrees of freedom is exact. Of a design that does not show
+/// all unknowns, the determinant is that of the combinations that it shows: the same under every covariance.
 pub fn fit(
     design: MatRef<'_, f64>,
     y: &[f64],
@@ -171,8 +176,11 @@ pub fn fit(
     scale: Scale,
 ) -> Result<CorrelatedFit, Error> {
     let unknowns = design.ncols();
-    let under = |whitening: &Whitening| -> Result<(LinearFit, Component), Error> {
-        let fit = linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None)?;
+    let whitened =
+        |whitening: &Whitening| linear::fit(whitening.apply(design).as_ref(), &whitening.apply_to(y), None);
+    let fits: Vec<LinearFit> = covariances.par_iter().map(whitened).collect::<Result<_, Error>>()?;
+    let shown = if fits.iter().any(|fit| fit.rank < unknowns) { Some(shown(design)?) } else { None };
+    let component = |(whitening, fit): (&Whitening, &LinearFit)| {
         let (misfit, size) = match scale {
             Scale::Fitted => (
                 fit.freedom * fit.sum_of_squares.max(f64::MIN_POSITIVE).ln(),
@@ -180,17 +188,17 @@ pub fn fit(
             ),
             Scale::Known => (fit.sum_of_squares, 1.0),
         };
-        let component = Component {
-            log_weight: whitening.log_prior
-                - 0.5 * (whitening.log_determinant - log_determinant(&fit.covariance) + misfit),
+        let determinant = match &shown {
+            Some(shown) => log_determinant(&(shown * &fit.covariance * shown.transpose())),
+            None => log_determinant(&fit.covariance),
+        };
+        Component {
+            log_weight: whitening.log_prior - 0.5 * (whitening.log_determinant - determinant + misfit),
             coefficients: fit.coefficients.clone(),
             covariance: Mat::from_fn(unknowns, unknowns, |i, j| size * fit.covariance[(i, j)]),
-        };
-        Ok((fit, component))
+        }
     };
-    let both: Vec<(LinearFit, Component)> =
-        covariances.par_iter().map(under).collect::<Result<_, Error>>()?;
-    let (fits, components): (Vec<LinearFit>, Vec<Component>) = both.into_iter().unzip();
+    let components: Vec<Component> = covariances.iter().zip(&fits).map(component).collect();
     let likelihood = |at: &usize| components[*at].log_weight;
     let best = (0..fits.len())
         .max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))
@@ -221,6 +229,13 @@ pub fn fit(
         mixture,
         log_likelihood: largest + sum.ln(),
     })
+}
+
+/// The combinations of unknowns that a design shows, a row for each.
+fn shown(design: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
+    let svd = Svd::of(design, SHOWN)?;
+    let directions = svd.directions();
+    Ok(Mat::from_fn(svd.rank(), design.ncols(), |i, j| directions[(j, i)] * svd.lengths()[j]))
 }
 
 /// ln |C| of a covariance; columns are scaled first, for their units may differ by many powers of ten.
@@ -258,6 +273,25 @@ mod tests {
         let two = fit(design.as_ref(), &y, &[white.clone(), white], Scale::Fitted).expect("a fit");
         assert!((two.mixture.weights()[0] - 0.5).abs() < 1e-12);
         assert!((two.covariance[(1, 1)] - one.covariance[(1, 1)]).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_column_that_adds_nothing_changes_no_weight() {
+        let wide = Mat::from_fn(60, 3, |i, j| [1.0, i as f64, 15.0 * i as f64][j]);
+        let y: Vec<f64> = (0..60).map(|i| 0.2 * f64::from(i) + f64::from(i * i % 7)).collect();
+        let covariances: Vec<Whitening> = [0.0, 0.5, 0.9]
+            .map(|memory: f64| Mat::from_fn(60, 60, |i, j| memory.powi(i.abs_diff(j) as i32)))
+            .map(|covariance| Whitening::of(&[covariance]).expect("a factor"))
+            .to_vec();
+        let [one, both] = [wide.get(.., ..2), wide.as_ref()]
+            .map(|design| fit(design, &y, &covariances, Scale::Fitted).expect("a fit"));
+        assert_eq!((one.rank, both.rank), (2, 2));
+        for (a, b) in one.mixture.weights().iter().zip(both.mixture.weights()) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
+        for (a, b) in one.residuals.iter().zip(&both.residuals) {
+            assert!((a - b).abs() < 1e-9, "{a} {b}");
+        }
     }
 
     #[test]

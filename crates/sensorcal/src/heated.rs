@@ -134,15 +134,16 @@ pub fn parts(
     Ok(parts)
 }
 
-/// How many temperatures were held, a kelvin apart.
-pub fn distinct(heated: &Heated<'_>, part: Part) -> usize {
+/// How many temperatures there were, a kelvin apart: in all readings, or in those that show the sensitivity, with at least half the largest drive.
+pub fn distinct(heated: &Heated<'_>, part: Part, driven: bool) -> usize {
     let at = usize::from(part == Part::Electronics);
-    let mut all: Vec<f64> = heated
-        .runs
-        .iter()
-        .zip(&heated.warmer)
-        .flat_map(|(run, both)| run.rows.iter().map(|row| both[at][*row]).collect::<Vec<_>>())
-        .collect();
+    let of_run = |(run, both): (&Run<'_>, &[Vec<f64>; 2])| {
+        let drive = |row: usize| run.context.current_a[row][run.coil.index()].abs();
+        let largest = run.rows.iter().map(|row| drive(*row)).fold(0.0, f64::max);
+        let rows = run.rows.iter().filter(|row| !driven || drive(**row) >= 0.5 * largest);
+        rows.map(|row| both[at][*row]).collect::<Vec<_>>()
+    };
+    let mut all: Vec<f64> = heated.runs.iter().zip(&heated.warmer).flat_map(of_run).collect();
     all.sort_by(f64::total_cmp);
     let (mut levels, mut begin) = (1, all.first().copied().unwrap_or(0.0));
     for temperature in all {

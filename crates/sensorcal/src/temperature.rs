@@ -84,8 +84,8 @@ pub fn coefficients(
 fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Parameter>) {
     let (mut effects, mut asked) = (Vec::new(), Vec::new());
     for part in &heated.parts {
-        let temperatures = distinct(heated, *part);
-        for kinds in part.kinds() {
+        // The sensitivity first, then the offset.
+        for (kinds, driven) in part.kinds().into_iter().zip([true, false]) {
             let at = effects.len();
             effects.push(EffectInstance {
                 kind: kinds[0],
@@ -96,7 +96,7 @@ fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Param
                 parameters: vec![0.0; 2],
             });
             asked.push(Parameter::Effect(at, 0));
-            if temperatures > 2 {
+            if distinct(heated, *part, driven) > 2 {
                 asked.push(Parameter::Effect(at, 1));
             }
         }
