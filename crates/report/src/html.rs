@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
+use crate::escape::escape;
 use crate::plot::{self, Plot};
 use crate::{Cell, Header, Item, Page, Section, Table, number};
 
@@ -33,24 +34,6 @@ pub fn render(page: &Page) -> String {
         section(&mut out, part);
     }
     out.push_str("</main>\n</body>\n</html>\n");
-    out
-}
-
-/// Text for element content and attributes; what XML cannot hold becomes U+FFFD.
-pub fn escape(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(c),
-            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
-            c => out.push(c),
-        }
-    }
     out
 }
 
@@ -201,10 +184,5 @@ mod tests {
     fn code_in_words() {
         assert_eq!(prose("a `b<` c"), "a <code>b&lt;</code> c");
         assert_eq!(prose("it`s"), "it`s");
-    }
-
-    #[test]
-    fn markup_and_control_characters_are_escaped() {
-        assert_eq!(escape("<b a='1'>&\"\u{1}\u{7f}"), "&lt;b a=&#39;1&#39;&gt;&amp;&quot;\u{fffd}\u{fffd}");
     }
 }

@@ -6,15 +6,18 @@
 pub mod certificate;
 pub mod conformity;
 mod error;
+mod escape;
 pub mod html;
 mod number;
 mod page;
 pub mod plot;
 mod sections;
+mod table;
 pub mod text;
 
 pub use error::Error;
-pub use page::{Cell, Finding, Header, Item, Page, Section, Size, Table};
+pub use page::{Finding, Item, Page, Section, Size};
+pub use table::{Cell, Header, Table};
 
 use common::Document;
 use common::number::counted;

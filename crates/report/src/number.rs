@@ -2,7 +2,7 @@
 
 pub use common::number::*;
 
-use crate::Cell;
+use crate::table::Cell;
 
 /// What stands in a cell; missing and non-finite numbers are said.
 pub fn cell(cell: &Cell) -> String {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::sheet::{BLANK, Field, Item, Part, Sheet};
-use crate::html::escape;
+use crate::escape::escape;
 use crate::{Cell, Header, Table, number};
 
 const STYLE: &str = include_str!("style.css");

@@ -1,6 +1,7 @@
 //! Plots: what is drawn ([`Plot`]), and how it becomes SVG.
 
-use crate::{Cell, Header, Table, number};
+use crate::number;
+use crate::table::{Cell, Header, Table};
 
 mod csv;
 mod ellipse;

@@ -3,7 +3,7 @@ use std::fmt::Write;
 use super::scale::Scale;
 use super::ticks::Tick;
 use super::{Mark, Plot, Point, Series};
-use crate::html::escape;
+use crate::escape::escape;
 
 /// Size of a drawing; a map is as high as it must be.
 const WIDTH: f64 = 400.0;
