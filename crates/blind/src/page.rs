@@ -136,7 +136,7 @@ fn introduction(score: &Score) -> String {
         keeps most of it, over the rms of the noise that was drawn. The catalogue's own table ([diagnose.md](diagnose.md)) counts before that fit, \
         so that sizes here are the smaller for the same effect, and the harder for what is much like a turned axis.\n\
         - **Named right.** Every effect concealed has one of the names that were sealed for it, on the right sensor, coil or column, and nothing else \
-        is named. One name too many is a wrong name. Names told as equals are right where each of them is (a second-order loop is a lag as well as a delay), and \
+        is named. One name too many is a wrong name. Names that are indistinguishable are right where each of them is (a second-order loop is a lag as well as a delay), and \
         *in the set* where one of them is.\n\
         - Intervals are Wilson's, 95 %.\n",
         score.cases(),

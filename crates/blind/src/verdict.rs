@@ -14,7 +14,7 @@ pub enum Class {
     /// All that was concealed is named, and nothing else; where nothing was, nothing is claimed; where the catalogue has no name, structure
     /// is told and no name given.
     Right,
-    /// What was concealed is among the effects told as equals, and nothing else is claimed.
+    /// What was concealed is among the effects that are indistinguishable, and nothing else is claimed.
     InSet,
     /// A part of what was concealed is named, and nothing else.
     Incomplete,
@@ -72,7 +72,7 @@ pub struct Outcome {
     pub truth: Truth,
     /// The answer's verdict.
     pub verdict: String,
-    /// For each effect of the answer the names told as equals; one, where it is named.
+    /// For each effect of the answer the names that are indistinguishable; one, where it is named.
     pub claims: Vec<Vec<String>>,
     /// What it comes to.
     pub class: Class,
@@ -132,7 +132,7 @@ fn named(effect: &Value) -> String {
     target.map_or_else(|| name.to_string(), |target| format!("{name} {target}"))
 }
 
-/// For each effect of an answer the names that are told as equals. The list of sets goes through the effects in order, and each begins with
+/// For each effect of an answer the names that are indistinguishable. The list of sets goes through the effects in order, and each begins with
 /// the effect's own name.
 fn claims(entry: &Value) -> Vec<Vec<String>> {
     let effects = entry["effects"].as_array().map(|effects| effects.iter().map(named).collect::<Vec<_>>());

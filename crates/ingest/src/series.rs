@@ -22,7 +22,7 @@ pub struct Series {
     pub times_ns: Vec<i64>,
     /// By the document's names.
     pub columns: IndexMap<String, Vec<f64>>,
-    /// Rows that several files have alike, now once.
+    /// Duplicate rows that were merged.
     pub merged: usize,
     /// Rows in which files disagree, where one of them was chosen.
     pub disagreeing: usize,

@@ -46,13 +46,13 @@ pub fn words(
         lines.push(format!("  {count}, {missing} missing{}", longest.unwrap_or_default()));
     }
     lines.extend(jumps.iter().map(|(_, words)| format!("  {words}")));
-    for (count, what) in [
-        (series.merged, "there more than once and alike, now once"),
-        (series.disagreeing, "in which files disagree; one was kept as asked"),
-        (series.sorted, "out of order, sorted"),
+    for (count, rows, what) in [
+        (series.merged, "duplicate row", "merged"),
+        (series.disagreeing, "row", "in which files disagree; one was kept as asked"),
+        (series.sorted, "row", "out of order, sorted"),
     ] {
         if count > 0 {
-            lines.push(format!("  {} {what}", counted(count, "row")));
+            lines.push(format!("  {} {what}", counted(count, rows)));
         }
     }
     let mut notes: Vec<(&str, Vec<&str>)> = Vec::new();

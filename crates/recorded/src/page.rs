@@ -84,7 +84,7 @@ impl Page {
         let mut items: Vec<String> = array(&entry["effects"]).map(effect).collect();
         let equals: Vec<String> = array(&entry["ambiguity"]).map(plain).collect();
         if !equals.is_empty() {
-            items.push(format!("told as equals: {}", equals.join("; ")));
+            items.push(format!("indistinguishable: {}", equals.join("; ")));
         }
         if let Some(left) = entry["remaining"]["structure"].as_str().filter(|left| !left.is_empty()) {
             items.push(format!("left: {left}"));

@@ -81,7 +81,7 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
     let sets: Vec<String> =
         entry["ambiguity"].as_array().into_iter().flatten().map(|set| list(set).join(" with ")).collect();
     if !sets.is_empty() {
-        text += &format!("\nTold as equals: {}.\n", sets.join("; "));
+        text += &format!("\nIndistinguishable: {}.\n", sets.join("; "));
     }
     text
 }

@@ -60,7 +60,7 @@ fn the_order_of_files_and_the_threads_change_nothing() {
     let said = String::from_utf8_lossy(&first.1).into_owned();
     assert!(said.contains("65 rows of 60 s, 2024-03-10T00:00:00Z to 2024-03-10T01:09:00Z"), "{said}");
     assert!(said.contains("1 gap, 5 rows missing"), "{said}");
-    assert!(said.contains("2 rows there more than once and alike"), "{said}");
+    assert!(said.contains("2 duplicate rows merged"), "{said}");
     let found = document(&String::from_utf8_lossy(&first.0));
     let source = &found["recordings"][0]["source"];
     assert_eq!((source["gaps"]["missing_rows"].as_u64(), source["merged_rows"].as_u64()), (Some(5), Some(2)));
