@@ -212,8 +212,9 @@ fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
             "what was fitted does not explain all"
         };
         findings.push(format!(
-            "the levels scatter more than their repeats (lack of fit {}) and {left}; uncertainties rest on the levels",
-            p_value(lack.p_value)
+            "the levels scatter more than their repeats (lack of fit {}) and {left}; uncertainties rest on the {}",
+            p_value(lack.p_value),
+            fit.noise_source
         ));
     }
     let signs = [1.0, -1.0].map(|sign| coil.readings.iter().any(|reading| reading.current_a * sign > 0.0));

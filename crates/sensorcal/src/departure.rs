@@ -7,9 +7,9 @@ use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter};
 
 use crate::Error;
+use crate::allowed::Allowed;
 use crate::fit::{Fit, Problem, Unknown};
 use crate::readings::Run;
-use crate::shape::Allowed;
 
 /// A departure is claimed below this probability, adjusted for all that were looked for.
 pub const FOUND_BELOW: f64 = 0.01;

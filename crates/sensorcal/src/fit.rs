@@ -8,8 +8,9 @@ use faer::Mat;
 use physics::{Basic, EffectInstance, Parameter};
 
 use crate::Error;
+use crate::allowed::{Allowed, Rows};
 use crate::readings::Run;
-use crate::shape::{Allowed, Place, Rows, Shape};
+use crate::shape::{Place, Shape};
 
 /// The iteration: a step that moves no prediction by more than 1e-7 nT is the last one, and one may make the fit twice as bad under the first
 /// of the covariances, for it is the mean of those under all.

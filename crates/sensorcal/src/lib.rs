@@ -7,6 +7,7 @@
 //! memory; those of the coil's constant and of the temperature coefficients (type B) are common to all readings.
 
 mod adopt;
+mod allowed;
 mod budget;
 mod combine;
 mod conditions;
@@ -20,6 +21,7 @@ mod heated;
 mod lag;
 mod leaning;
 mod levels;
+mod more;
 mod noise;
 mod passes;
 mod readings;

@@ -6,9 +6,10 @@ use faer::Mat;
 use statrs::function::gamma::digamma;
 
 use crate::Error;
+use crate::allowed::Allowed;
 use crate::fit::Fit;
 use crate::readings::Run;
-use crate::shape::{Allowed, FULL, Place, Shape};
+use crate::shape::{FULL, Place, Shape};
 
 /// Readings in a stretch, at least: a recording of fewer than twice as many is one.
 const STRETCH: usize = 45;

@@ -8,6 +8,7 @@ use estimate::stats;
 use physics::{EffectInstance, Parameter};
 
 use crate::Error;
+use crate::allowed::Allowed;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
@@ -15,7 +16,7 @@ use crate::heated::{Heated, Part, distinct, parts};
 use crate::lag;
 use crate::levels::{self, Level};
 use crate::readings::{Run, along, code_width, runs};
-use crate::shape::{Allowed, Place, Shape};
+use crate::shape::{Place, Shape};
 use crate::sizes::Sized;
 
 /// Coefficients of a sensor, and what the other procedures need of them; None without a recording.

@@ -2,6 +2,7 @@
 
 use common::{Certificate, Document, Extra};
 use serde_json::Value;
+use strsim::osa_distance as distance;
 
 /// A word of a key, and where the certificate looks for what it may hold.
 const WORDS: [(&str, &str); 22] = [
@@ -28,6 +29,36 @@ const WORDS: [(&str, &str); 22] = [
     ("opinion", "opinions"),
     ("deviations", "deviations"),
 ];
+
+/// The keys of the certificate's types, as its schema has them.
+const TOP: [&str; 20] = [
+    "number",
+    "laboratory",
+    "location",
+    "customer",
+    "method",
+    "item",
+    "received",
+    "calibrated",
+    "issued",
+    "sampling",
+    "deviations",
+    "authorised_by",
+    "external_results",
+    "customer_data",
+    "conditions",
+    "traceability",
+    "references",
+    "adjustment",
+    "opinions",
+    "agreed_interval",
+];
+const PARTY: [&str; 3] = ["name", "address", "contact"];
+const METHOD: [&str; 2] = ["procedure", "version"];
+const ITEM: [&str; 5] = ["description", "manufacturer", "model", "serial", "condition"];
+const REFERENCE: [&str; 5] = ["kind", "identity", "certificate", "issued_by", "date"];
+const ADJUSTMENT: [&str; 2] = ["done", "before"];
+const PERSON: [&str; 2] = ["name", "function"];
 
 /// Of so many letters of a word one may be wrong.
 const LETTERS: usize = 4;
@@ -65,54 +96,17 @@ fn unknown(data: &Certificate) -> Vec<String> {
         };
         keys.map(sentence).collect()
     };
-    let top = [
-        "number",
-        "laboratory",
-        "location",
-        "customer",
-        "method",
-        "item",
-        "received",
-        "calibrated",
-        "issued",
-        "sampling",
-        "deviations",
-        "authorised_by",
-        "external_results",
-        "customer_data",
-        "conditions",
-        "traceability",
-        "references",
-        "adjustment",
-        "opinions",
-        "agreed_interval",
-    ];
-    let party = ["name", "address", "contact"];
-    let item = ["description", "manufacturer", "model", "serial", "condition"];
-    let reference = ["kind", "identity", "certificate", "issued_by", "date"];
-    let mut all = part("certificate", Some(&data.extra), &top);
-    all.extend(part("certificate.laboratory", data.laboratory.as_ref().map(|one| &one.extra), &party));
-    all.extend(part("certificate.customer", data.customer.as_ref().map(|one| &one.extra), &party));
-    all.extend(part("certificate.item", data.item.as_ref().map(|one| &one.extra), &item));
-    all.extend(part(
-        "certificate.method",
-        data.method.as_ref().map(|one| &one.extra),
-        &["procedure", "version"],
-    ));
-    all.extend(part(
-        "certificate.adjustment",
-        data.adjustment.as_ref().map(|one| &one.extra),
-        &["done", "before"],
-    ));
+    let mut all = part("certificate", Some(&data.extra), &TOP);
+    all.extend(part("certificate.laboratory", data.laboratory.as_ref().map(|one| &one.extra), &PARTY));
+    all.extend(part("certificate.customer", data.customer.as_ref().map(|one| &one.extra), &PARTY));
+    all.extend(part("certificate.item", data.item.as_ref().map(|one| &one.extra), &ITEM));
+    all.extend(part("certificate.method", data.method.as_ref().map(|one| &one.extra), &METHOD));
+    all.extend(part("certificate.adjustment", data.adjustment.as_ref().map(|one| &one.extra), &ADJUSTMENT));
     for (number, one) in data.references.iter().flatten().enumerate() {
-        all.extend(part(&format!("certificate.references[{number}]"), Some(&one.extra), &reference));
+        all.extend(part(&format!("certificate.references[{number}]"), Some(&one.extra), &REFERENCE));
     }
     for (number, one) in data.authorised_by.iter().flatten().enumerate() {
-        all.extend(part(
-            &format!("certificate.authorised_by[{number}]"),
-            Some(&one.extra),
-            &["name", "function"],
-        ));
+        all.extend(part(&format!("certificate.authorised_by[{number}]"), Some(&one.extra), &PERSON));
     }
     all
 }
@@ -184,25 +178,6 @@ fn is_given(data: &Certificate, place: &str) -> bool {
     }
 }
 
-/// How many letters are put in, left out, wrong, or exchanged with their neighbour (optimal string alignment).
-fn distance(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows: Vec<Vec<usize>> = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for i in 0..=a.len() {
-        for j in 0..=b.len() {
-            rows[i][j] = if i == 0 || j == 0 {
-                i + j
-            } else {
-                let same = usize::from(a[i - 1] != b[j - 1]);
-                let least = (rows[i - 1][j] + 1).min(rows[i][j - 1] + 1).min(rows[i - 1][j - 1] + same);
-                let exchanged = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
-                if exchanged { least.min(rows[i - 2][j - 2] + 1) } else { least }
-            };
-        }
-    }
-    rows[a.len()][b.len()]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -223,9 +198,27 @@ mod tests {
         ] {
             assert_eq!(meant(key), place, "{key}");
         }
-        assert_eq!(
-            (distance("serail", "serial"), distance("adress", "address"), distance("", "ab")),
-            (1, 1, 2)
-        );
+    }
+
+    #[test]
+    fn the_keys_are_those_of_the_schema() {
+        let schema: Value =
+            serde_json::from_str(include_str!("../../../../schemas/document.schema.json")).expect("JSON");
+        for (name, keys) in [
+            ("Certificate", &TOP[..]),
+            ("Party", &PARTY),
+            ("Method", &METHOD),
+            ("CalibratedItem", &ITEM),
+            ("Reference", &REFERENCE),
+            ("Adjustment", &ADJUSTMENT),
+            ("Person", &PERSON),
+        ] {
+            let there = schema["$defs"][name]["properties"].as_object().expect("properties");
+            let mut there: Vec<&str> = there.keys().map(String::as_str).collect();
+            let mut keys = keys.to_vec();
+            there.sort_unstable();
+            keys.sort_unstable();
+            assert_eq!(keys, there, "{name}");
+        }
     }
 }

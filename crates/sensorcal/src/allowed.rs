@@ -1,0 +1,210 @@
+//! The covariances over which the intervals of a fit are averaged.
+
+use common::{FitNoise, Noise};
+use estimate::correlated::{CorrelatedFit, Root, Whitening};
+use estimate::stats;
+use faer::{Mat, MatMut};
+use std::sync::Arc;
+
+use crate::Error;
+use crate::more::{Memory, More};
+
+/// Covariances that weigh less than this are left out of further fits.
+pub const WEIGHTY: f64 = 1e-3;
+
+/// The rows of one recording: how many, and when, where that is known.
+pub type Rows = (usize, Option<Vec<f64>>);
+
+/// One covariance over one recording.
+pub struct Block {
+    /// Rows of rows, nT².
+    pub covariance: Vec<f64>,
+    /// Share of noise with memory in the variance of a reading.
+    pub memory_share: f64,
+}
+
+/// Noise with memory as a sum of processes, by which readings are whitened in one pass.
+#[derive(Debug)]
+struct InOnePass(noise::Whitening);
+
+impl Root for InOnePass {
+    fn rows(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn log_determinant(&self) -> f64 {
+        self.0.log_determinant()
+    }
+
+    fn whiten(&self, columns: MatMut<'_, f64>) {
+        let each = columns.col_iter_mut().map(|column| {
+            column.try_as_col_major_mut().expect("columns of a matrix lie in one piece").as_slice_mut()
+        });
+        self.0.whiten_all(&mut each.collect::<Vec<&mut [f64]>>());
+    }
+}
+
+/// Covariances that are allowed for.
+#[derive(Clone, Default)]
+pub struct Allowed {
+    /// One whitening for each covariance.
+    pub whitenings: Vec<Whitening>,
+    /// For each, the share of noise with memory in the variance of a reading.
+    memory_shares: Vec<f64>,
+    source: String,
+    known: bool,
+}
+
+impl Allowed {
+    /// None as yet; where the noise is from, in words, and whether it is that of a known sensor.
+    pub fn none(source: String, known: bool) -> Self {
+        Self { source, known, ..Self::default() }
+    }
+
+    /// One more with its probability beforehand: a block for each recording by its number and rows, made sure of by a billionth of
+    /// its diagonal.
+    pub fn add(
+        &mut self,
+        recordings: &[Rows],
+        probability: f64,
+        block: impl Fn(usize, usize) -> Result<Block, Error>,
+    ) -> Result<(), Error> {
+        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
+        let mut blocks = Vec::new();
+        let mut memory_share = 0.0;
+        for (number, (rows, _)) in recordings.iter().enumerate() {
+            let one = block(number, *rows)?;
+            let sure = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
+            blocks.push(Mat::from_fn(*rows, *rows, |i, j| one.covariance[i * rows + j] * sure(i, j)));
+            memory_share += one.memory_share * *rows as f64 / total as f64;
+        }
+        self.whitenings.push(Whitening::of(&blocks)?.weighing(probability));
+        self.memory_shares.push(memory_share);
+        Ok(())
+    }
+
+    /// One more for long recordings, in one pass over the readings: what is known, and white noise and flicker noise besides, each with its
+    /// variance over that of what is known.
+    pub fn add_long(&mut self, recordings: &[Rows], known: &[Noise], more: More) -> Result<(), Error> {
+        let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
+        let mut groups: Vec<Arc<dyn Root>> = Vec::new();
+        let mut memory_share = 0.0;
+        for (rows, time) in recordings {
+            let time = time.as_deref();
+            let length_s = time.and_then(|time| Some(time.last()? - time.first()?)).unwrap_or(0.0);
+            let sum = |noises: &[Noise]| {
+                noise::Whitening::of_sum(noises, time, *rows, length_s).map_err(undetermined)
+            };
+            let mut noises = known.to_vec();
+            if noises[0].white_rms_nt == Some(0.0) && length_s == 0.0 {
+                // Flicker noise alone, and no times: the readings are as good as independent.
+                noises[0].white_rms_nt = Some(1.0);
+            }
+            let white = noises[0].white_rms_nt.unwrap_or(0.0).powi(2);
+            let mean = sum(&noises)?.variance_nt2();
+            noises[0].white_rms_nt = Some((white + more.white * mean).sqrt());
+            let mut walk = None;
+            if more.slow > 0.0 && length_s > 0.0 {
+                let size = sum(&[more.memory.noise(1.0)])?.variance_nt2();
+                let slow = more.memory.noise(more.slow * mean / size);
+                match more.memory {
+                    Memory::Flicker => noises.push(slow),
+                    Memory::Walk => walk = Some(slow),
+                }
+            }
+            // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is slower belongs to the offset.
+            let level: f64 = noises
+                .iter()
+                .map(|noise| noise::mean_variance(noise, *rows, time))
+                .sum::<Result<f64, _>>()
+                .map_err(undetermined)?;
+            noises.extend(walk);
+            let whitening = sum(&noises)?;
+            let levelled = !whitening.is_white() && level > 0.0;
+            let whitening = if levelled { whitening.with_level(level.sqrt()) } else { whitening };
+            groups.push(Arc::new(InOnePass(whitening)));
+            // About the mean of the recording, as `mean` is.
+            let alone = white * (1.0 - 1.0 / (*rows as f64).max(1.0));
+            let share = if mean > 0.0 {
+                1.0 - (alone / mean + more.white) / (1.0 + more.white + more.slow)
+            } else {
+                0.0
+            };
+            memory_share += share * *rows as f64 / total as f64;
+        }
+        self.whitenings.push(Whitening::by(groups).weighing(more.probability));
+        self.memory_shares.push(memory_share);
+        Ok(())
+    }
+
+    /// Those that a fit gave some weight.
+    pub fn weighty(&self, fit: &CorrelatedFit) -> Self {
+        self.only(|at| fit.mixture.weights()[at] >= WEIGHTY)
+    }
+
+    /// The number of the one that a fit gave most weight.
+    pub fn best(&self, fit: &CorrelatedFit) -> usize {
+        (0..fit.mixture.weights().len())
+            .max_by(|a, b| fit.mixture.weights()[*a].total_cmp(&fit.mixture.weights()[*b]))
+            .unwrap_or(0)
+    }
+
+    /// The one that a fit gave most weight.
+    pub fn likeliest(&self, fit: &CorrelatedFit) -> Self {
+        let best = self.best(fit);
+        self.only(|at| at == best)
+    }
+
+    /// Each with its standard deviations in each recording times a factor.
+    pub fn scaled(&self, scales: &[f64]) -> Self {
+        let whitenings = self.whitenings.iter().map(|white| white.scaled(scales));
+        Self { whitenings: whitenings.collect(), ..self.clone() }
+    }
+
+    /// Whether this is the sensor's own noise alone.
+    pub fn is_own(&self) -> bool {
+        self.known && self.whitenings.len() == 1
+    }
+
+    /// The sensor's own noise alone, where it is known.
+    pub fn own(&self) -> Option<Self> {
+        self.known.then(|| self.only(|at| at == 0))
+    }
+
+    fn only(&self, keep: impl Fn(usize) -> bool) -> Self {
+        let kept: Vec<usize> = (0..self.whitenings.len()).filter(|at| keep(*at)).collect();
+        Self {
+            whitenings: kept.iter().map(|at| self.whitenings[*at].clone()).collect(),
+            memory_shares: kept.iter().map(|at| self.memory_shares[*at]).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// What a fit says of its noise.
+    pub fn describe(&self, fit: &CorrelatedFit) -> FitNoise {
+        let rms = (fit.residuals.iter().map(|r| r * r).sum::<f64>() / fit.residuals.len() as f64).sqrt();
+        // The first covariance is the sensor's own noise, where that is known.
+        let own = |white: &Whitening| {
+            let squares: f64 = white.apply_to(&fit.residuals).iter().map(|r| r * r).sum();
+            squares / fit.freedom
+        };
+        FitNoise {
+            source: self.source.clone(),
+            rms_nt: rms,
+            variance_factor: self.whitenings.first().filter(|_| self.known).map(own),
+            flicker_share: self
+                .memory_shares
+                .iter()
+                .zip(fit.mixture.weights())
+                .map(|(share, weight)| share * weight)
+                .sum(),
+            degrees_of_freedom: fit.freedom,
+            coverage_factor_95: stats::coverage_factor(0.95, fit.freedom),
+        }
+    }
+}
+
+/// What a noise cannot be, as a refusal.
+pub fn undetermined(error: noise::NoiseError) -> Error {
+    Error::Undetermined(error.to_string())
+}
