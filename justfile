@@ -119,11 +119,7 @@ wheel:
 
 # The wheel in an environment of its own, away from the sources; needs PyPI for pandas, Polars, PyArrow, matplotlib and mypy
 wheel-test: wheel
-    rm -rf target/wheel-test && python3 -m venv target/wheel-test
-    target/wheel-test/bin/pip install -q pandas pyarrow polars matplotlib mypy target/wheel/*.whl
-    cp python/test_wheel.py target/wheel-test
-    cd target/wheel-test && PATH="$PWD/bin:$PATH" bin/python test_wheel.py ../../fixtures
-    cd target/wheel-test && bin/mypy --strict --ignore-missing-imports -p fluxcal
+    python/test_wheel.sh target/dist
 
 # The main job, to look at
 demo:

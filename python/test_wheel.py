@@ -14,6 +14,7 @@ import unittest
 from importlib import metadata
 from inspect import signature
 from pathlib import Path
+from unittest import mock
 
 import fluxcal
 
@@ -38,6 +39,8 @@ class Programs(unittest.TestCase):
         said = subprocess.run([shutil.which("fluxcal"), "axescal", "--version"], capture_output=True, text=True)
         self.assertEqual(said.stdout, f"axescal {fluxcal.__version__}\n")
         self.assertEqual(metadata.version("fluxcal"), fluxcal.__version__)
+        with mock.patch.dict(os.environ, PATH=""):
+            self.assertIn("heat", fluxcal.effects("coil_heating"))
 
     def test_each_stage_of_a_dict_and_of_a_file(self) -> None:
         for name, fixture in STAGES.items():
@@ -76,7 +79,9 @@ class Programs(unittest.TestCase):
         page = fluxcal.report(calibrated)
         self.assertIn("<html", page)
         self.assertIn("<iframe srcdoc=", page._repr_html_())
-        certificate = fluxcal.certificate(document("specs/calibrated"), data={"number": "K-12"}, paper="a4")
+        certificate = fluxcal.certificate(document("specs/calibrated"), data={"number": "K-12"}, spec=FIXTURES / "specs/magsat.json", paper="a4")
+        self.assertIn("Statement of conformity", certificate)
+        self.assertNotIn("No statement of conformity", certificate)
         self.assertTrue("<title>Calibration certificate K-12</title>" in certificate)
         self.assertIn("design", fluxcal.design(number=3, table_to=4))
         guessed = fluxcal.guess(FIXTURES / "tutorial/rotation.csv")

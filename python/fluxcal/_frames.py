@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Mapping
 
-from ._run import Document, PathLike, text, to_json
+from ._run import Document, PathLike, text
 
 # A pandas.DataFrame, a polars.DataFrame or a pyarrow.Table; none of them has to be installed.
 Frame = Any
@@ -20,13 +20,18 @@ def frame(document: Mapping[str, Any], recording: str | None = None, *, kind: st
     """
     import pyarrow as pa
 
-    found = _one(document, recording)
+    named = {one["id"]: one for one in document.get("recordings", [])}
+    if recording is None and len(named) == 1:
+        (recording,) = named
+    if recording not in named:
+        raise KeyError(f"found the recording {recording}; expected one of {', '.join(named) or 'none'}")
+    found = named[recording]
     if "table" in found:
         table = _read(Path(folder) / found["table"])
     elif "columns" in found:
         table = pa.table({name: pa.array(values, pa.float64()) for name, values in found["columns"].items()})
     else:
-        raise ValueError(f"the recording {found['id']} has no readings" + (", a stage left them out" if "dropped" in found else ""))
+        raise ValueError(f"the recording {recording} has no readings" + (", a stage left them out" if "dropped" in found else ""))
     if "start" in found and "time_s" in table.column_names:
         start = datetime.fromisoformat(found["start"].replace("Z", "+00:00")).timestamp()
         moments = [None if second is None else round((start + second) * 1e6) for second in table["time_s"].to_pylist()]
@@ -38,9 +43,9 @@ def recording(readings: Frame, id: str, *, procedure: str = "free_run", start: s
               conditions: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """A recording of a frame whose columns have a document's names; put it into `document["recordings"]`. `time` is left aside."""
     table, _ = _arrow(readings)
-    columns = {name: table[name].cast("float64").to_pylist() for name in table.column_names if name != "time"}
-    missing = {name: [None if value != value else value for value in values] for name, values in columns.items()}
-    made: dict[str, Any] = {"id": id, "procedure": procedure, "conditions": dict(conditions or {}), "columns": missing}
+    numbers = {name: table[name].cast("float64").to_pylist() for name in table.column_names}
+    columns = {name: [None if value != value else value for value in values] for name, values in numbers.items()}
+    made = {"id": id, "procedure": procedure, "conditions": dict(conditions or {}), "columns": columns}
     return {**made, "start": start} if start else made
 
 
@@ -51,27 +56,16 @@ def corrected(readings: Frame | PathLike, calibration: Document, *, kind: str | 
     """
     import pyarrow.parquet as parquet
 
-    with tempfile.TemporaryDirectory(prefix="fluxcal-") as name:
-        folder = Path(name)
+    own = "pandas"
+    with tempfile.TemporaryDirectory(prefix="fluxcal-") as folder:
+        source, field = Path(folder) / "readings.parquet", Path(folder) / "field.parquet"
         if isinstance(readings, (str, os.PathLike)):
-            source, own = Path(readings), "pandas"
+            source = Path(readings)
         else:
             table, own = _arrow(readings)
-            source = folder / "readings.parquet"
-            parquet.write_table(table.drop_columns([name for name in table.column_names if name == "time"]), source)
-        if isinstance(calibration, Mapping):
-            (folder / "calibration.json").write_text(to_json(calibration))
-            calibration = folder / "calibration.json"
-        text("correct", source, calibration=calibration, output=folder / "field.parquet", **options)
-        return _as(_read(folder / "field.parquet"), kind or own)
-
-
-def _one(document: Mapping[str, Any], id: str | None) -> Mapping[str, Any]:
-    found: list[Mapping[str, Any]] = [one for one in document.get("recordings", []) if id is None or one["id"] == id]
-    if len(found) != 1:
-        ids = ", ".join(one["id"] for one in document.get("recordings", []))
-        raise KeyError(f"name one recording of {ids or 'none'}" if id is None else f"no recording {id} among {ids or 'none'}")
-    return found[0]
+            parquet.write_table(table, source)
+        text("correct", source, calibration=calibration, output=field, **options)
+        return _as(_read(field), kind or own)
 
 
 def _read(path: Path) -> Any:
@@ -84,23 +78,24 @@ def _read(path: Path) -> Any:
 
 
 def _arrow(readings: Frame) -> tuple[Any, str]:
-    """A frame as an Arrow table, and the kind that it was."""
+    """A frame as an Arrow table without `time`, and the kind that it was."""
     import pyarrow as pa
 
     if isinstance(readings, pa.Table):
-        return readings, "arrow"
-    if hasattr(readings, "to_arrow"):
-        return readings.to_arrow(), "polars"
-    return pa.Table.from_pandas(readings, preserve_index=False).replace_schema_metadata(None), "pandas"
+        table, kind = readings, "arrow"
+    elif hasattr(readings, "to_arrow"):
+        table, kind = readings.to_arrow(), "polars"
+    else:
+        table, kind = pa.Table.from_pandas(readings, preserve_index=False).replace_schema_metadata(None), "pandas"
+    return table.select([name for name in table.column_names if name != "time"]), kind
 
 
 def _as(table: Any, kind: str) -> Frame:
-    if kind == "arrow":
-        return table
-    if kind == "pandas":
-        return table.to_pandas()
     if kind == "polars":
         import polars
 
         return polars.from_arrow(table)
-    raise ValueError(f"found the kind {kind}; expected pandas, polars or arrow")
+    kinds = {"pandas": table.to_pandas, "arrow": lambda: table}
+    if kind not in kinds:
+        raise ValueError(f"found the kind {kind}; expected pandas, polars or arrow")
+    return kinds[kind]()
