@@ -16,7 +16,7 @@ mod table;
 pub mod text;
 
 pub use error::Error;
-pub use page::{Finding, Item, Page, Section, Size};
+pub use page::{Effect, Finding, Item, Page, Section};
 pub use table::{Cell, Header, Table};
 
 use common::Document;

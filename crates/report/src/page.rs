@@ -21,53 +21,83 @@ pub struct Section {
     pub title: String,
     /// Sentences at its head.
     pub words: Vec<String>,
-    /// What looks wrong; those of the largest size come first on the page.
+    /// What looks wrong; what moves the result most comes first on the page.
     pub warnings: Vec<Finding>,
     /// Tables, plots and words in their order; neighbouring plots stand side by side.
     pub items: Vec<Item>,
 }
 
-/// What looks wrong, with the size of what it is about.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// What looks wrong, with what it does to the result.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// A sentence.
     pub words: String,
-    /// How large it is; None where the document does not say.
-    pub size: Option<Size>,
+    /// What it does to the result.
+    pub effect: Effect,
 }
 
-/// How large a thing is in the result.
+/// What a finding does to the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Size {
-    /// A field, nT.
+pub enum Effect {
+    /// It moves a field by so much, nT.
     Nt(f64),
-    /// A direction, arcsec.
+    /// It turns a direction by so much, arcsec.
     Arcsec(f64),
+    /// It moves a parameter by so many of its standard uncertainties.
+    Std(f64),
+    /// There is no number, for this reason.
+    Unstated(&'static str),
 }
 
-impl Size {
+impl Effect {
     /// A field of 50 000 nT across a turned direction, nT.
     const NT_PER_ARCSEC: f64 = 50_000.0 / 206_264.806;
+    /// What is said where the document holds no number that would tell.
+    pub const NOT_HELD: Self = Self::Unstated("not in the document");
 
-    /// As a field, nT: what a turn does in one of 50 000 nT.
-    pub fn as_nt(self) -> f64 {
+    /// A field, unless the number is absent or not finite.
+    pub fn nt(size: impl Into<Option<f64>>) -> Self {
+        Self::held(size, Self::Nt)
+    }
+
+    /// A turn, likewise.
+    pub fn arcsec(size: impl Into<Option<f64>>) -> Self {
+        Self::held(size, Self::Arcsec)
+    }
+
+    /// Standard uncertainties, likewise.
+    pub fn std(size: impl Into<Option<f64>>) -> Self {
+        Self::held(size, Self::Std)
+    }
+
+    fn held(size: impl Into<Option<f64>>, kind: fn(f64) -> Self) -> Self {
+        size.into().filter(|size| size.is_finite()).map_or(Self::NOT_HELD, |size| kind(size.abs()))
+    }
+
+    /// Its place: fields, and turns by what they do in 50 000 nT, by their size; then standard uncertainties; then what has no number.
+    pub fn rank(self) -> (u8, f64) {
         match self {
-            Size::Nt(size) => size.abs(),
-            Size::Arcsec(angle) => angle.abs() * Self::NT_PER_ARCSEC,
+            Self::Nt(size) => (2, size),
+            Self::Arcsec(angle) => (2, angle * Self::NT_PER_ARCSEC),
+            Self::Std(size) => (1, size),
+            Self::Unstated(_) => (0, 0.0),
         }
     }
 }
 
 impl Finding {
-    /// A finding of a size; one that is not finite is none.
-    pub fn of(words: impl Into<String>, size: Option<Size>) -> Self {
-        Self { words: words.into(), size: size.filter(|size| size.as_nt().is_finite()) }
+    /// A finding with its effect.
+    pub fn of(words: impl Into<String>, effect: Effect) -> Self {
+        Self { words: words.into(), effect }
     }
-}
 
-impl From<String> for Finding {
-    fn from(words: String) -> Self {
-        Self { words, size: None }
+    /// Sorts findings: what moves most comes first, and what is equal keeps its order.
+    pub fn sort<T>(all: &mut [T], finding: impl Fn(&T) -> &Finding) {
+        let rank = |one: &T| finding(one).effect.rank();
+        all.sort_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            b.0.cmp(&a.0).then(b.1.total_cmp(&a.1))
+        });
     }
 }
 

@@ -3,7 +3,9 @@ use common::Document;
 use super::verdict::{Found, Missing, Rule, Side, Verdict};
 use super::{ID, Judged, Kind, Requirement, Spec, judge};
 use crate::number::{bare, counted, significant, uncertain};
-use crate::{Cell, Error, Item, Section, Table};
+use crate::{Cell, Effect, Error, Finding, Item, Section, Table};
+
+const VERDICT: Effect = Effect::Unstated("a verdict on the result");
 
 /// The statement of conformity: its first sentence counts the verdicts.
 ///
@@ -15,8 +17,11 @@ pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     let judged = judge(document, spec)?;
     let mut section = Section::new(ID, format!("Conformity: {}", spec.title));
     section.words = head(document, spec, &judged);
-    section.warnings =
-        judged.iter().filter(|one| one.verdict == Verdict::Fail).map(|one| failure(one).into()).collect();
+    section.warnings = judged
+        .iter()
+        .filter(|one| one.verdict == Verdict::Fail)
+        .map(|one| Finding::of(failure(one), VERDICT))
+        .collect();
     let mut table = Table::new(
         "Requirements",
         [

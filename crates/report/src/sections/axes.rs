@@ -3,9 +3,10 @@
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairComparison, ScaleResult};
 
 use super::axes_map;
-use super::words::{cells, counted, sentence, sized};
+use super::effects::{self, findings};
+use super::words::{cells, counted, sentence};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Finding, Item, Section, Size, Table, number};
+use crate::{Cell, Finding, Item, Section, Table, number};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -21,9 +22,7 @@ pub fn section(document: &Document) -> Option<Section> {
 
 /// Everything that was found; ids of plots begin with `id`.
 fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
-    let stds = [&axes.sensors, &axes.coils].into_iter().flatten().filter_map(|all| all.std_arcsec.as_ref());
-    let largest = stds.flat_map(|std| Axis::ALL.map(|axis| std.get(axis))).flatten().reduce(f64::max);
-    section.warnings.extend(sized(&axes.findings, largest.map(Size::Arcsec)));
+    section.warnings.extend(findings("", &axes.findings, &effects::axes::RULES, axes));
     section.warnings.extend(axes.doubtful.iter().map(|one| {
         let words = format!(
             "orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from what the others predict (p = {})",
@@ -35,7 +34,7 @@ fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
             number::figures(one.leave_one_out_nt, 4),
             number::probability(one.p_adjusted)
         );
-        Finding::of(words, Some(Size::Nt(one.leave_one_out_nt)))
+        Finding::of(words, effects::axes::doubtful(axes, one))
     }));
     if let Some(fit) = &axes.fit {
         let chi = fit.chi_squared_p.map(|p| format!("; χ² of the residuals: {}", number::p_value(p)));

@@ -3,9 +3,10 @@
 use common::Document;
 
 use super::departures;
-use super::words::{counted, led};
+use super::effects::{self, findings};
+use super::words::counted;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -49,7 +50,7 @@ pub fn section(document: &Document) -> Option<Section> {
             fit.and_then(|fit| fit.lack_of_fit).map_or(Cell::Empty, |test| Cell::Probability(test.p_value)),
         ]);
         let Some(fit) = fit else { continue };
-        section.warnings.extend(led(&name, &fit.findings, Some(Size::Nt(fit.rms_nt))));
+        section.warnings.extend(findings(&name, &fit.findings, &effects::coils::RULES, coil));
         let part = |key: &str| fit.uncertainty.get(key);
         let [k, b0] = ["constant_nt_per_a", "offset_nt"].map(part);
         budget.row([

@@ -3,9 +3,10 @@
 use common::{Axis, Document, Recording};
 
 use super::clock::Clock;
+use super::effects;
 use super::words::{counted, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Table, number};
+use crate::{Cell, Finding, Section, Table, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 4;
@@ -68,7 +69,7 @@ pub fn section(document: &Document) -> Option<Section> {
                     recording.id,
                     counts.join(", ")
                 );
-                section.warnings.push(words.into());
+                section.warnings.push(Finding::of(words, effects::LEFT_OUT));
             }
         }
     }

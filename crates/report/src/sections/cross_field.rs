@@ -3,9 +3,9 @@
 use common::{Axis, CrossFieldFit, Document};
 
 use super::departures;
-use super::words::led;
+use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -37,9 +37,7 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(fit) = &sensor.cross_field else { continue };
         let name = format!("sensor {axis}");
-        let sizes = fit.offset.values().chain(fit.sensitivity.values()).map(|size| size.value().abs());
-        let largest = sizes.reduce(f64::max);
-        section.warnings.extend(led(&name, &fit.findings, largest.map(Size::Nt)));
+        section.warnings.extend(findings(&name, &fit.findings, &effects::conditions::CROSS_FIELD, fit));
         for (of, parameters) in [("offset", &fit.offset), ("sensitivity", &fit.sensitivity)] {
             for (key, value) in parameters {
                 let (words, _) = super::words::key(key);

@@ -5,7 +5,7 @@ use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Ver
 use super::residuals::{Names, plots};
 use super::words::{key, rounded, sentence};
 use crate::plot::Plot;
-use crate::{Cell, Finding, Section, Size, Table, number};
+use crate::{Cell, Effect, Finding, Section, Table, number};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -48,7 +48,7 @@ fn absurd(fit: &Residual) -> Option<Finding> {
             number::significant(fit.rms_refitted_nt, 3),
             number::significant(fit.rms_after_nt, 3)
         );
-        Finding::of(words, Some(Size::Nt(fit.rms_after_nt)))
+        Finding::of(words, Effect::nt(fit.rms_refitted_nt.max(fit.rms_after_nt) - fit.rms_before_nt))
     })
 }
 
@@ -77,8 +77,9 @@ fn reasons(section: &mut Section, diagnosis: &Diagnosis) {
     }
     if let Some(remaining) = diagnosis.remaining.as_ref().filter(|remaining| !remaining.white) {
         let words = format!("What is left is not noise alone: {}", remaining.structure);
-        let left = diagnosis.fit.as_ref().map(|fit| Size::Nt(fit.rms_after_nt));
-        section.warnings.push(Finding::of(words, left));
+        // What the noise does not explain.
+        let beyond = |fit: &Residual| (fit.rms_after_nt.powi(2) - fit.noise_floor_nt.powi(2)).max(0.0).sqrt();
+        section.warnings.push(Finding::of(words, Effect::nt(diagnosis.fit.as_ref().map(beyond))));
     }
     if let Some(next) = &diagnosis.next_experiment {
         section.say(sentence(&format!("what would tell: {next}")));

@@ -4,10 +4,11 @@ use common::{
     Axis, DifferentialCalibration, DifferentialFit, Document, DriftForm, EventInstrument, EventKind,
 };
 
+use super::effects;
 use super::words::{counted, sentence};
 use super::{difference, differential_matrix, fourteen, instruments};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Finding, Section, Size, Table, number};
+use crate::{Cell, Section, Table, number};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -26,11 +27,7 @@ pub fn section(document: &Document) -> Option<Section> {
             fit.missing,
             sentence(&fit.quoted)
         ));
-        section.warnings.extend(fit.findings.iter().map(|finding| {
-            let mut all = fit.contributions.iter();
-            let cause = all.find(|one| !one.what.is_empty() && finding.contains(&one.what));
-            Finding::of(finding, cause.map(|one| Size::Nt(one.reduction_nt2().max(0.0).sqrt())))
-        }));
+        section.warnings.extend(effects::differential::of_fit(fit));
         difference::draw(&mut section, fit);
         section.table(difference::contributions(fit));
         axes(&mut section, found, fit);

@@ -3,13 +3,14 @@
 use common::{Axis, DifferentialFit, MatrixStability};
 
 use super::clock::Clock;
+use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
 
 /// Tables and plots of the matrix's stability.
 pub fn stability(section: &mut Section, fit: &DifferentialFit, matrix: &common::Matrix3x3) {
     let Some(stability) = &fit.stability else { return };
-    section.warnings.extend(stability.findings.iter().cloned().map(Into::into));
+    section.warnings.extend(findings("", &stability.findings, &effects::differential::STABILITY, stability));
     let mut tests = Table::new("Whether the matrix is one", [("asked of", ""), ("p", "")]);
     let mut test = |of: &str, p: Option<f64>| {
         if let Some(p) = p {

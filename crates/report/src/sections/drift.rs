@@ -2,9 +2,9 @@
 
 use common::{Axis, Document, OffsetDrift};
 
-use super::words::led;
+use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -33,7 +33,7 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(drift) = &sensor.drift else { continue };
         let name = format!("sensor {axis}");
-        section.warnings.extend(led(&name, &drift.findings, Some(Size::Nt(drift.rms_nt))));
+        section.warnings.extend(findings(&name, &drift.findings, &effects::sensors::DRIFT, drift));
         let annual = drift.annual.as_ref();
         table.row([
             name.as_str().into(),

@@ -2,6 +2,7 @@
 
 use common::{Axis, DifferentialFit, OwnNoise, PerAxis, ReferenceNoise};
 
+use super::effects::{self, findings};
 use super::words::sentence;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
@@ -19,7 +20,7 @@ pub fn noise(section: &mut Section, fit: &DifferentialFit) {
         ],
     );
     if let Some(noise) = &fit.reference_noise {
-        section.warnings.extend(noise.findings.iter().cloned().map(Into::into));
+        section.warnings.extend(findings("", &noise.findings, &effects::differential::REFERENCE, noise));
         if !noise.ascribed.is_empty() {
             section.say(sentence(&noise.ascribed));
         }

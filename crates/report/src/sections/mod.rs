@@ -13,6 +13,7 @@ mod difference;
 mod differential;
 mod differential_matrix;
 mod drift;
+mod effects;
 mod fourteen;
 mod gradient;
 mod history;
@@ -35,7 +36,7 @@ use std::collections::HashSet;
 pub use axes_map::direction;
 pub use words::key;
 
-use crate::{Finding, Item, Page, Section, Size, Table, conformity, number};
+use crate::{Effect, Finding, Item, Page, Section, Table, conformity, number};
 
 /// How a part of a document is shown; None where the document does not have it.
 type Part = fn(&Document) -> Option<Section>;
@@ -66,9 +67,7 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
     let parts = PARTS.iter().filter_map(|part| part(document));
     let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
-    // The largest first; what has no size keeps its place behind them.
-    let size = |finding: &Finding| finding.size.map_or(-1.0, Size::as_nt);
-    sections.iter_mut().for_each(|part| part.warnings.sort_by(|a, b| size(b).total_cmp(&size(a))));
+    sections.iter_mut().for_each(|part| Finding::sort(&mut part.warnings, |finding| finding));
     let listed = ranked(&sections);
     let first = sections.iter().take_while(|section| section.id == conformity::ID).count();
     sections.splice(first..first, listed);
@@ -80,32 +79,34 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
 /// So many findings stand at the head of the page whatever there is.
 const FIRST: usize = 8;
 
-/// All findings in one list, by their size.
+/// All findings in one list, by what they do to the result.
 fn ranked(sections: &[Section]) -> Option<Section> {
     let mut all: Vec<(&Finding, &str)> = sections
         .iter()
         .flat_map(|section| section.warnings.iter().map(|finding| (finding, section.title.as_str())))
         .collect();
-    let size = |finding: &Finding| finding.size.map_or(-1.0, Size::as_nt);
-    all.sort_by(|(a, _), (b, _)| size(b).total_cmp(&size(a)));
-    let table = |caption| Table::new(caption, [("size", ""), ("finding", ""), ("where", "")]);
-    let (mut first, mut others) = (table("Findings, the largest first"), table("Smaller ones"));
+    Finding::sort(&mut all, |(finding, _)| finding);
+    let table = |caption| Table::new(caption, [("moves the result by", ""), ("finding", ""), ("where", "")]);
+    let (mut first, mut others) = (table("Findings, what moves most first"), table("The others"));
     for (place, (finding, title)) in all.into_iter().enumerate() {
         let table = if place < FIRST { &mut first } else { &mut others };
-        let size = match finding.size {
-            Some(Size::Nt(size)) => format!("{} nT", number::significant(size.abs(), 2)),
-            Some(Size::Arcsec(size)) => format!("{} arcsec", number::significant(size.abs(), 2)),
-            None => "not stated".into(),
+        let figures = |size| number::significant(size, 2);
+        let effect = match finding.effect {
+            Effect::Nt(size) => format!("{} nT", figures(size)),
+            Effect::Arcsec(size) => format!("{} arcsec", figures(size)),
+            Effect::Std(size) => format!("{} standard uncertainties", figures(size)),
+            Effect::Unstated(reason) => format!("– ({reason})"),
         };
-        table.row([size.into(), finding.words.replace('`', "").into(), title.into()]);
+        table.row([effect.into(), finding.words.replace('`', "").into(), title.into()]);
     }
     let mut section = Section::new("findings", "What stands out");
     section.table(first);
     section.table(others);
     (!section.items.is_empty()).then(|| {
         section.words.push(
-            "The size is that of what a finding is about: the rms or the largest change of a reading, what the part of a fit leaves, or how far a \
-             direction is uncertain. Changes of a sensitivity and turns count in a field of 50 000 nT, where 1 arcsec is 0.24 nT."
+            "By how much a finding moves the result, from numbers that the document holds: a field or an offset in nT, a direction in arcsec, or a parameter in its \
+             standard uncertainties. Turns and changes of a sensitivity count in a field of 50 000 nT, where 1 arcsec is 0.24 nT. Behind them stand those in standard \
+             uncertainties, then those without a number, with the reason."
                 .into(),
         );
         section

@@ -2,10 +2,11 @@
 
 use common::{AllanDeviation, Axis, Document, Quantity, SensorNoise};
 
+use super::effects::{self, findings};
 use super::nulling::{add_lines, lines_table};
-use super::words::{led, rounded};
+use super::words::rounded;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -46,8 +47,7 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(noise) = &sensor.noise else { continue };
         let name = format!("sensor {axis}");
-        let rms = noise.series.iter().map(|series| series.rms_nt).reduce(f64::max);
-        section.warnings.extend(led(&name, &noise.findings, rms.map(Size::Nt)));
+        section.warnings.extend(findings(&name, &noise.findings, &effects::sensors::NOISE, &()));
         fits.row([
             name.as_str().into(),
             (&noise.flicker_nt2_per_hz_at_1hz).into(),

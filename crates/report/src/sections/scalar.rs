@@ -2,9 +2,9 @@
 
 use common::{Document, FieldDirections, Quantity, ScalarCalibration, ScalarStability};
 
-use super::words::sized;
+use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table, number};
+use crate::{Cell, Section, Table, number};
 
 /// Offsets stand behind the three sensitivities.
 const OFFSETS: usize = 3;
@@ -24,7 +24,7 @@ pub fn section(document: &Document) -> Option<Section> {
             .map(|rms| format!(", with the calibration as it was stated {} nT", number::figures(rms, 3)))
             .unwrap_or_default()
     ));
-    section.warnings.extend(sized(&scalar.findings, Some(Size::Nt(scalar.rms_nt))));
+    section.warnings.extend(findings("", &scalar.findings, &effects::scalar::RULES, scalar));
     parameters(&mut section, scalar);
     if let Some(weakest) = &scalar.weakest {
         section.say(format!("Shown least: {}. To show it, {}.", weakest.words, weakest.remedy));

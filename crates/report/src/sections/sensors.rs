@@ -3,9 +3,10 @@
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
 use super::departures;
-use super::words::{counted, led};
+use super::effects::{self, findings};
+use super::words::counted;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -55,7 +56,7 @@ pub fn section(document: &Document) -> Option<Section> {
             p(fit.and_then(|fit| fit.runs)),
         ]);
         let Some(fit) = fit else { continue };
-        section.warnings.extend(led(&name, &fit.findings, Some(Size::Nt(fit.noise.rms_nt))));
+        section.warnings.extend(findings(&name, &fit.findings, &effects::sensors::SENSITIVITY, sensor));
         for (key, budget) in &fit.uncertainty {
             let (words, unit) = super::words::key(key);
             budgets.row([
@@ -141,8 +142,8 @@ fn reversals<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a
     );
     for (axis, sensor) in sensors {
         let Some(reversal) = &sensor.reversal else { continue };
-        let size = reversal.offset_nt.std().map(Size::Nt);
-        section.warnings.extend(led(&format!("sensor {axis}, reversals"), &reversal.findings, size));
+        let name = format!("sensor {axis}, reversals");
+        section.warnings.extend(findings(&name, &reversal.findings, &effects::sensors::REVERSAL, reversal));
         let mut offsets = Vec::new();
         for one in &reversal.recordings {
             table.row([

@@ -1,10 +1,10 @@
 //! What temperatures do to sensitivity and offset: the coefficients.
 
-use common::{Document, TemperatureFit, TemperatureOfPart};
+use common::{Document, TemperatureOfPart};
 
-use super::words::led;
+use super::effects::{self, findings};
 use super::{departures, temperature_loops};
-use crate::{Cell, Section, Size, Table};
+use crate::{Cell, Section, Table};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -49,7 +49,7 @@ pub fn section(document: &Document) -> Option<Section> {
     for (axis, sensor) in sensors.iter() {
         let Some(fit) = &sensor.temperature else { continue };
         let name = format!("sensor {axis}");
-        section.warnings.extend(led(&name, &fit.findings, change(fit)));
+        section.warnings.extend(findings(&name, &fit.findings, &effects::conditions::TEMPERATURE, fit));
         for (what, part) in [("sensor", &fit.sensor), ("electronics", &fit.electronics)] {
             let Some(part) = part else { continue };
             slopes.row(row(&name, what, part));
@@ -94,22 +94,6 @@ pub fn section(document: &Document) -> Option<Section> {
     section.table(lags);
     section.table(looked_for);
     (!section.items.is_empty()).then_some(section)
-}
-
-/// The largest change of a reading over the temperatures of a run: of the offset, and of the sensitivity in 50 000 nT.
-fn change(fit: &TemperatureFit) -> Option<Size> {
-    let of = |part: &TemperatureOfPart, reference: Option<f64>| {
-        let reference = reference.unwrap_or(0.5 * (part.range_c[0] + part.range_c[1]));
-        let warmer = part.range_c.map(|end| (end - reference).abs()).into_iter().fold(0.0, f64::max);
-        let per_k = (part.sensitivity_ppm_per_k.value() * 0.05).abs().max(part.offset_nt_per_k.value().abs());
-        per_k * warmer
-    };
-    let [sensor, electronics] = fit.reference_c;
-    let parts = [
-        fit.sensor.as_ref().map(|part| of(part, sensor)),
-        fit.electronics.as_ref().map(|part| of(part, electronics)),
-    ];
-    parts.into_iter().flatten().reduce(f64::max).map(Size::Nt)
 }
 
 fn row(name: &str, what: &str, part: &TemperatureOfPart) -> [Cell; 10] {

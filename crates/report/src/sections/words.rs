@@ -2,8 +2,8 @@
 
 use common::{Axis, PerAxis, Quantity};
 
+use crate::Cell;
 pub use crate::number::counted;
-use crate::{Cell, Finding, Size};
 
 /// Words of a stage as a sentence.
 pub fn sentence(words: &str) -> String {
@@ -23,16 +23,6 @@ pub fn slug(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let text: String = text.chars().map(plain).collect();
     text.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-")
-}
-
-/// Findings of several, each led by whose it is, with the size of what they are about.
-pub fn led(of: &str, findings: &[String], size: Option<Size>) -> Vec<Finding> {
-    findings.iter().map(|finding| Finding::of(format!("{of}: {finding}"), size)).collect()
-}
-
-/// Findings of one size.
-pub fn sized(findings: &[String], size: Option<Size>) -> Vec<Finding> {
-    findings.iter().map(|finding| Finding::of(finding, size)).collect()
 }
 
 /// A cell for each axis.

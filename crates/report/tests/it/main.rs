@@ -5,6 +5,7 @@ mod browser;
 mod campaigns;
 mod certificate;
 mod conformity;
+mod findings;
 mod golden;
 mod help;
 mod laws;

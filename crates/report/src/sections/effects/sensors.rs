@@ -1,0 +1,110 @@
+//! Findings of sensorcal on sensitivity, offset, drift and noise.
+
+use common::{OffsetDrift, ReversalOffset, SensitivityFit, SensorCalibration};
+
+use super::{LEFT_OUT, NOT_SHOWN, NOT_SIGNIFICANT, Rule, UNCERTAINTY, UNDECIDED, largest};
+use crate::Effect;
+
+const DAYS_PER_YEAR: f64 = 365.25;
+
+/// What findings on the sensitivity do.
+pub const SENSITIVITY: [Rule<SensorCalibration>; 9] = [
+    ("not a straight line: ", |sensor, _| Effect::nt(sensor.sensitivity.as_deref().and_then(bend))),
+    ("would explain the readings about as well", |_, _| UNDECIDED),
+    ("a term of order ", |sensor, words| {
+        Effect::nt(sensor.sensitivity.as_deref().and_then(|fit| term(fit, words)))
+    }),
+    ("the output stands still ", |_, _| LEFT_OUT),
+    ("the residuals are not normal", |_, _| UNCERTAINTY),
+    ("the residuals come in runs of one sign", |_, _| UNCERTAINTY),
+    ("times as much as the sensor's own noise", |_, _| UNCERTAINTY),
+    ("they do not agree", |sensor, _| Effect::nt(apart(sensor))),
+    ("temperatures are not recorded in", |_, _| NOT_SHOWN),
+];
+
+/// What findings on the offset by turning do.
+pub const REVERSAL: [Rule<ReversalOffset>; 2] = [
+    ("and left out", |reversal, words| Effect::nt(unlike(reversal, words))),
+    ("the recordings differ by more than their scatter", |reversal, _| {
+        let mean = reversal.offset_nt.value();
+        Effect::nt(largest(reversal.recordings.iter().map(|one| one.offset_nt.value() - mean)))
+    }),
+];
+
+/// What findings on the drift do.
+pub const DRIFT: [Rule<OffsetDrift>; 6] = [
+    ("under noise with memory", |drift, words| {
+        let real = words.starts_with("the trend is real");
+        if real { Effect::nt(over_the_dates(drift)) } else { NOT_SIGNIFICANT }
+    }),
+    ("the dates neither show nor exclude", |_, _| UNCERTAINTY),
+    ("a yearly term of ", |drift, _| Effect::nt(drift.annual.as_ref().map(|annual| annual.amplitude_nt))),
+    ("the offset follows the sensor's temperature", |drift, _| Effect::nt(by_temperature(drift))),
+    ("no trend: at least five are needed", |_, _| NOT_SHOWN),
+    ("what is known of temperature is taken off", |_, _| Effect::NOT_HELD),
+];
+
+/// What findings on the noise do.
+pub const NOISE: [Rule<()>; 5] = [
+    (" was measured", |_, _| UNCERTAINTY),
+    ("the spectrum is not that of A/f^α and white noise", |_, _| UNCERTAINTY),
+    ("the exponent is at the limit of what is tried", |_, _| UNCERTAINTY),
+    ("no flicker noise is seen", |_, _| UNCERTAINTY),
+    ("its white noise is told too low", |_, _| UNCERTAINTY),
+];
+
+/// What fitting a departure changes at the readings, at most.
+fn bend(fit: &SensitivityFit) -> Option<f64> {
+    let residuals = &fit.residuals;
+    largest(residuals.deviation_nt.iter().zip(&residuals.residual_nt).map(|(line, all)| line - all))
+}
+
+/// The rms of what the polynomial's highest term adds.
+fn term(fit: &SensitivityFit, words: &str) -> Option<f64> {
+    let named = |order: usize| words.starts_with(&format!("a term of order {order} "));
+    let pair = fit.orders.windows(2).find(|pair| named(pair[1].order))?;
+    Some((pair[0].rms_nt.powi(2) - pair[1].rms_nt.powi(2)).max(0.0).sqrt())
+}
+
+/// The offset in the coil less that by reversals.
+fn apart(sensor: &SensorCalibration) -> Option<f64> {
+    let (coil, turned) = (sensor.sensitivity.as_ref()?, sensor.reversal.as_ref()?);
+    Some(coil.offset_nt.value() - turned.offset_nt.value())
+}
+
+/// What the pairs that were left out would move the mean of their recording by.
+fn unlike(reversal: &ReversalOffset, words: &str) -> Option<f64> {
+    let named = |recording: &str| words.contains(&format!("recording \"{recording}\""));
+    let pairs = &reversal.recordings.iter().find(|one| named(&one.recording))?.pairs;
+    let used = pairs.offset_nt.iter().zip(&pairs.used).filter(|(_, used)| **used).map(|(offset, _)| *offset);
+    Some(mean(pairs.offset_nt.iter().copied())? - mean(used)?)
+}
+
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let all: Vec<f64> = values.collect();
+    (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
+}
+
+fn over_the_dates(drift: &OffsetDrift) -> Option<f64> {
+    let [first, last] = crate::number::ends(drift.dates.time_d.iter().copied())?;
+    Some(drift.trend_nt_per_year.as_ref()?.value() * (last - first) / DAYS_PER_YEAR)
+}
+
+fn by_temperature(drift: &OffsetDrift) -> Option<f64> {
+    let [low, high] = crate::number::ends(drift.dates.sensor_temperature_c.iter().copied())?;
+    Some(drift.temperature_nt_per_k.as_ref()?.value() * (high - low))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::said_by;
+    use super::*;
+
+    #[test]
+    fn phrases() {
+        said_by("sensorcal", &SENSITIVITY);
+        said_by("sensorcal", &REVERSAL);
+        said_by("sensorcal", &DRIFT);
+        said_by("sensorcal", &NOISE);
+    }
+}
