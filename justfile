@@ -121,6 +121,13 @@ wheel:
 wheel-test: wheel
     python/test_wheel.sh target/dist
 
+# The documentation site from the same pages, in target/site/html; SUMMARY.md is its table of contents
+site:
+    test -x target/tools/bin/mdbook || cargo install mdbook --locked --version 0.5.4 --root target/tools
+    rm -rf target/site && mkdir -p target/site/src
+    cp -r --parents *.md fleet/README.md docs schemas fixtures/specs fixtures/certificate target/site/src
+    target/tools/bin/mdbook build
+
 # The main job, to look at
 demo:
     cargo build --release

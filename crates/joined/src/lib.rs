@@ -2,6 +2,10 @@
 //!
 //! Times are never spread: a series is cut where its times jump, and where they are uneven it is read at its own times. The clocks of two
 //! instruments may differ, in each [`Segment`] by another offset; that is for those to find who hold the readings against each other.
+//!
+//! diffmag (`read`), diagnose (`gathered`) and series (`onto`, `read_at`) use this crate. Series are cut where their times jump
+//! (`estimate::cadence`; `estimate::even` decides for all stages which times are even) and put on the grid of the slower instrument, by
+//! `estimate::resample` where times differ.
 
 use common::number::{counted, duration};
 use common::time::Start;

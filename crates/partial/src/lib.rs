@@ -7,6 +7,8 @@
 //!
 //! A stage states its statistics as a [`Partial`], and how rows become them as a [`Series`]; reading files ([`take`]), text
 //! ([`to_line`], [`parse`], [`merge_lines`]) and the times that are covered ([`Covered`]) are the same for all.
+//!
+//! `testkit::partials_merge` tests every [`Partial`] for these laws; `program::pieces` is the command line of `stream --partial` and `merge`.
 
 mod covered;
 mod error;

@@ -2,6 +2,11 @@
 //!
 //! A [`Page`] is made of the document by [`run`] and knows nothing of how it is shown; [`html`] and [`text`] write it. Each part of
 //! a document has its file below `sections`. What the document does not hold is not computed here.
+//!
+//! A table holds `Cell`s: a value keeps its uncertainty until it is written. Plots are SVG of our own (`plot`: scale, ticks, thinning, shapes),
+//! some 600 lines, where a library would bring fonts and colours: ours are classes, so that the page's style sets the theme. The HTML is
+//! well-formed XML, which a parser checks. `conformity` gives one more section of the same form. `certificate` makes a document of its own, a
+//! `Sheet` of fields with their clauses; a field without text is blank everywhere.
 
 pub mod certificate;
 pub mod conformity;

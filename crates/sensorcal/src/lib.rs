@@ -5,6 +5,13 @@
 //! nonlinearity and fields across goes to `model.effects` under the catalogue's names, so that it can be simulated and
 //! corrected. Uncertainties from scatter (type A) rest on the noise as it was measured, declared, or left by the fit, with its
 //! memory; those of the coil's constant and of the temperature coefficients (type B) are common to all readings.
+//!
+//! All fits are one mechanism (`fit`). The unknowns are parameters of `physics`, each own to a recording or common to all, and columns.
+//! Residuals and derivatives come from `predict_with_jacobian`; `estimate::correlated` makes the steps under the covariance that
+//! `noise::covariance` gives for exactly the process from which `noise::series` draws. Where the noise is not known, the allowed
+//! covariances are averaged by restricted likelihood, and `estimate::mixture` makes one interval of them by its quantiles. What is known
+//! with an uncertainty (a coil constant, a temperature coefficient) moves the unknowns through the same derivatives and is added as a
+//! common part. `trend` fits what offsets follow from date to date, `wander` the noise they may have.
 
 mod adopt;
 mod allowed;
