@@ -93,53 +93,53 @@ def page(took, rate_hz, days, observatories, satellites):
     lines = [
         "# fleet: a network on Apache Spark",
         "",
-        "What [fleet](../fleet/README.md) takes, measured by `just fleet-measure`, which writes this page.",
+        "What [fleet](../fleet/README.md) costs in time and storage. `just fleet-measure` measures it and writes this page.",
         "",
         "## Measured",
         "",
         f"{stations} stations, {days} days at {rate_hz:g} Hz, {rows / stations / 1e6:.3g} million rows a station, {rows / 1e6:.4g} million in all: {observatories} observatories with two variometers (`correct`, `diffmag stream "
-        f"--partial`, `merge`) and {satellites} satellites with a scalar magnetometer (`correct`, `scalarcal`). Each station's day is simulated once and stands for all its days, with the times moved on. A standalone "
-        f"cluster with one core a worker, {os.cpu_count()} cores in the machine, which others used as well (load {one['load']:.1f} and {two['load']:.1f}): seconds of processors, "
-        "Java's apart, say what the work is, seconds of the clock what came of it. Bytes go to the machine's own disk, mostly by its cache.",
+        f"--partial`, `merge`) and {satellites} satellites with a scalar magnetometer (`correct`, `scalarcal`). One day of each station is simulated and used for all its days, with the times shifted. Standalone "
+        f"cluster with one core a worker on a machine with {os.cpu_count()} cores, shared with other work (load {one['load']:.1f} and {two['load']:.1f}). Processor time "
+        "(without Java's) measures the work; elapsed time depends on the load. Files are on the local disk, mostly in its cache.",
         "",
         "| | one core | two cores |",
         "| --- | --- | --- |",
-        f"| time, without Spark's start | {one['wall_s']:.0f} s | {two['wall_s']:.0f} s |",
-        f"| processors, programs and Python | {processors[1]:.0f} s | {processors[2]:.0f} s |",
+        f"| elapsed time, without the start of Spark | {one['wall_s']:.0f} s | {two['wall_s']:.0f} s |",
+        f"| processor time, programs and Python | {processors[1]:.0f} s | {processors[2]:.0f} s |",
         *(f"| … `{name}` | {one[f'{name}_s']:.0f} s | {two[f'{name}_s']:.0f} s |" for name in ("correct", "diffmag", "scalarcal")),
-        f"| … Python, copies of files among it | {one['python_s']:.1f} s | {two['python_s']:.1f} s |",
+        f"| … Python, including copies of files | {one['python_s']:.1f} s | {two['python_s']:.1f} s |",
         f"| read; written | {one['read_bytes'] / 1e9:.2f}; {one['written_bytes'] / 1e9:.2f} GB | the same |",
-        f"| a row, of processors | {1e6 * processors[1] / rows:.2f} µs | {1e6 * processors[2] / rows:.2f} µs |",
+        f"| processor time a row | {1e6 * processors[1] / rows:.2f} µs | {1e6 * processors[2] / rows:.2f} µs |",
         "",
         f"A row of an observatory takes {1e6 * cost:.2f} µs of a core ({1e6 * cost / 6:.2f} µs each of its six readings), {read:.0f} bytes read and {written:.0f} written. The state of a day has at most "
         f"{one['diffmag_state_bytes'] / 1000:.0f} kB (`diffmag`) and {one.get('scalarcal_state_bytes', 0) / 1000:.0f} kB (`scalarcal`).",
         "",
-        f"**Why the readings do not go through Spark.** Read by Spark and handed to Python as Arrow (`mapInArrow`), with nothing made of them, {spark['rows'] / 1e6:.3g} million rows take {spark['through_s']:.0f} s of one core's clock, "
-        f"{1e6 * spark['through_s'] / spark['rows']:.2f} µs a row, before a program has seen one; copying the files, and all else that Python does, costs {1e6 * one['python_s'] / rows:.3f} µs. The programs read and write Parquet themselves, so that "
-        "no stream of Arrow was added to them.",
+        f"**Why the readings do not go through Spark.** Read by Spark and handed to Python as Arrow (`mapInArrow`), without further work, {spark['rows'] / 1e6:.3g} million rows take {spark['through_s']:.0f} s on one core, "
+        f"{1e6 * spark['through_s'] / spark['rows']:.2f} µs a row, before any program has seen them; copying the files, and everything else that Python does, costs {1e6 * one['python_s'] / rows:.3f} µs. The programs read and write Parquet themselves, so that "
+        "no Arrow stream is needed.",
         "",
-        "## On paper",
+        "## Extrapolated",
         "",
-        f"{STATIONS} observatories, {YEARS} years at {RATE_HZ} Hz: {ROWS / 1e9:.0f} thousand million rows, {MONTHS} months of stations, each a task of {ROWS / MONTHS * cost:.0f} s. From the figures above, with {STORAGE / 1e9:g} GB/s of shared storage and "
-        f"{1000 * spark['task_s']:.1f} ms for Spark to hand out a task and take it back (measured on {TASKS} that do nothing, cluster and driver on the same core, so that it is an upper limit):",
+        f"{STATIONS} observatories, {YEARS} years at {RATE_HZ} Hz: {ROWS / 1e9:.0f} billion (10⁹) rows, {MONTHS} station months, each a task of {ROWS / MONTHS * cost:.0f} s. From the figures above, with {STORAGE / 1e9:g} GB/s of shared storage and "
+        f"{1000 * spark['task_s']:.1f} ms of scheduling a task (measured on {TASKS} empty tasks with cluster and driver on the same core, hence an upper limit):",
         "",
-        "| cores | processors | storage | tasks handed out | so it takes | bottleneck |",
+        "| cores | processors | storage | scheduling of tasks | total | bottleneck |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
     storage, tasks = ROWS * (read + written) / STORAGE, MONTHS * spark["task_s"]
     for cores in (10, 100, 1000):
-        parts = {"processors": ROWS * cost / cores, "storage": storage, "tasks handed out": tasks}
+        parts = {"processors": ROWS * cost / cores, "storage": storage, "scheduling": tasks}
         most = max(parts, key=parts.get)
         lines.append(f"| {cores} | {hours(parts['processors'])} | {hours(storage)} | {hours(tasks)} | {hours(parts[most])} | {most} |")
     per_core = (read + written) / cost
     lines += [
         "",
         f"A core reads and writes {per_core / 1e6:.0f} MB/s, so that storage of {STORAGE / 1e9:g} GB/s feeds {STORAGE / per_core:.0f} cores; beyond that it is the bottleneck, and more of it (object stores, local disks) is "
-        "what helps. Where storage keeps up with 1 000 cores, handing out tasks is next, and a task should then be more than a month. "
+        "what helps. If storage keeps up with 1 000 cores, the scheduling of tasks is next, and a task should then be more than a month. "
         f"{ROWS * read / 1e12:.1f} TB are read and {ROWS * written / 1e12:.1f} TB written. The states of all months are {MONTHS * one['diffmag_state_bytes'] / 1e9:.1f} GB: "
-        "calibrations between other dates are merges of these, and read no reading again. When a baseline changes, only the months since are done again.",
+        "calibrations between other dates are merges of these and need no readings. When a baseline changes, only the months since are processed again.",
         "",
-        "What is not in these figures: the network between machines, machines that are slower than others at the end of a run, and other work on the storage.",
+        "These figures do not include the network between machines, slow machines at the end of a run, or other load on the storage.",
         "",
     ]
     return "\n".join(lines)

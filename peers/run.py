@@ -105,7 +105,7 @@ def page(job: Job, made: dict, ours: Times, theirs: dict[str, Times], farthest: 
         words, seconds = reading(Path(made["path"]))
         lines.append(f"| *{words}* | *{seconds:.3f}* | | | |")
     lines.append("")
-    agree = f"The answers agree to {max(farthest, 1e-16):.0e}." if farthest is not None else "The answers are not compared: the peers do another part of the work."
+    agree = f"The answers agree to {max(farthest, 1e-16):.0e}." if farthest is not None else "The answers are not compared, because the peers do different work."
     lines += [agree, ""]
     if job.note:
         lines += [job.note, ""]
@@ -292,7 +292,7 @@ def jobs(programs: Path) -> list[Job]:
             rows=2_000_000,
             answer=matrix_found,
             apart=1e-5,
-            note="The peers find the matrix alone, by normal equations in NumPy; `diffmag` gives its uncertainty, looks for steps, clock errors and outliers, and holds the file never as a whole.",
+            note="The peers compute only the matrix, by normal equations in NumPy. `diffmag` also gives its uncertainty, searches for steps, clock errors and outliers, and never holds the whole file.",
         )
 
     def ingest(kind: str, title: str, make: Callable, peer: str, libraries: list[str], rows: int) -> Job:
@@ -323,7 +323,7 @@ def jobs(programs: Path) -> list[Job]:
             peer="correct",
             libraries=["polars", "pyarrow"],
             rows=10_000_000,
-            note="The peers apply a matrix; `correct` subtracts three effects besides and gives each sample its uncertainty: derivatives of the field by some twenty parameters in every row, which is where the time goes.",
+            note="The peers apply a matrix. `correct` also subtracts three effects and gives each sample its uncertainty; most of the time goes into the derivatives of the field by about twenty parameters in every row.",
         ),
         Job(
             name="spectrum",
@@ -333,7 +333,7 @@ def jobs(programs: Path) -> list[Job]:
             peer="spectrum",
             libraries=["one FFT (NumPy)", "one FFT (SciPy)", "SciPy's welch", "allantools"],
             rows=8_640_000,
-            note="`sensorcal` reads the Parquet file, fits white and flicker noise to the periodogram by Whittle's likelihood, takes the Allan deviation and searches for lines; the peers do one of these, on numbers that are in memory.",
+            note="`sensorcal` reads the Parquet file, fits white and flicker noise to the periodogram by Whittle's likelihood, computes the Allan deviation and searches for spectral lines. Each peer does one of these, on numbers already in memory.",
         ),
         Job(
             name="flicker",
@@ -345,7 +345,7 @@ def jobs(programs: Path) -> list[Job]:
             peer="flicker",
             libraries=["NumPy"],
             rows=3_000_000,
-            note="`simulate` also writes its samples, as JSON, which takes longer than making them; NumPy makes them and drops them.",
+            note="`simulate` also writes its samples as JSON, which takes longer than generating them; NumPy discards them.",
         ),
         Job(
             name="document",
@@ -355,7 +355,7 @@ def jobs(programs: Path) -> list[Job]:
             peer="document",
             libraries=["orjson", "json"],
             rows=5_000_000,
-            note="The peers read the document and write it again; `coilcal` calibrates a coil from another recording besides, and its digest of the input is a part of the time.",
+            note="The peers read the document and write it again. `coilcal` also calibrates a coil from another recording, and its time includes the digest of the input.",
         ),
     ]
 
@@ -421,7 +421,7 @@ def main():
     chosen = [job for job in jobs(arguments.programs) if not wanted or job.name in wanted]
     parts = [
         "# Performance", "",
-        f"Written by `just bench-peers`. {machine()} Each way in turns, {arguments.runs} runs: the median, and the least and the largest in brackets.", "",
+        f"Written by `just bench-peers`. {machine()} All programs run in turn, {arguments.runs} times each: median, with minimum and maximum in brackets.", "",
     ]
     with tempfile.TemporaryDirectory() as name:
         for job in chosen:

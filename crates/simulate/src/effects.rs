@@ -164,18 +164,21 @@ fn capital(text: &str) -> String {
 }
 
 const HEAD: &str = "# The effects\n\n\
-    Physics that a first model of a magnetometer leaves out. Each effect is one definition, in `crates/physics/src/effects`, that is\n\
-    simulated, fitted, and taken out of readings again. This page is made by `simulate effects --layout markdown`.\n\n\
-    A document adopts an effect under `model.effects`, a plan lets it act under `truth.model.effects`:\n\n\
+    Effects that a first model of a magnetometer leaves out. Each effect is one definition in `crates/physics/src/effects`, used for\n\
+    simulation, fit and correction alike. This page is made by `simulate effects --layout markdown`.\n\n\
+    A document adopts an effect under `model.effects`; a plan includes it under `truth.model.effects`:\n\n\
     ```json\n\
     {\"effect\": \"offset_temperature_lag\", \"sensor\": \"x\", \"parameters\": {\"coefficient_nt_per_k\": 1.3, \"lag_s\": 900}}\n\
     ```\n\n\
-    An effect takes `sensor` or `coil` where it acts on one, `column` where it follows a housekeeping column, and nothing where it acts on\n\
-    all. Effects act in the order of the signal: coil, field in GEO, sensor block, sensor, electronics, logger; at one place in the order in\n\
-    which they are listed. B is the field along the sensor at that place, dB what is added to it, in nT; T_S, T_E and T_C are\n\
+    **Target.** An effect takes `sensor` or `coil` if it acts on one, `column` if it follows a housekeeping column, and nothing if it acts\n\
+    on all. With `recording` it acts in that recording only.\n\n\
+    **Order.** Effects act in the order of the signal: coil, field in GEO, sensor block, sensor, electronics, logger; at one place in\n\
+    the order in which they are listed.\n\n\
+    **Symbols.** B is the field along the sensor at that place, dB what is added to it, in nT. T_S, T_E and T_C are\n\
     `sensor_temperature_c`, `electronics_temperature_c` and `coil_temperature_c`, T_ref the reference conditions. t counts on the\n\
-    campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Memory begins anew with each\n\
-    recording: a temperature in equilibrium with its first row, a field as it moves there. Between samples a signal is the cubic whose slopes\n\
-    are the central differences; a step more than four times as long as a neighbour is a gap, and straight; where a drive is held before or\n\
-    after a jump, the slope is zero. The letters of an equation come in the order of its parameters, matrices row by row; their ranges are\n\
-    plausible sizes, not limits. With `recording` an effect acts in that recording only; moments (`time_s`) count from the recording's zero.\n";
+    campaign's clock: from the earliest `start` of the document, or as `time_s` where recordings have none. Moments (`time_s`) count from\n\
+    the zero of the recording. The letters of an equation are in the order of its parameters, matrices row by row; the ranges are\n\
+    plausible sizes, not limits.\n\n\
+    **Memory** begins anew with each recording: a temperature in equilibrium with its first row, a field as it moves there. Between samples\n\
+    a signal is the cubic whose slopes are the central differences. A step more than four times as long as a neighbour is a gap, and\n\
+    the signal is straight there. Where a drive is held before or after a jump, the slope is zero.\n";
