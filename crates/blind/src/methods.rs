@@ -66,11 +66,13 @@ pub fn section(diagnose: &Score, others: &[Score]) -> String {
         all().map(|score| format!(" {} |", Share::of(&score.outcomes, |o| o.verdict == "none").words()));
     text += &format!("| no answer |{}\n", silent.collect::<String>());
     text + &format!(
-        "\nAll documents; the answers are sealed and scored as those of diagnose are, and a method has {LIMIT_S} s for each. Each method chooses among the whole of diagnose's dictionary, whitened by \
-        the same noise, the calibration's constants projected out (`crates/baselines`): every effect on everything that it can act on, dependences and smooth structure, \
-        grids of lags and of other shapes at every value, lines, single readings, steps, passes and codes where diagnose's own search finds them in what the calibration leaves. The ensemble, whose threshold is on single \
-        coefficients, has of each grid the value that explains most by itself, and no smooth structure: with more, fewer of its names were right. \
-        A wrong name: an effect is named that is not there. No answer: the program failed or took too long, which counts as a claim where nothing was concealed.\n"
+        "\nAll documents; answers are sealed and scored like those of diagnose, and each method has {LIMIT_S} s per document. Each method \
+        chooses from the whole dictionary of diagnose, whitened by the same noise, with the constants of the calibration projected out \
+        (`crates/baselines`): every effect on every possible target, dependences and smooth structure, grids of lags and of other shapes at \
+        every value; spectral lines, outliers, steps, passes and codes where diagnose's own search finds them in the residual of the \
+        calibration. The ensemble has a threshold on single coefficients. It is given only the best value of each grid, and no smooth \
+        structure, since with more, fewer of its names were correct. A wrong name: an effect is named that is not present. No answer: the \
+        program failed or took too long, which counts as a claim if nothing was concealed.\n"
     )
 }
 

@@ -84,8 +84,8 @@ pub fn section<'o>(outcomes: impl Iterator<Item = &'o Outcome> + Clone) -> Strin
     }
     if let Some(score) = logarithmic_score(outcomes.clone()) {
         text += &format!(
-            "\nLogarithmic score {score:.3}: the mean of −ln of the probability that was given to what is true, a guess at one half has 0.693. Every name of every answer counts, \
-             those told as undecided too.\n"
+            "\nLogarithmic score {score:.3}: the mean of −ln of the probability given to the truth; a guess at one half has 0.693. Every \
+            name of every answer counts, including those of ambiguous answers.\n"
         );
     }
     text += "\n| intervals of parameters | hold |\n| --- | --- |\n";

@@ -20,7 +20,8 @@ fn fails(outcome: &Outcome) -> bool {
 pub fn section(score: &Score) -> String {
     let failed = || score.outcomes.iter().filter(|outcome| fails(outcome));
     let mut text = format!(
-        "## Every failure\n\n{} of {} cases. Each line: set and number, how it was recorded, what was concealed and at how many times the noise, the answer.\n",
+        "## Every failure\n\n{} of {} cases. Each line has set and number, recording conditions, the concealed effect with its size over \
+        the noise, and the answer.\n",
         failed().count(),
         score.outcomes.len()
     );

@@ -28,9 +28,11 @@ pub fn section(flight: &Flight, answer: Option<&Value>) -> String {
         Some(answer) => text += &found(flight, answer),
         None => text += "`diagnose` as it is does not take a scalar magnetometer without coils: not run.\n",
     }
-    text + "\n**What the scalar residual cannot decide.** |B + d| − |B| is d · B/|B|: the two components across the field are never seen. What is found of them \
-            comes from the same Sun's direction being met under other directions of the field, which a near-polar orbit that looks down gives but poorly: the field is in the \
-            orbit's plane nearly throughout. So coefficients are not known one by one, however well their sum along the field is. Nor can it part what is constant in the Sun from an offset beyond what eclipses show, or say which metal it is.\n"
+    text + "\n**What is not observable from the scalar residual.** |B + d| − |B| is d · B/|B|: the two components across the field are not \
+    observable directly. They are determined only where the same direction of the Sun occurs with different directions of the field. A \
+    near-polar orbit of a body that looks down offers little of that, because the field is nearly always in the plane of the orbit. Single \
+    coefficients are therefore poorly determined, however well their sum along the field is. Nor can a constant part in sunlight be \
+    separated from an offset except by eclipses, or the metal be identified.\n"
 }
 
 /// Whether the answer is about the scalar residual: a program that does not know it predicts no field at all.

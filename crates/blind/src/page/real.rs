@@ -32,13 +32,16 @@ pub fn of(score: &Score, tried: &[Tried], answers: &Path) -> Result<Option<(Stri
 fn introduction() -> String {
     format!(
         "## Concealed in real recordings\n\n\
-        Recordings that somebody else made ([real.md](proof/real.md) has their sources), of instruments at rest on quiet days. Nothing is simulated: an effect of `concealed` acts in the field and \
-        the temperatures as they were recorded, and is added to the readings; noise, rounding and disturbances are the host's own. A recording is a host where `diagnose` says `agrees` of it as it \
-        came, asked before anything is injected (`crates/injected/src/hosts.rs`). Which effects a host can carry is a rule about what was recorded \
-        (`crates/injected/src/suits.rs`). Sizes are counted as above, over what the basic model leaves of the host: real scatter has memory, so that slow effects are the harder to see.\n\n\
-        *Left out*: rms of readings left out with what was found, over the same of the host as it came; 1 is *removed, as if it had not been injected*, within {:.0} %. *Sized*: the parameters that \
-        the truth knows lie within their intervals of 95 %. Beside a scalar magnetometer the field points one way, and its length does not tell in which sensor something is: there the name counts \
-        and not the sensor.\n",
+        Recordings made by others ([real.md](proof/real.md) has their sources), of instruments at rest on quiet days. Nothing else \
+        is simulated: an effect of `concealed` acts in the recorded field and temperatures and is added to the readings; noise, rounding and \
+        disturbances are those of the host. A recording is a host if `diagnose` answers `agrees` before anything is injected \
+        (`crates/injected/src/hosts.rs`). A rule on the recorded columns decides which effects a host can carry \
+        (`crates/injected/src/suits.rs`). Sizes are defined as above, over the residual of the host under the basic model. Real scatter has \
+        memory, so that slow effects are harder to detect.\n\n\
+        *Left out*: rms of held-out readings with the effects found, over that of the unmodified host; within {:.0} % of 1 the effect is \
+        *removed, as if it had not been injected*. *Sized*: the parameters known in the truth lie within their 95 % intervals. Beside a scalar \
+        magnetometer the field has one direction, and its magnitude does not show which sensor is affected: there the name counts and not the \
+        sensor.\n",
         100.0 * CLOSE
     )
 }

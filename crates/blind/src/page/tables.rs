@@ -36,8 +36,8 @@ pub fn sets(score: &Score) -> String {
             text += &format!("| {words} | {set} | {} |{}\n", own().count(), cells.concat());
         }
     }
-    text + "\nWhere nothing was concealed, right is to claim nothing. Outside the catalogue, right is `unexplained` with structure told. Of two that cannot be told apart, right \
-            is the set of both, and a single name says more than can be known, even where it is one of the two.\n"
+    text + "\nIf nothing was concealed, the correct answer claims nothing. Outside the catalogue it is `unexplained` with the structure \
+    described. For two indistinguishable effects it is the set of both; a single name, even one of the two, claims more than the data show.\n"
 }
 
 /// Single effects by strength, length and how they were recorded.
@@ -69,10 +69,10 @@ pub fn strengths(score: &Score) -> String {
         line(how.into(), &|o| o.truth.recorded.iter().any(|own| own.contains(how)));
     }
     line("as clean as can be".into(), &|o| o.truth.recorded.is_empty());
-    text + "\nShort, medium, long, campaign, day, longest: below 400, 720, 1 700, 5 200, 16 000 rows of three sensors, and more. Together: the thermometers of electronics and \
-            coil follow the sensor's for the greater part. Noise declared: a tenth too large or too small. \
-            Follows the truth: a housekeeping column that follows what drives the effect. Correlates by chance: the one of sixty random courses \
-            that looks most like the effect. Codes: a converter of a third to three times the white noise, declared.\n"
+    text + "\nShort, medium, long, campaign, day, longest: below 400, 720, 1 700, 5 200, 16 000 rows of three sensors, and more. Together: \
+    the thermometers of electronics and coil mostly follow that of the sensor. Noise declared: a tenth too large or too small. \
+            Follows the truth: a housekeeping column that follows the cause of the effect. Correlates by chance: the one of sixty random \
+            series that correlates most with the effect. Codes: a quantisation step of a third to three times the white noise, declared.\n"
 }
 
 /// What a truth says of how it was recorded.
@@ -140,8 +140,9 @@ pub fn removed(score: &Score) -> String {
             );
         }
     }
-    text + "\nEach effect of the catalogue for which there is a generator, in turn: `diagnose --without` leaves out the names that would be right and their fuller forms. Right is \
-            `unexplained` with structure told; a name is then a neighbour's, though some neighbours predict the same readings.\n"
+    text + "\nEach effect of the catalogue that has a generator, in turn: `diagnose --without` excludes the correct names and their fuller \
+    forms. The correct answer is `unexplained` with the structure described; any name is then that of a neighbour, though some neighbours \
+    predict the same readings.\n"
 }
 
 fn in_a_word(outcome: &Outcome) -> String {
@@ -189,7 +190,8 @@ pub fn figures(score: &Score) -> String {
             "| rms as it came, with the earlier calibration, over the noise drawn, median | {middle:.2} |\n"
         );
     }
-    text + "\nLocated: the sensors told are those that show it; for what is in the field, GEO or several sensors are told. Parameters are those for which the finer \
-            physics has a counterpart (a coefficient for slow changes, a lag as the mean lag): a lag that is really two is met by none exactly. Readings left out \
-            carry the uncertainty of two dozen constants beside the noise: the line of the clean data says what can be had.\n"
+    text + "\nLocated: the reported sensors are those affected; for an effect in the field, GEO or several sensors are reported. Parameters \
+    are those with a counterpart in the finer physics (a coefficient for slow changes, a lag as the mean lag): two lags are matched exactly \
+    by none. Held-out readings have the uncertainty of two dozen constants in addition to the noise; the line of the clean data shows the \
+    attainable limit.\n"
 }
