@@ -55,7 +55,7 @@ impl Page {
 
     /// What the set cannot decide.
     pub fn undecided(&mut self, words: &str) {
-        self.say(format!("**Cannot be decided:** {words}"));
+        self.say(format!("**Not determined:** {words}"));
     }
 
     /// That a stage refused, in its own words.
@@ -70,8 +70,8 @@ impl Page {
         let fit = |key: &str| entry["fit"][key].as_f64().map_or("unknown".into(), three);
         let verdict = entry["verdict"].as_str().unwrap_or("nothing");
         self.say(format!(
-            "`diagnose`: **{}**. rms {} nT as it came, {} with the calibration fitted again, {} with what was found; readings left \
-             out (six parts) {} before and {} after; noise {} nT ({}).",
+            "`diagnose`: **{}**. rms {} nT as it came, {} with the calibration fitted again, {} with the effects found; held-out \
+             readings (six parts) {} before and {} after; noise {} nT ({}).",
             verdict.replace('_', " "),
             fit("rms_before_nt"),
             fit("rms_refitted_nt"),
@@ -92,7 +92,7 @@ impl Page {
         let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
         items.extend(reasons.filter(|reason| reason.starts_with("not ")).take(4).map(String::from));
         if let Some(next) = entry["next_experiment"].as_str().filter(|_| verdict != "agrees") {
-            items.push(format!("it asks for: {next}"));
+            items.push(format!("it proposes: {next}"));
         }
         if !items.is_empty() {
             self.list(items);

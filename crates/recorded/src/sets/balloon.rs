@@ -151,8 +151,8 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         Err(words) => page.refused("diagnose", &words),
     }
     page.undecided(
-        "whether it is the sensor's offset or a current near by that goes with the temperature (a heater, a battery that weakens in the cold): no current is \
-         recorded, and the other magnetometer is taken as the reference; how much of it is the reference's own.",
+        "whether the cause is the sensor's offset or a nearby current that varies with temperature (a heater, a battery that weakens in the \
+        cold), since no current is recorded; how much of the difference belongs to the magnetometer that serves as the reference.",
     );
     Ok(page)
 }

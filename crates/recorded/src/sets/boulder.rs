@@ -32,8 +32,9 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
     let split = Split::share(&both(stages)?.complete(), 0.5);
     let mut page = Page::default();
     page.say(
-        "The survey publishes the month of January 2016 twice: as the fluxgate gave it (H, E, Z), and adjusted to X, Y, Z by its own affine matrix from absolute \
-         measurements. The second is made of the first, so `diffmag` must find that matrix, and nothing may be left but the rounding to 0.01 nT.",
+        "The survey publishes January 2016 twice: as read by the fluxgate (H, E, Z), and adjusted to X, Y, Z by its own affine matrix from \
+        absolute measurements. The second is computed from the first, so that `diffmag` must find that matrix, with no residual but the \
+        rounding to 0.01 nT.",
     );
     let recording = split.fitted.recording("adjusted", "differential");
     match stages.stage("diffmag", &[], vec![recording], &json!({}))? {
@@ -84,7 +85,7 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
         }
     }
     page.undecided(
-        "whether the survey's matrix is right: it is reproduced, not tested. That is the next question.",
+        "whether the survey's matrix is correct: it is reproduced here, not tested; the next section tests it.",
     );
     Ok(page)
 }
@@ -95,7 +96,7 @@ pub fn month(stages: &Stages) -> Result<Page, Error> {
     let means = |series: Series| Split::at(&series.complete().means(600.0), 20.0 * DAY_S);
     let raw = means(read("BOU201601vmin.min")?);
     let mut page = Page::default();
-    page.say("A fluxgate (H, E, Z) and an independent scalar magnetometer, means of ten minutes, January 2016. Nothing is stated but the readings.");
+    page.say("A fluxgate (H, E, Z) and an independent scalar magnetometer, means of ten minutes, January 2016. Only the readings are given.");
     let adjusted = means(read("BOU201601adj.min")?);
     let scalar = Scalar {
         fitted: raw.fitted,
@@ -150,6 +151,6 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
     Ok(page)
 }
 
-const UNDECIDED: &str = "how the vector is turned (a turn leaves |B| as it is); which of nine constants is off: the field of an observatory points one way for the \
-     whole month, and only their sum along it is felt; which of the two instruments drifts, and whether it is temperature, which is not in the files; the \
-     difference of the field between two piers.";
+const UNDECIDED: &str = "the orientation of the vector instrument (a rotation does not change |B|); which of nine constants is wrong, since \
+        the direction of the field is constant for the whole month and only their sum along it is observable; which of the two instruments \
+        drifts, and whether temperature is the cause, which is not in the files; the difference of the field between two piers.";

@@ -85,7 +85,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     ];
     let instrument = Instrument { runs, pairs: &[[0, 1], [1, 0]], magnitude_nt: None, between: "" };
     ask(stages, &mut page, &instrument)?;
-    page.undecided("the absolute scale, and whether the field was of one magnitude wherever the board was moved, indoors.");
+    page.undecided("the absolute scale, and whether the magnitude of the field was constant wherever the board was moved indoors.");
     Ok(page)
 }
 
@@ -121,7 +121,8 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
         ask(stages, &mut page, &instrument)?;
     }
     page.undecided(
-        "whether the field was of one magnitude: taken indoors or near a building, and of the VN-100's runs the readings themselves run from 36 to 68 µT. No calibration makes a magnitude constant that was not.",
+        "whether the magnitude of the field was constant: the runs were made indoors or near a building, and the VN-100's readings range \
+        from 36 to 68 µT. No calibration makes a varying magnitude constant.",
     );
     Ok(page)
 }
@@ -148,6 +149,6 @@ pub fn michigan(stages: &Stages) -> Result<Page, Error> {
     ];
     let instrument = Instrument { runs, pairs: &[], magnitude_nt: None, between: "" };
     ask(stages, &mut page, &instrument)?;
-    page.undecided("what is iron on the frame and what the sensors' own.");
+    page.undecided("iron on the frame, separately from the sensors' own offsets.");
     Ok(page)
 }

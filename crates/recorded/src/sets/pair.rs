@@ -104,7 +104,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
     ));
     let worse: Vec<&str> = (0..3).filter(|k| with[*k] >= alone[*k]).map(|k| AXES[k]).collect();
     page.say(match worse.as_slice() {
-        [] => "The matrix predicts what was left out better than levels alone in every axis.".to_string(),
+        [] => "The matrix predicts the held-out part better than levels alone in every axis.".to_string(),
         axes => format!(
             "The matrix predicts what was left out no better than levels alone in {}.",
             axes.join(" and ")
@@ -244,7 +244,7 @@ fn findings(page: &mut Page, document: &Value) {
         page.say(format!("`diffmag` answers: {answer}."));
     }
     if !findings.is_empty() {
-        page.say("`diffmag` says besides:");
+        page.say("`diffmag` also reports:");
         page.list(findings);
     }
 }

@@ -75,9 +75,9 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
         });
     }
     page.undecided(
-        "which of the two is noisy (a third vector instrument would tell); whether the departure from right angles is the one's or the \
-         other's; at periods of seconds anything about the matrix, because the LEMI's filter cuts there and the day was quiet; in z, \
-         where the field hardly moved, the matrix improves nothing that was left out.",
+        "which of the two is noisy (a third vector instrument would show it); to which instrument the departure from orthogonality belongs; \
+        the matrix at periods of seconds, because the LEMI's filter cuts there and the day was quiet. In z, where the field hardly changed, \
+        the matrix does not improve the prediction of the held-out part.",
     );
     Ok(page)
 }
@@ -118,8 +118,9 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         });
     }
     page.undecided(
-        "any dependence on temperature: the room's log stands at 21.0 °C for all twelve days, in steps of half a degree; which of the two \
-         moved where the level of what was left out is not zero; whether trams or an instrument made the disturbances that one of them shows.",
+        "any dependence on temperature, since the room's log is at 21.0 °C for all twelve days, in steps of half a degree; which of the two \
+        changed where the level of the held-out part is not zero; whether disturbances in one instrument come from trams or from the \
+        instrument.",
     );
     Ok(page)
 }
@@ -165,7 +166,8 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         ));
     }
     page.undecided(
-        "everything: what changes in this hall is near, so the two do not feel one field, and no matrix between them is a calibration, however well it predicts the next minutes. \
+        "everything: the sources of change in this hall are near, so that the two sensors are in different fields, and no matrix between \
+        them is a calibration, however well it predicts the next minutes. \
          `diffmag` does not say so.",
     );
     Ok(page)

@@ -50,7 +50,8 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     };
     let mut page = Page::default();
     page.say(
-        "Every eighth reading. Nothing measured the size of the field: it is set to the mean that the readings have about the middle of their ranges, so that scales are relative. \
+        "Every eighth reading. The magnitude of the field was not measured: it is set to the mean of the readings about the middle of their \
+        ranges, so that scales are relative. \
          Offsets as given are those middles.",
     );
     let (full, partial) = (read("set2_full_sphere_mag.csv")?, read("set1_tilt_sphere_mag.csv")?);
@@ -76,7 +77,8 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
         "from one run to another",
     )?;
     page.undecided(
-        "the absolute scale; how the axes stand to the board; whether the field was of one size everywhere that the board was moved, indoors: if it was not, that is in the constants.",
+        "the absolute scale; the orientation of the axes on the board; whether the magnitude of the field was constant wherever the board \
+        was moved indoors; if not, its variation is in the constants.",
     );
     Ok(page)
 }
@@ -90,7 +92,7 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
     };
     let mut page = Page::default();
     page.say(
-        "About six readings a second; the size of the field is set to the 52.0 µT that the authors take.",
+        "About six readings a second; the magnitude of the field is set to the 52.0 µT that the authors assume.",
     );
     for (what, name, mapping, every) in [
         ("The phone by itself", "SLACleanMagnetometerUncalibrated.csv", PHONE, 4),
@@ -111,8 +113,9 @@ pub fn phone(stages: &Stages) -> Result<Page, Error> {
         )?;
     }
     page.undecided(
-        "the instruments' own offsets apart from iron that turns with them; anything from the VN-100's attitude, which its maker's filter makes of the same magnetometer; whether the field \
-         near a building was of one size: a constant size is an assumption here, not a measurement.",
+        "the instruments' own offsets, separately from iron that rotates with them; anything based on the VN-100's attitude, which the \
+        maker's filter computes from the same magnetometer; whether the magnitude of the field near a building was constant: that is an \
+        assumption here, not a measurement.",
     );
     Ok(page)
 }

@@ -44,8 +44,9 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
     scalar::study(stages, &mut page, &scalar)?;
     scalar::by_scalarcal(stages, &mut page, &scalar)?;
     page.undecided(
-        "how the vector is turned; which constant is off, the compensation in x or in z, a scale, or the piers' difference of some nT: the field points one way; the temperature \
-         coefficient that the maker states (0.25 nT/K), because the tunnel's temperature is not in the file and hardly moves.",
+        "the orientation of the vector instrument; which constant is wrong (the compensation in x or z, a scale, or the difference of some \
+        nT between the piers), since the direction of the field is constant; the temperature coefficient stated by the maker (0.25 nT/K), \
+        because the temperature of the tunnel is not in the file and hardly changes.",
     );
     Ok(page)
 }
@@ -72,8 +73,8 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
     scalar::study(stages, &mut page, &scalar)?;
     scalar::by_scalarcal(stages, &mut page, &scalar)?;
     page.undecided(
-        "anything but a level: the mismatch scatters by less than a tenth of a nT over the day, and a fit to so little would predict the evening worse than its mean does. \
-         Not the turn, nor which constant makes the level.",
+        "anything but a level: the residual scatters by less than a tenth of a nT over the day, and a fit to so little would predict the \
+        evening worse than its mean does. Neither the orientation nor the constant behind the level is determined.",
     );
     Ok(page)
 }
@@ -175,8 +176,8 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         }
     }
     page.undecided(
-        "the clock to better than some 5 s; whose the scatter of the disturbed days is (trams, at two places); whether the DIDD's F is right, since it is made of its own X, Y and Z; how either \
-         is turned.",
+        "the clock to better than about 5 s; which instrument the scatter of the disturbed days belongs to (trams, at two places); whether \
+        the DIDD's F is correct, since it is computed from its own X, Y and Z; the orientation of either.",
     );
     Ok(page)
 }

@@ -60,8 +60,9 @@ pub fn w2naf(stages: &Stages) -> Result<Page, Error> {
     page.say("The whole day, with the storm:");
     ask(stages, &mut page, "day", &day)?;
     page.undecided(
-        "a temperature coefficient of any size that an RM3100 may have: the daily variation of the field, the Sun and the temperature have one period, the sensor's temperature moved by \
-         half a degree, and there is no second instrument. A name that stood here would be a guess; an observatory's data beside it, or a heater, would decide.",
+        "a temperature coefficient of any size that is plausible for an RM3100: the daily variation of the field, the Sun and the \
+        temperature have the same period, the temperature of the sensor changed by half a degree, and there is no second instrument. Any \
+        effect named here would be a guess; data from an observatory, or a heater, would decide.",
     );
     Ok(page)
 }
@@ -85,8 +86,8 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     ));
     ask(stages, &mut page, "static", &both)?;
     page.undecided(
-        "whether the slow change of some tens of nT is slow noise, the chip that warms, the current of the board, or something moved indoors: the temperature falls as time goes on, and nothing else \
-         measures the field.",
+        "whether the slow change of some tens of nT is slow noise, the warming chip, the current of the board, or something moved indoors: \
+        the temperature falls with time, and nothing else measures the field.",
     );
     Ok(page)
 }
