@@ -104,7 +104,9 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         let alone = all[1].rms(1);
         page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
         let word = if unseen < alone { "better than" } else { "no better than" };
-        page.say(format!("By hand, the held-out part is predicted {word} by the level of the fitted part alone."));
+        page.say(format!(
+            "By hand, the held-out part is predicted {word} by the level of the fitted part alone."
+        ));
     }
     match &answer {
         Ok(document) => diagnosis(page, document, &all, by_hand.map(|hand| hand[0])),
