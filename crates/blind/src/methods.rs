@@ -54,7 +54,7 @@ pub fn scores(folder: &Folder, programs: &Programs, truths: &Path) -> Result<Vec
 
 /// The table of diagnose and the methods.
 pub fn section(diagnose: &Score, others: &[Score]) -> String {
-    let mut text = String::from("## Beside it\n\n| | diagnose |");
+    let mut text = String::from("## Comparison with other methods\n\n| | diagnose |");
     METHODS.iter().for_each(|(_, words)| text += &format!(" {words} |"));
     text += &format!("\n| --- |{}\n", " --- |".repeat(1 + METHODS.len()));
     let all = || std::iter::once(diagnose).chain(others);

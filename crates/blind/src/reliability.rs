@@ -76,7 +76,7 @@ pub fn logarithmic_score<'o>(outcomes: impl Iterator<Item = &'o Outcome>) -> Opt
 /// The same as two tables and a sentence.
 pub fn section<'o>(outcomes: impl Iterator<Item = &'o Outcome> + Clone) -> String {
     let mut text = String::from(
-        "## Whether probabilities hold\n\n| names printed with | mean of what was printed | right |\n| --- | --- | --- |\n",
+        "## Calibration of the probabilities\n\n| names printed with | mean of what was printed | right |\n| --- | --- | --- |\n",
     );
     for class in of_names(outcomes.clone()) {
         text +=

@@ -22,7 +22,7 @@ pub fn goals(score: &Score) -> String {
 
 /// What came of each set.
 pub fn sets(score: &Score) -> String {
-    let mut text = String::from("## What came of it\n\n| concealed | set | cases |");
+    let mut text = String::from("## Results\n\n| concealed | set | cases |");
     text += &Class::ALL.map(|class| format!(" {} |", class.words())).concat();
     text += &format!("\n| --- | --- | --- |{}\n", " --- |".repeat(Class::ALL.len()));
     for (sort, words) in Sort::ALL {
@@ -162,7 +162,7 @@ pub fn figures(score: &Score) -> String {
     let located = Share::of(found.iter().filter(|o| o.located.is_some()), |o| o.located == Some(true));
     let outside =
         Share::of(score.of_sort(Sort::Outside).filter(|o| o.located.is_some()), |o| o.located == Some(true));
-    let mut text = String::from("## Places, parameters, what is left\n\n| | |\n| --- | --- |\n");
+    let mut text = String::from("## Location, parameters, residuals\n\n| | |\n| --- | --- |\n");
     text += &format!("| located right, of all that is told | {} |\n", located.words());
     text += &format!("| located right, outside the catalogue | {} |\n", outside.words());
     let mut ratios: BTreeMap<String, Vec<f64>> = BTreeMap::new();
