@@ -40,6 +40,9 @@ pub struct Certificate {
     /// Sampling plan and method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sampling: Option<String>,
+    /// What the laboratory itself sampled; an empty list: nothing.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampled: Option<Vec<Sampling>>,
     /// Additions to, deviations from and exclusions from the method.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub deviations: Option<String>,
@@ -120,6 +123,34 @@ pub struct Method {
     /// Its version.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Sampling by the laboratory (7.8.5).
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct Sampling {
+    /// Day of the sampling, YYYY-MM-DD.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub date: Option<String>,
+    /// What was sampled: manufacturer, type and serial numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub item: Option<String>,
+    /// Where.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub location: Option<String>,
+    /// The plan and the method.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// Conditions that affect the interpretation.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conditions: Option<String>,
+    /// What the uncertainty of later results needs to know of the sampling.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uncertainty: Option<String>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

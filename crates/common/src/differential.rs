@@ -127,6 +127,9 @@ pub struct MatrixElement {
     pub weighted: f64,
     /// Its standard uncertainty.
     pub weighted_std: f64,
+    /// The degrees of freedom of that, from how well the noise is known; absent where they were not counted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub degrees_of_freedom: Option<f64>,
 }
 
 /// The difference d along one axis of the test instrument.

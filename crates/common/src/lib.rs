@@ -60,6 +60,7 @@ pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibration_of};
 pub use certificate::{
     Adjustment, CalibratedItem, Certificate, Method, Party, Person, Reference, ReferenceKind, ResultBefore,
+    Sampling,
 };
 pub use coil::{
     Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,

@@ -55,6 +55,7 @@ pub fn calibrate(
                 std_noise: source.fit.covariance[(i, i)].sqrt(),
                 weighted: found.fit.weighted[i],
                 weighted_std: found.fit.weighted_covariance[(i, i)].sqrt(),
+                degrees_of_freedom: Some(found.freedom[i]).filter(|freedom| freedom.is_finite()),
             };
             fit.elements.insert(format!("{reference}{axis}"), element);
         }

@@ -39,6 +39,8 @@ pub struct AxisFit {
     pub follows: Vec<Follows>,
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     pub(super) drift_columns: Vec<Vec<f64>>,
+    /// Degrees of freedom of the variances of η; infinite where they are not counted.
+    pub freedom: [f64; 3],
     /// How many times as wide as under the noise the uncertainties of η are by what is left itself.
     pub wider: f64,
     /// Covariance of η with that of each axis; nothing for its own.
@@ -180,6 +182,7 @@ pub(super) fn one(
     let errors = noise.errors(&columns.cosine)?;
     let mut fit = with_held(cosine::regress(&all, &y, &errors)?, &places);
     let mut difference = rest(&every, test, &fit.weighted);
+    let mut freedom = [f64::INFINITY; 3];
     let whitened = if worse_than_levels(&difference, pair, axis) {
         let independent = Errors::independent(&columns.cosine);
         let least = cosine::weighted(&all, &y, &independent)?;
@@ -198,6 +201,7 @@ pub(super) fn one(
         }
     } else {
         let last = cosine::weighted(&all, &y, &errors)?;
+        freedom = std::array::from_fn(|i| noise.freedom(&columns.cosine, &last.influence[i]));
         Whitened {
             weights: std::array::from_fn(|i| last.weights(&all, &errors, i)),
             left: errors.whiten(&last.residual),
@@ -221,6 +225,7 @@ pub(super) fn one(
         drift: found,
         follows,
         drift_columns,
+        freedom,
         wider,
         across: Default::default(),
         source,

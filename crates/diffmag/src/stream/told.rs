@@ -52,6 +52,7 @@ fn calibration(found: &StreamFit) -> Result<DifferentialCalibration, Error> {
                 std_noise: of.least_squares_std_noise[i],
                 weighted: of.weighted[i].value,
                 weighted_std: of.weighted[i].std,
+                degrees_of_freedom: Some(of.weighted[i].freedom).filter(|freedom| freedom.is_finite()),
             };
             fit.elements.insert(format!("{reference}{axis}"), element);
         }

@@ -77,8 +77,16 @@ fn is_day(text: &str) -> bool {
 pub fn close(sheet: &mut Sheet, data: &Certificate) {
     sheet.begin("Opinions and interpretations", "7.8.4.1 f, 7.8.7");
     sheet.stated("Opinions and interpretations", "7.8.4.1 f", data.opinions.as_deref());
-    sheet.begin("Statements", "7.8.2.1 l, o, 7.8.4.3");
+    sheet.begin("Statements", "7.8.2.1 l, o, 7.8.2.2, 7.8.4.3");
     sheet.say("The results relate only to the item that was calibrated (7.8.2.1 l).");
+    let done = data.adjustment.as_ref().and_then(|one| one.done.as_deref()).unwrap_or_default();
+    if data.sampled.as_ref().is_none_or(Vec::is_empty) {
+        let adjusted = if done.trim().is_empty() { "" } else { ", and adjusted as stated above" };
+        sheet.say(format!("They apply to the item as it was received{adjusted} (7.8.2.2)."));
+    }
+    if data.customer_data.as_ref().is_some_and(|all| !all.is_empty()) {
+        sheet.say("The laboratory does not answer for data that the customer supplied, which may affect the results (7.8.2.2).");
+    }
     sheet.say(
         "This certificate may not be reproduced except in full, unless the laboratory agrees in writing.",
     );

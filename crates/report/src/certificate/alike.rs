@@ -31,7 +31,7 @@ const WORDS: [(&str, &str); 22] = [
 ];
 
 /// The keys of the certificate's types, as its schema has them.
-const TOP: [&str; 20] = [
+const TOP: [&str; 21] = [
     "number",
     "laboratory",
     "location",
@@ -42,6 +42,7 @@ const TOP: [&str; 20] = [
     "calibrated",
     "issued",
     "sampling",
+    "sampled",
     "deviations",
     "authorised_by",
     "external_results",
@@ -59,6 +60,7 @@ const ITEM: [&str; 5] = ["description", "manufacturer", "model", "serial", "cond
 const REFERENCE: [&str; 5] = ["kind", "identity", "certificate", "issued_by", "date"];
 const ADJUSTMENT: [&str; 2] = ["done", "before"];
 const PERSON: [&str; 2] = ["name", "function"];
+const SAMPLING: [&str; 6] = ["date", "item", "location", "method", "conditions", "uncertainty"];
 
 /// Of so many letters of a word one may be wrong.
 const LETTERS: usize = 4;
@@ -107,6 +109,9 @@ fn unknown(data: &Certificate) -> Vec<String> {
     }
     for (number, one) in data.authorised_by.iter().flatten().enumerate() {
         all.extend(part(&format!("certificate.authorised_by[{number}]"), Some(&one.extra), &PERSON));
+    }
+    for (number, one) in data.sampled.iter().flatten().enumerate() {
+        all.extend(part(&format!("certificate.sampled[{number}]"), Some(&one.extra), &SAMPLING));
     }
     all
 }
@@ -167,7 +172,7 @@ fn is_given(data: &Certificate, place: &str) -> bool {
         "received" => data.received.is_some(),
         "calibrated" => data.calibrated.is_some(),
         "issued" => data.issued.is_some(),
-        "sampling" => data.sampling.is_some(),
+        "sampling" => data.sampling.is_some() || data.sampled.is_some(),
         "authorised_by" => data.authorised_by.is_some(),
         "method.procedure" => data.method.as_ref().is_some_and(|one| one.procedure.is_some()),
         "traceability" => data.traceability.is_some(),
@@ -212,6 +217,7 @@ mod tests {
             ("Reference", &REFERENCE),
             ("Adjustment", &ADJUSTMENT),
             ("Person", &PERSON),
+            ("Sampling", &SAMPLING),
         ] {
             let there = schema["$defs"][name]["properties"].as_object().expect("properties");
             let mut there: Vec<&str> = there.keys().map(String::as_str).collect();

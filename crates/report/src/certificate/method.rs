@@ -13,7 +13,7 @@ const GUM: &str = "Uncertainties: JCGM 100:2008 (GUM)";
 
 /// Method, sampling and deviations.
 pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate, asked: &Asked<'_>) {
-    sheet.begin("Method", "7.8.2.1 f, k, n");
+    sheet.begin("Method", "7.8.2.1 f, k, n, 7.8.4.2");
     let method = data.method.as_ref();
     sheet.required("Procedure", "7.8.2.1 f", method.and_then(|method| method.procedure.as_deref()));
     sheet.required("Version", "7.8.2.1 f", method.and_then(|method| method.version.as_deref()));
@@ -31,6 +31,28 @@ pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate, asked: &
     sheet.required("SHA-256", "7.8.2.1 f", Some(&digests.join("\n")));
     sheet.stated("Additions, deviations, exclusions", "7.8.2.1 n", data.deviations.as_deref());
     sheet.stated("Sampling plan and method", "7.8.2.1 k", data.sampling.as_deref());
+    sampled(sheet, data);
+}
+
+/// What the laboratory sampled: nothing, where there is neither plan nor method.
+fn sampled(sheet: &mut Sheet, data: &Certificate) {
+    let no_plan = data.sampling.as_ref().is_some_and(|plan| plan.trim().is_empty());
+    let all = data.sampled.as_deref().or(no_plan.then_some(&[]));
+    if all.is_none_or(<[_]>::is_empty) {
+        sheet.listed("Sampling by the laboratory", "7.8.4.2", all.map(|_| &[][..]));
+    }
+    for one in all.into_iter().flatten() {
+        for (label, clause, text) in [
+            ("Sampled on", "7.8.5 a", &one.date),
+            ("Sampled item", "7.8.5 b", &one.item),
+            ("Place of the sampling", "7.8.5 c", &one.location),
+            ("Plan and method of the sampling", "7.8.5 d", &one.method),
+            ("Conditions during the sampling", "7.8.5 e", &one.conditions),
+            ("For the uncertainty of later results", "7.8.5 f", &one.uncertainty),
+        ] {
+            sheet.stated(label, clause, text.as_deref());
+        }
+    }
 }
 
 /// What the procedures follow, by what stands in the document.

@@ -39,7 +39,7 @@ fn golden() {
         Document::parse(&testkit::read_fixture("scalarcal/meadow/expected.json")).expect("a document");
     let asked = Asked { document_sha256: Some("0f"), ..Asked::default() };
     let blank = certificate::run(&document, &asked).expect("a certificate");
-    assert_eq!(blank.blank().len(), 24, "{:?}", blank.blank());
+    assert_eq!(blank.blank().len(), 25, "{:?}", blank.blank());
     for (name, sheet) in [("magsat.html", complete), ("blank.html", blank)] {
         let found = certificate::render(&sheet, None);
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
@@ -69,7 +69,7 @@ fn every_clause_is_answered() {
         for letter in 'b'..='f' {
             assert!(html.contains(&format!("7.8.4.1 {letter}")), "7.8.4.1 {letter}");
         }
-        for clause in ["7.8.2.2", "7.8.4.1 a", "7.8.4.3", "7.8.6"] {
+        for clause in ["7.8.2.2", "7.8.4.1 a", "7.8.4.2", "7.8.4.3", "7.8.6", "7.8.7"] {
             assert!(html.contains(clause), "{clause}");
         }
     }
@@ -85,6 +85,42 @@ fn an_empty_text_says_none_and_an_absent_one_is_blank() {
             && absent.contains("________________</span> <span class=\"clause\">(7.8.2.1 n)")
     );
     assert!(absent.contains("No. <span class=\"blank\">"));
+}
+
+#[test]
+fn sampling_by_the_laboratory_has_its_fields_or_a_blank() {
+    let with = |certificate: Value| html(&json!({"fluxcal": 1, "certificate": certificate}));
+    let blank = |clause: &str| format!("________________</span> <span class=\"clause\">({clause})");
+    assert!(with(json!({})).contains(&blank("7.8.4.2")));
+    assert!(with(json!({"sampling": "by the customer"})).contains(&blank("7.8.4.2")));
+    for none in [json!({"sampling": ""}), json!({"sampling": "by the customer", "sampled": []})] {
+        let page = with(none);
+        assert!(!page.contains(&blank("7.8.4.2")) && page.contains("as it was received (7.8.2.2)"));
+    }
+    let page =
+        with(json!({"sampling": "by the laboratory", "sampled": [{"date": "2026-06-12", "conditions": ""}]}));
+    for letter in ["b", "c", "d", "f"] {
+        assert!(page.contains(&blank(&format!("7.8.5 {letter}"))), "{letter}");
+    }
+    assert!(
+        page.contains("2026-06-12") && !page.contains("(7.8.4.2)") && !page.contains("as it was received")
+    );
+    let notes = sheet(&json!({"fluxcal": 1, "certificate": {"sampled": [{"dat": "2026-06-12"}]}})).notes;
+    assert_eq!(notes, ["`certificate.sampled[0].dat` is not a key of the certificate; is `date` meant?"]);
+}
+
+/// u = 1e-5, and k = 2.228 of ten degrees of freedom (Student's t, 97.5 %), 1.96 where none are counted.
+#[test]
+fn an_element_of_a_pair_has_the_factor_of_its_degrees_of_freedom() {
+    let page = |freedom: Value| {
+        let identity = json!([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        html(&json!({"fluxcal": 1, "calibration": {"differential": {"matrix": identity,
+            "covariance": [[1e-10]], "covariance_order": ["matrix[0][0]"], "fit": {"elements": {"xx": {
+                "least_squares": 1.0, "std_independent": 1e-5, "std_noise": 1e-5, "weighted": 1.0, "weighted_std": 1e-5,
+                "degrees_of_freedom": freedom}}}}}}))
+    };
+    assert!(page(json!(10.0)).contains("1.000000 ± 0.000022"));
+    assert!(page(Value::Null).contains("1.000000 ± 0.000020"));
 }
 
 /// Sensitivity of x: u = 0.0146, and no degrees of freedom but those of the fits (the larger factor, 2.11): U = 0.031.
@@ -182,7 +218,7 @@ fn a_certificate_by_the_program() {
     let run = testkit::run(REPORT, &["--certificate", &path("c.html"), document], "");
     assert_eq!((run.code, run.stdout.as_str()), (0, ""));
     assert!(
-        run.stderr.starts_with("report: certificate: 24 fields blank: number (7.8.2.1 d); "),
+        run.stderr.starts_with("report: certificate: 25 fields blank: number (7.8.2.1 d); "),
         "{}",
         run.stderr
     );

@@ -1,6 +1,7 @@
 //! A magnetometer against a reference magnetometer: the matrix and the offsets.
 
 use common::{Axis, Document};
+use estimate::stats;
 
 use super::Expanded;
 use super::Sheet;
@@ -22,7 +23,10 @@ pub fn tables(sheet: &mut Sheet, document: &Document) {
             let Some(matrix) = &found.matrix else { continue };
             let std = variance(&format!("matrix[{row}][{column}]")).map(f64::sqrt);
             let what = format!("test axis {test} from reference axis {reference}");
-            Expanded::new(matrix[row][column], std, None).row(&mut table, &what, "nT/nT");
+            let element = found.fit.as_ref().and_then(|fit| fit.elements.get(&format!("{reference}{test}")));
+            let freedom = element.and_then(|element| element.degrees_of_freedom);
+            let factor = freedom.map(|freedom| stats::coverage_factor(0.95, freedom));
+            Expanded::new(matrix[row][column], std, factor).row(&mut table, &what, "nT/nT");
         }
         if let Some(offset) = found.offset_nt.as_ref().and_then(|all| all.get(test)) {
             Expanded::of(offset, None).row(&mut table, &format!("test axis {test}, offset"), "nT");
