@@ -118,11 +118,12 @@ impl Recording {
                 Some(dropped) => Err(Error::document(
                     format!("{path}.dropped"),
                     format!(
-                        "{} of recording \"{}\" that an earlier stage left out",
+                        "{} of recording \"{}\" that an earlier stage left out (SHA-256 {})",
                         counted(dropped.rows, "row"),
-                        self.id
+                        self.id,
+                        dropped.sha256
                     ),
-                    "the readings; run that stage without --drop-recordings, or this one before it",
+                    "the readings; put back those of this digest, run that stage without --drop-recordings, or this one before it",
                 )),
                 None => Ok(()),
             },

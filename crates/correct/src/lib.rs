@@ -90,6 +90,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         }
     }
     if done.is_empty() {
+        let mut all = document.recordings.iter().enumerate();
+        all.try_for_each(|(index, one)| one.at_hand(&format!("recordings[{index}]")))?;
         return Err(Error::Nothing);
     }
     if let Some(why) = hidden.filter(|_| done.iter().all(|(_, corrected)| !corrected.has_field())) {

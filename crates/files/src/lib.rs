@@ -40,6 +40,10 @@ pub fn create(path: &Path) -> io::Result<(File, Unfinished)> {
         let device = OpenOptions::new().write(true).open(&real)?;
         return Ok((device, Unfinished { written_to: WrittenTo::Device }));
     }
+    if !folder(&real).is_dir() {
+        let missing = format!("there is no folder {}", folder(&real).display());
+        return Err(io::Error::new(io::ErrorKind::NotFound, missing));
+    }
     let (file, written_to) = match unnamed::create(folder(&real)) {
         Some(file) => (file.try_clone()?, WrittenTo::Unnamed(file, real)),
         None => {
@@ -108,7 +112,9 @@ mod tests {
         file.write_all(b"[").expect("written");
         drop(unfinished);
         assert_eq!((fs::read_to_string(&path).expect("there"), files(folder.path())), ("{}".into(), 1));
-        assert!(create(&folder.path().join("absent").join("out.json")).is_err());
+        let absent = folder.path().join("absent");
+        let said = create(&absent.join("out.json")).expect_err("no folder").to_string();
+        assert_eq!(said, format!("there is no folder {}", absent.display()));
     }
 
     #[cfg(unix)]

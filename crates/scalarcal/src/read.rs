@@ -119,13 +119,25 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
                 "a recording of procedure `{}` with `sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`) and `reference_nt`",
                 procedure::FREE_RUN
             );
-            return Err(Fault::document("recordings", "none that scalarcal can use", expected).into());
+            let free =
+                document.recordings.iter().find(|one| one.procedure == procedure::FREE_RUN && !driven(one));
+            let found = free.map_or("none that scalarcal can use".into(), |one| {
+                format!(
+                    "no readings of three sensors in \"{}\", whose columns are {}",
+                    one.id,
+                    names(one, "")
+                )
+            });
+            return Err(Fault::document("recordings", found, expected).into());
         };
         let expected = format!(
-            "`reference_nt` (a scalar magnetometer), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or \
+            "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or \
              --constant-magnitude where the field did not change"
         );
-        let found = format!("no magnitude of the field beside the readings of \"{id}\"");
+        let beside = names(&document.recordings[index], "sensor_");
+        let found = format!(
+            "no magnitude of the field beside the readings of \"{id}\" (its other columns: {beside})"
+        );
         return Err(Fault::document(format!("recordings[{index}].columns"), found, expected).into());
     };
     if let Some((other, index)) = units.iter().find(|(other, _)| *other != unit) {
@@ -139,6 +151,13 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
         check(series, unit, document)?;
     }
     Ok((unit, all))
+}
+
+/// The columns that do not begin so, but for the times.
+fn names(recording: &Recording, but: &str) -> String {
+    let shown = |name: &&String| name.as_str() != "time_s" && (but.is_empty() || !name.starts_with(but));
+    let all: Vec<&str> = recording.columns.keys().filter(shown).map(String::as_str).collect();
+    if all.is_empty() { "none".into() } else { all.join(", ") }
 }
 
 /// Whether the field is made by coils.
