@@ -1,5 +1,9 @@
 //! The programs of fluxcal, by name.
 
+mod completions;
+
+pub use completions::script;
+
 use std::env::{self, consts::EXE_SUFFIX};
 use std::path::PathBuf;
 

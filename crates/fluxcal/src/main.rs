@@ -1,7 +1,7 @@
 //! `fluxcal`: runs the program that is named, with its arguments, streams, exit code and signals unchanged.
 
 use clap::{Arg, Command};
-use fluxcal::{PROGRAMS, Program, nearest, program};
+use fluxcal::{PROGRAMS, Program, nearest, program, script};
 use program::{manual, pipe};
 use std::env;
 use std::ffi::OsString;
@@ -17,6 +17,15 @@ fn main() -> ExitCode {
     if helped {
         arguments.remove(0);
         arguments.push("--help".into());
+    }
+    if let [option, shell] = arguments.as_slice()
+        && option == "--completions"
+        && let Some(script) = script(&shell.to_string_lossy())
+    {
+        return match pipe::write(None, &script) {
+            Ok(()) => ExitCode::SUCCESS,
+            Err(error) => refused(&error.to_string()),
+        };
     }
     let name = arguments.first().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match program(&name) {

@@ -1,5 +1,6 @@
 //! What all programs have in common, and the one command that runs them. The programs are built by `cargo test --workspace`.
 
+mod completions;
 mod help;
 mod options;
 mod streams;
