@@ -25,7 +25,7 @@ fn found(document: &Document) -> Vec<String> {
         ("coils", "coil_temperature_c", reference.and_then(|one| one.coil_temperature_c)),
     ] {
         let mut words = Vec::new();
-        words.extend(holds.map(|at| format!("results hold at {} °C", bare(at))));
+        words.extend(holds.map(|at| format!("results hold at {}\u{a0}°C", bare(at))));
         let recorded = document.recordings.iter().flat_map(|recording| temperatures(recording, key));
         let part = |which: &str| {
             let sensors = calibration.and_then(|calibration| calibration.sensors.as_ref());
@@ -42,9 +42,9 @@ fn found(document: &Document) -> Vec<String> {
         if let Some([low, high]) = number::ends(all) {
             let [low, high] = [low, high].map(|end| number::significant(end, 4));
             words.push(if low == high {
-                format!("recorded at {low} °C")
+                format!("recorded at {low}\u{a0}°C")
             } else {
-                format!("recorded from {low} to {high} °C")
+                format!("recorded from {low} to {high}\u{a0}°C")
             });
         }
         if !words.is_empty() {
