@@ -120,7 +120,7 @@ fn check(document: &Document) -> Result<(), common::Error> {
         return Err(common::Error::document(
             "calibration",
             "neither `sensors` nor `axes`",
-            "what sensorcal and axescal found, or what you state in their place",
+            "what scalarcal, or sensorcal and axescal found, or what you state in their place",
         ));
     }
     Ok(())
