@@ -308,7 +308,7 @@ impl Problem for AxesProblem<'_> {
             residual[row] = weight * (observation.value_nt - predicted);
         }
         self.whiten(residual);
-        for column in 0..self.unknowns.len() {
+        for column in (0..self.unknowns.len()).filter(|_| !self.blocks.is_empty()) {
             let values: Vec<f64> = (0..self.readings()).map(|row| jacobian[(row, column)]).collect();
             means::whiten(&self.blocks, |row| values[row], |row, value| jacobian[(row, column)] = value);
         }

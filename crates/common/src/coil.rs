@@ -123,6 +123,7 @@ pub struct CoilSurvey {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gradient_coil_a: Option<f64>,
     /// B₀, nT.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_nt: Option<Quantity>,
     /// a, nT/m.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -138,6 +139,7 @@ pub struct CoilSurvey {
     /// By how much there, nT.
     pub worst_departure_nt: Quantity,
     /// Largest field error within the stated distance off the centre, nT.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub off_centre: Option<OffCentre>,
     /// The places as columns.
     pub places: SurveyPlaces,

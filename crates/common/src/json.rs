@@ -5,8 +5,7 @@ use std::io::{self, Write};
 
 /// JSON as people read it: an object's keys on lines of their own, lists of numbers on one line.
 pub fn to_text<T: Serialize>(value: &T) -> String {
-    // No string holds a raw line break, so this is always the end of a list's item before an object.
-    written(value, true).replace(", \n", ",\n") + "\n"
+    written(value, true) + "\n"
 }
 
 /// JSON on one line, without spaces.
@@ -28,11 +27,28 @@ pub(crate) fn overlay(under: &mut Value, over: Value) {
 
 /// One serializer for both: a type's code for it is made once.
 fn written<T: Serialize>(value: &T, spaced: bool) -> String {
-    let mut bytes = Vec::new();
+    let mut lines = Lines(Vec::new());
     let format = Format { spaced, ..Format::default() };
-    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, format);
+    let mut serializer = serde_json::Serializer::with_formatter(&mut lines, format);
     value.serialize(&mut serializer).expect("a document has string keys and finite numbers");
-    String::from_utf8(bytes).expect("serde_json writes UTF-8")
+    String::from_utf8(lines.0).expect("serde_json writes UTF-8")
+}
+
+/// Text without spaces at the ends of its lines: one follows each item of a list, and an object begins on a new line.
+struct Lines(Vec<u8>);
+
+impl Write for Lines {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if bytes.first() == Some(&b'\n') && self.0.last() == Some(&b' ') {
+            self.0.pop();
+        }
+        self.0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Line breaks belong to objects only: each key on its line, and each object of a list on a new one.

@@ -126,9 +126,6 @@ pub enum Scale {
 pub struct CorrelatedFit {
     /// The coefficients.
     pub coefficients: Vec<f64>,
-    /// Their covariance; of several models scaled so that a standard uncertainty times Student's factor is the half-width of the
-    /// interval that holds the coefficient with 95 % under all of them together.
-    pub covariance: Mat<f64>,
     /// y − X β.
     pub residuals: Vec<f64>,
     /// The largest of X β.
@@ -145,6 +142,22 @@ pub struct CorrelatedFit {
     pub mixture: Mixture,
     /// ln of the restricted likelihood, averaged over the covariances; its zero depends on the design.
     pub log_likelihood: f64,
+}
+
+/// Probability of the intervals that covariances are scaled to.
+const COVERED: f64 = 0.95;
+
+impl CorrelatedFit {
+    /// Covariance of the coefficients; of several models scaled so that a standard uncertainty times Student's factor is the half-width of
+    /// the interval that holds the coefficient with 95 % under all of them together.
+    pub fn covariance(&self) -> Mat<f64> {
+        self.mixture.covered_covariance(COVERED)
+    }
+
+    /// One element of its diagonal.
+    pub fn variance(&self, coefficient: usize) -> f64 {
+        self.mixture.covered_variance(coefficient, COVERED)
+    }
 }
 
 /// A step of the mean under all covariances. They make no one sum of squares in which it could be damped, so it is shortened.
@@ -220,7 +233,6 @@ pub fn fit(
     Ok(CorrelatedFit {
         largest: y.iter().zip(&residuals).map(|(y, left)| (y - left).abs()).fold(0.0, f64::max),
         coefficients,
-        covariance: mixture.covered_covariance(0.95),
         residuals,
         whitened: likeliest.residuals.iter().map(|r| if std > 0.0 { r / std } else { 0.0 }).collect(),
         variance_factor,
@@ -266,13 +278,13 @@ mod tests {
         for k in 0..2 {
             assert!((one.coefficients[k] - plain.coefficients[k]).abs() < 1e-12);
             let variance = plain.covariance[(k, k)] * plain.sum_of_squares / plain.freedom;
-            assert!((one.covariance[(k, k)] / variance - 1.0).abs() < 1e-12);
+            assert!((one.covariance()[(k, k)] / variance - 1.0).abs() < 1e-12);
         }
         assert!((one.variance_factor - plain.sum_of_squares / plain.freedom / 4.0).abs() < 1e-12);
         // The same twice weighs alike and changes nothing.
         let two = fit(design.as_ref(), &y, &[white.clone(), white], Scale::Fitted).expect("a fit");
         assert!((two.mixture.weights()[0] - 0.5).abs() < 1e-12);
-        assert!((two.covariance[(1, 1)] - one.covariance[(1, 1)]).abs() < 1e-15);
+        assert!((two.covariance()[(1, 1)] - one.covariance()[(1, 1)]).abs() < 1e-15);
     }
 
     #[test]
@@ -302,7 +314,7 @@ mod tests {
         let both = Mat::from_fn(11, 11, |i, j| if i == j { 1.01 } else { 1.0 });
         let found = fit(design.as_ref(), &y, &[Whitening::of(&[both]).expect("a factor")], Scale::Fitted)
             .expect("a fit");
-        let unit = |k: usize| found.covariance[(k, k)] / found.variance_factor;
+        let unit = |k: usize| found.covariance()[(k, k)] / found.variance_factor;
         assert!((unit(0) - (1.0 + 0.01 / 11.0)).abs() < 1e-12);
         assert!((unit(1) - 0.01 / 110.0).abs() < 1e-12);
     }

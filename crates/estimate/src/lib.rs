@@ -42,7 +42,7 @@ pub mod wander;
 pub mod whittle;
 
 pub use dot::dot;
-pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};
+pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve, solve_near};
 pub use svd::Svd;
 
 use thiserror::Error;

@@ -11,6 +11,8 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// Steps to a half-width at most, and its relative accuracy.
 const MOST_STEPS: usize = 60;
 const ACCURACY: f64 = 1e-10;
+/// After one of Newton's steps that is so short, as a share, the rest is below that accuracy: it goes with the square.
+const SHORT: f64 = 1e-6;
 
 /// What one model says.
 #[derive(Clone, Debug)]
@@ -76,30 +78,36 @@ impl Mixture {
     /// coefficient with `probability`.
     pub fn covered_covariance(&self, probability: f64) -> Mat<f64> {
         let covariance = self.covariance();
-        if self.weighty().nth(1).is_none() {
-            return covariance;
-        }
-        let single = stats::coverage_factor(probability, self.freedom);
         let unknowns = covariance.nrows();
-        let wider: Vec<f64> = (0..unknowns).map(|i| self.coverage_factor(i, probability) / single).collect();
+        let wider: Vec<f64> = (0..unknowns).map(|i| self.wider(i, probability)).collect();
         Mat::from_fn(unknowns, unknowns, |i, j| wider[i] * wider[j] * covariance[(i, j)])
+    }
+
+    /// One element of its diagonal.
+    pub fn covered_variance(&self, coefficient: usize, probability: f64) -> f64 {
+        self.parts(coefficient).map(|part| part.variance()).sum::<f64>()
+            * self.wider(coefficient, probability).powi(2)
+    }
+
+    fn wider(&self, coefficient: usize, probability: f64) -> f64 {
+        self.coverage_factor(coefficient, probability) / stats::coverage_factor(probability, self.freedom)
+    }
+
+    fn parts(&self, coefficient: usize) -> impl Iterator<Item = Part> {
+        let mean = self.mean(coefficient);
+        self.weighty().map(move |(one, weight)| Part {
+            weight,
+            away: one.coefficients[coefficient] - mean,
+            std: one.covariance[(coefficient, coefficient)].max(0.0).sqrt(),
+        })
     }
 
     /// h/u of one coefficient: β ± h holds it with `probability`, u its standard deviation as in [`Mixture::covariance`]. With one
     /// model this is Student's factor.
     pub fn coverage_factor(&self, coefficient: usize, probability: f64) -> f64 {
         let single = stats::coverage_factor(probability, self.freedom);
-        let mean = self.mean(coefficient);
-        let parts: Vec<Part> = self
-            .weighty()
-            .map(|(one, weight)| Part {
-                weight,
-                away: one.coefficients[coefficient] - mean,
-                std: one.covariance[(coefficient, coefficient)].max(0.0).sqrt(),
-            })
-            .collect();
-        let variance: f64 =
-            parts.iter().map(|part| part.weight * (part.std.powi(2) + part.away.powi(2))).sum();
+        let parts: Vec<Part> = self.parts(coefficient).collect();
+        let variance: f64 = parts.iter().map(Part::variance).sum();
         if parts.len() < 2 || variance == 0.0 || parts.iter().any(|part| part.std == 0.0) {
             return single;
         }
@@ -121,11 +129,13 @@ impl Mixture {
                 high = half
             }
             let newton = half + (probability - inside) / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - half).abs() <= ACCURACY * half {
+            let (next, short) =
+                if newton > low && newton < high { (newton, SHORT) } else { (0.5 * (low + high), ACCURACY) };
+            let moved = (next - half).abs();
+            half = next;
+            if moved <= short * half {
                 break;
             }
-            half = next;
         }
         half / variance.sqrt()
     }
@@ -161,6 +171,13 @@ struct Part {
     weight: f64,
     away: f64,
     std: f64,
+}
+
+impl Part {
+    /// What it adds to the variance of the mixture.
+    fn variance(&self) -> f64 {
+        self.weight * (self.std.powi(2) + self.away.powi(2))
+    }
 }
 
 /// The distribution of a coefficient under one model, over its standard deviation.

@@ -1,6 +1,7 @@
 //! The maximum of a likelihood by scoring, within limits, and bounds by its ratio.
 
-use faer::Mat;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 
 use crate::line_search::{self, Accuracy, halved};
 use crate::{Error, Svd};
@@ -148,7 +149,7 @@ fn gain(step: &[f64], gradient: &[f64]) -> f64 {
 }
 
 /// The inverse of the rows and columns `kept` of an information matrix, scaled to a diagonal of ones meanwhile; zero
-/// elsewhere, and along directions of which there is no information.
+/// elsewhere, and along directions of which there is no information. Second derivatives need not be positive definite.
 pub(crate) fn inverse(information: &Mat<f64>, kept: &[usize]) -> Result<Mat<f64>, Error> {
     const RANK_TOLERANCE: f64 = 1e-13;
     let mut inverse = Mat::zeros(information.nrows(), information.ncols());
@@ -159,12 +160,23 @@ pub(crate) fn inverse(information: &Mat<f64>, kept: &[usize]) -> Result<Mat<f64>
     let root: Vec<f64> = kept.iter().map(|&i| information[(i, i)].sqrt()).collect();
     let scaled =
         Mat::from_fn(kept.len(), kept.len(), |a, b| information[(kept[a], kept[b])] / root[a] / root[b]);
-    let svd = Svd::of(scaled.as_ref(), RANK_TOLERANCE)?;
+    let unit = Mat::from_fn(kept.len(), kept.len(), |a, b| if a == b { 1.0 / root[b] } else { 0.0 });
+    let solved = match scaled.llt(Side::Lower) {
+        Ok(factor) if (0..kept.len()).all(|a| factor.L()[(a, a)].powi(2) > RANK_TOLERANCE) => {
+            factor.solve(&unit)
+        }
+        _ => {
+            let svd = Svd::of(scaled.as_ref(), RANK_TOLERANCE)?;
+            let mut solved = Mat::zeros(kept.len(), kept.len());
+            for b in 0..kept.len() {
+                solved.col_as_slice_mut(b).copy_from_slice(&svd.solve(unit.col_as_slice(b)));
+            }
+            solved
+        }
+    };
     for (b, &column) in kept.iter().enumerate() {
-        let mut unit = vec![0.0; kept.len()];
-        unit[b] = 1.0 / root[b];
-        for (a, value) in svd.solve(&unit).into_iter().enumerate() {
-            inverse[(kept[a], column)] = value / root[a];
+        for (a, &row) in kept.iter().enumerate() {
+            inverse[(row, column)] = solved[(a, b)] / root[a];
         }
     }
     Ok(inverse)

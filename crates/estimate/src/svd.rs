@@ -89,6 +89,21 @@ impl Svd {
         x
     }
 
+    /// (AᵀA)⁺ g, the step of least squares for the gradient g = Aᵀ r, and the length of A times it.
+    pub fn step(&self, gradient: &[f64]) -> (Vec<f64>, f64) {
+        let mut step = vec![0.0; self.v.nrows()];
+        let scaled: Vec<f64> = gradient.iter().zip(&self.lengths).map(|(g, length)| g / length).collect();
+        let mut squares = 0.0;
+        for k in 0..self.rank {
+            let direction = self.v.col_as_slice(k);
+            let along = direction.iter().zip(&scaled).map(|(v, g)| v * g).sum::<f64>() / self.sigma[k];
+            squares += along * along;
+            step.iter_mut().zip(direction).for_each(|(step, v)| *step += along / self.sigma[k] * v);
+        }
+        step.iter_mut().zip(&self.lengths).for_each(|(step, length)| *step /= length);
+        (step, squares.sqrt())
+    }
+
     /// D⁻¹ V σ⁻² Vᵀ D⁻¹: the covariance of the solution for rows of unit variance.
     pub fn covariance(&self) -> Mat<f64> {
         let scaled = Mat::from_fn(self.v.nrows(), self.rank, |i, k| {

@@ -107,9 +107,13 @@ pub struct WhittleFit {
 /// [`Error::TooFew`] without more ordinates than unknowns, [`Error::Series`] for ordinates that are not finite or a series
 /// that does not vary, [`Error::NotConverged`] without a maximum.
 pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
+    // Of one series the three forms are the same.
+    if let [_] = series {
+        return fit_with(series, White::PerReading);
+    }
     let data = Data::of(series)?;
     let [reading, density, each] = [White::PerReading, White::Density, White::Each];
-    let models = [reading, density, each].map(|white| Model { data: &data, white });
+    let models = [reading, density, each].map(|white| Model::new(&data, white));
     let (by_reading, by_density) = (models[0].best(&[])?, models[1].best(&[])?);
     let starts = [(0, &by_reading), (1, &by_density)];
     let starts = starts.map(|(number, found)| models[2].spread(&models[number], &found.theta));
@@ -131,7 +135,7 @@ pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
 /// As [`fit`].
 pub fn fit_with(series: &[Periodogram], white: White) -> Result<WhittleFit, Error> {
     let data = Data::of(series)?;
-    let model = Model { data: &data, white };
+    let model = Model::new(&data, white);
     let found = model.best(&[])?;
     let gain = flicker_gain(&model, &found);
     let found = if gain > FLICKER { found } else { without_flicker(&model) };
@@ -147,9 +151,6 @@ struct Choice {
 
 impl Choice {
     fn of(costs: [f64; 3], series: usize) -> Self {
-        if series == 1 {
-            return Choice { number: 0, per_reading_p: None, density_p: None };
-        }
         let [per_reading_p, density_p] = [costs[0], costs[1]]
             .map(|cost| chi_squared_p(2.0 * (cost - costs[2]).max(0.0), series as f64 - 1.0));
         let number = [per_reading_p, density_p].iter().position(|p| *p > RESTRICTED).unwrap_or(2);

@@ -94,6 +94,24 @@ impl Input {
         file: Option<&Path>,
         command: impl Fn(&str) -> String,
     ) -> Result<(Self, Document), Error> {
+        let input = Self::of_document(file, command)?;
+        let document = input.parsed()?;
+        Ok((input, document))
+    }
+
+    /// As [`Self::document`], for a stage: with the digest of the text, and no more of the text than says on which line something stands.
+    fn outlined(
+        file: Option<&Path>,
+        command: impl Fn(&str) -> String,
+    ) -> Result<(Self, Document, String), Error> {
+        let input = Self::of_document(file, command)?;
+        let digest_and_outline = || (input.sha256(), outline(&input.text));
+        let (document, (sha256, text)) = rayon::join(|| input.parsed(), digest_and_outline);
+        Ok((Self { text, source_name: input.source_name.clone() }, document?, sha256))
+    }
+
+    /// The text of a document, and no file of readings.
+    fn of_document(file: Option<&Path>, command: impl Fn(&str) -> String) -> Result<Self, Error> {
         let (bytes, source_name) = bytes(file)?;
         let file_name = named(file).map(|path| path.display().to_string());
         let readings = readings::told(&bytes).map(|found| Error::Syntax {
@@ -105,13 +123,16 @@ impl Input {
         if let Some(error) = readings {
             return Err(error);
         }
-        let input = Self::of(bytes, source_name)?;
-        let document = Document::parse(&input.text).map_err(|error| input.locate(error))?;
+        Self::of(bytes, source_name)
+    }
+
+    fn parsed(&self) -> Result<Document, Error> {
+        let document = Document::parse(&self.text).map_err(|error| self.locate(error))?;
         for (index, recording) in document.recordings.iter().enumerate() {
             let checked = dropped::check(recording, &format!("recordings[{index}]"));
-            checked.map_err(|error| input.locate(error))?;
+            checked.map_err(|error| self.locate(error))?;
         }
-        Ok((input, document))
+        Ok(document)
     }
 
     fn of(bytes: Vec<u8>, source_name: String) -> Result<Self, Error> {
@@ -127,11 +148,6 @@ impl Input {
     /// SHA-256 of the text, in hexadecimal.
     pub fn sha256(&self) -> String {
         hexadecimal(&Sha256::digest(self.text.as_bytes()))
-    }
-
-    /// The same with no more of the text than says on which line something stands.
-    pub fn outlined(self) -> Self {
-        Self { text: outline(self.text), ..self }
     }
 
     /// Adds file and line to an error that names a JSON path.
@@ -232,8 +248,7 @@ where
     Error: From<E>,
 {
     let StageIo { io, drop_recordings } = stage;
-    let (input, mut document) = Input::document(io.file.as_deref(), command)?;
-    let (input_sha256, input) = (input.sha256(), input.outlined());
+    let (input, mut document, input_sha256) = Input::outlined(io.file.as_deref(), command)?;
     let located = |error: Error| input.locate(error);
     let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
     let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();

@@ -226,7 +226,7 @@ impl Problem<'_, '_> {
         }
         Ok(Fit {
             values: (0..unknowns).map(|unknown| self.value(state, unknown)).collect(),
-            scatter: linear.covariance.clone(),
+            scatter: linear.covariance(),
             common,
             by,
             design: design.clone(),

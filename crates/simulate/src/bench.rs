@@ -229,12 +229,17 @@ pub fn deviation(path: &str, key: &str, value: f64) -> Result<(), Error> {
 
 /// Samples of a series; refuses too few and too many.
 pub fn samples(path: &str, count: f64, least: f64) -> Result<f64, Error> {
-    if (least..=MOST_ROWS).contains(&count) {
+    samples_up_to(MOST_ROWS, path, count, least)
+}
+
+/// The same of a series with a limit of its own.
+pub fn samples_up_to(most: f64, path: &str, count: f64, least: f64) -> Result<f64, Error> {
+    if (least..=most).contains(&count) {
         return Ok(count);
     }
     let found =
         format!("{} {} in one recording", bare(count), if count == 1.0 { "sample" } else { "samples" });
-    Err(Error::document(path, found, format!("at least {} and at most {}", bare(least), bare(MOST_ROWS))))
+    Err(Error::document(path, found, format!("at least {} and at most {}", bare(least), bare(most))))
 }
 
 /// Numbers from −to to +to in so many points.

@@ -27,8 +27,10 @@ pub struct KnownInstrument {
     /// 90° less the angle between two of its axes, arcsec, keyed `xy`, `yz`, `xz`.
     pub non_orthogonality_arcsec: IndexMap<String, Quantity>,
     /// Reading of x per nT over that of y.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_x_y: Option<Quantity>,
     /// Reading of z per nT over that of y.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub ratio_z_y: Option<Quantity>,
     /// Keys that this version does not know.
     #[serde(flatten)]

@@ -32,8 +32,7 @@ impl Group {
 /// The ordinates of all series in groups.
 pub(super) fn groups(model: &Model, theta: &[f64]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    for bin in &model.data.bins {
-        let (flicker, white) = model.parts(theta, bin);
+    for (bin, flicker, white) in model.parts(theta) {
         let new = Group {
             series: bin.series,
             frequency_hz: (bin.x + model.data.lowest).exp(),

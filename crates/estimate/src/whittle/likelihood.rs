@@ -1,5 +1,6 @@
 //! The Whittle likelihood of periodograms under a power law and white noise.
 
+use std::cell::{Ref, RefCell};
 use std::f64::consts::PI;
 
 use faer::Mat;
@@ -88,9 +89,24 @@ impl Data {
 pub(super) struct Model<'a> {
     pub data: &'a Data,
     pub white: White,
+    /// The flicker of every bin, as [`Binned::flicker`], for the exponent that was asked for last: most points are looked at twice, and in
+    /// many searches the exponent is held.
+    shapes: RefCell<(f64, Vec<[f64; 3]>)>,
 }
 
-impl Model<'_> {
+impl<'a> Model<'a> {
+    pub fn new(data: &'a Data, white: White) -> Self {
+        Self { data, white, shapes: RefCell::new((f64::NAN, Vec::new())) }
+    }
+
+    fn shapes(&self, exponent: f64) -> Ref<'_, [[f64; 3]]> {
+        if self.shapes.borrow().0 != exponent {
+            let of_bins = self.data.bins.iter().map(|bin| bin.flicker(exponent)).collect();
+            self.shapes.replace((exponent, of_bins));
+        }
+        Ref::map(self.shapes.borrow(), |(_, shapes)| shapes.as_slice())
+    }
+
     /// Number of white unknowns.
     pub fn groups(&self) -> usize {
         if self.white == White::Each { self.data.series() } else { 1 }
@@ -128,22 +144,25 @@ impl Model<'_> {
         [0.0, 1.0].into_iter().chain(whites).collect()
     }
 
-    /// Flicker and white part of the density of a bin.
-    pub fn parts(&self, theta: &[f64], bin: &Binned) -> (f64, f64) {
-        let white = theta[2 + self.group(bin.series)] * self.shape(bin.series);
-        (theta[0] * bin.flicker(theta[1])[0], white)
+    /// Every bin with the flicker and the white part of its density.
+    pub fn parts(&self, theta: &[f64]) -> impl Iterator<Item = (&'a Binned, f64, f64)> {
+        let shapes = self.shapes(theta[1]);
+        let whites: Vec<f64> =
+            (0..self.data.series()).map(|s| theta[2 + self.group(s)] * self.shape(s)).collect();
+        let amplitude = theta[0];
+        let part = move |(at, bin): (usize, &'a Binned)| (bin, amplitude * shapes[at][0], whites[bin.series]);
+        self.data.bins.iter().enumerate().map(part)
     }
 }
 
 impl Likelihood for Model<'_> {
     /// Σ count (I/P − 1 − ln(I/P)), half the deviance.
     fn cost(&self, theta: &[f64]) -> f64 {
-        let term = |bin: &Binned| {
-            let (flicker, white) = self.parts(theta, bin);
+        let term = |(bin, flicker, white): (&Binned, f64, f64)| {
             let density = flicker + white;
             bin.count * (bin.density / density - 1.0 + density.ln() - bin.ln_density)
         };
-        self.data.bins.iter().map(term).sum()
+        self.parts(theta).map(term).sum()
     }
 
     /// Cost and derivatives. With s = ∂P/∂θ / P and q = ∂²P/∂θ² / P the gradient of an ordinate is (1 − I/P) s, its second
@@ -152,24 +171,34 @@ impl Likelihood for Model<'_> {
         let unknowns = theta.len();
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);
         let (mut hessian, mut fisher) = (Mat::zeros(unknowns, unknowns), Mat::zeros(unknowns, unknowns));
-        for bin in &self.data.bins {
-            let ([shape, first, second], white_shape) = (bin.flicker(theta[1]), self.shape(bin.series));
-            let own = 2 + self.group(bin.series);
-            let density = theta[0] * shape + theta[own] * white_shape;
-            let ratio = bin.density / density;
-            cost += bin.count * (ratio - 1.0 + density.ln() - bin.ln_density);
-            let s = [(0, shape / density), (1, theta[0] * first / density), (own, white_shape / density)];
-            for (i, slope) in s {
-                gradient[i] += bin.count * (1.0 - ratio) * slope;
-                for (j, other) in s {
-                    fisher[(i, j)] += bin.count * slope * other;
-                    hessian[(i, j)] += bin.count * (2.0 * ratio - 1.0) * slope * other;
+        let shapes = self.shapes(theta[1]);
+        let bins = self.data.bins.iter().zip(shapes.iter());
+        let whites: Vec<(usize, f64)> =
+            (0..self.data.series()).map(|s| (2 + self.group(s), self.shape(s))).collect();
+        for (series, (own, white_shape)) in whites.into_iter().enumerate() {
+            // The elements of θ₀, θ₁ and the white unknown of this series: 00, 01, 11, 0w, 1w, ww.
+            let (mut first_derivatives, mut second, mut expected) = ([0.0; 3], [0.0; 6], [0.0; 6]);
+            for (bin, [shape, first, bent]) in bins.clone().filter(|(bin, _)| bin.series == series) {
+                let density = theta[0] * shape + theta[own] * white_shape;
+                let ratio = bin.density / density;
+                cost += bin.count * (ratio - 1.0 + density.ln() - bin.ln_density);
+                let s = [shape / density, theta[0] * first / density, white_shape / density];
+                let (up, information) = (bin.count * (1.0 - ratio), bin.count * (2.0 * ratio - 1.0));
+                let products = [s[0] * s[0], s[0] * s[1], s[1] * s[1], s[0] * s[2], s[1] * s[2], s[2] * s[2]];
+                (0..3).for_each(|i| first_derivatives[i] += up * s[i]);
+                (0..6).for_each(|i| expected[i] += bin.count * products[i]);
+                (0..6).for_each(|i| second[i] += information * products[i]);
+                second[1] += up / density * first;
+                second[2] += up / density * theta[0] * bent;
+            }
+            let places = [(0, 0), (0, 1), (1, 1), (0, own), (1, own), (own, own)];
+            for (matrix, elements) in [(&mut hessian, second), (&mut fisher, expected)] {
+                for ((i, j), element) in places.into_iter().zip(elements) {
+                    matrix[(i, j)] += element;
+                    matrix[(j, i)] = matrix[(i, j)];
                 }
             }
-            let bent = bin.count * (1.0 - ratio) / density;
-            hessian[(0, 1)] += bent * first;
-            hessian[(1, 0)] += bent * first;
-            hessian[(1, 1)] += bent * theta[0] * second;
+            [0, 1, own].into_iter().zip(first_derivatives).for_each(|(i, d)| gradient[i] += d);
         }
         Slope { cost, gradient, hessian, fisher }
     }

@@ -51,8 +51,7 @@ impl Model<'_> {
         theta[2..].iter_mut().for_each(|white| *white *= 0.5);
         for _ in 0..START_STEPS {
             let mut sums = vec![(0.0, 0.0); theta.len()];
-            for bin in &self.data.bins {
-                let (flicker, white) = self.parts(&theta, bin);
+            for (bin, flicker, white) in self.parts(&theta) {
                 let density = flicker + white;
                 for (i, part) in [(0, flicker), (2 + self.group(bin.series), white)] {
                     sums[i].0 += bin.count * part * bin.density / (density * density);

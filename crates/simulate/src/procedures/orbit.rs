@@ -8,9 +8,12 @@ use std::f64::consts::TAU;
 
 use super::Sequence;
 use crate::aboard::{Aboard, KnownField, attitude_columns};
-use crate::bench::{Bench, deviation, positive, samples};
+use crate::bench::{Bench, deviation, positive, samples_up_to};
 use crate::orbit::{Orbit, main_field_nt};
 use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
+
+/// Samples at most: a recording in orbit has some fifteen columns.
+const MOST_ROWS: f64 = 5e6;
 
 /// A free run aboard a satellite in a circular orbit. GEO is north, east and down below the satellite; SEN is along the track, across it and down where yaw and
 /// libration are zero.
@@ -152,7 +155,7 @@ impl Sequence for OrbitProcedure {
                 return Err(Error::document(path, exponent.to_string(), expected));
             }
         }
-        samples(path, self.length_s / self.step_s, 5.0)
+        samples_up_to(MOST_ROWS, path, self.length_s / self.step_s, 5.0)
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {

@@ -145,7 +145,7 @@ fn effects_act_on_the_readings() {
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
     type Fault = fn(&mut Value);
-    let cases: [(Fault, &str); 32] = [
+    let cases: [(Fault, &str); 33] = [
         (
             |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
             "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",
@@ -170,6 +170,13 @@ fn faulty_plans_are_refused_with_their_place() {
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
             "procedures[0].ac: found 1·10¹² samples in one recording; expected at least 5 and at most 5·10⁷",
+        ),
+        (
+            |plan| {
+                plan["procedures"][0] =
+                    json!({"procedure": "orbit", "id": "o", "length_s": 1e9, "step_s": 20})
+            },
+            "procedures[0]: found 5·10⁷ samples in one recording; expected at least 5 and at most 5000000",
         ),
         (
             |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
