@@ -10,6 +10,7 @@ mod gradients;
 mod help;
 mod laws;
 mod laws_of_campaigns;
+mod links;
 mod nasa;
 mod pages;
 mod pipe;
