@@ -27,8 +27,8 @@ struct Cli {
     #[arg(long)]
     known_coils: bool,
     /// Where the iteration begins
-    #[arg(long, value_enum, default_value_t = From::Identity)]
-    start: From,
+    #[arg(long, value_enum, default_value_t = StartFrom::Identity)]
+    start: StartFrom,
     /// Leave the scales of sensors and coils free and compare them with the calibration
     #[arg(long)]
     free_scales: bool,
@@ -52,7 +52,7 @@ enum Command {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum From {
+enum StartFrom {
     /// Along the nominal axes
     Identity,
     /// The matrices in calibration.axes
@@ -84,8 +84,8 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     let options = Options {
         coils: if cli.known_coils { Coils::Known } else { Coils::Unknown },
         start: match cli.start {
-            From::Identity => Start::Identity,
-            From::Document => Start::Document,
+            StartFrom::Identity => Start::Identity,
+            StartFrom::Document => Start::Document,
         },
         free_scales: cli.free_scales,
         robust: cli.robust,

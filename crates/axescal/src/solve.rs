@@ -7,7 +7,7 @@ use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 use faer::Mat;
 use physics::frames::ARCSEC;
 
-use crate::spread::{Kind, Spread};
+use crate::spread::{ReadingKind, Spread};
 use crate::start::{self, Beginning};
 use crate::unknowns::Unknown;
 use crate::{
@@ -97,14 +97,17 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let chi_squared =
         (known_scale && !options.robust).then(|| (estimate.spread.sum_of_squares, estimate.spread.p()));
     let excess = 1.0 + ROBUST_EXCESS / estimate.spread.degrees_of_freedom.max(1.0).sqrt();
-    let scattering: Vec<(Kind, Spread)> = Kind::of(observations, options.robust || !known_scale)
-        .into_iter()
-        .map(|kind| (kind, estimate.spread_of(observations, kind)))
-        .filter(|(_, spread)| match chi_squared {
-            Some(_) => spread.p() < CHI_SQUARED_P && spread.degrees_of_freedom >= 1.0 && spread.scale() > 1.0,
-            None => !known_scale || estimate.scale > excess,
-        })
-        .collect();
+    let scattering: Vec<(ReadingKind, Spread)> =
+        ReadingKind::of(observations, options.robust || !known_scale)
+            .into_iter()
+            .map(|kind| (kind, estimate.spread_of(observations, kind)))
+            .filter(|(_, spread)| match chi_squared {
+                Some(_) => {
+                    spread.p() < CHI_SQUARED_P && spread.degrees_of_freedom >= 1.0 && spread.scale() > 1.0
+                }
+                None => !known_scale || estimate.scale > excess,
+            })
+            .collect();
     let mut noise = NoiseFactors::ONE;
     if !scattering.is_empty() {
         if estimate.spread.degrees_of_freedom < 0.5 {
@@ -119,7 +122,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
         for _ in 0..ROUNDS {
             let before = noise;
             for (kind, _) in &scattering {
-                let scale = if *kind == Kind::All {
+                let scale = if *kind == ReadingKind::All {
                     estimate.scale
                 } else {
                     estimate.spread_of(observations, *kind).scale()
@@ -197,7 +200,7 @@ fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesStat
 }
 
 /// Where the standard deviations come from, kind by kind where only one of them was scaled.
-fn noise_source(source: NoiseSource, known: bool, scattering: &[(Kind, Spread)]) -> String {
+fn noise_source(source: NoiseSource, known: bool, scattering: &[(ReadingKind, Spread)]) -> String {
     let own = match source {
         NoiseSource::Declared => "declared",
         NoiseSource::SineFits => "sine fits",
@@ -206,13 +209,13 @@ fn noise_source(source: NoiseSource, known: bool, scattering: &[(Kind, Spread)])
     match scattering {
         [] => own.into(),
         _ if !known => own.into(),
-        [(Kind::Constant, _)] => format!("{own}, that of constant drives scaled to the residuals"),
-        [(Kind::Ac, _)] => format!("{own}, that of AC runs scaled to the residuals"),
+        [(ReadingKind::Constant, _)] => format!("{own}, that of constant drives scaled to the residuals"),
+        [(ReadingKind::Ac, _)] => format!("{own}, that of AC runs scaled to the residuals"),
         _ => format!("{own}, scaled to the residuals"),
     }
 }
 
-fn scatters(kind: Kind, factor: f64, spread: Option<&Spread>) -> String {
+fn scatters(kind: ReadingKind, factor: f64, spread: Option<&Spread>) -> String {
     let test = spread.map_or_else(String::new, |spread| {
         let freedom = counted(spread.degrees_of_freedom.round() as usize, "degree");
         format!(
@@ -281,7 +284,7 @@ struct Estimate {
 }
 
 impl Estimate {
-    fn spread_of(&self, observations: &Observations, kind: Kind) -> Spread {
+    fn spread_of(&self, observations: &Observations, kind: ReadingKind) -> Spread {
         Spread::of(observations, &self.fit, self.weights.as_deref(), kind)
     }
 }
@@ -299,7 +302,7 @@ fn estimated(
     } else {
         (estimate::solve(problem, start, None, &Iteration::default())?, None, None)
     };
-    let spread = Spread::of(problem.observations, &fit, weights.as_deref(), Kind::All);
+    let spread = Spread::of(problem.observations, &fit, weights.as_deref(), ReadingKind::All);
     Ok(Estimate { scale: robust_scale.unwrap_or(spread.scale()), fit, weights, spread })
 }
 

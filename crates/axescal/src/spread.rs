@@ -7,51 +7,51 @@ use crate::{AxesState, NoiseFactors, Observation, Observations};
 
 /// Readings whose noise is judged together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum ReadingKind {
     All,
     Constant,
     Ac,
 }
 
-impl Kind {
+impl ReadingKind {
     /// Both kinds where both are there, unless they are to be judged together.
-    pub fn of(observations: &Observations, together: bool) -> Vec<Kind> {
+    pub fn of(observations: &Observations, together: bool) -> Vec<ReadingKind> {
         let there = |constant: bool| observations.readings.iter().any(|reading| reading.constant == constant);
         if together || !(there(true) && there(false)) {
-            vec![Kind::All]
+            vec![ReadingKind::All]
         } else {
-            vec![Kind::Constant, Kind::Ac]
+            vec![ReadingKind::Constant, ReadingKind::Ac]
         }
     }
 
     fn holds(self, reading: &Observation) -> bool {
         match self {
-            Kind::All => true,
-            Kind::Constant => reading.constant,
-            Kind::Ac => !reading.constant,
+            ReadingKind::All => true,
+            ReadingKind::Constant => reading.constant,
+            ReadingKind::Ac => !reading.constant,
         }
     }
 
     /// Its factor.
     pub fn factor(self, noise: NoiseFactors) -> f64 {
-        if self == Kind::Ac { noise.ac } else { noise.constant }
+        if self == ReadingKind::Ac { noise.ac } else { noise.constant }
     }
 
     /// The factors with another one for this kind.
     pub fn with(self, noise: NoiseFactors, factor: f64) -> NoiseFactors {
         match self {
-            Kind::All => NoiseFactors::both(factor),
-            Kind::Constant => NoiseFactors { constant: factor, ..noise },
-            Kind::Ac => NoiseFactors { ac: factor, ..noise },
+            ReadingKind::All => NoiseFactors::both(factor),
+            ReadingKind::Constant => NoiseFactors { constant: factor, ..noise },
+            ReadingKind::Ac => NoiseFactors { ac: factor, ..noise },
         }
     }
 
     /// What to call its readings.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::All => "the readings",
-            Kind::Constant => "the readings with constant drives",
-            Kind::Ac => "the amplitudes of AC runs",
+            ReadingKind::All => "the readings",
+            ReadingKind::Constant => "the readings with constant drives",
+            ReadingKind::Ac => "the amplitudes of AC runs",
         }
     }
 }
@@ -70,7 +70,7 @@ impl Spread {
         observations: &Observations,
         fit: &Fit<AxesState>,
         weights: Option<&[f64]>,
-        kind: Kind,
+        kind: ReadingKind,
     ) -> Spread {
         let leverage = fit.svd.leverage();
         let own = observations.readings.iter().enumerate().filter(|(_, reading)| kind.holds(reading));

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use bytes::{Bytes, inflate};
 
-pub use values::{Kind, Values};
+pub use values::{ValueType, Values};
 pub use variable::Variable;
 
 /// Why a file is not read.

@@ -2,7 +2,7 @@
 
 use crate::bytes::{Bytes, Compression};
 use crate::variable::Layout;
-use crate::{Cdf, Error, Kind, Values, Variable};
+use crate::{Cdf, Error, ValueType, Values, Variable};
 
 /// Records of a list that are read at most.
 const MOST: usize = 1 << 16;
@@ -90,7 +90,7 @@ impl File<'_> {
     fn variable(&self, at: u64, record_kind: u32) -> Result<(u64, u32, Variable), Error> {
         let mut vdr = self.bytes.record(at, &[record_kind])?;
         let next = vdr.offset()?;
-        let kind = Kind::of(vdr.u32()?)?;
+        let kind = ValueType::of(vdr.u32()?)?;
         let records = usize::try_from(i64::from(vdr.i32()?) + 1).unwrap_or(0);
         let index = vdr.offset()?;
         vdr.offset()?;
@@ -144,7 +144,8 @@ impl File<'_> {
                 let mut entry = self.bytes.record(at, &[entry_kind])?;
                 let next = entry.offset()?;
                 entry.skip(4)?;
-                let (kind, number, elements) = (Kind::of(entry.u32()?)?, entry.u32()?, entry.u32()? as usize);
+                let (kind, number, elements) =
+                    (ValueType::of(entry.u32()?)?, entry.u32()?, entry.u32()? as usize);
                 entry.skip(20)?;
                 let size = elements
                     .checked_mul(kind.bytes())

@@ -5,7 +5,7 @@ use crate::times;
 
 /// A type of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ValueType {
     /// A whole number of so many bytes.
     Int {
         /// Bytes.
@@ -38,23 +38,23 @@ pub enum Values {
     Texts(Vec<String>),
 }
 
-impl Kind {
+impl ValueType {
     /// By its number in the format.
     pub(crate) fn of(number: u32) -> Result<Self, Error> {
         Ok(match number {
-            1 | 41 => Kind::Int { bytes: 1, signed: true },
-            2 => Kind::Int { bytes: 2, signed: true },
-            4 => Kind::Int { bytes: 4, signed: true },
-            8 => Kind::Int { bytes: 8, signed: true },
-            11 => Kind::Int { bytes: 1, signed: false },
-            12 => Kind::Int { bytes: 2, signed: false },
-            14 => Kind::Int { bytes: 4, signed: false },
-            21 | 44 => Kind::Float,
-            22 | 45 => Kind::Double,
-            31 => Kind::Epoch,
-            32 => Kind::Epoch16,
-            33 => Kind::Tt2000,
-            51 | 52 => Kind::Char,
+            1 | 41 => ValueType::Int { bytes: 1, signed: true },
+            2 => ValueType::Int { bytes: 2, signed: true },
+            4 => ValueType::Int { bytes: 4, signed: true },
+            8 => ValueType::Int { bytes: 8, signed: true },
+            11 => ValueType::Int { bytes: 1, signed: false },
+            12 => ValueType::Int { bytes: 2, signed: false },
+            14 => ValueType::Int { bytes: 4, signed: false },
+            21 | 44 => ValueType::Float,
+            22 | 45 => ValueType::Double,
+            31 => ValueType::Epoch,
+            32 => ValueType::Epoch16,
+            33 => ValueType::Tt2000,
+            51 | 52 => ValueType::Char,
             other => return Err(Error(format!("a broken CDF: values of the unknown type {other}"))),
         })
     }
@@ -62,41 +62,41 @@ impl Kind {
     /// Bytes of one value.
     pub(crate) fn bytes(self) -> usize {
         match self {
-            Kind::Int { bytes, .. } => bytes,
-            Kind::Float => 4,
-            Kind::Double | Kind::Epoch | Kind::Tt2000 => 8,
-            Kind::Epoch16 => 16,
-            Kind::Char => 1,
+            ValueType::Int { bytes, .. } => bytes,
+            ValueType::Float => 4,
+            ValueType::Double | ValueType::Epoch | ValueType::Tt2000 => 8,
+            ValueType::Epoch16 => 16,
+            ValueType::Char => 1,
         }
     }
 
     /// Whether values are moments.
     pub fn is_time(self) -> bool {
-        matches!(self, Kind::Epoch | Kind::Epoch16 | Kind::Tt2000)
+        matches!(self, ValueType::Epoch | ValueType::Epoch16 | ValueType::Tt2000)
     }
 
     /// Values of bytes: texts of `elements` characters each, otherwise as many as there are.
     pub(crate) fn read(self, bytes: &[u8], elements: usize, little: bool) -> Values {
-        let each = self.bytes() * if self == Kind::Char { elements.max(1) } else { 1 };
+        let each = self.bytes() * if self == ValueType::Char { elements.max(1) } else { 1 };
         let values = bytes.chunks_exact(each);
         match self {
-            Kind::Char => Values::Texts(values.map(text).collect()),
-            Kind::Epoch => {
+            ValueType::Char => Values::Texts(values.map(text).collect()),
+            ValueType::Epoch => {
                 Values::Moments(values.map(|value| times::of_epoch(double(value, little))).collect())
             }
-            Kind::Tt2000 => Values::Moments(
+            ValueType::Tt2000 => Values::Moments(
                 values.map(|value| times::of_tt2000(unsigned(value, little) as i64)).collect(),
             ),
-            Kind::Epoch16 => Values::Moments(
+            ValueType::Epoch16 => Values::Moments(
                 values
                     .map(|value| times::of_epoch16(double(&value[..8], little), double(&value[8..], little)))
                     .collect(),
             ),
-            Kind::Double => Values::Numbers(values.map(|value| double(value, little)).collect()),
-            Kind::Float => Values::Numbers(
+            ValueType::Double => Values::Numbers(values.map(|value| double(value, little)).collect()),
+            ValueType::Float => Values::Numbers(
                 values.map(|value| f64::from(f32::from_bits(unsigned(value, little) as u32))).collect(),
             ),
-            Kind::Int { bytes, signed } => Values::Numbers(
+            ValueType::Int { bytes, signed } => Values::Numbers(
                 values
                     .map(|value| {
                         let number = unsigned(value, little);
@@ -162,13 +162,13 @@ mod tests {
 
     #[test]
     fn numbers_of_either_order() {
-        let short = Kind::Int { bytes: 2, signed: true };
+        let short = ValueType::Int { bytes: 2, signed: true };
         assert_eq!(short.read(&[0xFF, 0xFE], 1, false), Values::Numbers(vec![-2.0]));
         assert_eq!(short.read(&[0xFE, 0xFF], 1, true), Values::Numbers(vec![-2.0]));
-        let unsigned = Kind::Int { bytes: 2, signed: false };
+        let unsigned = ValueType::Int { bytes: 2, signed: false };
         assert_eq!(unsigned.read(&[0xFF, 0xFE, 0, 1], 1, false), Values::Numbers(vec![65_534.0, 1.0]));
-        assert_eq!(Kind::Double.read(&1.5_f64.to_le_bytes(), 1, true), Values::Numbers(vec![1.5]));
-        assert_eq!(Kind::Float.read(&1.5_f32.to_be_bytes(), 1, false), Values::Numbers(vec![1.5]));
-        assert_eq!(Kind::Char.read(b"nT  X   ", 4, false), Values::Texts(vec!["nT".into(), "X".into()]));
+        assert_eq!(ValueType::Double.read(&1.5_f64.to_le_bytes(), 1, true), Values::Numbers(vec![1.5]));
+        assert_eq!(ValueType::Float.read(&1.5_f32.to_be_bytes(), 1, false), Values::Numbers(vec![1.5]));
+        assert_eq!(ValueType::Char.read(b"nT  X   ", 4, false), Values::Texts(vec!["nT".into(), "X".into()]));
     }
 }

@@ -1,7 +1,7 @@
 //! Variables and their records.
 
 use crate::bytes::{Bytes, Compression, inflate};
-use crate::{Error, Kind, Values};
+use crate::{Error, ValueType, Values};
 
 /// Bytes of a variable that are read at most.
 const MOST: usize = 1 << 32;
@@ -14,7 +14,7 @@ pub struct Variable {
     /// Its name.
     pub name: String,
     /// The type of its values.
-    pub kind: Kind,
+    pub kind: ValueType,
     /// Sizes of a record's dimensions; empty for one value a record.
     pub dimensions: Vec<usize>,
     /// Whether it has a value for each record, or one for all.

@@ -7,7 +7,7 @@ use estimate::linear::LinearFit;
 use estimate::stats;
 
 use crate::Error;
-use crate::departures::{self, FOUND_BELOW, Kind};
+use crate::departures::{self, DepartureKind, FOUND_BELOW};
 use crate::levels::{Level, levels, mean, within};
 use crate::readings::{Reading, Readings};
 use crate::scatter::{lack_of_fit, relative_std, scatter};
@@ -123,7 +123,7 @@ pub fn calibrate(
 
 /// A departure beside those that are fitted already.
 struct Candidate {
-    kind: Kind,
+    kind: DepartureKind,
     /// Reduction of the sum of squares, nT².
     gain: f64,
     /// Variance of a reading's residual beside it, nT².
@@ -134,8 +134,8 @@ struct Candidate {
 fn candidates(
     (readings, levels, relative_std): (&[Reading], &[Level], &[f64]),
     declared: Option<f64>,
-    (kinds, fit): (&[Kind], &LinearFit),
-    looked: &[(Kind, Departure)],
+    (kinds, fit): (&[DepartureKind], &LinearFit),
+    looked: &[(DepartureKind, Departure)],
 ) -> Result<Vec<Candidate>, Error> {
     let mut found = Vec::new();
     for (kind, _) in looked.iter().filter(|(kind, _)| !kinds.contains(kind)) {
@@ -143,7 +143,7 @@ fn candidates(
         let last = kinds.len() + 2;
         if wider.rank <= last
             || wider.freedom < 1.0
-            || (*kind == Kind::Transverse && wider.coefficients[last] < 0.0)
+            || (*kind == DepartureKind::Transverse && wider.coefficients[last] < 0.0)
         {
             continue;
         }
@@ -187,7 +187,7 @@ fn residuals(
     columns
 }
 
-fn findings(coil: &Readings, kinds: &[Kind], fit: &CoilFit) -> Vec<String> {
+fn findings(coil: &Readings, kinds: &[DepartureKind], fit: &CoilFit) -> Vec<String> {
     let mut findings = Vec::new();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
         let size: Vec<String> =

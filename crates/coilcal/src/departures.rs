@@ -15,7 +15,7 @@ pub const FOUND_BELOW: f64 = 0.01;
 
 /// A departure from B = k I + B0 (fields signed by the current).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum DepartureKind {
     /// c I²: a curvature, opposite in the two ranges.
     Quadratic,
     /// d I³: a curvature, alike in both ranges.
@@ -32,40 +32,40 @@ pub enum Kind {
     OffsetDrift,
 }
 
-impl Kind {
+impl DepartureKind {
     /// All that are looked for.
-    pub const ALL: [Kind; 7] = [
-        Kind::Quadratic,
-        Kind::Cubic,
-        Kind::Transverse,
-        Kind::Jump,
-        Kind::RangeConstant,
-        Kind::ConstantDrift,
-        Kind::OffsetDrift,
+    pub const ALL: [DepartureKind; 7] = [
+        DepartureKind::Quadratic,
+        DepartureKind::Cubic,
+        DepartureKind::Transverse,
+        DepartureKind::Jump,
+        DepartureKind::RangeConstant,
+        DepartureKind::ConstantDrift,
+        DepartureKind::OffsetDrift,
     ];
 
     /// Its name in documents.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::Quadratic => "quadratic",
-            Kind::Cubic => "cubic",
-            Kind::Transverse => "transverse_field",
-            Kind::Jump => "jump_between_ranges",
-            Kind::RangeConstant => "constant_between_ranges",
-            Kind::ConstantDrift => "constant_drift",
-            Kind::OffsetDrift => "offset_drift",
+            DepartureKind::Quadratic => "quadratic",
+            DepartureKind::Cubic => "cubic",
+            DepartureKind::Transverse => "transverse_field",
+            DepartureKind::Jump => "jump_between_ranges",
+            DepartureKind::RangeConstant => "constant_between_ranges",
+            DepartureKind::ConstantDrift => "constant_drift",
+            DepartureKind::OffsetDrift => "offset_drift",
         }
     }
 
     fn parameter(self) -> &'static str {
         match self {
-            Kind::Quadratic => "curvature_nt_per_a2",
-            Kind::Cubic => "curvature_nt_per_a3",
-            Kind::Transverse => "transverse_squared_nt2",
-            Kind::Jump => "negative_less_positive_nt",
-            Kind::RangeConstant => "negative_less_positive_nt_per_a",
-            Kind::ConstantDrift => "rate_nt_per_a_per_s",
-            Kind::OffsetDrift => "rate_nt_per_s",
+            DepartureKind::Quadratic => "curvature_nt_per_a2",
+            DepartureKind::Cubic => "curvature_nt_per_a3",
+            DepartureKind::Transverse => "transverse_squared_nt2",
+            DepartureKind::Jump => "negative_less_positive_nt",
+            DepartureKind::RangeConstant => "negative_less_positive_nt_per_a",
+            DepartureKind::ConstantDrift => "rate_nt_per_a_per_s",
+            DepartureKind::OffsetDrift => "rate_nt_per_s",
         }
     }
 
@@ -73,19 +73,19 @@ impl Kind {
     fn column(self, reading: &Reading, middle_s: f64) -> f64 {
         let current = reading.current_a;
         match self {
-            Kind::Quadratic => current * current,
-            Kind::Cubic => current.powi(3),
-            Kind::Transverse => 0.5 / reading.field_nt,
-            Kind::Jump => f64::from(u8::from(current < 0.0)),
-            Kind::RangeConstant => current.min(0.0),
-            Kind::ConstantDrift => current * (reading.time_s - middle_s),
-            Kind::OffsetDrift => reading.time_s - middle_s,
+            DepartureKind::Quadratic => current * current,
+            DepartureKind::Cubic => current.powi(3),
+            DepartureKind::Transverse => 0.5 / reading.field_nt,
+            DepartureKind::Jump => f64::from(u8::from(current < 0.0)),
+            DepartureKind::RangeConstant => current.min(0.0),
+            DepartureKind::ConstantDrift => current * (reading.time_s - middle_s),
+            DepartureKind::OffsetDrift => reading.time_s - middle_s,
         }
     }
 }
 
 /// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard deviations.
-pub fn fit(readings: &[Reading], kinds: &[Kind], relative_std: &[f64]) -> Result<LinearFit, Error> {
+pub fn fit(readings: &[Reading], kinds: &[DepartureKind], relative_std: &[f64]) -> Result<LinearFit, Error> {
     let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
     let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
         0 => 1.0,
@@ -103,11 +103,11 @@ pub fn look(
     levels: &[Level],
     relative_std: &[f64],
     declared: Option<f64>,
-) -> Result<Vec<(Kind, Departure)>, Error> {
+) -> Result<Vec<(DepartureKind, Departure)>, Error> {
     let mut found = Vec::new();
     let both = readings.iter().any(|r| r.current_a < 0.0) && readings.iter().any(|r| r.current_a > 0.0);
-    for kind in Kind::ALL {
-        if matches!(kind, Kind::Jump | Kind::RangeConstant) && !both {
+    for kind in DepartureKind::ALL {
+        if matches!(kind, DepartureKind::Jump | DepartureKind::RangeConstant) && !both {
             continue;
         }
         let fit = fit(readings, &[kind], relative_std)?;
@@ -120,8 +120,8 @@ pub fn look(
         // A field across the coil can only add to the magnitude.
         let two_sided = stats::two_sided_p(size / std, scatter.freedom);
         let p_value = match kind {
-            Kind::Transverse if size < 0.0 => 1.0 - two_sided / 2.0,
-            Kind::Transverse => two_sided / 2.0,
+            DepartureKind::Transverse if size < 0.0 => 1.0 - two_sided / 2.0,
+            DepartureKind::Transverse => two_sided / 2.0,
             _ => two_sided,
         };
         let parameter = [(kind.parameter().to_string(), Quantity::new(size, std))].into_iter().collect();

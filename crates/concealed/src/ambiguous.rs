@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::draw::Draw;
 use crate::effect::{Effect, in_block, named, on_sensor};
 use crate::kinds;
-use crate::scene::{Campaign, Kind};
+use crate::scene::{Campaign, SceneKind};
 use crate::scenes::{self, Length};
 use crate::signal::{held, over};
 
@@ -23,7 +23,7 @@ pub const ALL: [Design; 6] = [
 ];
 
 fn together(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let mut campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
+    let mut campaign = scenes::campaign(SceneKind::Coils, length, true, None, draw);
     for run in &mut campaign.runs {
         let sensor = run.temperatures[0].clone();
         run.temperatures[1] = over(3.0, sensor);
@@ -38,7 +38,7 @@ fn together(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
 }
 
 fn rising(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let mut campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
+    let mut campaign = scenes::campaign(SceneKind::Coils, length, true, None, draw);
     campaign.runs.truncate(1);
     let run = &mut campaign.runs[0];
     run.id = "run".into();
@@ -60,13 +60,13 @@ fn rising(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
 }
 
 fn slow_loop(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
+    let campaign = scenes::campaign(SceneKind::Coils, length, true, None, draw);
     let effect = kinds::second_order_loop(&campaign, draw);
     (campaign, effect)
 }
 
 fn proportional(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let mut campaign = scenes::campaign(Kind::Craft, length, true, None, draw);
+    let mut campaign = scenes::campaign(SceneKind::Craft, length, true, None, draw);
     let run = &mut campaign.runs[0];
     if let Some(panel) = run.column("panel_current_a").cloned() {
         run.columns.push(("battery_current_a".into(), Arc::new(move |t| 0.4 - 0.8 * panel(t))));
@@ -81,7 +81,7 @@ fn proportional(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
 }
 
 fn clock_late(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let mut campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
+    let mut campaign = scenes::campaign(SceneKind::Coils, length, true, None, draw);
     campaign.runs.truncate(1);
     let run = &mut campaign.runs[0];
     run.id = "run".into();
@@ -107,7 +107,7 @@ fn clock_late(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
 }
 
 fn coil_or_sensor(length: Length, draw: &mut Draw) -> (Campaign, Effect) {
-    let mut campaign = scenes::campaign(Kind::Coils, length, true, None, draw);
+    let mut campaign = scenes::campaign(SceneKind::Coils, length, true, None, draw);
     campaign.runs.truncate(1);
     let run = &mut campaign.runs[0];
     run.id = "run".into();

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::draw::Draw;
 use crate::effect::Effect;
-use crate::scene::{Campaign, Kind, Run};
+use crate::scene::{Campaign, Run, SceneKind};
 use crate::signal::wandering;
 
 /// Largest rms of a form error, relative.
@@ -32,7 +32,7 @@ pub fn inexact(name: &str, effect: Effect, campaign: &Campaign, draw: &mut Draw)
         return (effect, 0.0);
     }
     let size = draw.between(0.0, MOST);
-    let by_field = draw.between(0.0, 1.0) < 0.5 && campaign.kind != Kind::Held;
+    let by_field = draw.between(0.0, 1.0) < 0.5 && campaign.kind != SceneKind::Held;
     let sensor = effect.sensors.first().copied().filter(|_| by_field);
     let along = |run: &Run, t: f64| sensor.map_or(t, |sensor| run.along(&campaign.bench, sensor, t));
     let mut course: Vec<Vec<f64>> = campaign
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn a_form_error_has_the_stated_size() {
         let mut draw = Draw::new("form", 1);
-        let campaign = scenes::campaign(Kind::Coils, Length::Medium, true, None, &mut draw);
+        let campaign = scenes::campaign(SceneKind::Coils, Length::Medium, true, None, &mut draw);
         let plain = campaign.plain();
         let kind = kinds::ALL.into_iter().find(|kind| kind.name == "offset_temperature").expect("a kind");
         let exact = (kind.make)(&campaign, &mut draw);

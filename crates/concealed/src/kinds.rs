@@ -25,7 +25,7 @@ pub use further::FURTHER;
 
 use crate::draw::Draw;
 use crate::effect::Effect;
-use crate::scene::{Campaign, Kind};
+use crate::scene::{Campaign, SceneKind};
 
 /// A kind of effect.
 #[derive(Clone, Copy)]
@@ -35,7 +35,7 @@ pub struct Single {
     /// Which of the forms of its physics it has, in a few words.
     pub form: &'static str,
     /// The recordings that show it.
-    pub scene: Kind,
+    pub scene: SceneKind,
     /// Time from one row to the next, where it is not the scene's own.
     pub step_s: Option<f64>,
     /// Makes one.
@@ -45,7 +45,7 @@ pub struct Single {
 /// The form of those in [`ALL`].
 pub const FIRST: &str = "first";
 
-const fn single(name: &'static str, scene: Kind, make: fn(&Campaign, &mut Draw) -> Effect) -> Single {
+const fn single(name: &'static str, scene: SceneKind, make: fn(&Campaign, &mut Draw) -> Effect) -> Single {
     Single { name, form: FIRST, scene, step_s: None, make }
 }
 
@@ -56,39 +56,39 @@ const fn stepped(mut single: Single, step_s: f64) -> Single {
 
 /// The first form of thirty kinds. Further kinds and forms are in [`FURTHER`].
 pub const ALL: [Single; 30] = [
-    single("hysteresis", Kind::Coils, sensor::hysteresis),
-    single("offset_temperature", Kind::Coils, sensor::offset_temperature),
-    single("offset_temperature_lag", Kind::Coils, sensor::offset_temperature_lag),
-    single("sensitivity_temperature", Kind::Coils, sensor::sensitivity_temperature),
-    single("sensitivity_temperature_lag", Kind::Coils, sensor::sensitivity_temperature_lag),
-    single("axis_temperature", Kind::Coils, sensor::axis_temperature),
-    single("quadratic_nonlinearity", Kind::Coils, sensor::quadratic),
-    single("cubic_nonlinearity", Kind::Coils, sensor::cubic),
-    single("cross_field", Kind::Coils, sensor::cross_field),
-    single("cross_field_sensitivity", Kind::Coils, sensor::cross_field_sensitivity),
-    single("warm_up", Kind::Coils, electronics::warm_up),
-    single("offset_electronics_temperature", Kind::Coils, electronics::offset_temperature),
-    single("loop_bandwidth", Kind::Fast, electronics::second_order_loop),
-    single("differential_nonlinearity", Kind::Coils, electronics::wrong_bits),
-    single("quantisation", Kind::Coils, electronics::coarse_codes),
-    single("saturation", Kind::Coils, electronics::saturation),
-    single("clock_offset", Kind::Coils, electronics::clock_offset),
-    single("clock_rate", Kind::Coils, electronics::clock_rate),
-    single("reading_step", Kind::Coils, electronics::step),
-    single("spike", Kind::Coils, electronics::spike),
-    single("eddy_currents", Kind::Coils, facility::eddy_currents),
-    single("coil_heating", Kind::Coils, facility::coil_heating),
-    single("coil_temperature", Kind::Coils, facility::coil_temperature),
-    single("nulling_leakage", Kind::Site, facility::nulling),
-    single("mains", Kind::Held, environment::mains),
-    stepped(single("vehicle_pass", Kind::Site, environment::vehicle), 2.0),
-    stepped(single("working_hours", Kind::Site, environment::working_hours), 200.0),
-    single("stray_current", Kind::Craft, craft::stray_current),
-    single("sun_thermoelectric", Kind::Craft, craft::sun),
-    single("induction_difference", Kind::Pair, pair::induction),
+    single("hysteresis", SceneKind::Coils, sensor::hysteresis),
+    single("offset_temperature", SceneKind::Coils, sensor::offset_temperature),
+    single("offset_temperature_lag", SceneKind::Coils, sensor::offset_temperature_lag),
+    single("sensitivity_temperature", SceneKind::Coils, sensor::sensitivity_temperature),
+    single("sensitivity_temperature_lag", SceneKind::Coils, sensor::sensitivity_temperature_lag),
+    single("axis_temperature", SceneKind::Coils, sensor::axis_temperature),
+    single("quadratic_nonlinearity", SceneKind::Coils, sensor::quadratic),
+    single("cubic_nonlinearity", SceneKind::Coils, sensor::cubic),
+    single("cross_field", SceneKind::Coils, sensor::cross_field),
+    single("cross_field_sensitivity", SceneKind::Coils, sensor::cross_field_sensitivity),
+    single("warm_up", SceneKind::Coils, electronics::warm_up),
+    single("offset_electronics_temperature", SceneKind::Coils, electronics::offset_temperature),
+    single("loop_bandwidth", SceneKind::Fast, electronics::second_order_loop),
+    single("differential_nonlinearity", SceneKind::Coils, electronics::wrong_bits),
+    single("quantisation", SceneKind::Coils, electronics::coarse_codes),
+    single("saturation", SceneKind::Coils, electronics::saturation),
+    single("clock_offset", SceneKind::Coils, electronics::clock_offset),
+    single("clock_rate", SceneKind::Coils, electronics::clock_rate),
+    single("reading_step", SceneKind::Coils, electronics::step),
+    single("spike", SceneKind::Coils, electronics::spike),
+    single("eddy_currents", SceneKind::Coils, facility::eddy_currents),
+    single("coil_heating", SceneKind::Coils, facility::coil_heating),
+    single("coil_temperature", SceneKind::Coils, facility::coil_temperature),
+    single("nulling_leakage", SceneKind::Site, facility::nulling),
+    single("mains", SceneKind::Held, environment::mains),
+    stepped(single("vehicle_pass", SceneKind::Site, environment::vehicle), 2.0),
+    stepped(single("working_hours", SceneKind::Site, environment::working_hours), 200.0),
+    single("stray_current", SceneKind::Craft, craft::stray_current),
+    single("sun_thermoelectric", SceneKind::Craft, craft::sun),
+    single("induction_difference", SceneKind::Pair, pair::induction),
 ];
 
 /// Those that act in runs in coils, whose names can stand beside each other.
 pub fn in_coils() -> Vec<Single> {
-    ALL.into_iter().filter(|single| single.scene == Kind::Coils).collect()
+    ALL.into_iter().filter(|single| single.scene == SceneKind::Coils).collect()
 }

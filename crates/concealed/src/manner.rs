@@ -3,7 +3,7 @@
 use crate::case::Concealed;
 use crate::draw::Draw;
 use crate::noise::Noise;
-use crate::scene::{Campaign, Kind};
+use crate::scene::{Campaign, SceneKind};
 use crate::scenes;
 use crate::storm;
 
@@ -31,15 +31,15 @@ pub fn rows(draw: &mut Draw) -> usize {
 /// No campaign is shorter than its physics: an hour in coils, whose chamber has to warm, two at a site, an orbit on board, six hours of a pair.
 /// Drives, lags and variations are made in steps and spans, so that they are resolved at each rate. Coils that are held show the mains and are
 /// read as fast as that takes.
-fn step_s(kind: Kind, rows: usize, draw: &mut Draw) -> Option<f64> {
+fn step_s(kind: SceneKind, rows: usize, draw: &mut Draw) -> Option<f64> {
     let least = |span: f64, step: f64| (span / rows as f64).max(step);
     let step = match kind {
-        Kind::Coils => draw.octaves(least(3600.0, 0.25), 15.0),
-        Kind::Fast => draw.octaves(1.0 / 44.0, 0.2),
-        Kind::Held => return None,
-        Kind::Site => draw.octaves(least(7200.0, 1.0), 60.0),
-        Kind::Craft => draw.octaves(least(5640.0, 1.0), 20.0),
-        Kind::Pair => draw.octaves(least(21_600.0, 1.0), 120.0),
+        SceneKind::Coils => draw.octaves(least(3600.0, 0.25), 15.0),
+        SceneKind::Fast => draw.octaves(1.0 / 44.0, 0.2),
+        SceneKind::Held => return None,
+        SceneKind::Site => draw.octaves(least(7200.0, 1.0), 60.0),
+        SceneKind::Craft => draw.octaves(least(5640.0, 1.0), 20.0),
+        SceneKind::Pair => draw.octaves(least(21_600.0, 1.0), 120.0),
     };
     // Slow loggers count milliseconds, quick ones divide a second into readings.
     let rate = (100.0 / step).round() / 100.0;
@@ -47,7 +47,7 @@ fn step_s(kind: Kind, rows: usize, draw: &mut Draw) -> Option<f64> {
 }
 
 /// A campaign at random, and in words how it is recorded.
-pub fn campaign(kind: Kind, step: Option<f64>, apart: bool, draw: &mut Draw) -> (Campaign, Vec<String>) {
+pub fn campaign(kind: SceneKind, step: Option<f64>, apart: bool, draw: &mut Draw) -> (Campaign, Vec<String>) {
     let rows = rows(draw);
     let step = step.or_else(|| step_s(kind, rows, draw));
     let mut campaign = scenes::of_rows(kind, rows, apart, step, draw);
@@ -56,7 +56,8 @@ pub fn campaign(kind: Kind, step: Option<f64>, apart: bool, draw: &mut Draw) -> 
         uneven(&mut campaign, draw);
         said.push("uneven times".into());
     }
-    if matches!(kind, Kind::Site | Kind::Craft | Kind::Pair) && draw.between(0.0, 1.0) < STORM {
+    if matches!(kind, SceneKind::Site | SceneKind::Craft | SceneKind::Pair) && draw.between(0.0, 1.0) < STORM
+    {
         storm::over(&mut campaign, draw);
         said.push("a storm".into());
     }
@@ -117,14 +118,14 @@ mod tests {
     fn rates_go_from_a_fifth_of_a_hertz_to_forty_four() {
         let mut draw = Draw::new("rates", 1);
         let (mut least, mut most) = (f64::MAX, 0.0_f64);
-        for kind in [Kind::Coils, Kind::Fast, Kind::Site, Kind::Craft, Kind::Pair] {
+        for kind in [SceneKind::Coils, SceneKind::Fast, SceneKind::Site, SceneKind::Craft, SceneKind::Pair] {
             for _ in 0..300 {
                 let rows = rows(&mut draw);
                 let step = step_s(kind, rows, &mut draw).expect("a step");
                 (least, most) = (least.min(1.0 / step), most.max(1.0 / step));
                 let span = step * rows as f64;
-                assert!(kind != Kind::Coils || span > 3550.0, "{span}");
-                assert!(kind != Kind::Craft || span > 5600.0, "{span}");
+                assert!(kind != SceneKind::Coils || span > 3550.0, "{span}");
+                assert!(kind != SceneKind::Craft || span > 5600.0, "{span}");
             }
         }
         assert!(least < 0.2 && (40.0..=44.001).contains(&most), "{least} {most}");
@@ -135,7 +136,7 @@ mod tests {
     fn uneven_times_go_forward() {
         for seed in 0..20 {
             let mut draw = Draw::new("uneven", seed);
-            let mut campaign = scenes::of_rows(Kind::Coils, 600, true, Some(7.25), &mut draw);
+            let mut campaign = scenes::of_rows(SceneKind::Coils, 600, true, Some(7.25), &mut draw);
             uneven(&mut campaign, &mut draw);
             for run in &campaign.runs {
                 assert_eq!(run.step_s(), 7.25);

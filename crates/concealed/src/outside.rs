@@ -261,13 +261,13 @@ fn neighbour_rate(_: &Campaign, draw: &mut Draw) -> Effect {
 mod tests {
     use super::*;
     use crate::base;
-    use crate::scene::Kind;
+    use crate::scene::SceneKind;
     use crate::scenes::{self, Length};
     use std::collections::BTreeSet;
 
     /// Runs in coils.
     pub fn campaign(seed: u64) -> Campaign {
-        scenes::campaign(Kind::Coils, Length::Long, true, None, &mut Draw::new("outside", seed))
+        scenes::campaign(SceneKind::Coils, Length::Long, true, None, &mut Draw::new("outside", seed))
     }
 
     /// What all sensors get of a size of one, row by row.
@@ -295,7 +295,7 @@ mod tests {
         for (number, (name, make)) in FURTHER.into_iter().enumerate() {
             for length in Length::ALL {
                 let mut draw = Draw::new(name, number as u64);
-                let campaign = scenes::campaign(Kind::Coils, length, true, None, &mut draw);
+                let campaign = scenes::campaign(SceneKind::Coils, length, true, None, &mut draw);
                 let (plain, effect) = (campaign.plain(), make(&campaign, &mut draw));
                 assert!(effect.accepted.is_empty() && !effect.on_codes, "{name}");
                 let (once, twice) =

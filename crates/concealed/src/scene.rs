@@ -131,14 +131,14 @@ pub struct Campaign {
     /// Width of a code, nT.
     pub code_nt: f64,
     /// How the recordings are made, in a word.
-    pub kind: Kind,
+    pub kind: SceneKind,
     /// Whether the two thermometers go apart.
     pub apart: bool,
 }
 
 /// Ways to record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum SceneKind {
     /// Three runs in different orientations under slow drives, temperatures up and down.
     Coils,
     /// One run under drives of some Hz, read fast.
@@ -153,16 +153,16 @@ pub enum Kind {
     Pair,
 }
 
-impl Kind {
+impl SceneKind {
     /// In words.
     pub fn words(self) -> &'static str {
         match self {
-            Kind::Coils => "three runs in coils",
-            Kind::Fast => "a fast run in coils",
-            Kind::Held => "coils held, read fast",
-            Kind::Site => "a site",
-            Kind::Craft => "on board",
-            Kind::Pair => "a pair",
+            SceneKind::Coils => "three runs in coils",
+            SceneKind::Fast => "a fast run in coils",
+            SceneKind::Held => "coils held, read fast",
+            SceneKind::Site => "a site",
+            SceneKind::Craft => "on board",
+            SceneKind::Pair => "a pair",
         }
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::draw::Draw;
-use crate::scene::{Attitude, Bench, Campaign, Kind, Run, World};
+use crate::scene::{Attitude, Bench, Campaign, Run, SceneKind, World};
 use crate::signal::{Signal, cycle, held, mixed, over, quiet_before, sines, wandering};
 
 /// How long the runs are.
@@ -70,34 +70,40 @@ pub const WHEEL: &str = "wheel_1_hz";
 const WHEEL_STEP_S: f64 = 2.0;
 
 /// A campaign of a kind. `step_s` overrides the usual step.
-pub fn campaign(kind: Kind, length: Length, apart: bool, step_s: Option<f64>, draw: &mut Draw) -> Campaign {
+pub fn campaign(
+    kind: SceneKind,
+    length: Length,
+    apart: bool,
+    step_s: Option<f64>,
+    draw: &mut Draw,
+) -> Campaign {
     of_rows(kind, length.rows(), apart, step_s, draw)
 }
 
 /// A campaign of a kind with so many rows in all.
-pub fn of_rows(kind: Kind, rows: usize, apart: bool, step_s: Option<f64>, draw: &mut Draw) -> Campaign {
+pub fn of_rows(kind: SceneKind, rows: usize, apart: bool, step_s: Option<f64>, draw: &mut Draw) -> Campaign {
     let bench = bench(kind, draw);
     let usual = match kind {
-        Kind::Coils => draw.between(6.0, 15.0),
-        Kind::Fast => 0.01,
-        Kind::Held => 0.002,
-        Kind::Site => 60.0,
-        Kind::Craft => draw.between(10.0, 20.0),
-        Kind::Pair => 120.0,
+        SceneKind::Coils => draw.between(6.0, 15.0),
+        SceneKind::Fast => 0.01,
+        SceneKind::Held => 0.002,
+        SceneKind::Site => 60.0,
+        SceneKind::Craft => draw.between(10.0, 20.0),
+        SceneKind::Pair => 120.0,
     };
     // Whole milliseconds, as loggers have them; a step that was asked for is taken as it is.
     let step = step_s.unwrap_or((usual * 1000.0).round() / 1000.0);
     let runs = match kind {
-        Kind::Coils => coils(rows / 3, step, apart, draw),
-        Kind::Fast | Kind::Held => vec![fast(kind, rows, step, draw)],
-        Kind::Site => vec![site(rows, step, apart, draw)],
-        Kind::Craft => vec![craft(rows, step, apart, draw)],
-        Kind::Pair => vec![pair(rows, step, apart, draw)],
+        SceneKind::Coils => coils(rows / 3, step, apart, draw),
+        SceneKind::Fast | SceneKind::Held => vec![fast(kind, rows, step, draw)],
+        SceneKind::Site => vec![site(rows, step, apart, draw)],
+        SceneKind::Craft => vec![craft(rows, step, apart, draw)],
+        SceneKind::Pair => vec![pair(rows, step, apart, draw)],
     };
     Campaign { bench, runs, reference_c: [23.0, 26.0, 21.0], code_nt: 0.01, kind, apart }
 }
 
-fn bench(kind: Kind, draw: &mut Draw) -> Bench {
+fn bench(kind: SceneKind, draw: &mut Draw) -> Bench {
     let arcsec = 4.848e-6;
     // Each column turned from its nominal axis by up to a degree.
     let mut turned = |most: f64| {
@@ -109,7 +115,7 @@ fn bench(kind: Kind, draw: &mut Draw) -> Bench {
         matrix
     };
     let (mut eta, mu) = (turned(1000.0 * arcsec), turned(3000.0 * arcsec));
-    if kind == Kind::Pair {
+    if kind == SceneKind::Pair {
         for k in 0..3 {
             let scale = 1.0 + 2e-3 * draw.between(-1.0, 1.0);
             let column = eta.column(k) * scale;
@@ -197,9 +203,9 @@ fn coils(rows: usize, step: f64, apart: bool, draw: &mut Draw) -> Vec<Run> {
 }
 
 /// Drives of some Hz, or held.
-fn fast(kind: Kind, rows: usize, step: f64, draw: &mut Draw) -> Run {
+fn fast(kind: SceneKind, rows: usize, step: f64, draw: &mut Draw) -> Run {
     let drive: [Signal; 3] = std::array::from_fn(|_| {
-        if kind == Kind::Held {
+        if kind == SceneKind::Held {
             return held(draw.between(-1.0, 1.0));
         }
         let period = draw.between(18.0, 45.0) * step;

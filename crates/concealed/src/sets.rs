@@ -14,7 +14,7 @@ use crate::groups::Group;
 use crate::kinds::{self, Single};
 use crate::noise::Noise;
 use crate::outside;
-use crate::scene::Kind;
+use crate::scene::SceneKind;
 use crate::scenes::{self, Length};
 
 /// What is concealed.
@@ -197,8 +197,16 @@ fn length_for(strength: f64, number: usize) -> Length {
 }
 
 fn clean(set: Set, seed: u64, number: usize, draw: &mut Draw) -> Case {
-    let kinds =
-        [Kind::Coils, Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair, Kind::Fast];
+    let kinds = [
+        SceneKind::Coils,
+        SceneKind::Coils,
+        SceneKind::Craft,
+        SceneKind::Coils,
+        SceneKind::Site,
+        SceneKind::Coils,
+        SceneKind::Pair,
+        SceneKind::Fast,
+    ];
     let length = if set == Set::LongClean { long::length(number) } else { Length::ALL[number % 3] };
     let campaign =
         scenes::campaign(kinds[number % kinds.len()], length, number.is_multiple_of(2), None, draw);
@@ -229,7 +237,7 @@ fn single(seed: u64, number: usize, draw: &mut Draw) -> Case {
 /// Several unlike effects in runs in coils, each one to three times the noise.
 fn several(set: Set, count: usize, seed: u64, number: usize, draw: &mut Draw) -> Case {
     let length = [Length::Medium, Length::Long][number % 2];
-    let campaign = scenes::campaign(Kind::Coils, length, number % 4 < 2, None, draw);
+    let campaign = scenes::campaign(SceneKind::Coils, length, number % 4 < 2, None, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
     let mut kinds = kinds::in_coils();
     let mut concealed = Vec::new();
@@ -260,7 +268,7 @@ fn beyond(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let (name, make) = outside::ALL[number % outside::ALL.len()];
     let round = number / outside::ALL.len();
     let (length, strength) = (Length::ALL[(number + round) % 3], [3.0, 1.0][round % 2]);
-    let campaign = scenes::campaign(Kind::Coils, length, number.is_multiple_of(2), None, draw);
+    let campaign = scenes::campaign(SceneKind::Coils, length, number.is_multiple_of(2), None, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
     let concealed = Concealed { name: name.into(), effect: make(&campaign, draw), strength, form_error: 0.0 };
     case::make(&campaign, noise, vec![concealed], Set::Outside.labels(seed, number, strength, length), draw)

@@ -80,7 +80,7 @@ pub fn over(campaign: &mut Campaign, draw: &mut Draw) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Kind;
+    use crate::scene::SceneKind;
     use crate::scenes;
 
     /// Before it nothing, right after it its commencement, at the deepest its depth, and in the end the commencement alone.
@@ -97,13 +97,15 @@ mod tests {
     /// Hundreds of nT come to the field that is told, on board and of a pair, and to that outside of a site.
     #[test]
     fn a_storm_is_told_in_the_field() {
-        for kind in [Kind::Site, Kind::Craft, Kind::Pair] {
+        for kind in [SceneKind::Site, SceneKind::Craft, SceneKind::Pair] {
             let mut draw = Draw::new("storm", 1);
             let quiet = scenes::of_rows(kind, 600, true, None, &mut draw);
             let mut stormy = quiet.clone();
             over(&mut stormy, &mut draw);
             let run = |campaign: &Campaign, t: f64| match (&campaign.runs[0].world, kind) {
-                (_, Kind::Site) => campaign.runs[0].column("outside_x_nt").map_or(0.0, |signal| signal(t)),
+                (_, SceneKind::Site) => {
+                    campaign.runs[0].column("outside_x_nt").map_or(0.0, |signal| signal(t))
+                }
                 (World::Natural(field) | World::Pair(field), _) => field[0](t),
                 _ => 0.0,
             };

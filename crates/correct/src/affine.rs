@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, SMatrix, Vector3, Vector4};
 use physics::{Error, Inverter};
 
-use crate::known::Known;
+use crate::known::UncertainParameters;
 
 /// B = M y + o and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of the recording.
 pub struct Affine {
@@ -18,7 +18,11 @@ const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (
 impl Affine {
     /// From the field of four readings and its derivatives, which determine all others. `noise_nt2` is the variance of one reading
     /// of each sensor.
-    pub fn of(inverter: Inverter<'_>, known: &Known, noise_nt2: Vector3<f64>) -> Result<Self, Error> {
+    pub fn of(
+        inverter: Inverter<'_>,
+        known: &UncertainParameters,
+        noise_nt2: Vector3<f64>,
+    ) -> Result<Self, Error> {
         let mut readings = vec![Vector3::zeros()];
         readings.extend((0..3).map(|k| Vector3::ith(k, 1.0)));
         let solved = inverter.field(&readings)?;

@@ -8,7 +8,7 @@ use physics::{EffectInstance, Parameter, Role, Unit};
 
 /// Parameters with a root of their covariance.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct UncertainParameters {
     /// The parameters that have an uncertainty.
     pub parameters: Vec<Parameter>,
     /// Independent sources, by how each moves the parameters: those that it moves, by their number. Their outer products add up to the covariance.
@@ -21,7 +21,7 @@ struct Stated {
     by: Vec<(String, f64)>,
 }
 
-impl Known {
+impl UncertainParameters {
     /// As a document states them with their joint uncertainty, for readings in `unit`: k and O of each sensor, the directions of the sensors, and the
     /// parameters of `effects`, which stand at these `places` of `model.effects`.
     pub fn of(
@@ -47,7 +47,7 @@ impl Known {
         })?;
         let sparse =
             |moves: Vec<f64>| moves.into_iter().enumerate().filter(|(_, moved)| *moved != 0.0).collect();
-        Ok(Known {
+        Ok(UncertainParameters {
             parameters: moving.iter().map(|at| stated[*at].parameter).collect(),
             sources: sources.into_iter().map(sparse).collect(),
         })

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::affine::Affine;
 use crate::flags::{self, Limits};
-use crate::known::Known;
+use crate::known::UncertainParameters;
 use crate::noise;
 use crate::{Error, Frame};
 
@@ -108,7 +108,8 @@ impl<'a> Corrector<'a> {
         let mut left = Vec::new();
         let solution = loop {
             let (places, effects): (Vec<usize>, Vec<EffectInstance>) = acting.iter().cloned().unzip();
-            let known = Known::of(self.document, &self.joint, (&effects, &places), context.unit)?;
+            let known =
+                UncertainParameters::of(self.document, &self.joint, (&effects, &places), context.unit)?;
             let solved = Inverter::new(&basic, &effects, &context)
                 .and_then(|inverter| Solution::of(inverter, &known, noise_nt2, &readings));
             match solved {
@@ -166,7 +167,7 @@ enum Solution {
 impl Solution {
     fn of(
         inverter: Inverter<'_>,
-        known: &Known,
+        known: &UncertainParameters,
         noise_nt2: Vector3<f64>,
         readings: &[Vector3<f64>],
     ) -> Result<Self, physics::Error> {

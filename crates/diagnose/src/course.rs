@@ -24,7 +24,7 @@ use crate::stacked::Stacked;
 use crate::verdict;
 use crate::what::named;
 use crate::whitening::NoiseModel;
-use crate::{Error, Found, Outcome};
+use crate::{Error, NamedEffect, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;
@@ -66,7 +66,7 @@ pub fn search(
 ) -> Result<Outcome, Error> {
     let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
     let origin = with_codes(document, model, searcher, (base.clone(), base_noise.clone(), first.clone()))?;
-    let codes: Vec<Found> = origin.codes.iter().map(certain).collect();
+    let codes: Vec<NamedEffect> = origin.codes.iter().map(certain).collect();
     if origin.look.clean(searcher.level) {
         let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
         let Ground { fit, noise, look, .. } = origin;
@@ -178,8 +178,8 @@ fn kinds(additions: &[Addition]) -> BTreeSet<String> {
 }
 
 /// What the readings show by themselves.
-fn certain(proposal: &Proposal) -> Found {
-    Found {
+fn certain(proposal: &Proposal) -> NamedEffect {
+    NamedEffect {
         name: proposal.name.clone(),
         additions: vec![proposal.addition.clone()],
         local: proposal.local,
@@ -337,7 +337,7 @@ fn concluded(
     before: Vec<f64>,
     (base, base_noise, first): (Fit, NoiseModel, Look),
     origin: Ground,
-    codes: Vec<Found>,
+    codes: Vec<NamedEffect>,
     answer: verdict::Answer,
     (fit, noise, last): (Fit, NoiseModel, Look),
 ) -> Result<Outcome, Error> {
@@ -360,7 +360,7 @@ fn concluded(
         from = next;
         let rest = fitter.refine(&state)?;
         let held = fitter.held_out(&rest)?.parts.iter().zip(&held_with.parts).map(|(a, b)| a - b).collect();
-        found.push(Found {
+        found.push(NamedEffect {
             name: name.name,
             additions: name.additions,
             local: name.local,
@@ -384,7 +384,7 @@ fn concluded(
 fn outcome(
     before: Vec<f64>,
     (base, base_noise, first): (Fit, NoiseModel, Look),
-    (verdict, found): (Verdict, Vec<Found>),
+    (verdict, found): (Verdict, Vec<NamedEffect>),
     near: Vec<f64>,
     (fit, noise, last): (Fit, NoiseModel, Look),
 ) -> Outcome {

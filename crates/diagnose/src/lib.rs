@@ -112,7 +112,7 @@ impl Default for Options {
 
 /// One thing that was found, and what was said against it.
 #[derive(Clone, Debug)]
-struct Found {
+struct NamedEffect {
     /// Its name with its target.
     name: String,
     /// What came in: one thing, or a list of such at moments.
@@ -148,7 +148,7 @@ struct Outcome {
     base_noise: NoiseModel,
     /// The first look.
     first: Look,
-    found: Vec<Found>,
+    found: Vec<NamedEffect>,
     /// What it comes to.
     verdict: Verdict,
     /// What else looked like an answer, and why it is none.

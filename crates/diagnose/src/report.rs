@@ -18,7 +18,7 @@ use crate::model::Model;
 use crate::next::Site;
 use crate::search::Searcher;
 use crate::what::{What, named};
-use crate::{Error, Found, Options, Outcome, experiment, moved};
+use crate::{Error, NamedEffect, Options, Outcome, experiment, moved};
 
 pub use effects::quantities;
 
@@ -33,7 +33,7 @@ pub fn report(
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
     let left = outcome.verdict != Verdict::Agrees && !outcome.last.clean(options.level);
-    let equal: Vec<&Found> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
+    let equal: Vec<&NamedEffect> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
     let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };
     let mut effects = effects::explained(model, outcome, &fitter)?;

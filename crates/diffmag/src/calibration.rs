@@ -8,8 +8,8 @@ use crate::difference;
 use crate::prepare::Prepared;
 use crate::regression::{AxisFit, step_sizes};
 use crate::residual::scatter;
-use crate::series::Pair;
 use crate::{Error, contributions, words};
+use joined::Pair;
 
 /// The matrix and the difference, as a document has them.
 pub fn calibrate(

@@ -19,43 +19,26 @@
 //!   what it adds to the rms orders the findings. `shown` averages the difference into points for plots, so that `report` only draws.
 //! - `stream` answers the same question for series that do not fit into memory: sums that can be merged take the place of transforms.
 
-mod across;
-mod adopt;
-mod alike;
-mod axes;
-mod bands;
 mod calibration;
 mod clock;
-mod constancy;
-mod contributions;
-mod delays;
-mod difference;
-mod drift;
 mod error;
-mod events;
 mod files;
-mod followed;
-pub mod fourteen;
-mod housekeeping;
-mod mutual;
-mod octaves;
-mod pauses;
-mod prepare;
-mod reference_noise;
-mod regression;
-mod residual;
-mod segments;
-mod shown;
+mod matrix;
+mod noise;
+mod series;
 mod significance;
-mod stability;
 pub mod stream;
-mod windows;
 mod words;
 
 pub use error::Error;
 pub use files::Columns;
-use joined as series;
+pub use matrix::fourteen;
 pub use words::summary;
+
+use crate::clock::{adopt, delays, pauses, segments};
+use crate::matrix::{across, alike, bands, constancy, mutual, regression, stability, windows};
+use crate::noise::{contributions, difference, drift, followed, octaves, reference_noise};
+use crate::series::{axes, events, housekeeping, prepare, residual, shown};
 
 use common::Document;
 
@@ -71,7 +54,7 @@ const TOLD_BELOW: f64 = 0.01;
 
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let mut raw = series::read(&document)?;
+    let mut raw = joined::read(&document)?;
     pauses::cut(&mut raw)?;
     let segments = segments::find(&mut raw)?;
     let mut prepared = prepare::prepare(&raw, options.correct_clock)?;

@@ -28,47 +28,27 @@
 //! is not, the variance of a straight drift would be far too small. The first 64 coefficients have the exact covariance of power-law noise
 //! that did not begin with the recording.
 
-pub mod allan;
-mod bins;
-pub mod cadence;
-pub mod correlated;
-pub mod cosine;
-pub mod cross_spectrum;
-mod dot;
-pub mod even;
-pub mod events;
-pub mod exact;
-pub mod gauss_newton;
-pub mod grouped;
-pub mod haar;
-pub mod hac;
-pub mod influence;
-pub mod lag;
-pub mod line_search;
 pub mod linear;
-pub mod mixture;
-pub mod normality;
-pub mod periodogram;
-mod plans;
-pub mod positive;
-pub mod resample;
+pub mod nonlinear;
 pub mod robust;
-mod scoring;
-pub mod screen;
-pub mod sine;
-pub mod sources;
+pub mod screening;
+pub mod series;
 pub mod spectral;
-pub mod spectrum;
 pub mod stats;
-pub mod svd;
-pub mod triangle;
-pub mod tsqr;
-pub mod wander;
-pub mod whittle;
 
-pub use dot::dot;
-pub use gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve, solve_near};
-pub use svd::Svd;
+pub use linear::svd::Svd;
+pub use linear::{correlated, dot, exact, hac, influence, mixture, positive, svd, triangle, tsqr, wander};
+pub use nonlinear::gauss_newton::{
+    Fit, Linear, Options, Problem, Step, linearised, minimise, solve, solve_near,
+};
+pub use nonlinear::{gauss_newton, line_search};
+pub use robust::normality;
+pub use screening::{events, screen};
+pub use series::{cadence, even, grouped, lag, resample};
+pub use spectral::{allan, cosine, cross_spectrum, haar, periodogram, sine, sources, spectrum, whittle};
+
+pub(crate) use nonlinear::scoring;
+pub(crate) use spectral::{bins, plans};
 
 use thiserror::Error;
 

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::commands::{KINDS, LINES, Line, OPTIONS, Writes};
 use crate::corpus::{Corpus, Seed};
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 use crate::mutate;
 
 /// A command line with its files.
@@ -52,7 +52,7 @@ impl Case {
             })
             .collect();
         if let Some((_, options)) = OPTIONS.iter().find(|(begins, _)| line.words.starts_with(begins))
-            && draw.chance(if line.kind == Kind::Orientations { 80 } else { 12 })
+            && draw.chance(if line.kind == FileKind::Orientations { 80 } else { 12 })
         {
             for word in draw.of(options).split(' ') {
                 let mut word = word.to_string();
@@ -100,7 +100,7 @@ impl Case {
 
 /// Whether the line is that of a stage that reads one document from a file.
 fn can_replace(line: Line) -> bool {
-    line.kind == Kind::Document && line.words.ends_with(" IN") && !line.words.contains("fixtures/")
+    line.kind == FileKind::Document && line.words.ends_with(" IN") && !line.words.contains("fixtures/")
 }
 
 /// A word for a command line, without what no command line can hold.

@@ -3,7 +3,7 @@
 //! `IN` stands for the changed file, `-` for the same on standard input, `OUT.csv` for a file to write; what begins with `fixtures/`
 //! is read as it is. `AROUND` is a document whose readings are the changed file beside it.
 
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// What a program writes where it succeeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,7 +26,7 @@ pub enum Writes {
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     /// What is changed.
-    pub kind: Kind,
+    pub kind: FileKind,
     /// How often, among the lines of its kind.
     pub weight: usize,
     /// Program and arguments.
@@ -43,29 +43,29 @@ impl Line {
 }
 
 /// How often each kind is read.
-pub const KINDS: [(usize, Kind); 11] = [
-    (56, Kind::Document),
-    (8, Kind::Plan),
-    (6, Kind::Mapping),
-    (4, Kind::Spec),
-    (3, Kind::Piece),
-    (1, Kind::Orientations),
-    (6, Kind::Iaga),
-    (8, Kind::Csv),
-    (3, Kind::Ndjson),
-    (5, Kind::Parquet),
-    (5, Kind::Cdf),
+pub const KINDS: [(usize, FileKind); 11] = [
+    (56, FileKind::Document),
+    (8, FileKind::Plan),
+    (6, FileKind::Mapping),
+    (4, FileKind::Spec),
+    (3, FileKind::Piece),
+    (1, FileKind::Orientations),
+    (6, FileKind::Iaga),
+    (8, FileKind::Csv),
+    (3, FileKind::Ndjson),
+    (5, FileKind::Parquet),
+    (5, FileKind::Cdf),
 ];
 
-const fn line(kind: Kind, weight: usize, words: &'static str, writes: Writes) -> Line {
+const fn line(kind: FileKind, weight: usize, words: &'static str, writes: Writes) -> Line {
     Line { kind, weight, words, writes }
 }
 
 /// All command lines.
 pub const LINES: [Line; 81] = {
-    use Kind::{Cdf, Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
+    use FileKind::{Cdf, Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
-    const DOC: Kind = Kind::Document;
+    const DOC: FileKind = FileKind::Document;
     const TO_DOC: Writes = Writes::Document;
     [
         line(DOC, 10, "coilcal IN", TO_DOC),

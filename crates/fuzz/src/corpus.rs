@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// A file to begin with.
 #[derive(Clone, Debug)]
@@ -14,7 +14,7 @@ pub struct Seed {
     /// Its path below `fixtures`, or how it was made.
     pub name: String,
     /// What it is.
-    pub kind: Kind,
+    pub kind: FileKind,
     /// Its content.
     pub bytes: Vec<u8>,
     /// The same, where it is one JSON value.
@@ -23,7 +23,7 @@ pub struct Seed {
 
 impl Seed {
     /// A file of that name and content, of a kind.
-    pub fn new(name: impl Into<String>, kind: Kind, bytes: Vec<u8>) -> Self {
+    pub fn new(name: impl Into<String>, kind: FileKind, bytes: Vec<u8>) -> Self {
         let value = if kind.is_json() { serde_json::from_slice(&bytes).ok() } else { None };
         Self { name: name.into(), kind, bytes, value }
     }
@@ -53,16 +53,16 @@ impl Corpus {
         for path in files {
             let name = path.strip_prefix(&fixtures).unwrap_or(&path).to_string_lossy().replace('\\', "/");
             let bytes = fs::read(&path).map_err(|e| Error::file(&path, "read", e))?;
-            if let Some(kind) = Kind::of(&name, &bytes) {
+            if let Some(kind) = FileKind::of(&name, &bytes) {
                 seeds.push(Seed::new(name, kind, bytes));
             }
         }
-        seeds.push(Seed::new("orientations", Kind::Orientations, ORIENTATIONS.into()));
+        seeds.push(Seed::new("orientations", FileKind::Orientations, ORIENTATIONS.into()));
         Ok(Self { fixtures, seeds })
     }
 
     /// One for a program: mostly a good one that was made for it, sometimes a bad one or any of its kind.
-    pub fn choose(&self, kind: Kind, program: &str, draw: &mut Draw) -> &Seed {
+    pub fn choose(&self, kind: FileKind, program: &str, draw: &mut Draw) -> &Seed {
         let is_near = |seed: &Seed| near(program).iter().any(|part| seed.name.contains(part));
         let (good, bad, any): (Vec<_>, Vec<_>, Vec<_>) = {
             let all: Vec<&Seed> = self.seeds.iter().filter(|seed| seed.kind == kind).collect();
@@ -77,7 +77,7 @@ impl Corpus {
     }
 
     /// Any JSON value of a kind.
-    pub fn any_value(&self, kind: Kind, draw: &mut Draw) -> Option<&Value> {
+    pub fn any_value(&self, kind: FileKind, draw: &mut Draw) -> Option<&Value> {
         let all: Vec<&Value> = self
             .seeds
             .iter()

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 /// A kind of file that a program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Kind {
+pub enum FileKind {
     /// A campaign's document.
     Document,
     /// What `simulate` carries out.
@@ -29,23 +29,23 @@ pub enum Kind {
     Cdf,
 }
 
-impl Kind {
+impl FileKind {
     /// Of a file by its name and, where that is JSON, by its keys. Absent: no program reads it.
     pub fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         match name.rsplit_once('.')?.1 {
-            "min" | "sec" => Some(Kind::Iaga),
-            "csv" => Some(Kind::Csv),
-            "ndjson" => Some(Kind::Ndjson),
-            "parquet" => Some(Kind::Parquet),
-            "cdf" => Some(Kind::Cdf),
-            "txt" if name.ends_with("counts.txt") => Some(Kind::Csv),
+            "min" | "sec" => Some(FileKind::Iaga),
+            "csv" => Some(FileKind::Csv),
+            "ndjson" => Some(FileKind::Ndjson),
+            "parquet" => Some(FileKind::Parquet),
+            "cdf" => Some(FileKind::Cdf),
+            "txt" if name.ends_with("counts.txt") => Some(FileKind::Csv),
             "json"
                 if !["tolerances.json", "certificate/magsat.json"].iter().any(|end| name.ends_with(end))
                     && !name.contains("reference/") =>
             {
                 Some(Self::of_json(name, bytes))
             }
-            "json" if name.ends_with("campaign_plan.json") => Some(Kind::Plan),
+            "json" if name.ends_with("campaign_plan.json") => Some(FileKind::Plan),
             _ => None,
         }
     }
@@ -54,32 +54,32 @@ impl Kind {
         let value: Value = serde_json::from_slice(bytes).unwrap_or_default();
         let has = |key: &str| value.get(key).is_some();
         if has("fluxcal-mapping") {
-            Kind::Mapping
+            FileKind::Mapping
         } else if has("fluxcal-partial") || name.contains("not-a-piece") {
-            Kind::Piece
+            FileKind::Piece
         } else if has("requirements") || name.contains("specs/bad/") {
-            Kind::Spec
+            FileKind::Spec
         } else if has("procedures") {
-            Kind::Plan
+            FileKind::Plan
         } else {
-            Kind::Document
+            FileKind::Document
         }
     }
 
     /// The name that a changed file of this kind is given.
     pub fn file(self) -> &'static str {
         match self {
-            Kind::Iaga => "in.min",
-            Kind::Csv => "in.csv",
-            Kind::Ndjson => "in.ndjson",
-            Kind::Parquet => "in.parquet",
-            Kind::Cdf => "in.cdf",
+            FileKind::Iaga => "in.min",
+            FileKind::Csv => "in.csv",
+            FileKind::Ndjson => "in.ndjson",
+            FileKind::Parquet => "in.parquet",
+            FileKind::Cdf => "in.cdf",
             _ => "in.json",
         }
     }
 
     /// Whether it is one JSON value.
     pub fn is_json(self) -> bool {
-        !matches!(self, Kind::Iaga | Kind::Csv | Kind::Ndjson | Kind::Parquet | Kind::Cdf)
+        !matches!(self, FileKind::Iaga | FileKind::Csv | FileKind::Ndjson | FileKind::Parquet | FileKind::Cdf)
     }
 }

@@ -4,19 +4,19 @@ use std::fs;
 
 use crate::Error;
 use crate::corpus::{Corpus, Seed};
-use crate::kind::Kind;
+use crate::kind::FileKind;
 use crate::programs::Programs;
 use crate::run::{self, End};
 
 /// Processor time of one of them, s: the builds of tests are not optimised.
 const PROCESSOR_S: u64 = 600;
 /// Each with the command line that makes it.
-const MADE: [(Kind, &str); 5] = [
-    (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
-    (Kind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
-    (Kind::Piece, "scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv"),
-    (Kind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
-    (Kind::Mapping, "ingest guess fixtures/ingest/field.csv"),
+const MADE: [(FileKind, &str); 5] = [
+    (FileKind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
+    (FileKind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
+    (FileKind::Piece, "scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv"),
+    (FileKind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
+    (FileKind::Mapping, "ingest guess fixtures/ingest/field.csv"),
 ];
 
 /// Adds them to the fixtures.

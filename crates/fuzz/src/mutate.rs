@@ -11,7 +11,7 @@ pub mod values;
 
 use crate::corpus::{Corpus, Seed};
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// A changed copy of a file, and what was changed.
 pub fn changed(seed: &Seed, corpus: &Corpus, draw: &mut Draw) -> (Vec<u8>, Vec<&'static str>) {
@@ -29,7 +29,7 @@ pub fn changed(seed: &Seed, corpus: &Corpus, draw: &mut Draw) -> (Vec<u8>, Vec<&
     };
     for _ in 0..edits {
         done.push(match seed.kind {
-            Kind::Parquet | Kind::Cdf => bytes::edit(&mut bytes, draw),
+            FileKind::Parquet | FileKind::Cdf => bytes::edit(&mut bytes, draw),
             _ if draw.chance(12) => bytes::edit(&mut bytes, draw),
             kind => text::edit(&mut bytes, kind, draw),
         });

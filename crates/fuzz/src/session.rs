@@ -18,7 +18,7 @@ use crate::corpus::Corpus;
 use crate::draw::Draw;
 use crate::finding::Finding;
 use crate::follow;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 use crate::made;
 use crate::programs::Programs;
 use crate::run::{self, End, Ended};
@@ -142,7 +142,7 @@ impl Session {
         let mut last = first;
         let mut program = line.program();
         let mut writes = line.writes;
-        let mut is_document = line.kind == Kind::Document;
+        let mut is_document = line.kind == FileKind::Document;
         for _ in 0..FURTHER {
             let after: &[&'static str] = match (writes, program) {
                 (Writes::Piece, "scalarcal") => &["scalarcal merge"],

@@ -5,7 +5,7 @@ use common::number::counted;
 use tables::Place;
 
 use crate::Error;
-use crate::mapping::{From, Mapping};
+use crate::mapping::{Mapping, SourceColumn};
 use crate::parts::Rows;
 use crate::piece::Piece;
 use crate::text::Source;
@@ -198,9 +198,9 @@ fn absent(source: &Source, table: &Table, name: &str) -> Error {
     source.fault(Place::Whole, found, "the variables that the mapping takes")
 }
 
-fn name(from: &From) -> &str {
+fn name(from: &SourceColumn) -> &str {
     match from {
-        From::Name(name) => name,
-        From::Number(_) => "",
+        SourceColumn::Name(name) => name,
+        SourceColumn::Number(_) => "",
     }
 }

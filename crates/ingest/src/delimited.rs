@@ -7,7 +7,7 @@ use common::number::counted;
 use tables::{COLUMN_LIMIT, Place};
 
 use crate::Error;
-use crate::mapping::{From, Mapping};
+use crate::mapping::{Mapping, SourceColumn};
 use crate::parts::{Room, in_parts};
 use crate::piece::Piece;
 use crate::text::{Source, decoded, lines, split_line};
@@ -115,17 +115,17 @@ fn slots(
     for (from, slot) in times.chain(values) {
         let place = Place::Line(mapping.header_line.unwrap_or(1).into());
         let column = match (from, names) {
-            (From::Number(number), _) if number.get() <= width => number.get() - 1,
-            (From::Number(number), _) => {
+            (SourceColumn::Number(number), _) if number.get() <= width => number.get() - 1,
+            (SourceColumn::Number(number), _) => {
                 let expected = format!("column {number}, which the mapping takes");
                 return Err(source.fault(place, counted(width, "column"), expected));
             }
-            (From::Name(name), None) => {
+            (SourceColumn::Name(name), None) => {
                 let expected =
                     format!("`header_line` in the mapping, so that {name:?} can be found, or its number");
                 return Err(source.fault(place, "no names of columns", expected));
             }
-            (From::Name(name), Some(names)) => {
+            (SourceColumn::Name(name), Some(names)) => {
                 let mut met = (0..width).filter(|column| names[*column] == name.trim());
                 match (met.next(), met.next()) {
                     (Some(column), None) => column,

@@ -39,7 +39,7 @@ mod words;
 
 pub use error::Error;
 pub use guess::{Guess, guess};
-pub use mapping::{ColumnMapping, From, Mapping, TimeMapping};
+pub use mapping::{ColumnMapping, Mapping, SourceColumn, TimeMapping};
 pub use program::beside::{INLINE_ROWS, Table};
 pub use recording::Ingested;
 

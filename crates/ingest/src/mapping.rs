@@ -61,18 +61,18 @@ fn point() -> char {
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "the name of a column, or its number from 1")]
-pub enum From {
+pub enum SourceColumn {
     /// Its number, from 1.
     Number(NonZeroUsize),
     /// Its name in the header.
     Name(String),
 }
 
-impl fmt::Display for From {
+impl fmt::Display for SourceColumn {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            From::Number(number) => write!(f, "{number}"),
-            From::Name(name) => write!(f, "{name:?}"),
+            SourceColumn::Number(number) => write!(f, "{number}"),
+            SourceColumn::Name(name) => write!(f, "{name:?}"),
         }
     }
 }
@@ -82,8 +82,8 @@ impl Mapping {
     pub fn number(&self) -> Option<NonZeroUsize> {
         let times = self.time.iter().flat_map(|time| &time.columns);
         times.chain(self.columns.iter().map(|column| &column.from)).find_map(|from| match from {
-            From::Number(number) => Some(*number),
-            From::Name(_) => None,
+            SourceColumn::Number(number) => Some(*number),
+            SourceColumn::Name(_) => None,
         })
     }
 }
@@ -95,7 +95,7 @@ impl Mapping {
 pub struct TimeMapping {
     /// The columns that hold the time, joined by a blank where there are several (date and time of day).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub columns: Vec<From>,
+    pub columns: Vec<SourceColumn>,
     /// `iso`; `unix_s`, `unix_ms`, `unix_us`, `unix_ns` (since 1970, UTC); `seconds` or `milliseconds` (since the recording's
     /// start); `seconds_of_day`, `milliseconds_of_day`, `hours_of_day` (since midnight, with decimals; the day is that of `date_in_name` or of
     /// `start`, or a pattern of it stands before: `%Y-%m-%d seconds_of_day`, `%Y %j seconds_of_day`); `day_of_year` (year and day, 1 January
@@ -128,7 +128,7 @@ pub struct TimeMapping {
 #[serde(deny_unknown_fields)]
 pub struct ColumnMapping {
     /// Which column of the file.
-    pub from: From,
+    pub from: SourceColumn,
     /// Its name in the document, `quantity_axis_unit`: `sensor_x_nt`, `reference_nt`, `sensor_temperature_c`.
     pub to: String,
     /// The unit in the file. `?` where it is not known yet: such a mapping is refused until you say it.
@@ -159,7 +159,7 @@ pub struct ColumnMapping {
 
 impl ColumnMapping {
     /// A column as it stands in the file.
-    pub fn plain(from: From, to: impl Into<String>, unit: Option<String>) -> Self {
+    pub fn plain(from: SourceColumn, to: impl Into<String>, unit: Option<String>) -> Self {
         ColumnMapping {
             from,
             to: to.into(),

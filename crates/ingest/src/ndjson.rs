@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 use tables::{LINE_LIMIT, Place};
 
 use crate::Error;
-use crate::mapping::{From, Mapping};
+use crate::mapping::{Mapping, SourceColumn};
 use crate::parts::{Room, RowFault, in_parts};
 use crate::piece::Piece;
 use crate::text::{Source, quoted, split_line};
@@ -37,10 +37,10 @@ fn numbers(mapping: &Mapping) -> Vec<f64> {
     mapping.missing.iter().filter_map(|text| text.parse().ok()).collect()
 }
 
-fn key(from: &From) -> &str {
+fn key(from: &SourceColumn) -> &str {
     match from {
-        From::Name(name) => name,
-        From::Number(_) => "",
+        SourceColumn::Name(name) => name,
+        SourceColumn::Number(_) => "",
     }
 }
 

@@ -4,7 +4,7 @@ use std::io::Cursor;
 use tables::{Place, Reader};
 
 use crate::Error;
-use crate::mapping::{From, Mapping};
+use crate::mapping::{Mapping, SourceColumn};
 use crate::parts::Rows;
 use crate::piece::Piece;
 use crate::text::Source;
@@ -53,9 +53,9 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     Piece::mapped(source, "Parquet", mapping, &times, rows)
 }
 
-fn name(from: &From) -> &str {
+fn name(from: &SourceColumn) -> &str {
     match from {
-        From::Name(name) => name,
-        From::Number(_) => "",
+        SourceColumn::Name(name) => name,
+        SourceColumn::Number(_) => "",
     }
 }

@@ -77,11 +77,11 @@ fn integers(bits: u8) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mapping::From;
+    use crate::mapping::SourceColumn;
     use proptest::prelude::*;
 
     fn column() -> ColumnMapping {
-        ColumnMapping::plain(From::Name("x".into()), "x", None)
+        ColumnMapping::plain(SourceColumn::Name("x".into()), "x", None)
     }
 
     #[test]

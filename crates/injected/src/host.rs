@@ -1,7 +1,7 @@
 //! A real recording as a host: the document that diagnose gets, and the campaign in which an effect can act.
 
 use concealed::base;
-use concealed::scene::{AXES, Attitude, Bench, Campaign, Kind, Readings, Run, World};
+use concealed::scene::{AXES, Attitude, Bench, Campaign, Readings, Run, SceneKind, World};
 use concealed::signal::{Signal, held};
 use nalgebra::Matrix3;
 use recorded::Series;
@@ -158,7 +158,7 @@ impl Host {
 
     /// The name of the columns to which an effect is added.
     pub fn column(&self, sensor: usize) -> String {
-        let quantity = if self.campaign.kind == Kind::Pair { "test" } else { "sensor" };
+        let quantity = if self.campaign.kind == SceneKind::Pair { "test" } else { "sensor" };
         format!("{quantity}_{}_nt", AXES[sensor])
     }
 
@@ -202,7 +202,7 @@ fn campaign(
         columns: Vec::new(),
     };
     let reference_c = temperatures.each_ref().map(|(_, mean)| *mean);
-    let kind = if pair { Kind::Pair } else { Kind::Site };
+    let kind = if pair { SceneKind::Pair } else { SceneKind::Site };
     Campaign { bench, runs: vec![run], reference_c, code_nt, kind, apart: true }
 }
 

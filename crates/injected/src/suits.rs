@@ -12,7 +12,7 @@
 
 use concealed::effect::Effect;
 use concealed::kinds::{self, Single};
-use concealed::scene::{Kind, Readings};
+use concealed::scene::{Readings, SceneKind};
 
 use crate::host::{Host, Watched};
 use crate::stats::{mean, rms};
@@ -81,11 +81,11 @@ fn has_inputs(host: &Host, kind: &Single) -> bool {
     let thermometer = usize::from(name.contains("electronics"));
     let still = WITHOUT_FIELD.contains(&name) || (name.starts_with("offset_") && warm);
     // A dropout holds the value of any channel, whatever is beside it.
-    let pair = kind.scene == Kind::Pair && name != "dropout";
+    let pair = kind.scene == SceneKind::Pair && name != "dropout";
     let times = &host.campaign.runs[0].times;
     let span = times.last().zip(times.first()).map_or(0.0, |(last, first)| last - first);
     !IN_NO_HOST.contains(&name)
-        && (!pair || host.campaign.kind == Kind::Pair)
+        && (!pair || host.campaign.kind == SceneKind::Pair)
         && (!warm || goes(host, thermometer))
         && (still || host.moves)
         && (!(name.starts_with("sensitivity_") || OF_THE_DRIVE.contains(&name)) || drive(host) >= DRIVE)

@@ -4,7 +4,7 @@ use crate::markdown;
 
 /// One thing that is known.
 #[derive(Clone, Debug)]
-pub struct Known {
+pub struct KnownFact {
     /// What says so.
     pub from: &'static str,
     /// What is known.
@@ -18,11 +18,11 @@ pub struct Known {
 }
 
 /// A table of them, what was not found first.
-pub fn table(known: impl Iterator<Item = Known>) -> String {
-    let mut known: Vec<Known> = known.collect();
+pub fn table(known: impl Iterator<Item = KnownFact>) -> String {
+    let mut known: Vec<KnownFact> = known.collect();
     known.sort_by_key(|one| one.found);
     let word = |found: bool| if found { "yes" } else { "**no**" };
-    let row = |one: Known| {
+    let row = |one: KnownFact| {
         vec![
             one.from.into(),
             one.what.into(),
@@ -42,7 +42,7 @@ mod tests {
 
     #[test]
     fn what_was_not_found_stands_first() {
-        let one = |answer: &str, found| Known {
+        let one = |answer: &str, found| KnownFact {
             from: "notes",
             what: "a clock",
             stage: "diffmag",

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::markdown;
 use crate::prediction::Prediction;
 
@@ -16,7 +16,7 @@ pub struct Page {
     /// Plots by file name.
     pub plots: Vec<(String, String)>,
     /// What the source says is in it, and whether it was found.
-    pub known: Vec<Known>,
+    pub known: Vec<KnownFact>,
     /// How well what was left out is predicted, by hand and by the programs.
     pub predictions: Vec<Prediction>,
 }

@@ -15,8 +15,8 @@ mod temperature;
 mod verdict;
 mod words;
 
-pub use spec::{Calibrated, Kind, Requirement, Spec, Temperatures};
-pub use verdict::{Found, Missing, Rule, Shown, Side, Verdict};
+pub use spec::{Calibrated, Requirement, RequirementKind, Spec, Temperatures};
+pub use verdict::{Missing, Rule, Shown, ShownValue, Side, Verdict};
 pub use words::section;
 
 use common::{Axis, Document};
@@ -53,23 +53,23 @@ pub fn judge<'a>(document: &Document, spec: &'a Spec) -> Result<Vec<Judged<'a>>,
 
 fn one<'a>((document, joint): (&Document, &Joint), requirement: &'a Requirement, rule: Rule) -> Judged<'a> {
     let shown = match requirement.kind {
-        Kind::OrthogonalityDeg => axes::orthogonality(document, joint),
-        Kind::AxesArcsec => axes::known(document, joint),
-        Kind::AxesFromNominalArcsec => axes::from_nominal(document, joint, requirement),
-        Kind::AxesOverTemperatureArcsec => axes::over_temperature(document, requirement),
-        Kind::RangeNt => range::range(document),
-        Kind::ResolutionNt => range::resolution(document),
-        Kind::BandwidthHz => range::bandwidth(document),
-        Kind::NoiseZeroToPeakNt => noise::zero_to_peak(document, requirement),
-        Kind::OffsetStabilityNt => offset::stability(document, joint, requirement),
-        Kind::AbsoluteAccuracyNt => accuracy::accuracy((document, joint), requirement, rule),
+        RequirementKind::OrthogonalityDeg => axes::orthogonality(document, joint),
+        RequirementKind::AxesArcsec => axes::known(document, joint),
+        RequirementKind::AxesFromNominalArcsec => axes::from_nominal(document, joint, requirement),
+        RequirementKind::AxesOverTemperatureArcsec => axes::over_temperature(document, requirement),
+        RequirementKind::RangeNt => range::range(document),
+        RequirementKind::ResolutionNt => range::resolution(document),
+        RequirementKind::BandwidthHz => range::bandwidth(document),
+        RequirementKind::NoiseZeroToPeakNt => noise::zero_to_peak(document, requirement),
+        RequirementKind::OffsetStabilityNt => offset::stability(document, joint, requirement),
+        RequirementKind::AbsoluteAccuracyNt => accuracy::accuracy((document, joint), requirement, rule),
     };
     let side = requirement.kind.side();
     let of = |shown: &Shown| {
         shown.as_ref().map_or(Verdict::NotShown, |found| rule.verdict(side, requirement.limit, found))
     };
     let verdict = shown.iter().map(of).max().unwrap_or(Verdict::NotShown);
-    let margin = |found: &Found| rule.margin(side, requirement.limit, found);
+    let margin = |found: &ShownValue| rule.margin(side, requirement.limit, found);
     let deciding = shown.iter().enumerate().filter(|(_, shown)| of(shown) == verdict);
     let decisive = deciding
         .filter_map(|(number, shown)| Some((number, margin(shown.as_ref().ok()?))))

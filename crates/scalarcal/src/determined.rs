@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 
 use crate::design::Rows;
 use crate::factor::Factor;
-use crate::fit::{Found, Known, Sums, explained, fit};
+use crate::fit::{FittedState, PriorRows, Sums, explained, fit};
 use crate::kalman::Memory;
 use crate::known::Beforehand;
 use crate::linear::RANK_TOLERANCE;
@@ -21,7 +21,7 @@ const MOST_WEAK: f64 = 1000.0;
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
 
 /// The largest standard uncertainty of a parameter that is determined.
-fn most(found: &Found, rows: u64) -> f64 {
+fn most(found: &FittedState, rows: u64) -> f64 {
     // A mean of all rows has the uncertainty s/√n.
     UNDETERMINED.min(MOST_WEAK * (found.variance / rows as f64).sqrt())
 }
@@ -30,7 +30,7 @@ fn most(found: &Found, rows: u64) -> f64 {
 /// fault of theirs.
 pub fn determined(
     solved: &Solved,
-    by_rotations: &Found,
+    by_rotations: &FittedState,
     detail: &Detail,
     options: &Options,
 ) -> Result<(), Error> {
@@ -93,7 +93,7 @@ pub fn short(
         (weights, starts[0][place] / std)
     };
     let held =
-        |std: &f64| -> Known { (0..model.parameters.len()).map(|place| loosely(place, *std)).collect() };
+        |std: &f64| -> PriorRows { (0..model.parameters.len()).map(|place| loosely(place, *std)).collect() };
     let found = LOOSELY.iter().find_map(|std| fit(model, sums, &held(std), starts).ok());
     let (state, jacobian, most) = match found {
         Some(found) => (found.state.clone(), found.jacobian.clone(), most(&found, sums.plain.rows())),

@@ -28,15 +28,15 @@ pub struct Sums<'a> {
     /// The same of the reference.
     pub reference: f64,
     /// What is held because no reading shows it.
-    pub held: &'a Known,
+    pub held: &'a PriorRows,
 }
 
 /// Independent combinations of the parameters that are known beforehand: weights over the standard deviation, and the value over it.
-pub type Known = Vec<(Vec<f64>, f64)>;
+pub type PriorRows = Vec<(Vec<f64>, f64)>;
 
 /// A calibration with its covariance.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct FittedState {
     /// The parameters.
     pub state: State,
     /// Their covariance.
@@ -61,7 +61,12 @@ pub struct Found {
 /// # Errors
 ///
 /// [`Error::Undetermined`] without more rows than parameters, [`Error::Estimate`] where there is no minimum.
-pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> Result<Found, Error> {
+pub fn fit(
+    model: &Model,
+    sums: &Sums<'_>,
+    known: &PriorRows,
+    starts: &[State],
+) -> Result<FittedState, Error> {
     let count = model.parameters.len();
     let freedom = sums.plain.rows() as f64 - count as f64;
     if freedom < 1.0 {
@@ -73,9 +78,9 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> R
     let upper = sums.plain.upper();
     // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger. Where no minimum is found so, they
     // are taken to be as linear least squares leaves them.
-    let begin = |explains: bool| -> Result<Found, Error> {
+    let begin = |explains: bool| -> Result<FittedState, Error> {
         let mut failed = Error::Undetermined("there is no calibration to begin with".into());
-        let mut best: Option<Found> = None;
+        let mut best: Option<FittedState> = None;
         for start in starts {
             let left = match explained(model, &upper, start) {
                 Some((_, squares)) if explains => squares / freedom,
@@ -99,7 +104,7 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Known, starts: &[State]) -> R
 }
 
 /// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long as a constant field, would leave no residual.
-fn scatter(found: &Found) -> f64 {
+fn scatter(found: &FittedState) -> f64 {
     found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
 }
 
@@ -107,23 +112,23 @@ fn scatter(found: &Found) -> f64 {
 fn round(
     model: &Model,
     sums: &Sums<'_>,
-    known: &Known,
+    known: &PriorRows,
     upper: &Mat<f64>,
     (start, variance): (&State, f64),
-) -> Result<Found, Error> {
+) -> Result<FittedState, Error> {
     let freedom = sums.plain.rows() as f64 - model.parameters.len() as f64;
     let variance = variance.max(FINEST * FINEST);
     let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
     let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
     let adjusted = adjusted(model, start, sums, sensor, upper) * faer::Scale(1.0 / variance.sqrt());
-    let all: Known = sums.held.iter().chain(known).cloned().collect();
+    let all: PriorRows = sums.held.iter().chain(known).cloned().collect();
     let problem = Problem { model, upper: &adjusted, known: &all };
     let options = Options { rank_tolerance: RANK_TOLERANCE, ..Options::default() };
     let fit = solve(&problem, start.clone(), None, &options)?;
     let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.len()).to_owned();
     let seen = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
     let variance = self::variance(model, upper, &fit.state, freedom).max(FINEST * FINEST);
-    Ok(Found {
+    Ok(FittedState {
         covariance: fit.svd.covariance(),
         state: fit.state,
         jacobian,
@@ -153,7 +158,7 @@ fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &
 
 /// Rows about a fit, as a factor of each of some factors of the products: what is to be explained, and its derivatives by the parameters. Of the
 /// derivatives is taken off what the noise that is to be explained makes of them: they would be correlated with it.
-pub fn about(model: &Model, found: &Found, plain: &[&Factor]) -> Option<Vec<Mat<f64>>> {
+pub fn about(model: &Model, found: &FittedState, plain: &[&Factor]) -> Option<Vec<Mat<f64>>> {
     let (coefficients, slopes) = (model.coefficients(&found.state)?, model.slopes(&found.state)?);
     let map = Mat::from_fn(slopes.nrows(), 1 + slopes.ncols(), |i, j| {
         if j == 0 { -coefficients[i] } else { slopes[(i, j - 1)] }

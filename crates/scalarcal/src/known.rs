@@ -7,7 +7,7 @@ use physics::{Basic, Unit};
 
 use crate::Error;
 use crate::design::Scales;
-use crate::fit::Known;
+use crate::fit::PriorRows;
 use crate::model::{Model, NINE, PAIRS};
 use crate::start;
 
@@ -22,7 +22,7 @@ pub struct Beforehand {
     /// Parameters of the document, with the derivatives of the nine by each.
     pub by: By,
     /// As rows of the fit: combinations over their standard deviations.
-    pub rows: Known,
+    pub rows: PriorRows,
 }
 
 /// Of a document, for a model whose first parameters are the nine.
@@ -49,7 +49,7 @@ pub fn beforehand(
     let correlation = Mat::from_fn(there.len(), there.len(), |a, b| {
         covariance[there[a]][there[b]] / (std(there[a]) * std(there[b]))
     });
-    let mut rows = Known::new();
+    let mut rows = PriorRows::new();
     if let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) {
         for k in 0..there.len() {
             let value = own.S()[k];

@@ -3,7 +3,7 @@
 use estimate::Svd;
 use faer::Mat;
 
-use crate::fit::Known;
+use crate::fit::PriorRows;
 
 /// Singular values below this share of the largest count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-9;
@@ -28,7 +28,7 @@ impl Linear {
     }
 
     /// With rows of what is known, about a state.
-    pub fn with(&self, known: &Known, state: &[f64]) -> Self {
+    pub fn with(&self, known: &PriorRows, state: &[f64]) -> Self {
         let rows = self.jacobian.nrows();
         let jacobian = Mat::from_fn(rows + known.len(), self.jacobian.ncols(), |i, j| {
             if i < rows { self.jacobian[(i, j)] } else { known[i - rows].0.get(j).copied().unwrap_or(0.0) }
@@ -61,7 +61,7 @@ impl Mixture {
         &mut self,
         weight: f64,
         linear: &Linear,
-        known: &Known,
+        known: &PriorRows,
         state: &[f64],
     ) -> Result<(), crate::Error> {
         let linear = linear.with(known, state);

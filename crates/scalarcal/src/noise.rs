@@ -19,7 +19,7 @@ use rayon::prelude::*;
 
 use crate::design::Rows;
 use crate::factor::{Factor, Filling};
-use crate::fit::{Found, Known, about};
+use crate::fit::{FittedState, PriorRows, about};
 use crate::kalman::{Filter, Form, Memory, SENSORS, processes};
 use crate::linear::{Linear, Mixture, RANK_TOLERANCE, root};
 use crate::model::Model;
@@ -99,7 +99,7 @@ impl Groups {
     /// So the estimate is without bias in second order.
     ///
     /// Source: J. M. G. Merayo et al., Meas. Sci. Technol. 11 (2000) 120–132, for the second-order term.
-    pub fn of(rows: &Rows<'_>, model: &Model, found: &Found, timed: bool) -> Option<Self> {
+    pub fn of(rows: &Rows<'_>, model: &Model, found: &FittedState, timed: bool) -> Option<Self> {
         let all: usize = rows.series.iter().map(|one| one.len()).sum();
         if all < LEAST {
             return None;
@@ -173,7 +173,7 @@ impl Groups {
     }
 
     /// The same of factors of the products, each of the rows between two moments; None for a few rows.
-    pub fn of_factors(factors: &[([f64; 2], &Factor)], model: &Model, found: &Found) -> Option<Self> {
+    pub fn of_factors(factors: &[([f64; 2], &Factor)], model: &Model, found: &FittedState) -> Option<Self> {
         let all: u64 = factors.iter().map(|(_, factor)| factor.rows()).sum();
         if all < LEAST as u64 {
             return None;
@@ -244,7 +244,7 @@ impl Groups {
 
     /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is searched for, and their weights by restricted likelihood, which are one
     /// together. None without times.
-    pub fn weighed(&self, held: &Known, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
+    pub fn weighed(&self, held: &PriorRows, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
         let step = self.step_s()?;
         let mut forms = vec![base];
         let row = step / self.each;
@@ -285,12 +285,12 @@ impl Groups {
     /// [`crate::Error::Estimate`] where a decomposition fails.
     pub fn average(
         &self,
-        found: &mut Found,
-        (held, known): (&Known, &Known),
+        found: &mut FittedState,
+        (held, known): (&PriorRows, &PriorRows),
         (base, searched, unit_nt): (Form, bool, f64),
     ) -> Result<Option<(Form, Noise)>, crate::Error> {
         let Some(filtered) = self.weighed(held, (base, searched)) else { return Ok(None) };
-        let all: Known = held.iter().chain(known).cloned().collect();
+        let all: PriorRows = held.iter().chain(known).cloned().collect();
         let joint = mixture(&filtered, &all, &found.state)?;
         let alone = mixture(&filtered, held, &found.state)?;
         let heaviest = heaviest(&filtered);
@@ -312,7 +312,7 @@ impl Groups {
 /// # Errors
 ///
 /// [`crate::Error::Estimate`] where a decomposition fails.
-pub fn mixture(filtered: &[Filtered], known: &Known, state: &[f64]) -> Result<Mixture, crate::Error> {
+pub fn mixture(filtered: &[Filtered], known: &PriorRows, state: &[f64]) -> Result<Mixture, crate::Error> {
     let mut all = Mixture::default();
     for one in filtered {
         all.add(one.weight, &Linear::of(&one.upper, one.variance), known, state)?;
@@ -340,10 +340,10 @@ impl Filtered {
 }
 
 /// σ² and the restricted log likelihood, σ at its best: −½ ((n − p) ln σ² + ln |V| + ln |JᵀV⁻¹J|).
-fn restricted(linear: &Linear, held: &Known, rows: f64, logarithm: f64) -> Option<(f64, f64)> {
+fn restricted(linear: &Linear, held: &PriorRows, rows: f64, logarithm: f64) -> Option<(f64, f64)> {
     // What is held is held where it stands.
     let zero = vec![0.0; linear.jacobian.ncols()];
-    let fixed: Known = held.iter().map(|(weights, _)| (weights.clone(), 0.0)).collect();
+    let fixed: PriorRows = held.iter().map(|(weights, _)| (weights.clone(), 0.0)).collect();
     let Linear { jacobian, right } = linear.with(&fixed, &zero);
     let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?;
     let step = svd.solve(&right);

@@ -12,7 +12,7 @@ use physics::Unit;
 use physics::frames::ARCSEC;
 
 use crate::directions::directions_by;
-use crate::fit::Known;
+use crate::fit::PriorRows;
 use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
 use crate::solved::{Detail, Solved};
 use crate::weakest;
@@ -154,7 +154,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     }
     let map = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
     // What is known beforehand moves the parameters by C Wᵀ W.
-    let known: &Known = if options.known { &solved.beforehand.rows } else { &Vec::new() };
+    let known: &PriorRows = if options.known { &solved.beforehand.rows } else { &Vec::new() };
     let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
     let gain = &found.covariance * weights.transpose() * &weights;
     let own = positive(&(&found.covariance - &gain * &found.covariance), &found.covariance)?;

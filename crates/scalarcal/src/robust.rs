@@ -4,7 +4,7 @@ use estimate::robust::{bisquare, scale_of};
 
 use crate::Error;
 use crate::design::Rows;
-use crate::fit::{Known, Sums, fit};
+use crate::fit::{PriorRows, Sums, fit};
 use crate::model::{Model, State};
 
 /// Most rounds of reweighting.
@@ -22,7 +22,7 @@ pub fn kept(
     model: &Model,
     rows: &mut Rows<'_>,
     (sensor, reference): (Option<f64>, f64),
-    (held, known): (&Known, &Known),
+    (held, known): (&PriorRows, &PriorRows),
     start: &State,
 ) -> Result<Vec<Vec<bool>>, Error> {
     let mut state = start.clone();

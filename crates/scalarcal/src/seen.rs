@@ -3,7 +3,7 @@
 use common::{Document, Quantity, ReferenceOffset};
 use estimate::{Svd, stats};
 
-use crate::fit::Found;
+use crate::fit::FittedState;
 use crate::kalman::WHITE;
 use crate::linear::Linear;
 use crate::model::{Model, NINE, Parameter, State};
@@ -39,7 +39,8 @@ pub fn of_rows(
     let count = magnitudes().count() as f64;
     let mean = magnitudes().sum::<f64>() / count;
     let varies_nt = (magnitudes().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let groups = |model: &Model, found: &Found| detail.groups(solved, model, found, solved.form != WHITE);
+    let groups =
+        |model: &Model, found: &FittedState| detail.groups(solved, model, found, solved.form != WHITE);
     Ok(Seen {
         rms_nt: rms(&detail.residuals),
         rms_before_nt: before(document, solved).map(|state| rms(&rows().residuals(&solved.model, &state))),
@@ -71,7 +72,7 @@ pub fn before(document: &Document, solved: &Solved) -> Option<State> {
 pub fn reference_offset(
     solved: &Solved,
     varies_nt: f64,
-    groups: impl FnOnce(&Model, &Found) -> Option<Groups>,
+    groups: impl FnOnce(&Model, &FittedState) -> Option<Groups>,
 ) -> Result<Option<ReferenceOffset>, Error> {
     let Solved { model, found, scales, known, .. } = solved;
     let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));

@@ -10,7 +10,7 @@ use crate::design::{Rows, Scales};
 use crate::determined::{determined, short, wandering};
 use crate::effects::{Following, asked, following, taken_off};
 use crate::factor::Factor;
-use crate::fit::{Found, Known, Sums, fit};
+use crate::fit::{FittedState, PriorRows, Sums, fit};
 use crate::kalman::WHITE;
 use crate::known::{Beforehand, beforehand};
 use crate::model::{Model, NINE, Parameter, State};
@@ -78,7 +78,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let none = Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); raw.len()] };
     let mut current = raw.clone();
     let mut follow = none;
-    let mut last: Option<(Model, Beforehand, Found, Factor)> = None;
+    let mut last: Option<(Model, Beforehand, FittedState, Factor)> = None;
     let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
     for _ in 0..rounds {
         if let Some((_, _, found, _)) = &last {
@@ -243,8 +243,8 @@ fn held(
     beforehand: &Beforehand,
     options: &Options,
     (constant, stated): (bool, Option<f64>),
-) -> Known {
-    let mut rows = Known::new();
+) -> PriorRows {
+    let mut rows = PriorRows::new();
     if let Some(place) = model.place(&Parameter::Magnitude) {
         let mut weights = vec![0.0; model.parameters.len()];
         match stated {
@@ -265,6 +265,6 @@ fn held(
 }
 
 /// What is known beforehand, where it is to be used.
-pub fn used(beforehand: &Beforehand, options: &Options) -> Known {
-    if options.known { beforehand.rows.clone() } else { Known::new() }
+pub fn used(beforehand: &Beforehand, options: &Options) -> PriorRows {
+    if options.known { beforehand.rows.clone() } else { PriorRows::new() }
 }

@@ -6,7 +6,7 @@ use physics::{EffectInstance, Unit};
 
 use crate::design::{Rows, Scales};
 use crate::factor::Factor;
-use crate::fit::{Found, Known};
+use crate::fit::{FittedState, PriorRows};
 use crate::kalman::Form;
 use crate::known::Beforehand;
 use crate::model::Model;
@@ -26,13 +26,13 @@ pub struct Solved {
     /// The effects that were fitted.
     pub effects: Vec<EffectInstance>,
     /// The fit.
-    pub found: Found,
+    pub found: FittedState,
     /// What was known beforehand.
     pub beforehand: Beforehand,
     /// Rows of the fit for what no reading shows and is held.
-    pub held: Known,
+    pub held: PriorRows,
     /// Those, and the rows for what is known beforehand and used.
-    pub known: Known,
+    pub known: PriorRows,
     /// μ.
     pub mu: Matrix3<f64>,
     /// Noise of a residual (white) and of the sensors (with memory).
@@ -92,7 +92,7 @@ impl Detail {
     }
 
     /// The rows about a fit of a model, as they are whitened.
-    pub fn groups(&self, solved: &Solved, model: &Model, found: &Found, timed: bool) -> Option<Groups> {
+    pub fn groups(&self, solved: &Solved, model: &Model, found: &FittedState, timed: bool) -> Option<Groups> {
         if solved.white {
             return Groups::of_factors(&[([0.0; 2], &self.plain)], model, found);
         }

@@ -3,7 +3,7 @@
 use common::{Error as Fault, ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};
 
-use crate::fit::Known;
+use crate::fit::PriorRows;
 use crate::kalman::WHITE;
 use crate::linear::Linear;
 use crate::noise::Groups;
@@ -49,7 +49,7 @@ pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, 
     let mut windows = Vec::new();
     let variance = solved.white_variance();
     // What is held stays where it is.
-    let fixed: Known =
+    let fixed: PriorRows =
         solved.held.iter().filter(|_| !turned).map(|(weights, _)| (weights.clone(), 0.0)).collect();
     for part in parts {
         let [from_s, to_s] = part.span_s;

@@ -16,7 +16,7 @@ use physics::frames::ARCSEC;
 
 use crate::declared::declared_form;
 use crate::directions::turned;
-use crate::fit::{Found, Known};
+use crate::fit::{FittedState, PriorRows};
 use crate::kalman::WHITE;
 use crate::known_field::Vectors;
 use crate::linear::RANK_TOLERANCE;
@@ -58,7 +58,7 @@ pub fn solve(
     let (before, places) = (solved.found.state.len(), solved.found.state.len()..count);
     solved.model.parameters.extend((0..3).map(Parameter::Turn));
     solved.found.state.extend([0.0; 3]);
-    let pad = |known: &Known| -> Known {
+    let pad = |known: &PriorRows| -> PriorRows {
         let padded = |(weights, value): &(Vec<f64>, f64)| {
             let mut weights = weights.clone();
             weights.resize(count, 0.0);
@@ -73,10 +73,10 @@ pub fn solve(
         let held = pad(&held_by(&solved.found, before));
         (held.clone(), held)
     } else {
-        let known = if options.known { solved.beforehand.rows.clone() } else { Known::new() };
-        (Known::new(), known)
+        let known = if options.known { solved.beforehand.rows.clone() } else { PriorRows::new() };
+        (PriorRows::new(), known)
     };
-    let apart: Known = if vectors.scalar { Known::new() } else { solved.known.clone() };
+    let apart: PriorRows = if vectors.scalar { PriorRows::new() } else { solved.known.clone() };
     let sensor = solved.found.sensor;
     let mut mu = frame(&solved.found.state, &start.mu);
     let mut spread = vectors.spread(&rows, &solved.model, &solved.found.state, &mu);
@@ -140,7 +140,7 @@ pub fn solve(
 
 /// Keeps the parameters that the magnitude shows as they were found by it, and of the rest what is to be expected given those. What the
 /// direction says of them is not used: the noise with memory of the sensors, which the magnitude shows, is hidden there beside that of the field.
-fn kept(found: &mut Found, by_magnitude: &Found, before: usize) {
+fn kept(found: &mut FittedState, by_magnitude: &FittedState, before: usize) {
     let count = found.state.len();
     let rows = held_by(found, before);
     // G = C_tn C_nn⁻¹, with C_nn⁻¹ = Σ w wᵀ.
@@ -171,11 +171,11 @@ fn kept(found: &mut Found, by_magnitude: &Found, before: usize) {
 }
 
 /// A fit as rows of one that takes its place.
-fn held_by(found: &Found, count: usize) -> Known {
+fn held_by(found: &FittedState, count: usize) -> PriorRows {
     let scale: Vec<f64> =
         (0..count).map(|k| found.covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
     let correlation = Mat::from_fn(count, count, |i, j| found.covariance[(i, j)] / (scale[i] * scale[j]));
-    let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) else { return Known::new() };
+    let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) else { return PriorRows::new() };
     (0..count)
         .map(|k| {
             let root = own.S()[k].max(1e-14).sqrt();

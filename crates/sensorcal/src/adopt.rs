@@ -4,7 +4,7 @@ use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalib
 use indexmap::IndexMap;
 use physics::Kind;
 
-use crate::Found;
+use crate::SensorFindings;
 use crate::departure::FOUND_BELOW;
 use crate::effects;
 
@@ -13,7 +13,7 @@ const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
 
 /// Puts the effects of temperature, the nonlinearity and the effect of fields across into `model.effects`, in place of what an
 /// earlier run put there for this sensor, or of what was stated of the same effects.
-pub fn adopt(document: &mut Document, sensor: Axis, found: &Found) {
+pub fn adopt(document: &mut Document, sensor: Axis, found: &SensorFindings) {
     let mut effects: Vec<AdoptedEffect> = Vec::new();
     if found.calibration.temperature.is_some() {
         let mut at = 0;

@@ -4,7 +4,7 @@ use common::uncertainty::Block;
 use common::{Axis, Error as Fault};
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
-use crate::fit::Known;
+use crate::fit::KnownParameters;
 use crate::readings::Run;
 
 /// Effects of temperature on one sensor with the covariance of their parameters.
@@ -41,13 +41,14 @@ impl Conditions {
     }
 
     /// The effects for a fit, and what is uncertain about them; nothing where a recording lacks a temperature.
-    pub fn effects_in(&self, runs: &[Run<'_>]) -> (Vec<EffectInstance>, Option<Known>) {
+    pub fn effects_in(&self, runs: &[Run<'_>]) -> (Vec<EffectInstance>, Option<KnownParameters>) {
         if self.effects.is_empty() || !runs.iter().all(|run| self.known_in(&run.context)) {
             return (Vec::new(), None);
         }
         let one = |at: usize| (0..self.paths.len()).map(|other| f64::from(u8::from(other == at))).collect();
         let rests_on = self.paths.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect();
-        let known = Known { parameters: self.parameters(), covariance: self.covariance.clone(), rests_on };
+        let known =
+            KnownParameters { parameters: self.parameters(), covariance: self.covariance.clone(), rests_on };
         (self.effects.clone(), Some(known))
     }
 

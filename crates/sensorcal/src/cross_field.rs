@@ -34,7 +34,7 @@ const LEVEL: usize = 3;
 const MOST_LEVELS: usize = 100;
 
 /// What was found of a sensor.
-pub struct Found {
+pub struct CrossFieldFindings {
     /// For the document.
     pub fit: CrossFieldFit,
     /// The parameters as they were estimated.
@@ -52,7 +52,7 @@ pub fn coefficients(
     noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
     sides: &Sides,
-) -> Result<Option<Found>, Error> {
+) -> Result<Option<CrossFieldFindings>, Error> {
     let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
     if runs.is_empty() {
         return Ok(None);
@@ -128,7 +128,7 @@ pub fn coefficients(
     let (held_out, left_out) = passes::left_out(&problem, (&sought, first), (&shape, place))?.unzip();
     found.held_out = held_out;
     findings(sensor, &unseen, &runs, &mut found, conditions);
-    Ok(Some(Found { fit: found, block, likely, left_out: left_out.unwrap_or_default() }))
+    Ok(Some(CrossFieldFindings { fit: found, block, likely, left_out: left_out.unwrap_or_default() }))
 }
 
 /// Covariance of some unknowns from scatter and from errors that add columns to the readings.

@@ -34,7 +34,7 @@ pub enum Unknown {
 
 /// Parameters that are known with a covariance, in all runs.
 #[derive(Clone, Default)]
-pub struct Known {
+pub struct KnownParameters {
     /// They.
     pub parameters: Vec<Parameter>,
     /// Their covariance.
@@ -52,7 +52,7 @@ pub struct Problem<'a, 'b> {
     /// The unknowns.
     pub unknowns: Vec<Unknown>,
     /// What is known with an uncertainty.
-    pub known: Vec<Known>,
+    pub known: Vec<KnownParameters>,
     /// The noise.
     pub allowed: &'a Allowed,
 }
@@ -398,7 +398,7 @@ impl Problem<'_, '_> {
 }
 
 /// Constants of the coils that were driven, with what is uncertain about the fields calculated with them.
-pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<Known>, Error> {
+pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<KnownParameters>, Error> {
     let joint = Uncertainty::of(document)?;
     let driven = |run: &Run<'_>, coil: Axis| {
         run.coil == coil || run.context.current_a.iter().any(|current| current[coil.index()] != 0.0)
@@ -407,13 +407,13 @@ pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<Known>
         let k = runs[0].basic.coils[coil.index()].constant_nt_per_a;
         let driving = runs.iter().filter(|run| driven(run, coil)).map(|run| run.context.recording);
         let rests_on = uncertainty::drive(document, coil, k, driving);
-        Known {
+        KnownParameters {
             parameters: vec![Parameter::CoilConstant(coil), Parameter::CoilOffset(coil)],
             covariance: joint.covariance_by(&rests_on),
             rests_on,
         }
     };
     let any = |coil: &Axis| runs.iter().any(|run| driven(run, *coil));
-    let uncertain = |known: &Known| known.covariance.iter().flatten().any(|value| *value != 0.0);
+    let uncertain = |known: &KnownParameters| known.covariance.iter().flatten().any(|value| *value != 0.0);
     Ok(Axis::ALL.into_iter().filter(any).map(known).filter(uncertain).collect())
 }

@@ -88,7 +88,7 @@ const MINE: [&str; 6] = [
 ];
 
 /// What was found of one sensor.
-struct Found {
+struct SensorFindings {
     calibration: SensorCalibration,
     conditions: Conditions,
     constants: Option<Constants>,
@@ -109,7 +109,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         return Err(Error::Nothing);
     }
     let sides = Sides::of(&document, options.axes_std_deg);
-    let mut found: Vec<Found> =
+    let mut found: Vec<SensorFindings> =
         Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, &sides)).collect::<Result<_, Error>>()?;
     in_passes(&document, &mut found, &sides)?;
     let references = References::of(&document);
@@ -163,7 +163,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
 }
 
 /// Scores the correction for fields across in two passes where all three sensors were read.
-fn in_passes(document: &Document, found: &mut [Found], sides: &Sides) -> Result<(), Error> {
+fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -> Result<(), Error> {
     if found.iter().all(|found| found.left_out.is_empty()) {
         return Ok(());
     }
@@ -212,7 +212,7 @@ fn shield(calibration: &SensorCalibration) -> Option<f64> {
 }
 
 /// All six procedures on one sensor.
-fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<Found, Error> {
+fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFindings, Error> {
     let first = |unit: Unit| first_sensitivity(document, sensor, unit);
     let noise = noise::analyse(document, sensor, &first)?;
     let shape = |code_nt: f64| Shape::of(document, sensor, noise.as_ref(), code_nt);
@@ -241,7 +241,7 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<Found, Error>
         cross_field: cross_field.map(Box::new),
         ..SensorCalibration::default()
     };
-    Ok(Found { calibration, conditions, constants, turned, across, likely, left_out })
+    Ok(SensorFindings { calibration, conditions, constants, turned, across, likely, left_out })
 }
 
 /// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through the recordings in a

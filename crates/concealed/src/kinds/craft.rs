@@ -154,7 +154,7 @@ pub fn two_magnets_on_a_wheel(_: &Campaign, draw: &mut Draw) -> Effect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Kind;
+    use crate::scene::SceneKind;
     use crate::scenes::Length;
 
     /// A plate is glossy as Fresnel has it at least in this: what comes straight is taken in whole, and what comes flat less than its cosine.
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn a_wheel_turns_at_its_speed() {
         let campaign =
-            scenes::campaign(Kind::Craft, Length::Short, true, Some(0.5), &mut Draw::new("wheel", 1));
+            scenes::campaign(SceneKind::Craft, Length::Short, true, Some(0.5), &mut Draw::new("wheel", 1));
         let run = &campaign.runs[0];
         let speed = run.column(WHEEL).expect("a wheel");
         let phase = turned(run);

@@ -13,7 +13,7 @@ use crate::housekeeping;
 use crate::kinds::{self, Single};
 use crate::manner;
 use crate::outside::{self, Outside};
-use crate::scene::{Campaign, Kind, Readings};
+use crate::scene::{Campaign, Readings, SceneKind};
 use crate::scenes::Length;
 
 /// Times the noise.
@@ -48,7 +48,7 @@ fn concealed(
 /// A campaign at random with what is made for it concealed in it, written down as an instrument would have.
 fn written(
     (set, seed, number): (Set, u64, usize),
-    (scene, step_s, strength): (Kind, Option<f64>, f64),
+    (scene, step_s, strength): (SceneKind, Option<f64>, f64),
     make: impl FnOnce(&Campaign, &mut Draw) -> Vec<Concealed>,
     draw: &mut Draw,
 ) -> Case {
@@ -96,7 +96,7 @@ pub(super) fn single(set: Set, group: Group, seed: u64, number: usize, draw: &mu
 pub(super) fn several(set: Set, group: Group, seed: u64, number: usize, draw: &mut Draw) -> Case {
     let make = |campaign: &Campaign, draw: &mut Draw| {
         let mut kinds = kinds_of(group);
-        kinds.retain(|kind| kind.scene == Kind::Coils);
+        kinds.retain(|kind| kind.scene == SceneKind::Coils);
         let mut all = Vec::new();
         while all.len() < 2 + number % 3 && !kinds.is_empty() {
             let which = kinds.swap_remove(draw.below(kinds.len()));
@@ -106,7 +106,7 @@ pub(super) fn several(set: Set, group: Group, seed: u64, number: usize, draw: &m
         }
         all
     };
-    written((set, seed, number), (Kind::Coils, None, (SEVERAL[0] * SEVERAL[1]).sqrt()), make, draw)
+    written((set, seed, number), (SceneKind::Coils, None, (SEVERAL[0] * SEVERAL[1]).sqrt()), make, draw)
 }
 
 /// What the catalogue has no name for, in runs in coils.
@@ -116,12 +116,20 @@ pub(super) fn beyond(set: Set, group: Group, seed: u64, number: usize, draw: &mu
     let (name, make) = all[turn];
     let strength = BEYOND[(turn + round) % BEYOND.len()];
     let make = |campaign: &Campaign, draw: &mut Draw| vec![concealed(name, make, (campaign, strength), draw)];
-    written((set, seed, number), (Kind::Coils, None, strength), make, draw)
+    written((set, seed, number), (SceneKind::Coils, None, strength), make, draw)
 }
 
 /// Nothing.
 pub(super) fn clean(seed: u64, number: usize, draw: &mut Draw) -> Case {
-    let kinds = [Kind::Coils, Kind::Craft, Kind::Coils, Kind::Site, Kind::Coils, Kind::Pair, Kind::Fast];
+    let kinds = [
+        SceneKind::Coils,
+        SceneKind::Craft,
+        SceneKind::Coils,
+        SceneKind::Site,
+        SceneKind::Coils,
+        SceneKind::Pair,
+        SceneKind::Fast,
+    ];
     let scene = kinds[number % kinds.len()];
     written((Set::RecordedClean, seed, number), (scene, None, 0.0), |_, _| Vec::new(), draw)
 }

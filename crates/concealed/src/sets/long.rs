@@ -7,7 +7,7 @@ use crate::draw::Draw;
 use crate::form;
 use crate::kinds;
 use crate::outside;
-use crate::scene::{Campaign, Kind};
+use crate::scene::{Campaign, SceneKind};
 use crate::scenes::{self, Length};
 
 /// Times the noise, of single effects.
@@ -50,7 +50,7 @@ pub(super) fn single(seed: u64, number: usize, draw: &mut Draw) -> Case {
 /// Two or three unlike effects in runs in coils.
 pub(super) fn several(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let (count, length) = (2 + number % 2, length(number / 2));
-    let campaign = scenes::campaign(Kind::Coils, length, number % 4 < 2, None, draw);
+    let campaign = scenes::campaign(SceneKind::Coils, length, number % 4 < 2, None, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
     let mut kinds = kinds::in_coils();
     let all = (0..count)
@@ -70,7 +70,7 @@ pub(super) fn beyond(seed: u64, number: usize, draw: &mut Draw) -> Case {
     let (name, make) = outside::ALL[kind];
     let strength = BEYOND[(kind + round) % BEYOND.len()];
     let length = length(kind / BEYOND.len() + round);
-    let campaign = scenes::campaign(Kind::Coils, length, (kind + round).is_multiple_of(2), None, draw);
+    let campaign = scenes::campaign(SceneKind::Coils, length, (kind + round).is_multiple_of(2), None, draw);
     let noise = case::noise_of(draw, campaign.runs[0].step_s());
     let concealed = concealed(name, make, &campaign, strength, draw);
     let labels = Set::LongOutside.labels(seed, number, strength, length);

@@ -14,7 +14,7 @@ use crate::lattice;
 use crate::model::{Column, Model};
 use crate::proposal::Addition;
 use crate::sized;
-use crate::{Error, Found, Outcome};
+use crate::{Error, NamedEffect, Outcome};
 
 /// A variance that rests on what is assumed of an effect's departures from its equation by more than this share is a lower bound: no recording
 /// bounds those.
@@ -22,7 +22,7 @@ const BY_FORMS: f64 = 0.5;
 
 /// Where something that was found stands in the final state: the numbers of its effects, and of its columns.
 pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Range<usize>) {
-    let count = |found: &[Found], is_effect: bool| {
+    let count = |found: &[NamedEffect], is_effect: bool| {
         let all = found.iter().flat_map(|found| &found.additions);
         all.filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
     };

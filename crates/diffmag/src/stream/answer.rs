@@ -3,7 +3,7 @@ use faer::Mat;
 use serde::Serialize;
 
 use super::check;
-use super::fit::Found;
+use super::fit::FittedNoise;
 use super::noise::Problem;
 use super::octaves::{COLUMNS, Differences, Octave, OctaveFit, UNKNOWNS};
 use super::pyramid::Pyramid;
@@ -190,7 +190,7 @@ pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
 }
 
 /// Constant of T = c + R η + drift in the middle of the samples.
-fn offset(partial: &Partial, axis: usize, weighted: &[Estimate; 3], found: &Found) -> Estimate {
+fn offset(partial: &Partial, axis: usize, weighted: &[Estimate; 3], found: &FittedNoise) -> Estimate {
     let means: [f64; 3] = std::array::from_fn(|i| partial.factor.mean(i + 1));
     let explained: f64 = (0..3).map(|i| weighted[i].value * means[i]).sum();
     let covariance = &found.coefficients;
@@ -208,7 +208,7 @@ fn offset(partial: &Partial, axis: usize, weighted: &[Estimate; 3], found: &Foun
     }
 }
 
-fn noise_of(found: &Found, step_s: f64) -> NoiseFit {
+fn noise_of(found: &FittedNoise, step_s: f64) -> NoiseFit {
     let (noise, covariance) = (&found.noise, &found.covariance);
     let estimate = |value: f64, std: f64| Estimate { value, std, freedom: f64::INFINITY };
     let flicker_nt2 = noise.amplitude * step_s.powf(1.0 - noise.exponent);
@@ -236,7 +236,7 @@ fn octaves(
     all: &[Differences],
     axis: usize,
     provisional: [f64; 3],
-    found: &Found,
+    found: &FittedNoise,
 ) -> Vec<Octave> {
     let variances = found.noise.variances(all.len());
     let one = |number: usize| {

@@ -5,7 +5,7 @@ use common::{Axis, Error as Fault};
 use estimate::tsqr::Tsqr;
 
 use crate::Error;
-use crate::series::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
+use joined::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
 
 /// Places of the reference's and of the test instrument's readings among the columns.
 pub const REFERENCE: [usize; 3] = [1, 2, 3];

@@ -28,7 +28,7 @@ const LAST: f64 = 1e-9;
 /// Twice the gain in log likelihood that flicker has to bring, as [`estimate::whittle`] has it.
 const FLICKER: f64 = 7.7;
 /// What was found.
-pub struct Found {
+pub struct FittedNoise {
     /// The noise; amplitude 0 where flicker is not significant (1 %).
     pub noise: Noise,
     /// Covariance of (ln a, α, ln w), zero for what is held.
@@ -78,7 +78,7 @@ impl Problem<'_> {
     }
 
     /// Noise and coefficients of greatest restricted likelihood; flicker only where it is significant.
-    pub fn fit(&self) -> Result<Found, Error> {
+    pub fn fit(&self) -> Result<FittedNoise, Error> {
         let (white, white_cost) = self.scaled(Noise { amplitude: 0.0, exponent: 1.0, white: 1.0 })?;
         let mut starts: Vec<(Noise, f64)> = Vec::new();
         for exponent in STARTS {
@@ -106,7 +106,7 @@ impl Problem<'_> {
             let (solution, white_log_std) = (self.solve(&white)?, (2.0 / freedom).sqrt());
             let freedom = vec![freedom; UNKNOWNS];
             let coefficients = solution.covariance.clone();
-            return Ok(Found {
+            return Ok(FittedNoise {
                 noise: white,
                 covariance,
                 white_log_std,
@@ -129,7 +129,7 @@ impl Problem<'_> {
             Mat::from_fn(UNKNOWNS, UNKNOWNS, |i, j| if i.max(j) < 3 { left_out[(i, j)] } else { 0.0 });
         let coefficients = &solution.covariance + &solution.covariance * left_out * &solution.covariance;
         let white_log_std = if held[2] { information[(2, 2)].powf(-0.5) } else { covariance[(2, 2)].sqrt() };
-        Ok(Found { noise, covariance, white_log_std, gain, coefficients, solution, freedom })
+        Ok(FittedNoise { noise, covariance, white_log_std, gain, coefficients, solution, freedom })
     }
 
     fn satterthwaite(

@@ -113,15 +113,15 @@ fn pair(noise: &Noise, drift: &True, seed: u64) -> Pair {
     Pair { document, matrix, noise_change }
 }
 
-struct Found {
+struct FoundDrift {
     drifts: Vec<Drift>,
     elements: IndexMap<String, MatrixElement>,
 }
 
-fn run(document: Document) -> Found {
+fn run(document: Document) -> FoundDrift {
     let found = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
     let fit = found.calibration.expect("a calibration").differential.expect("a fit").fit.expect("a fit");
-    Found { drifts: fit.axes.iter().map(|(_, of)| of.drift.clone()).collect(), elements: fit.elements }
+    FoundDrift { drifts: fit.axes.iter().map(|(_, of)| of.drift.clone()).collect(), elements: fit.elements }
 }
 
 fn holds(quantity: &Quantity, truth: f64) -> bool {

@@ -3,14 +3,14 @@
 use crate::pairs;
 
 use diffmag::fourteen::{
-    EtaCovariance, Fourteen, Known, KnownAxes, NAMES, UNDETERMINED_RAD, eta_of, solve, solve_numerically,
+    EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES, UNDETERMINED_RAD, eta_of, solve, solve_numerically,
 };
 use nalgebra::{Matrix3, SMatrix, Vector3};
 use pairs::{parameters, reference, test, tilts};
 use proptest::prelude::*;
 
 /// The answer for an exact η.
-fn exact(p: &[f64; 14], known: &Known) -> Fourteen {
+fn exact(p: &[f64; 14], known: &KnownFive) -> Fourteen {
     solve(&eta_of(p), &EtaCovariance::zeros(), known).unwrap_or_else(|error| panic!("{p:?}: {error}"))
 }
 
@@ -90,7 +90,7 @@ fn by_hand() {
     // z_t along (0, 5, 12)/13 with K = 26. Columns of η: K_tj a_jk/K_rk.
     let eta = Matrix3::new(3.0, -1.5, 0.0, 8.0, 0.0, 10.0, 0.0, 0.0, 6.0);
     let known =
-        Known { axes: KnownAxes::Reference([0.0; 3]), ratios: [2.0, 4.0], covariance: SMatrix::zeros() };
+        KnownFive { axes: KnownAxes::Reference([0.0; 3]), ratios: [2.0, 4.0], covariance: SMatrix::zeros() };
     let found = solve(&eta, &EtaCovariance::zeros(), &known).expect("an answer").values;
     let right = std::f64::consts::FRAC_PI_2;
     let expected = [
@@ -114,7 +114,7 @@ fn by_hand() {
     }
     // The same from the test's own cosines: x·y = −0.6, y·z = 0, x·z = 4/13.
     let axes = KnownAxes::Test([-0.6, 0.0, 4.0 / 13.0]);
-    let known = Known { axes, ratios: [10.0 / 3.0, 26.0 / 3.0], covariance: SMatrix::zeros() };
+    let known = KnownFive { axes, ratios: [10.0 / 3.0, 26.0 / 3.0], covariance: SMatrix::zeros() };
     let found = solve(&eta, &EtaCovariance::zeros(), &known).expect("an answer");
     assert!(difference(&found.values, &expected) < 1e-14, "{:?}", found.values);
     assert_eq!(Fourteen::names()[13], "ratio_zt_yt");
@@ -175,7 +175,7 @@ fn what_cannot_be_is_refused() {
     let truth = parameters([20.0, 3.0, 4.0, 91.0, 88.0, 2.0, 90.0, 5.0, 6.0], [1.0, 1.1, 0.9, 1.0, 1.0]);
     let eta = eta_of(&truth);
     let none = EtaCovariance::zeros();
-    let refused = |eta: &Matrix3<f64>, covariance: &EtaCovariance, known: &Known, words: &str| {
+    let refused = |eta: &Matrix3<f64>, covariance: &EtaCovariance, known: &KnownFive, words: &str| {
         let message = solve(eta, covariance, known).expect_err(words).to_string();
         assert!(message.contains(words), "{message}");
     };
@@ -189,7 +189,7 @@ fn what_cannot_be_is_refused() {
     crooked[(0, 1)] = 1.0;
     refused(&eta, &crooked, &known, "larger than its variances allow");
     refused(&eta, &-EtaCovariance::identity(), &known, "variance 1 is −1");
-    let with = |axes: KnownAxes, ratios: [f64; 2]| Known { axes, ratios, covariance: SMatrix::zeros() };
+    let with = |axes: KnownAxes, ratios: [f64; 2]| KnownFive { axes, ratios, covariance: SMatrix::zeros() };
     refused(&eta, &none, &with(KnownAxes::Test([0.9, 0.9, -0.9]), [1.0, 1.0]), "positive definite");
     refused(&eta, &none, &with(KnownAxes::Test([0.0, 1.0, 0.0]), [1.0, 1.0]), "positive definite");
     refused(&eta, &none, &with(KnownAxes::Test([0.0; 3]), [1.0, -1.0]), "a ratio of -1");

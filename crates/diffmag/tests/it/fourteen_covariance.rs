@@ -2,7 +2,7 @@
 
 use crate::pairs;
 
-use diffmag::fourteen::{EtaCovariance, Known, KnownAxes, NAMES, UNDETERMINED_RAD, eta_of, solve};
+use diffmag::fourteen::{EtaCovariance, KnownAxes, KnownFive, NAMES, UNDETERMINED_RAD, eta_of, solve};
 use nalgebra::{Matrix3, SMatrix, SVector};
 use noise::Stream;
 use pairs::{parameters, reference, test, tilts};
@@ -19,20 +19,24 @@ fn correlated<const N: usize>(stream: &mut Stream, sigma: f64) -> [SMatrix<f64, 
 }
 
 /// The five values moved.
-fn moved(known: &Known, by: &SVector<f64, 5>) -> Known {
+fn moved(known: &KnownFive, by: &SVector<f64, 5>) -> KnownFive {
     let add = |v: [f64; 3]| std::array::from_fn(|i| v[i] + by[i]);
     let axes = match known.axes {
         KnownAxes::Reference(v) => KnownAxes::Reference(add(v)),
         KnownAxes::ReferenceTilts(v) => KnownAxes::ReferenceTilts(add(v)),
         KnownAxes::Test(v) => KnownAxes::Test(add(v)),
     };
-    Known { axes, ratios: [known.ratios[0] + by[3], known.ratios[1] + by[4]], covariance: known.covariance }
+    KnownFive {
+        axes,
+        ratios: [known.ratios[0] + by[3], known.ratios[1] + by[4]],
+        covariance: known.covariance,
+    }
 }
 
 /// Answers for draws of η and the known values about the truth.
 fn draws(
     eta: &Matrix3<f64>,
-    known: &Known,
+    known: &KnownFive,
     factors: (&SMatrix<f64, 9, 9>, &SMatrix<f64, 5, 5>),
     stream: &mut Stream,
     count: usize,

@@ -1,6 +1,6 @@
 //! The fourteen parameters as SciPy finds them from the nonlinear equations.
 
-use diffmag::fourteen::{EtaCovariance, Known, KnownAxes, NAMES, eta_of, solve, solve_numerically};
+use diffmag::fourteen::{EtaCovariance, KnownAxes, KnownFive, NAMES, eta_of, solve, solve_numerically};
 use nalgebra::{Matrix3, SMatrix};
 use serde_json::Value;
 
@@ -22,7 +22,7 @@ fn parameters_of_scipy() {
             let expected = numbers(&set[case]["values"]);
             let three = [five[0], five[1], five[2]];
             let axes = if case == "test" { KnownAxes::Test(three) } else { KnownAxes::Reference(three) };
-            let known = Known { axes, ratios: [five[3], five[4]], covariance: SMatrix::zeros() };
+            let known = KnownFive { axes, ratios: [five[3], five[4]], covariance: SMatrix::zeros() };
             let closed = solve(&eta, &EtaCovariance::zeros(), &known).expect("an answer").values;
             let iterated = solve_numerically(&eta, &known).expect("an answer");
             for (i, expected) in expected.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! Pairs of instruments to find again.
 
-use diffmag::fourteen::{Known, KnownAxes};
+use diffmag::fourteen::{KnownAxes, KnownFive};
 use nalgebra::{SMatrix, Vector3};
 
 /// Fourteen parameters from angles in degrees (α, β, γ, then φ and θ of x, y, z) and the five ratios.
@@ -17,8 +17,8 @@ pub fn test_axes(p: &[f64; 14]) -> [Vector3<f64>; 3] {
 }
 
 /// The five of the reference, without uncertainty.
-pub fn reference(p: &[f64; 14]) -> Known {
-    Known {
+pub fn reference(p: &[f64; 14]) -> KnownFive {
+    KnownFive {
         axes: KnownAxes::Reference([p[0], p[1], p[2]]),
         ratios: [p[10], p[11]],
         covariance: SMatrix::zeros(),
@@ -26,14 +26,14 @@ pub fn reference(p: &[f64; 14]) -> Known {
 }
 
 /// The same by tilts.
-pub fn tilts(p: &[f64; 14]) -> Known {
+pub fn tilts(p: &[f64; 14]) -> KnownFive {
     let axes = KnownAxes::ReferenceTilts([p[2].sin() * p[0].sin(), p[2].sin() * p[0].cos(), p[1]]);
-    Known { axes, ..reference(p) }
+    KnownFive { axes, ..reference(p) }
 }
 
 /// The test instrument's own five, without uncertainty.
-pub fn test(p: &[f64; 14]) -> Known {
+pub fn test(p: &[f64; 14]) -> KnownFive {
     let [x, y, z] = test_axes(p);
     let axes = KnownAxes::Test([x.dot(&y), y.dot(&z), x.dot(&z)]);
-    Known { axes, ratios: [p[12], p[13]], covariance: SMatrix::zeros() }
+    KnownFive { axes, ratios: [p[12], p[13]], covariance: SMatrix::zeros() }
 }

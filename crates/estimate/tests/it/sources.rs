@@ -3,7 +3,7 @@
 use crate::sequence;
 
 use estimate::cross_spectrum::CrossSpectra;
-use estimate::sources::{Known, Mixture, Sources, fit};
+use estimate::sources::{KnownNoise, Mixture, Sources, fit};
 use estimate::whittle::Estimate;
 use sequence::Sequence;
 use serde_json::Value;
@@ -58,7 +58,7 @@ fn noises_of_scipy() {
 
     let [log, alpha, white] = numbers(&reference["known"])[..] else { panic!("three numbers") };
     let density = |f: &f64| log.exp() * f.powf(-alpha) + 2.0 * step_s * white.exp();
-    let first = Known {
+    let first = KnownNoise {
         columns: columns(0)[..1].to_vec(),
         densities: vec![spectra.frequency_hz.iter().map(density).collect()],
         relative_std: reference["factor_std"].as_f64().expect("a std"),

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::corpus::Corpus;
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// A change: whether it could be made here.
 pub type Change = fn(&mut Value, &Context<'_>, &mut Draw) -> bool;
@@ -14,5 +14,5 @@ pub struct Context<'a> {
     /// All files.
     pub corpus: &'a Corpus,
     /// What is changed.
-    pub kind: Kind,
+    pub kind: FileKind,
 }

@@ -6,7 +6,7 @@ use super::change::{Change, Context};
 use super::{columns, pointers, recordings, values};
 use crate::corpus::Corpus;
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// A key that no version knows.
 pub const UNKNOWN: &str = "nobody_knows";
@@ -40,7 +40,7 @@ const CHANGES: [(usize, (&str, Change)); 24] = [
 ];
 
 /// Makes one change, and says which. Absent: none of several could be made.
-pub fn edit(value: &mut Value, kind: Kind, corpus: &Corpus, draw: &mut Draw) -> Option<&'static str> {
+pub fn edit(value: &mut Value, kind: FileKind, corpus: &Corpus, draw: &mut Draw) -> Option<&'static str> {
     let context = Context { corpus, kind };
     (0..8).find_map(|_| {
         let (name, change) = *draw.weighted(&CHANGES);

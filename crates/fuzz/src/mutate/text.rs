@@ -1,7 +1,7 @@
 //! Changes to lines of text: tables, an observatory's days, and the text of JSON.
 
 use crate::draw::Draw;
-use crate::kind::Kind;
+use crate::kind::FileKind;
 
 /// What somebody's program writes into a cell.
 const CELLS: [&str; 32] = [
@@ -58,7 +58,7 @@ const LITERALS: [&str; 14] = [
 ];
 
 /// Makes one change, and says which.
-pub fn edit(bytes: &mut Vec<u8>, kind: Kind, draw: &mut Draw) -> &'static str {
+pub fn edit(bytes: &mut Vec<u8>, kind: FileKind, draw: &mut Draw) -> &'static str {
     let mut lines: Vec<Vec<u8>> = bytes.split(|byte| *byte == b'\n').map(<[u8]>::to_vec).collect();
     let (one, other) = (draw.below(lines.len()), draw.below(lines.len()));
     let done = match draw.below(16) {
@@ -96,7 +96,7 @@ pub fn edit(bytes: &mut Vec<u8>, kind: Kind, draw: &mut Draw) -> &'static str {
             replace(bytes, *draw.of(b",;\t |"), *draw.of(b",;\t |."));
             return "another separator";
         }
-        8 if !kind.is_json() && kind != Kind::Iaga => {
+        8 if !kind.is_json() && kind != FileKind::Iaga => {
             exchange(&mut lines, separator(bytes), draw);
             "columns exchanged"
         }
@@ -134,8 +134,8 @@ fn exchange(lines: &mut [Vec<u8>], separator: u8, draw: &mut Draw) {
 }
 
 /// A cell, a number of JSON text, or as many columns of a fixed width.
-fn cell(line: &mut Vec<u8>, kind: Kind, separator: u8, draw: &mut Draw) {
-    if kind.is_json() || kind == Kind::Ndjson {
+fn cell(line: &mut Vec<u8>, kind: FileKind, separator: u8, draw: &mut Draw) {
+    if kind.is_json() || kind == FileKind::Ndjson {
         let is_number = |byte: &u8| byte.is_ascii_digit() || b"+-.eE".contains(byte);
         let starts: Vec<usize> = (0..line.len())
             .filter(|at| line[*at].is_ascii_digit() && (*at == 0 || !is_number(&line[at - 1])))
@@ -146,7 +146,7 @@ fn cell(line: &mut Vec<u8>, kind: Kind, separator: u8, draw: &mut Draw) {
         }
         return;
     }
-    if kind == Kind::Iaga {
+    if kind == FileKind::Iaga {
         let text = if draw.chance(50) { draw.of(&CELLS).as_bytes() } else { b"99999.00".as_slice() };
         let start = draw.below(line.len() + 1);
         let end = (start + text.len()).min(line.len());
@@ -172,7 +172,7 @@ mod tests {
     #[test]
     fn any_text_will_do() {
         let mut draw = Draw::new(1, 1);
-        for kind in [Kind::Csv, Kind::Iaga, Kind::Ndjson, Kind::Document] {
+        for kind in [FileKind::Csv, FileKind::Iaga, FileKind::Ndjson, FileKind::Document] {
             for text in ["", "\n", "a,b\n1,2\n", "{\"a\": -1.5e3}\n"] {
                 for _ in 0..200 {
                     edit(&mut text.as_bytes().to_vec(), kind, &mut draw);

@@ -9,7 +9,7 @@ use super::notation::{Notation, is_missing};
 use crate::Error;
 use crate::cdf;
 use crate::clock;
-use crate::mapping::From;
+use crate::mapping::SourceColumn;
 use crate::text::{Source, lines};
 
 /// Rows that are looked at.
@@ -20,7 +20,7 @@ pub struct Sample {
     /// How text is written; the usual one for other formats.
     pub notation: Notation,
     /// How the mapping names each column.
-    pub from: Vec<From>,
+    pub from: Vec<SourceColumn>,
     /// Names as people read them; empty where there are none.
     pub names: Vec<String>,
     /// Units that stand below the names, where a line holds them.
@@ -57,7 +57,7 @@ impl Sample {
         }
     }
 
-    fn new(notation: Notation, from: Vec<From>, names: Vec<String>, cells: Vec<Vec<String>>) -> Self {
+    fn new(notation: Notation, from: Vec<SourceColumn>, names: Vec<String>, cells: Vec<Vec<String>>) -> Self {
         let kinds = cells.iter().map(|column| kind(column, &notation)).collect();
         let units = notation.units.clone().unwrap_or_else(|| vec![None; names.len()]);
         Sample { notation, from, names, units, cells, kinds }
@@ -74,7 +74,7 @@ impl Sample {
             |name: &String| names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty();
         let from = names.iter().enumerate().map(|(index, name)| {
             let number = NonZeroUsize::MIN.saturating_add(index);
-            if alone(name) { From::Name(name.clone()) } else { From::Number(number) }
+            if alone(name) { SourceColumn::Name(name.clone()) } else { SourceColumn::Number(number) }
         });
         let from = from.collect();
         let cells = (0..width).map(|column| {
@@ -108,7 +108,7 @@ impl Sample {
             Some(other) => other.to_string(),
         };
         let cells = names.iter().map(|name| objects.iter().map(|object| cell(object.get(name))).collect());
-        let (cells, from) = (cells.collect(), names.iter().cloned().map(From::Name).collect());
+        let (cells, from) = (cells.collect(), names.iter().cloned().map(SourceColumn::Name).collect());
         let mut sample = Self::new(Notation::usual(), from, names, cells);
         // A number in quotes is text here.
         for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
@@ -135,7 +135,7 @@ impl Sample {
         let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
         let numbers = table.columns.iter().map(|column| column.values.iter().take(ROWS).map(cell).collect());
         let cells = table.moments.iter().map(|_| Vec::new()).chain(numbers).collect();
-        let from = names.iter().cloned().map(From::Name).collect();
+        let from = names.iter().cloned().map(SourceColumn::Name).collect();
         Ok(Sample { notation: Notation::usual(), from, names, units, cells, kinds })
     }
 
@@ -155,8 +155,12 @@ impl Sample {
         let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
         let cells = values.iter().map(|column| column.iter().take(ROWS).map(cell).collect()).collect();
         let names: Vec<String> = wanted.iter().map(|name| name.to_string()).collect();
-        let mut sample =
-            Self::new(Notation::usual(), names.iter().cloned().map(From::Name).collect(), names, cells);
+        let mut sample = Self::new(
+            Notation::usual(),
+            names.iter().cloned().map(SourceColumn::Name).collect(),
+            names,
+            cells,
+        );
         for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
             if columns.iter().any(|(known, kind)| known == name && *kind == ColumnKind::Time) {
                 *kind = Cells::Moments;

@@ -61,7 +61,7 @@ pub fn guess(sample: &Sample, file_name: &str, guess: &mut Guess) -> Vec<usize> 
     Vec::new()
 }
 
-type Found = Option<(Vec<usize>, TimeMapping)>;
+type GuessedTime = Option<(Vec<usize>, TimeMapping)>;
 
 fn of(format: &str) -> TimeMapping {
     TimeMapping { format: format.into(), ..TimeMapping::default() }
@@ -86,7 +86,7 @@ fn there(sample: &Sample, column: usize) -> impl Iterator<Item = &str> {
     sample.cells[column].iter().map(|cell| cell.trim()).filter(|cell| !cell.is_empty())
 }
 
-fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let column =
         columns_of(sample, Cells::Iso).find(|column| there(sample, *column).any(|cell| cell.len() > 10))?;
     let zoned = |cell: &str| crate::clock::iso(cell.as_bytes()).is_some_and(|stamp| stamp.ahead_s.is_some());
@@ -96,7 +96,7 @@ fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
     Some((vec![column], if all_zoned { mapping } else { without_zone(sample, column, mapping, guess) }))
 }
 
-fn moment(sample: &Sample, _: &str, _: &mut Guess) -> Found {
+fn moment(sample: &Sample, _: &str, _: &mut Guess) -> GuessedTime {
     // Parquet's are read as seconds; a CDF's are moments whatever is said.
     columns_of(sample, Cells::Moments).next().map(|column| (vec![column], of("unix_s")))
 }
@@ -123,7 +123,7 @@ fn chosen(fitting: Vec<String>, name: &str, guess: &mut Guess) -> Option<String>
     fitting.into_iter().next()
 }
 
-fn one_pattern(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+fn one_pattern(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let joined = |date: &&str| TIMES.map(|time| [format!("{date} {time}"), format!("{date}T{time}")]);
     let patterns: Vec<String> = DATES.iter().flat_map(joined).flatten().collect();
     columns_of(sample, Cells::Text).find_map(|column| {
@@ -143,7 +143,7 @@ fn since_1970(values: &[f64]) -> Option<&'static str> {
     found.map(|(format, _)| format)
 }
 
-fn number(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+fn number(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let nameless = sample.names.iter().all(String::is_empty);
     let named = |column: &usize| {
         let name = plain(&sample.names[*column]);
@@ -186,7 +186,7 @@ const SINCE_MIDNIGHT: [(&str, &str); 9] = [
 ];
 
 /// A number since midnight, with the day in another column or in the file's name.
-fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
+fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> GuessedTime {
     let (column, format) = columns_of(sample, Cells::Numbers).find_map(|column| {
         let name = plain(&sample.names[column]);
         let (_, format) = SINCE_MIDNIGHT.iter().find(|(known, _)| *known == name)?;
@@ -219,7 +219,7 @@ fn day(sample: &Sample, guess: &mut Guess) -> Option<(Vec<usize>, String)> {
 }
 
 /// Numbers that rise evenly, whatever their column is called.
-fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let column =
         columns_of(sample, Cells::Numbers).find(|column| content::rises_evenly(&sample.numbers(*column)))?;
     let format = since_1970(&sample.numbers(column)).unwrap_or("seconds");
@@ -234,7 +234,7 @@ fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
 }
 
 /// A date and a time of day in columns of their own, or year and day of the year.
-fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
+fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let patterns = |all: &[&str]| all.iter().map(|pattern| pattern.to_string()).collect::<Vec<_>>();
     let named = |wanted: &[&str]| {
         (0..sample.names.len()).find(|column| wanted.contains(&plain(&sample.names[*column]).as_str()))
@@ -271,7 +271,7 @@ fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> Found {
 }
 
 /// The time of day alone; the date must be in the file's name.
-fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> Found {
+fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> GuessedTime {
     let times = TIMES.map(str::to_string);
     let column =
         columns_of(sample, Cells::Text).find(|column| !fitting(&sample.cells[*column], &times).is_empty());

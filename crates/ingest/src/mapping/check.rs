@@ -4,7 +4,7 @@ use common::Error as Fault;
 use common::number::bare;
 use std::collections::HashSet;
 
-use super::{ColumnMapping, FORMATS, From, Mapping, TimeMapping};
+use super::{ColumnMapping, FORMATS, Mapping, SourceColumn, TimeMapping};
 use crate::clock::{SECOND_NS, Zone};
 use crate::units::{self, Conversion};
 
@@ -57,7 +57,7 @@ impl Mapping {
         if let Some(time) = &self.time {
             time.check()?;
         }
-        let mut sources: HashSet<&From> = self.time.iter().flat_map(|time| &time.columns).collect();
+        let mut sources: HashSet<&SourceColumn> = self.time.iter().flat_map(|time| &time.columns).collect();
         let mut names = HashSet::new();
         for (index, column) in self.columns.iter().enumerate() {
             column.check(&format!("columns[{index}]"))?;

@@ -7,7 +7,7 @@ use super::pair::Drift;
 use crate::Error;
 use crate::affine::{Affine, least_squares, rms_of_each, scatter_of_each};
 use crate::by_hand_pair;
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::page::{Page, array, three, verdict};
 use crate::prediction::Prediction;
 use crate::series::{Series, length};
@@ -138,7 +138,7 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
                 effect["effect"].as_str().is_some_and(|name| name.starts_with("offset_temperature"))
             });
             let axes = warm.filter_map(|effect| effect["sensor"].as_str()).collect::<BTreeSet<_>>().len();
-            page.known.push(Known {
+            page.known.push(KnownFact {
                 from: "the balloon's way back, by least squares",
                 what: "the two go apart with the temperature of the die, and not with time",
                 stage: "diagnose",

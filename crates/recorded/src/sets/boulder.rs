@@ -6,7 +6,7 @@ use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
 use crate::affine::{Affine, rms_of_each, scatter_of_each};
 use crate::by_hand_pair;
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::page::{Page, plus_minus, three};
 use crate::prediction::Prediction;
 use crate::series::{Series, length, mean, rms};
@@ -51,7 +51,7 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
                 programs_nt: Some(scatter_of_each(&found.differences(&split.left_out)).to_vec()),
                 ..Prediction::default()
             });
-            page.known.push(Known {
+            page.known.push(KnownFact {
                 from: "the survey's notes",
                 what: "adjusted data are raw data times one matrix, rounded to 0.01 nT",
                 stage: "diffmag",

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::page::{Page, array, plus_minus, three, verdict};
 use crate::series::{Series, mean, rms};
 use crate::stages::Stages;
@@ -79,7 +79,7 @@ pub fn square_wave(stages: &Stages) -> Result<Page, Error> {
                     effect["effect"] == "spike" && time.as_f64().or(time["value"].as_f64()) == Some(0.0)
                 };
                 let found = array(&document["diagnosis"][0]["effects"]).filter(first).count();
-                page.known.push(Known {
+                page.known.push(KnownFact {
                     from: "notes of the square wave",
                     what: "the logger's first row is a start-up artefact",
                     stage: "diagnose",
@@ -149,7 +149,7 @@ pub fn gradiometer(stages: &Stages) -> Result<Page, Error> {
         }
     }
     if let [empty, foil] = &told[..] {
-        page.known.push(Known {
+        page.known.push(KnownFact {
             from: "notes of the gradiometer",
             what: "a magnetised foil in one scan, the holder empty in the other",
             stage: "diagnose",

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::pair::{self, Pair};
 use crate::Error;
 use crate::affine::Affine;
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::page::{Page, array, three};
 use crate::series::{Series, length};
 use crate::split::{Split, longest_part};
@@ -66,7 +66,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
     };
     let document = pair::study(stages, &mut page, &pair)?;
     if let Some(document) = &document {
-        page.known.push(Known {
+        page.known.push(KnownFact {
             from: "notes of Conrad",
             what: "the LEMI passes 0.3 Hz at most, the FGE 1 Hz",
             stage: "diffmag",
@@ -109,7 +109,7 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         let clock = &document["calibration"]["differential"]["fit"]["clock"];
         let offset = &clock["offset_s"];
         let (value, std) = (offset["value"].as_f64(), offset["std"].as_f64());
-        page.known.push(Known {
+        page.known.push(KnownFact {
             from: "notes of Cobenzl",
             what: "the LEMI stamps the minutes of 15 to 105 s, whose middle is 60 s, at 47 s: 13 s early",
             stage: "diffmag",
@@ -150,7 +150,7 @@ pub fn meson_hall(stages: &Stages) -> Result<Page, Error> {
         instrument(&whole, "test").recording("test", "differential"),
     ];
     if let Ok(document) = stages.stage("diffmag", &[], all, &json!({}))? {
-        page.known.push(Known {
+        page.known.push(KnownFact {
             from: "notes of the Meson Hall",
             what: "the fluxgates are metres apart in a strong gradient: no common field, no one matrix",
             stage: "diffmag",

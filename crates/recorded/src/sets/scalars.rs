@@ -5,7 +5,7 @@ use std::fs;
 
 use super::scalar::{self, PLANE, Scalar};
 use crate::Error;
-use crate::known::Known;
+use crate::known::KnownFact;
 use crate::page::{Page, array, quantity, three};
 use crate::series::{Series, mean, rms};
 use crate::split::Split;
@@ -166,7 +166,7 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
             let clock = |effect: &&Value| effect["effect"] == "clock_offset";
             let found = array(&document["diagnosis"][0]["effects"]).find(clock);
             let offset = found.map(|effect| quantity(&effect["parameters"]["offset_s"]));
-            page.known.push(Known {
+            page.known.push(KnownFact {
                 from: "the field at Cobenzl, by shifts of the clock",
                 what: "the proton magnetometer's own clock is off by half a minute and more; 9 September by that clock",
                 stage: "diagnose",

@@ -11,8 +11,8 @@ use super::directions::Directions;
 use super::joint::Joint;
 use super::range::calibrated_nt;
 use super::temperature::{Part, asked};
-use super::verdict::{Found, Missing, Rule, Shown};
-use super::{Kind, Requirement};
+use super::verdict::{Missing, Rule, Shown, ShownValue};
+use super::{Requirement, RequirementKind};
 use sensor::{Case, Sensor};
 
 /// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
@@ -32,7 +32,7 @@ pub fn accuracy(of: (&Document, &Joint), requirement: &Requirement, rule: Rule) 
         Ok(budget) => budget,
         Err(missing) => return vec![Err(missing)],
     };
-    let factor = rule.factor(Kind::AbsoluteAccuracyNt.side());
+    let factor = rule.factor(RequirementKind::AbsoluteAccuracyNt.side());
     Axis::ALL.map(|axis| Ok(budget.worst(axis, factor))).into()
 }
 
@@ -143,7 +143,7 @@ impl Budget {
     }
 
     /// Where |e| + k u of a component is largest.
-    fn worst(&self, axis: Axis, factor: f64) -> Found {
+    fn worst(&self, axis: Axis, factor: f64) -> ShownValue {
         let mut worst: Option<(f64, ComponentError, Case)> = None;
         for field in directions().map(|direction| self.within(direction)) {
             for warmer in &self.warmer {
@@ -158,7 +158,7 @@ impl Budget {
         let (value, std, how) = worst.map_or((0.0, 0.0, String::new()), |(size, error, case)| {
             (error.bias, error.std, words(size, &self.terms(&error), &case))
         });
-        Found { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
+        ShownValue { of: format!("component {axis}"), value, std, gaps: self.gaps.clone(), how }
     }
 
     /// The field in a direction: as large as asked, or as the sensors were calibrated in.

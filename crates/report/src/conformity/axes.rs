@@ -6,7 +6,7 @@ use physics::frames::{ARCSEC, angle, matrix};
 use super::directions::Directions;
 use super::joint::Joint;
 use super::temperature::{Part, asked};
-use super::verdict::{Found, Missing, Shown};
+use super::verdict::{Missing, Shown, ShownValue};
 use super::{Requirement, each_sensor, sensor_name};
 
 const PAIRS: [(Axis, Axis); 3] = [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)];
@@ -24,7 +24,7 @@ pub fn orthogonality(document: &Document, joint: &Joint) -> Vec<Shown> {
         let mut weights = [Vector3::zeros(); 3];
         (weights[i.index()], weights[j.index()]) = (other, own);
         let std = directions.variance(&weights).sqrt() / (1.0 - sine * sine).sqrt().max(f64::EPSILON);
-        Ok(Found {
+        Ok(ShownValue {
             of: format!("sensors {i} and {j}"),
             value: sine.asin().to_degrees(),
             std: std.to_degrees(),
@@ -77,7 +77,7 @@ fn each_direction(
     };
     let found = |axis: Axis| {
         let (value, std, how) = one(&directions, axis);
-        Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
+        Ok(ShownValue { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
     };
     Axis::ALL.map(found).into()
 }
@@ -99,7 +99,7 @@ pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<S
         let std = a.std().zip(b.std()).map(|(a, b)| a.max(b));
         let std = std
             .ok_or_else(|| missing("`axis_temperature` of the model has no uncertainty; state one".into()))?;
-        Ok(Found {
+        Ok(ShownValue {
             of: sensor_name(axis),
             value: a.value().hypot(b.value()) * far,
             std: std * far,

@@ -1,7 +1,7 @@
 use common::number::{bare, duration, p_value, significant};
 use common::{Axis, Document, SensorNoise};
 
-use super::verdict::{Found, Missing, Shown};
+use super::verdict::{Missing, Shown, ShownValue};
 use super::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability the spectrum is not of the form that is integrated.
@@ -75,7 +75,7 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
     } else {
         "no noise was found".into()
     };
-    Ok(Found { of: sensor_name(axis), value, std: together(changes, correlation(noise)), gaps, how })
+    Ok(ShownValue { of: sensor_name(axis), value, std: together(changes, correlation(noise)), gaps, how })
 }
 
 /// Correlations of A, α and w, where the document states their covariance.

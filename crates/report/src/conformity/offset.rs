@@ -3,7 +3,7 @@ use common::{Axis, Document, OffsetDrift, Quantity};
 
 use super::joint::Joint;
 use super::temperature::{Coefficients, Part, asked};
-use super::verdict::{Found, Missing, Shown, normal_std};
+use super::verdict::{Missing, Shown, ShownValue, normal_std};
 use super::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability a yearly term is more than chance.
@@ -21,7 +21,7 @@ pub fn stability(document: &Document, joint: &Joint, requirement: &Requirement) 
 fn one((document, joint): (&Document, &Joint), requirement: &Requirement, axis: Axis) -> Shown {
     let missing = |why: String| Missing { of: sensor_name(axis), why };
     let mut found =
-        Found { of: sensor_name(axis), value: 0.0, std: 0.0, gaps: Vec::new(), how: String::new() };
+        ShownValue { of: sensor_name(axis), value: 0.0, std: 0.0, gaps: Vec::new(), how: String::new() };
     let mut how = Vec::new();
     let mut parts = Vec::new();
     for (part, range) in [

@@ -1,7 +1,7 @@
 use common::number::{significant, uncertain};
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
-use super::verdict::{Found, Missing, Shown, normal_std};
+use super::verdict::{Missing, Shown, ShownValue, normal_std};
 use super::{each_sensor, sensor_name};
 
 /// Declared and found widths of a code that differ by more than this share are told.
@@ -37,7 +37,7 @@ fn one_range(document: &Document, axis: Axis, (end, side): (usize, &str)) -> Sho
         }
     };
     let std = value * relative * normal_std(1.0, fit.noise.coverage_factor_95);
-    Ok(Found { of, value, std, gaps, how: how.into() })
+    Ok(ShownValue { of, value, std, gaps, how: how.into() })
 }
 
 /// The largest fields of either sign that a sensor followed in its calibration, as magnitudes, nT.
@@ -80,7 +80,7 @@ fn one_resolution(document: &Document, axis: Axis) -> Shown {
         }
     };
     let std = value * sensor(document, axis).and_then(relative_std).unwrap_or(0.0);
-    Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
+    Ok(ShownValue { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
 }
 
 /// Width of a code, nT: as declared (times k), and the largest that the noise recordings show.
@@ -120,7 +120,7 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
         let std = value * lag_std / lag.value();
         let how =
             format!("the loop follows with a lag of {} ms", uncertain(lag.value() * 1e3, lag_std * 1e3));
-        return Ok(Found { of: sensor_name(axis), value, std, gaps: Vec::new(), how });
+        return Ok(ShownValue { of: sensor_name(axis), value, std, gaps: Vec::new(), how });
     }
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let phases = axes.iter().flat_map(|axes| &axes.phases).filter(|phase| phase.sensor == axis);
@@ -128,7 +128,7 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
         of: sensor_name(axis),
         why: "no coil was driven with AC; `axes_orientation` with `conditions.drive_hz` up to the limit would show it".into(),
     })?;
-    Ok(Found {
+    Ok(ShownValue {
         of: sensor_name(axis),
         value: fastest.drive_hz,
         std: 0.0,

@@ -37,7 +37,7 @@ fn one_sided_95() -> f64 {
 #[serde(deny_unknown_fields)]
 pub struct Requirement {
     /// What is required.
-    pub kind: Kind,
+    pub kind: RequirementKind,
     /// The limit, in the unit at the end of the kind's name.
     pub limit: f64,
     /// The requirement in a few words.
@@ -75,7 +75,7 @@ pub struct Requirement {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum RequirementKind {
     /// How far the angle between two sensors may be from 90°.
     OrthogonalityDeg,
     /// Standard uncertainty of the directions of the sensors.
@@ -126,29 +126,31 @@ enum Belongs {
     Must,
 }
 
-impl Kind {
+impl RequirementKind {
     /// The kind as it is written.
     pub fn name(self) -> &'static str {
         match self {
-            Kind::OrthogonalityDeg => "orthogonality_deg",
-            Kind::AxesArcsec => "axes_arcsec",
-            Kind::AxesFromNominalArcsec => "axes_from_nominal_arcsec",
-            Kind::AxesOverTemperatureArcsec => "axes_over_temperature_arcsec",
-            Kind::RangeNt => "range_nt",
-            Kind::ResolutionNt => "resolution_nt",
-            Kind::BandwidthHz => "bandwidth_hz",
-            Kind::NoiseZeroToPeakNt => "noise_zero_to_peak_nt",
-            Kind::OffsetStabilityNt => "offset_stability_nt",
-            Kind::AbsoluteAccuracyNt => "absolute_accuracy_nt",
+            RequirementKind::OrthogonalityDeg => "orthogonality_deg",
+            RequirementKind::AxesArcsec => "axes_arcsec",
+            RequirementKind::AxesFromNominalArcsec => "axes_from_nominal_arcsec",
+            RequirementKind::AxesOverTemperatureArcsec => "axes_over_temperature_arcsec",
+            RequirementKind::RangeNt => "range_nt",
+            RequirementKind::ResolutionNt => "resolution_nt",
+            RequirementKind::BandwidthHz => "bandwidth_hz",
+            RequirementKind::NoiseZeroToPeakNt => "noise_zero_to_peak_nt",
+            RequirementKind::OffsetStabilityNt => "offset_stability_nt",
+            RequirementKind::AbsoluteAccuracyNt => "absolute_accuracy_nt",
         }
     }
 
     /// The unit of limit and value.
     pub fn unit(self) -> &'static str {
         match self {
-            Kind::OrthogonalityDeg => "deg",
-            Kind::AxesArcsec | Kind::AxesFromNominalArcsec | Kind::AxesOverTemperatureArcsec => "arcsec",
-            Kind::BandwidthHz => "Hz",
+            RequirementKind::OrthogonalityDeg => "deg",
+            RequirementKind::AxesArcsec
+            | RequirementKind::AxesFromNominalArcsec
+            | RequirementKind::AxesOverTemperatureArcsec => "arcsec",
+            RequirementKind::BandwidthHz => "Hz",
             _ => "nT",
         }
     }
@@ -156,12 +158,12 @@ impl Kind {
     fn belongs(self, condition: &str) -> Belongs {
         use Belongs::{May, Must, No};
         match (self, condition) {
-            (Kind::NoiseZeroToPeakNt, "band_hz" | "over_s") => Must,
-            (Kind::AxesOverTemperatureArcsec, "sensor_temperature_c") => Must,
-            (Kind::AbsoluteAccuracyNt, "range_nt") => Must,
-            (Kind::AxesFromNominalArcsec, "nominal_matrix" | "nominal_std_arcsec") => May,
+            (RequirementKind::NoiseZeroToPeakNt, "band_hz" | "over_s") => Must,
+            (RequirementKind::AxesOverTemperatureArcsec, "sensor_temperature_c") => Must,
+            (RequirementKind::AbsoluteAccuracyNt, "range_nt") => Must,
+            (RequirementKind::AxesFromNominalArcsec, "nominal_matrix" | "nominal_std_arcsec") => May,
             (
-                Kind::OffsetStabilityNt | Kind::AbsoluteAccuracyNt,
+                RequirementKind::OffsetStabilityNt | RequirementKind::AbsoluteAccuracyNt,
                 "sensor_temperature_c" | "electronics_temperature_c" | "years",
             ) => May,
             _ => No,
@@ -268,7 +270,7 @@ impl Requirement {
             self.electronics_temperature_c.is_some(),
             self.years.is_some(),
         ];
-        if self.kind == Kind::OffsetStabilityNt && !asks.contains(&true) {
+        if self.kind == RequirementKind::OffsetStabilityNt && !asks.contains(&true) {
             return Err(Error::document(
                 path,
                 format!("`{kind}` with neither temperatures nor years"),

@@ -1,6 +1,6 @@
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::Kind;
+use super::RequirementKind;
 
 /// What is said of a requirement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,12 +35,14 @@ pub enum Side {
     Above,
 }
 
-impl Kind {
+impl RequirementKind {
     /// On which side of its limit it is met.
     pub fn side(self) -> Side {
         match self {
-            Kind::RangeNt | Kind::BandwidthHz => Side::Above,
-            Kind::OrthogonalityDeg | Kind::OffsetStabilityNt | Kind::AbsoluteAccuracyNt => Side::Within,
+            RequirementKind::RangeNt | RequirementKind::BandwidthHz => Side::Above,
+            RequirementKind::OrthogonalityDeg
+            | RequirementKind::OffsetStabilityNt
+            | RequirementKind::AbsoluteAccuracyNt => Side::Within,
             _ => Side::Below,
         }
     }
@@ -48,7 +50,7 @@ impl Kind {
 
 /// What the document shows of one sensor, pair or component.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct ShownValue {
     /// Of what.
     pub of: String,
     /// The value, in the requirement's unit.
@@ -71,7 +73,7 @@ pub struct Missing {
 }
 
 /// A value or what is missing for it.
-pub type Shown = Result<Found, Missing>;
+pub type Shown = Result<ShownValue, Missing>;
 
 /// The decision rule (JCGM 106:2012, section 8.3; ILAC-G8:09/2019): a guard band of k standard uncertainties on either side of
 /// the limit.
@@ -99,13 +101,13 @@ impl Rule {
 
     /// What is left to the limit when the guard band is taken off: L − |v| − k u, and v − L − k u where the requirement is met
     /// above its limit.
-    pub fn margin(self, side: Side, limit: f64, found: &Found) -> f64 {
+    pub fn margin(self, side: Side, limit: f64, found: &ShownValue) -> f64 {
         room(side, limit, found) - self.factor(side) * found.std
     }
 
     /// Pass where the margin is not negative: |v| + k u ≤ L. Fail where |v| − k u > L. Else not shown. A value that may be
     /// larger than what was seen passes no limit from below, and fails none from above.
-    pub fn verdict(self, side: Side, limit: f64, found: &Found) -> Verdict {
+    pub fn verdict(self, side: Side, limit: f64, found: &ShownValue) -> Verdict {
         let guard = self.factor(side) * found.std;
         let room = room(side, limit, found);
         let whole = found.gaps.is_empty();
@@ -119,7 +121,7 @@ impl Rule {
     }
 }
 
-fn room(side: Side, limit: f64, found: &Found) -> f64 {
+fn room(side: Side, limit: f64, found: &ShownValue) -> f64 {
     match side {
         Side::Above => found.value - limit,
         Side::Below | Side::Within => limit - found.value.abs(),
@@ -137,9 +139,9 @@ pub fn normal_std(std: f64, coverage_factor_95: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn found(value: f64, std: f64, gap: bool) -> Found {
+    fn found(value: f64, std: f64, gap: bool) -> ShownValue {
         let gaps = if gap { vec!["half of it".into()] } else { Vec::new() };
-        Found { of: "x".into(), value, std, gaps, how: String::new() }
+        ShownValue { of: "x".into(), value, std, gaps, how: String::new() }
     }
 
     const RULE: Rule = Rule { factor: 1.645 };

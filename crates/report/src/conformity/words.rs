@@ -1,7 +1,7 @@
 use common::Document;
 
-use super::verdict::{Found, Missing, Rule, Side, Verdict};
-use super::{ID, Judged, Kind, Requirement, Spec, judge};
+use super::verdict::{Missing, Rule, ShownValue, Side, Verdict};
+use super::{ID, Judged, Requirement, RequirementKind, Spec, judge};
 use crate::number::{bare, counted, significant, uncertain};
 use crate::{Cell, Effect, Error, Finding, Item, Section, Table};
 
@@ -92,12 +92,12 @@ fn limit(requirement: &Requirement) -> String {
     format!("{sign} {}", bare(requirement.limit))
 }
 
-fn decisive<'a>(one: &'a Judged<'_>) -> Option<&'a Found> {
+fn decisive<'a>(one: &'a Judged<'_>) -> Option<&'a ShownValue> {
     one.shown.get(one.decisive?)?.as_ref().ok()
 }
 
 /// A value that may be larger than what was seen says so.
-fn value(found: &Found) -> Cell {
+fn value(found: &ShownValue) -> Cell {
     if found.gaps.is_empty() {
         Cell::Uncertain { value: found.value, std: found.std }
     } else if found.std > 0.0 {
@@ -177,16 +177,16 @@ fn each(judged: &[Judged<'_>]) -> Table {
 /// What a value is, in a sentence.
 fn method(requirement: &Requirement) -> String {
     match requirement.kind {
-        Kind::OrthogonalityDeg => "90° less the angle between two sensors, u from the covariance of their directions".into(),
-        Kind::AxesArcsec => {
+        RequirementKind::OrthogonalityDeg => "90° less the angle between two sensors, u from the covariance of their directions".into(),
+        RequirementKind::AxesArcsec => {
             "largest standard uncertainty of a direction over all ways that it may turn; u is that of a standard deviation with the fit's degrees of freedom".into()
         }
-        Kind::AxesFromNominalArcsec => "angle between a sensor and its nominal direction".into(),
-        Kind::AxesOverTemperatureArcsec => "turn between the reference temperature and the farther end of the range".into(),
-        Kind::RangeNt => "largest field that a sensor followed in its calibration, in either direction".into(),
-        Kind::ResolutionNt => "width of a code of the converter".into(),
-        Kind::BandwidthHz => "frequency up to which a sensor follows the field".into(),
-        Kind::NoiseZeroToPeakNt => {
+        RequirementKind::AxesFromNominalArcsec => "angle between a sensor and its nominal direction".into(),
+        RequirementKind::AxesOverTemperatureArcsec => "turn between the reference temperature and the farther end of the range".into(),
+        RequirementKind::RangeNt => "largest field that a sensor followed in its calibration, in either direction".into(),
+        RequirementKind::ResolutionNt => "width of a code of the converter".into(),
+        RequirementKind::BandwidthHz => "frequency up to which a sensor follows the field".into(),
+        RequirementKind::NoiseZeroToPeakNt => {
             let [low, high] = requirement.band_hz.unwrap_or_default();
             format!(
                 "expected largest departure from the mean in {} s, in either direction and between samples too, of Gaussian noise with the spectrum that was fitted, \
@@ -196,7 +196,7 @@ fn method(requirement: &Requirement) -> String {
                 bare(high)
             )
         }
-        Kind::OffsetStabilityNt => {
+        RequirementKind::OffsetStabilityNt => {
             let warm = requirement.sensor_temperature_c.is_some() || requirement.electronics_temperature_c.is_some();
             let warm = warm.then_some("over the temperatures, from that at the reference");
             let years = requirement.years.map(|years| match years {
@@ -206,7 +206,7 @@ fn method(requirement: &Requirement) -> String {
             let over: Vec<&str> = warm.into_iter().chain(years.as_deref()).collect();
             format!("largest change of the offset {}", over.join(", and "))
         }
-        Kind::AbsoluteAccuracyNt => format!(
+        RequirementKind::AbsoluteAccuracyNt => format!(
             "error of a component in SEN of the field as it is corrected with this calibration, for fields in every direction up to {} nT; the value is what is known and \
              not corrected, u all the rest",
             bare(requirement.range_nt.unwrap_or_default())

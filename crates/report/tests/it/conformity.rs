@@ -1,7 +1,7 @@
 //! The statement of conformity: against numbers made in SciPy, by hand, and as it stands.
 
 use common::{Axis, Document};
-use report::conformity::{self, Found, Judged, Kind, Shown, Spec, Verdict};
+use report::conformity::{self, Judged, RequirementKind, Shown, ShownValue, Spec, Verdict};
 use report::{Page, text};
 use serde_json::{Value, json};
 use std::fs;
@@ -37,7 +37,7 @@ fn judged<'a>(document: &Document, spec: &'a Spec) -> Vec<Judged<'a>> {
     conformity::judge(document, spec).expect("judged")
 }
 
-fn found(shown: &Shown) -> &Found {
+fn found(shown: &Shown) -> &ShownValue {
     shown.as_ref().unwrap_or_else(|missing| panic!("{missing:?}"))
 }
 
@@ -53,12 +53,12 @@ fn values_and_uncertainties_are_those_of_draws_in_numpy() {
         serde_json::from_str(&testkit::read_fixture("reference/certificate.json")).expect("JSON");
     let (document, spec) = (document(&calibrated()), spec(&magsat()));
     let all = judged(&document, &spec);
-    let of = |kind: Kind, years: bool| {
+    let of = |kind: RequirementKind, years: bool| {
         let one =
             all.iter().find(|one| one.requirement.kind == kind && one.requirement.years.is_some() == years);
         one.expect("a requirement").shown.iter().map(found).collect::<Vec<_>>()
     };
-    let pairs = |key: &str, found: Vec<&Found>, of_value: f64, of_std: f64| {
+    let pairs = |key: &str, found: Vec<&ShownValue>, of_value: f64, of_std: f64| {
         let expected = reference["calibrated"][key].as_array().expect("a list");
         assert_eq!(expected.len(), found.len(), "{key}");
         for (expected, found) in expected.iter().zip(found) {
@@ -76,15 +76,15 @@ fn values_and_uncertainties_are_those_of_draws_in_numpy() {
         }
     };
     // The spread of 20 000 draws is known to 0.5 %; the largest of the two ways to turn is a little high in draws.
-    pairs("orthogonality_deg", of(Kind::OrthogonalityDeg, false), 1e-9, 0.015);
-    pairs("axes_arcsec", of(Kind::AxesArcsec, false), 0.015, 0.015);
-    pairs("offset_over_temperature_nt", of(Kind::OffsetStabilityNt, false), 1e-4, 0.015);
-    pairs("offset_over_year_nt", of(Kind::OffsetStabilityNt, true), 1e-9, 1e-9);
+    pairs("orthogonality_deg", of(RequirementKind::OrthogonalityDeg, false), 1e-9, 0.015);
+    pairs("axes_arcsec", of(RequirementKind::AxesArcsec, false), 0.015, 0.015);
+    pairs("offset_over_temperature_nt", of(RequirementKind::OffsetStabilityNt, false), 1e-4, 0.015);
+    pairs("offset_over_year_nt", of(RequirementKind::OffsetStabilityNt, true), 1e-9, 1e-9);
     for (expected, found) in reference["calibrated"]["absolute_accuracy_nt"]
         .as_array()
         .expect("a list")
         .iter()
-        .zip(of(Kind::AbsoluteAccuracyNt, true))
+        .zip(of(RequirementKind::AbsoluteAccuracyNt, true))
     {
         // The worst of 157 places is not quite the worst of 2 006.
         let number = |key: &str| expected[key].as_f64().expect("a number");

@@ -9,7 +9,7 @@ use super::{Partial, memory};
 use crate::design::{Rows, Scales};
 use crate::ends::{self, At};
 use crate::factor::Factor;
-use crate::fit::{Found, Known, Sums, fit, variance};
+use crate::fit::{FittedState, PriorRows, Sums, fit, variance};
 use crate::kalman::WHITE;
 use crate::known::beforehand;
 use crate::model::{Model, Parameter, State};
@@ -87,7 +87,7 @@ fn solve(
     let reference = declared::reference_variance(document, true, &scales);
     let like = Basic::found(document, unit).mu;
     let beforehand = beforehand(document, unit, &scales, &model)?;
-    let (held, known) = (Known::new(), solve::used(&beforehand, options));
+    let (held, known) = (PriorRows::new(), solve::used(&beforehand, options));
     let starts = start::starts(document, unit, &scales, &model, &plain)?;
     let sums = Sums { plain: &plain, sensor, reference, held: &held };
     let series = vec![sample(partial)];
@@ -232,7 +232,7 @@ fn sample(partial: &Partial) -> Series {
 fn groups<'a>(
     windows: impl IntoIterator<Item = (&'a i64, &'a Window)>,
     model: &Model,
-    found: &Found,
+    found: &FittedState,
 ) -> Option<Groups> {
     let factors: Vec<([f64; 2], &Factor)> =
         windows.into_iter().map(|(_, window)| (window.span_s, &window.factor)).collect();
@@ -257,7 +257,7 @@ fn seen(
     let varies = product(whole, whole) - product(half, whole).powi(2) / product(half, half);
     let varies_nt = (4.0 * varies.max(0.0) / rows).sqrt() * scales.magnitude_nt;
     let mut findings: Vec<String> = checks::repeats(partial.repeated, partial.rows).into_iter().collect();
-    let about = |model: &Model, found: &Found| {
+    let about = |model: &Model, found: &FittedState| {
         if solved.form == WHITE {
             Groups::of_factors(&[([0.0; 2], &detail.plain)], model, found)
         } else {

@@ -12,7 +12,7 @@ use estimate::Svd;
 use faer::Mat;
 
 use crate::Error;
-use crate::fit::{Found, Known};
+use crate::fit::{FittedState, PriorRows};
 use crate::kalman::{Form, WHITE};
 use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::noise::{Groups, heaviest, mixture};
@@ -34,8 +34,8 @@ const NOISE_TAKES: f64 = 0.1;
 /// [`Error::Estimate`] where a decomposition fails.
 pub fn widen(
     groups: &Groups,
-    found: &mut Found,
-    (held, known): (&Known, &Known),
+    found: &mut FittedState,
+    (held, known): (&PriorRows, &PriorRows),
     (declared, magnitude_nt): (Option<Form>, f64),
 ) -> Result<Option<(Form, Noise)>, Error> {
     let Some(filtered) = groups.weighed(held, (declared.unwrap_or(WHITE), declared.is_none())) else {
@@ -43,7 +43,7 @@ pub fn widen(
     };
     let Some(white) = groups.linear(WHITE, found.variance, true) else { return Ok(None) };
     let heaviest = heaviest(&filtered);
-    let all: Known = held.iter().chain(known).cloned().collect();
+    let all: PriorRows = held.iter().chain(known).cloned().collect();
     let count = found.state.len();
     let plain = Svd::of(white.with(&all, &found.state).jacobian.as_ref(), RANK_TOLERANCE)?.covariance();
     if (0..count).any(|k| plain[(k, k)] < (1.0 - NOISE_TAKES) * found.covariance[(k, k)]) {
@@ -53,7 +53,7 @@ pub fn widen(
         .each_whitened(heaviest.form)
         .and_then(|windows| scatter(&windows, heaviest.variance, &all))
         .unwrap_or_else(|| vec![1.0; count]);
-    let moved = |known: &Known, own: &Mat<f64>, state: &[f64]| -> Result<_, Error> {
+    let moved = |known: &PriorRows, own: &Mat<f64>, state: &[f64]| -> Result<_, Error> {
         let mixture = mixture(&filtered, known, state)?;
         let white = Svd::of(white.with(known, state).jacobian.as_ref(), RANK_TOLERANCE)?;
         let full = mixture.full && white.rank() == state.len();
@@ -109,7 +109,7 @@ fn turn(to: &Mat<f64>, from: &Mat<f64>) -> Option<Mat<f64>> {
 }
 
 /// How many times as uncertain each parameter is by leaving out each window in turn, one at least; None for few windows.
-fn scatter(windows: &[Mat<f64>], variance: f64, known: &Known) -> Option<Vec<f64>> {
+fn scatter(windows: &[Mat<f64>], variance: f64, known: &PriorRows) -> Option<Vec<f64>> {
     let windows: Vec<Linear> = windows.iter().map(|upper| Linear::of(upper, variance)).collect();
     if windows.len() < FEWEST {
         return None;

@@ -1,0 +1,364 @@
+//! The clock of the test instrument against the reference's.
+
+mod columns;
+
+use common::{ClockDifference, Quantity};
+use estimate::resample::{PASSBAND, resample};
+use estimate::spectral::{self, Transform, Transformer, WeightedFit};
+use estimate::{events, lag, stats};
+use faer::Mat;
+
+use crate::difference::Noise;
+use crate::residual::rest;
+use crate::{Error, TOLD_BELOW, axes};
+use columns::{beside, clock_columns, rate, seen_rate, turned};
+use joined::Pair;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// Rounds of fitting the noise and the regression under it.
+const ROUNDS: usize = 2;
+/// Columns of a look before the reference's: offset and rate.
+const CLOCK: usize = 2;
+/// Largest offset that is searched, as a share of the recording's length.
+const REACH: f64 = 0.1;
+/// Changes from row to row that are so many times their median count as much: a spike of one instrument has no lag.
+const LARGEST_CHANGE: f64 = 8.0;
+/// A lag must explain more than none does by this χ², and leave so much less.
+pub const GAIN: f64 = 50.0;
+
+/// How late the test instrument's times are: offset + rate × time from the middle of a segment between jumps of the times.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Shift {
+    /// In the middle of each segment, beside what the segment has of its own, s.
+    pub offset_s: f64,
+    /// s/s.
+    pub rate: f64,
+}
+
+impl Shift {
+    /// At a time from the middle of a segment on the test instrument's clock, s.
+    pub fn at(&self, from_middle_s: f64) -> f64 {
+        self.offset_s + self.rate * from_middle_s
+    }
+
+    /// None.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+/// The instrument whose readings are moved in time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moved {
+    /// The reference, to the moments at which the test instrument read: nothing happens to the test instrument's readings.
+    Reference,
+    /// The test instrument, to the reference's clock.
+    Test,
+}
+
+/// How late the test instrument's times are in a row, s.
+pub fn late_s(pair: &Pair, shift: Shift, row: usize) -> f64 {
+    pair.segment(row).late_s + shift.at(pair.since_middle_of_segment_s(row))
+}
+
+/// Whether any row is to be moved.
+pub fn moves(pair: &Pair, shift: Shift) -> bool {
+    !shift.is_none() || pair.segments.iter().any(|segment| segment.late_s != 0.0)
+}
+
+/// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and what each segment has of its own.
+///
+/// Each segment is read from its own rows alone: across a jump an instrument's rows are no even series.
+pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
+    if !moves(&pair, shift) {
+        return pair;
+    }
+    let places: Vec<f64> = (0..pair.whole.len())
+        .map(|row| {
+            let late = late_s(&pair, shift, row);
+            let by = match moved {
+                Moved::Reference => -late,
+                Moved::Test => late + shift.rate * late,
+            };
+            row as f64 + by / pair.step_s
+        })
+        .collect();
+    if moved == Moved::Test {
+        for axis in 0..3 {
+            for number in 0..pair.steps[axis].len() {
+                let row = pair.steps[axis][number];
+                let late = late_s(&pair, shift, row) / pair.step_s;
+                pair.steps[axis][number] =
+                    (row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
+            }
+        }
+    }
+    let segments: Vec<Range<usize>> = pair.segments.iter().map(|segment| segment.rows.clone()).collect();
+    let columns = match moved {
+        Moved::Reference => &mut pair.reference,
+        Moved::Test => &mut pair.test,
+    };
+    for column in columns.iter_mut().filter(|_| pair.whole.contains(&false)) {
+        for (value, _) in column.iter_mut().zip(&pair.whole).filter(|(_, whole)| !**whole) {
+            *value = f64::NAN;
+        }
+    }
+    for rows in segments {
+        let own = columns.each_ref().map(|column| &column[rows.clone()]);
+        let places: Vec<f64> = places[rows.clone()].iter().map(|place| place - rows.start as f64).collect();
+        let read = resample(&own, &places, 1.0);
+        for (column, read) in columns.iter_mut().zip(read.columns) {
+            column[rows.clone()].copy_from_slice(&read);
+        }
+    }
+    let whole = |row: usize| columns.iter().all(|column| column[row].is_finite());
+    let whole: Vec<bool> = (0..places.len()).map(|row| pair.whole[row] && whole(row)).collect();
+    pair.whole = whole;
+    pair.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
+    pair.highest_hz = Some(PASSBAND * 0.5 / pair.step_s);
+    pair.bridge();
+    pair
+}
+
+/// A fit of one axis with the clock's columns in it.
+pub struct LookAxis {
+    /// What the reference's x, y, z give.
+    pub eta: [f64; 3],
+    /// Noise of what is left.
+    pub noise: Noise,
+    /// Coefficients of the clock's columns, of the reference, of drifts and of steps.
+    coefficients: Vec<f64>,
+    turned_by: [f64; 3],
+}
+
+/// What the clock shows in, and what it shows beside.
+pub struct Parts {
+    /// −dB/dt of the field along the axis; nothing in rows that are not whole.
+    pub late: Vec<f64>,
+    /// The field along the axis.
+    pub turned: Vec<f64>,
+    /// The test instrument's readings less what the reference, drifts and steps give.
+    pub left: Vec<f64>,
+}
+
+/// A fit of the three axes, and the clock that it shows.
+pub struct Look {
+    /// The axes.
+    pub axes: [LookAxis; 3],
+    /// What is left of the clocks' difference; None where nothing says it.
+    pub clock: Option<ClockDifference>,
+}
+
+/// Fits each axis with the reference, a straight drift and the clock's difference.
+///
+/// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a rate it grows in time. So
+/// the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the axes' answers are put together by their information.
+pub fn look(pair: &Pair) -> Result<Look, Error> {
+    let columns = Columns::of(pair);
+    let found = axes::try_each(|axis| columns.one(&pair.test[axis]))?;
+    let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
+    found.iter().for_each(|(_, fit)| add(&mut information, &mut right, fit));
+    Ok(Look { axes: found.map(|(axis, _)| axis), clock: solved(information, right) })
+}
+
+/// What is fitted to all axes: transforms of the reference and of drifts, and how fast the reference changes.
+struct Columns<'a> {
+    pair: &'a Pair,
+    rates: [Vec<f64>; 3],
+    transformer: Transformer,
+    transforms: Vec<Transform>,
+}
+
+impl<'a> Columns<'a> {
+    fn of(pair: &'a Pair) -> Self {
+        let transformer = Transformer::new(pair.whole.len());
+        let transforms = beside(pair).map(|column| transformer.transform(&column)).collect();
+        let rates = pair.reference.each_ref().map(|column| seen_rate(pair, column));
+        Self { transforms, rates, pair, transformer }
+    }
+
+    /// The fit of one axis, and what it says of the clock.
+    fn one(&self, test: &[f64]) -> Result<(LookAxis, WeightedFit), Error> {
+        let pair = self.pair;
+        let base: Vec<&Transform> = self.transforms.iter().collect();
+        let y = self.transformer.transform(test);
+        let alike = self.transformer.weights(pair.step_s, &|_| 1.0);
+        let plain = self.transformer.weighted(&base, &y, &alike)?.coefficients;
+        let mut eta = std::array::from_fn(|i| plain[i]);
+        let mut noise = Noise::seen(&rest(beside(pair), test, &plain), pair)?;
+        let under = self.transformer.regress(&base, &y, pair.step_s, &|f| noise.density(f))?;
+        // Where the instruments do not answer alike at all frequencies, what is strong decides.
+        let agree = spectral::agreement_p(
+            (&under.least_squares[..3], &under.covariance),
+            (&under.weighted[..3], &under.weighted_covariance),
+        )?;
+        let plain_only = agree < TOLD_BELOW;
+        let mut turned_by = eta;
+        let mut fit = WeightedFit { coefficients: under.weighted, covariance: under.weighted_covariance };
+        for _ in 0..ROUNDS {
+            turned_by = eta;
+            let clock = clock_columns(pair, &turned(&self.rates, &turned_by));
+            let transforms = clock.each_ref().map(|column| self.transformer.transform(column));
+            let all: Vec<&Transform> = transforms.iter().chain(base.iter().copied()).collect();
+            let density = |f: f64| noise.density(f);
+            fit = if plain_only {
+                let both = self.transformer.regress(&all, &y, pair.step_s, &density)?;
+                WeightedFit { coefficients: both.least_squares, covariance: both.covariance }
+            } else {
+                let weights = self.transformer.weights(pair.step_s, &density);
+                self.transformer.weighted(&all, &y, &weights)?
+            };
+            drop(transforms);
+            eta = std::array::from_fn(|i| fit.coefficients[CLOCK + i]);
+            let columns = clock.into_iter().map(Cow::Owned).chain(beside(pair));
+            noise = Noise::seen(&rest(columns, test, &fit.coefficients), pair)?;
+        }
+        Ok((LookAxis { eta, noise, coefficients: fit.coefficients.clone(), turned_by }, fit))
+    }
+}
+
+impl Look {
+    /// What is left of each axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
+    /// in the slope of the field, that of `calm`: what only the reference read is no field.
+    pub fn left(&self, pair: &Pair, calm: &Pair) -> [Vec<f64>; 3] {
+        self.rests(pair, |eta| rate(calm, &turned(&calm.reference, eta)))
+    }
+
+    /// What is left of each axis where the field along it changes at this rate.
+    fn rests(&self, pair: &Pair, rate: impl Fn(&[f64; 3]) -> Vec<f64> + Sync) -> [Vec<f64>; 3] {
+        axes::each(|axis| {
+            let of = &self.axes[axis];
+            let clock = clock_columns(pair, &rate(&of.turned_by));
+            let columns = clock.into_iter().map(Cow::Owned).chain(beside(pair));
+            rest(columns, &pair.test[axis], &of.coefficients)
+        })
+    }
+
+    /// Gives the test instrument its most likely readings where rows are not whole: what the reference says, and what is left before
+    /// and after.
+    pub fn complete(&self, pair: &mut Pair) -> Result<(), Error> {
+        let missing: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
+        if !missing.contains(&true) {
+            return Ok(());
+        }
+        let left = self.rests(pair, |eta| seen_rate(pair, &turned(&pair.reference, eta)));
+        for ((of, left), test) in self.axes.iter().zip(left).zip(&mut pair.test) {
+            let filled = events::fill(&left, &missing, pair.step_s, &|f| of.noise.density(f))?;
+            for (row, value) in test.iter_mut().enumerate().filter(|(row, _)| missing[*row]) {
+                *value += filled[row] - left[row];
+            }
+        }
+        Ok(())
+    }
+
+    /// The field along an axis.
+    pub fn turned(&self, pair: &Pair, axis: usize) -> Vec<f64> {
+        turned(&pair.reference, &self.axes[axis].turned_by)
+    }
+
+    /// Of an axis −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
+    pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
+        let turned = self.turned(pair, axis);
+        let [late, _] = clock_columns(pair, &seen_rate(pair, &turned));
+        let left = rest(beside(pair), &pair.test[axis], &self.axes[axis].coefficients[CLOCK..]);
+        Parts { late, turned, left }
+    }
+
+    /// What is left of each axis, limited.
+    fn limited_left(&self, pair: &Pair, whole: &[bool]) -> [Vec<f64>; 3] {
+        self.left(pair, pair).map(|left| limited(&left, whole, usual(&left, whole)))
+    }
+
+    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here only what is left is limited: a
+    /// sudden change of the field that was limited in both instruments may seem to lag where it does not.
+    pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
+        let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
+        let mut gain = 0.0;
+        let here = self.limited_left(pair, &whole);
+        for (here, there) in here.into_iter().zip(moved.limited_left(moved_pair, &whole)) {
+            let noise = Noise::seen(&here, pair)?;
+            let [here, there] = [here, there].map(|left| {
+                // It explains all of itself.
+                lag::explained(std::slice::from_ref(&left), &left, pair.step_s, &|f| noise.density(f), 0)
+            });
+            gain += here?[0] - there?[0];
+        }
+        Ok(gain)
+    }
+
+    /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag of the largest likelihood, s.
+    pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
+        let reach = (REACH * pair.whole.len() as f64) as usize;
+        let mut gains = vec![0.0; 2 * reach + 1];
+        // One limit for all: a change of the field that is cut at another height in the other instrument would seem to come at another time.
+        let columns = pair.reference.iter().chain(&pair.test);
+        let most = columns.map(|column| usual(column, &pair.whole)).fold(0.0, f64::max);
+        let reference = pair.reference.each_ref().map(|column| limited(column, &pair.whole, most));
+        for (test, left) in pair.test.iter().zip(self.limited_left(pair, &pair.whole)) {
+            // A sudden change at the wrong time would be most of the noise.
+            let noise = Noise::seen(&left, pair)?;
+            let density = |f: f64| noise.density(f);
+            let of_axis =
+                lag::explained(&reference, &limited(test, &pair.whole, most), pair.step_s, &density, reach)?;
+            gains.iter_mut().zip(of_axis).for_each(|(sum, gain)| *sum += gain);
+        }
+        let best =
+            (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
+        let found = gains[best] - gains[reach] > GAIN;
+        Ok(found.then_some((best as f64 - reach as f64) * pair.step_s))
+    }
+}
+
+/// How much a series may change from row to row and be taken as it is.
+fn usual(values: &[f64], whole: &[bool]) -> f64 {
+    let known = (1..values.len()).filter(|row| whole[row - 1] && whole[*row]);
+    LARGEST_CHANGE
+        * stats::median(&known.map(|row| (values[row] - values[row - 1]).abs()).collect::<Vec<_>>())
+}
+
+/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for. Beside rows that are not whole it does not
+/// change.
+fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
+    if most == 0.0 {
+        return values.to_vec();
+    }
+    let mut level = 0.0;
+    let sums = (1..values.len()).map(|row| {
+        if whole[row - 1] && whole[row] {
+            level += (values[row] - values[row - 1]).clamp(-most, most);
+        }
+        level
+    });
+    std::iter::once(0.0).chain(sums).collect()
+}
+
+/// Adds one axis' knowledge of offset and rate, all its other unknowns free.
+fn add(information: &mut [[f64; 2]; 2], right: &mut [f64; 2], fit: &WeightedFit) {
+    let block = Mat::from_fn(2, 2, |i, j| fit.covariance[(i, j)]);
+    let determinant = block[(0, 0)] * block[(1, 1)] - block[(0, 1)] * block[(1, 0)];
+    let inverse = [
+        [block[(1, 1)] / determinant, -block[(0, 1)] / determinant],
+        [-block[(1, 0)] / determinant, block[(0, 0)] / determinant],
+    ];
+    for i in 0..2 {
+        for j in 0..2 {
+            information[i][j] += inverse[i][j];
+            right[i] += inverse[i][j] * fit.coefficients[j];
+        }
+    }
+}
+
+fn solved([[a, b], [c, d]]: [[f64; 2]; 2], right: [f64; 2]) -> Option<ClockDifference> {
+    let determinant = a * d - b * c;
+    if determinant.is_nan() || determinant <= 0.0 {
+        return None;
+    }
+    let offset = (d * right[0] - b * right[1]) / determinant;
+    let rate = (a * right[1] - c * right[0]) / determinant;
+    Some(ClockDifference {
+        offset_s: Quantity::new(offset, (d / determinant).sqrt()),
+        rate_ppm: Quantity::new(rate, (a / determinant).sqrt()),
+        ..ClockDifference::default()
+    })
+}

@@ -1,0 +1,136 @@
+//! Uncertainty to first order (JCGM 100, 5.2), with exact derivatives and a rule for azimuths of vertical axes.
+
+use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use num_dual::Dual64;
+
+use super::known::LOOSE_RAD;
+use super::pair::Pair;
+use super::{ANGLES, BETA, EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES, RATIOS, Tilt, closed};
+
+/// π/√3, rad: the standard deviation of an azimuth that may be any.
+pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;
+
+/// An axis this near to the vertical has lost its azimuth to rounding.
+const POLE: f64 = 1e-12;
+
+/// Derivatives of the fourteen parameters and of the horizontal parts of the four axes by the nine elements of η and the
+/// five known values.
+struct Derivatives {
+    parameters: SMatrix<f64, 14, 14>,
+    horizontal: [SMatrix<f64, 2, 14>; 4],
+    cosines: SMatrix<f64, 6, 14>,
+}
+
+/// The parameters of `pair`, found from η and what is known, with their covariance J Σ Jᵀ.
+///
+/// Where an axis is vertical within four standard uncertainties (that of its azimuth would exceed 0.25 rad to first order), the
+/// azimuth takes [`UNDETERMINED_RAD`], the polar angle the root mean square of the tilt about the value found, and neither
+/// correlates with anything. Nearer to the vertical than that, first-order intervals of 95 % hold the azimuth in 60 to
+/// 90 % of cases only.
+pub(super) fn propagate(
+    pair: &Pair,
+    eta: &Matrix3<f64>,
+    eta_covariance: &EtaCovariance,
+    known: &KnownFive,
+) -> Fourteen {
+    let mut given = SMatrix::<f64, 14, 14>::zeros();
+    given.fixed_view_mut::<9, 9>(0, 0).copy_from(eta_covariance);
+    given.fixed_view_mut::<5, 5>(9, 9).copy_from(&known.covariance);
+
+    let derivatives = derivatives(pair, eta, known);
+    let jacobian = &derivatives.parameters;
+    let covariance = jacobian * given * jacobian.transpose();
+    let mut covariance = (covariance + covariance.transpose()) * 0.5;
+    let tilt = |k: usize| {
+        let rows = &derivatives.horizontal[k];
+        Tilt { value: horizontal(pair, k), covariance: rows * given * rows.transpose() }
+    };
+
+    let mut values = pair.parameters();
+    let mut undetermined = Vec::new();
+    for (k, [azimuth, polar]) in ANGLES.into_iter().enumerate() {
+        if let (0, KnownAxes::Reference([alpha, _, gamma])) = (k, &known.axes) {
+            (values[azimuth], values[polar]) = (*alpha, *gamma);
+            continue;
+        }
+        let lost = horizontal(pair, k).norm() < POLE;
+        if lost || covariance[(azimuth, azimuth)] > LOOSE_RAD * LOOSE_RAD {
+            for place in [azimuth, polar] {
+                covariance.row_mut(place).fill(0.0);
+                covariance.column_mut(place).fill(0.0);
+            }
+            covariance[(azimuth, azimuth)] = UNDETERMINED_RAD * UNDETERMINED_RAD;
+            covariance[(polar, polar)] = mean_square(&tilt(k).covariance);
+            undetermined.push(NAMES[azimuth]);
+        }
+    }
+    let spread = derivatives.cosines * given * derivatives.cosines.transpose();
+    Fourteen {
+        values,
+        covariance,
+        undetermined,
+        reference_tilt: tilt(0),
+        test_tilt: tilt(3),
+        cosines: pair.cosines(),
+        cosine_uncertainties: std::array::from_fn(|k| spread[(k, k)].max(0.0).sqrt()),
+    }
+}
+
+/// The mean square of a tilt about the value found.
+fn mean_square(covariance: &Matrix2<f64>) -> f64 {
+    covariance.trace()
+}
+
+/// The horizontal part of an axis of the pair.
+fn horizontal(pair: &Pair, k: usize) -> Vector2<f64> {
+    pair.axes[k].xy()
+}
+
+/// One run of the closed form for each given number, that number carrying the derivative.
+fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &KnownFive) -> Derivatives {
+    let mut all = Derivatives {
+        parameters: SMatrix::zeros(),
+        horizontal: [SMatrix::zeros(); 4],
+        cosines: SMatrix::zeros(),
+    };
+    for given in 0..14 {
+        let mut lifted_eta = eta.map(Dual64::from);
+        let mut lifted_values = known.values().map(Dual64::from);
+        if given < 9 {
+            lifted_eta[given].eps = 1.0;
+        } else {
+            lifted_values[given - 9].eps = 1.0;
+        }
+        let moved = closed::of(&lifted_eta, &known.axes, &lifted_values);
+        let mut column = all.parameters.column_mut(given);
+        column[BETA] = moved.beta.eps;
+        for (k, ratio) in moved.ratios.iter().enumerate() {
+            column[RATIOS + k] = ratio.eps;
+        }
+        for (k, [azimuth, polar]) in ANGLES.into_iter().enumerate() {
+            let change = moved.axes[k].map(|component| component.eps);
+            [column[azimuth], column[polar]] = turn(&pair.axes[k], &change);
+            all.horizontal[k].set_column(given, &change.xy());
+        }
+        all.cosines.set_column(given, &SVector::from(moved.cosines().map(|cosine| cosine.eps)));
+        // Known angles are their own derivative, also where the axis is vertical.
+        if let KnownAxes::Reference(_) = known.axes {
+            let [azimuth, polar] = ANGLES[0];
+            column[azimuth] = if given == 9 { 1.0 } else { 0.0 };
+            column[polar] = if given == 11 { 1.0 } else { 0.0 };
+        }
+    }
+    all
+}
+
+/// Changes of azimuth and polar angle (rad) of a unit vector a = (x, y, z) that moves by da, with h² = x² + y²:
+/// dφ = (y dx − x dy)/h², dθ = z (x dx + y dy)/h − h dz. Zero for a vertical axis, which has neither.
+fn turn(axis: &Vector3<f64>, change: &Vector3<f64>) -> [f64; 2] {
+    let h = axis.x.hypot(axis.y);
+    if h < POLE {
+        return [0.0, 0.0];
+    }
+    let azimuth = (axis.y * change.x - axis.x * change.y) / (h * h);
+    let polar = axis.z * (axis.x * change.x + axis.y * change.y) / h - h * change.z;
+    [azimuth, polar]
+}

@@ -1,0 +1,144 @@
+//! The fourteen parameters as a document has them: what is known of either instrument in, angles and ratios out.
+
+use common::{
+    Angle, DifferentialCalibration, Error as Fault, FourteenParameters, KnownInstrument, Magnetometer,
+    Quantity,
+};
+use indexmap::IndexMap;
+use nalgebra::{Matrix3, SMatrix, SVector};
+
+use crate::Error;
+use crate::fourteen::{self, EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES};
+
+const PATH: &str = "calibration.differential.known";
+const RAD_PER_ARCSEC: f64 = std::f64::consts::PI / 180.0 / 3600.0;
+/// Pairs of axes, in the order of the fourteen's cosines.
+const PAIRS: [&str; 3] = ["xy", "yz", "xz"];
+/// The angles of instruments that stand as meant, in the order of the names, deg.
+const NOMINAL_DEG: [Option<f64>; 9] =
+    [None, Some(0.0), Some(0.0), Some(90.0), Some(90.0), Some(0.0), Some(90.0), None, Some(0.0)];
+
+/// The fourteen of a matrix with its covariance. Where nobody said what is known, the reference is taken as orthogonal, with
+/// equal scales.
+pub fn parameters(
+    calibration: &DifferentialCalibration,
+    known: Option<&KnownInstrument>,
+) -> Result<Option<FourteenParameters>, Error> {
+    let (Some(matrix), Some(covariance)) = (&calibration.matrix, &calibration.covariance) else {
+        return Ok(None);
+    };
+    let eta = Matrix3::from_fn(|i, j| matrix[i][j]);
+    let covariance = EtaCovariance::from_fn(|i, j| covariance[i][j]);
+    let stated = known.cloned().unwrap_or_default();
+    let five = five(&stated)?;
+    let wrong = |error: fourteen::Error| match error {
+        fourteen::Error::Known { found, expected, .. } => Fault::document(PATH, found, expected).into(),
+        other => Error::Undetermined(other.to_string()),
+    };
+    let found = fourteen::solve(&eta, &covariance, &five).map_err(wrong)?;
+    let numerical = fourteen::solve_numerically(&eta, &five).map_err(wrong)?;
+    Ok(Some(told(&found, &numerical, stated.instrument, known.is_none())))
+}
+
+/// The five as the closed form wants them. A reference is known by
+///
+/// sin γ cos α = sin ε_yz, sin γ sin α = (sin ε_xz − sin ε_xy sin ε_yz)/cos ε_xy, β = ε_xy
+///
+/// (the non-orthogonalities ε of fourteen.rs solved for its angles).
+fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
+    if let Some(key) = stated.non_orthogonality_arcsec.keys().find(|key| !PAIRS.contains(&key.as_str())) {
+        let path = format!("{PATH}.non_orthogonality_arcsec.{key}");
+        return Err(Fault::document(path, "a pair of axes of that name", "`xy`, `yz` or `xz`").into());
+    }
+    let epsilon = PAIRS.map(|pair| {
+        let given = stated.non_orthogonality_arcsec.get(pair);
+        let of = |quantity: &Quantity| [quantity.value(), quantity.std().unwrap_or(0.0)];
+        given.map_or([0.0; 2], of).map(|arcsec| arcsec * RAD_PER_ARCSEC)
+    });
+    let ratio = |quantity: &Option<Quantity>| {
+        quantity.as_ref().map_or([1.0, 0.0], |quantity| [quantity.value(), quantity.std().unwrap_or(0.0)])
+    };
+    let ratios = [ratio(&stated.ratio_x_y), ratio(&stated.ratio_z_y)];
+    let [xy, yz, xz] = epsilon.map(|[value, _]| value);
+    let mut jacobian = SMatrix::<f64, 5, 5>::identity();
+    let axes = match stated.instrument {
+        Magnetometer::Test => {
+            for (k, angle) in [xy, yz, xz].into_iter().enumerate() {
+                jacobian[(k, k)] = angle.cos();
+            }
+            KnownAxes::Test([xy, yz, xz].map(f64::sin))
+        }
+        Magnetometer::Reference => {
+            let toward_x = (xz.sin() - xy.sin() * yz.sin()) / xy.cos();
+            let rows = [
+                [toward_x * xy.tan() - yz.sin(), -xy.tan() * yz.cos(), xz.cos() / xy.cos()],
+                [0.0, yz.cos(), 0.0],
+                [1.0, 0.0, 0.0],
+            ];
+            for (i, row) in rows.into_iter().enumerate() {
+                for (j, derivative) in row.into_iter().enumerate() {
+                    jacobian[(i, j)] = derivative;
+                }
+            }
+            KnownAxes::ReferenceTilts([toward_x, yz.sin(), xy])
+        }
+    };
+    let variances: Vec<f64> = epsilon.iter().chain(&ratios).map(|[_, std]| std * std).collect();
+    let given = SMatrix::<f64, 5, 5>::from_diagonal(&SVector::<f64, 5>::from_column_slice(&variances));
+    Ok(KnownFive {
+        axes,
+        ratios: ratios.map(|[value, _]| value),
+        covariance: jacobian * given * jacobian.transpose(),
+    })
+}
+
+/// What is written.
+fn told(found: &Fourteen, numerical: &[f64; 14], known: Magnetometer, assumed: bool) -> FourteenParameters {
+    let uncertainties = found.uncertainties();
+    let undetermined = |name: &str| found.undetermined.contains(&name);
+    let angle = |k: usize| {
+        let value_deg = found.values[k].to_degrees();
+        Angle {
+            value_deg,
+            std_arcsec: uncertainties[k] / RAD_PER_ARCSEC,
+            off_nominal_arcsec: NOMINAL_DEG[k].map(|nominal| 3600.0 * (value_deg - nominal)),
+        }
+    };
+    let orthogonality = |from: usize| -> IndexMap<String, Quantity> {
+        (0..3)
+            .map(|k| {
+                let (cosine, std) = (found.cosines[from + k], found.cosine_uncertainties[from + k]);
+                let sine = (1.0 - cosine * cosine).sqrt();
+                let quantity = Quantity::new(cosine.asin() / RAD_PER_ARCSEC, std / sine / RAD_PER_ARCSEC);
+                (PAIRS[k].to_string(), quantity)
+            })
+            .collect()
+    };
+    // Azimuths that mean nothing differ at will, and others by whole turns.
+    let difference = |k: usize| {
+        let difference = found.values[k] - numerical[k];
+        let turned =
+            if k < NOMINAL_DEG.len() { difference.sin().atan2(difference.cos()) } else { difference };
+        if undetermined(NAMES[k]) { 0.0 } else { turned.abs() }
+    };
+    FourteenParameters {
+        known,
+        assumed,
+        angles: (0..9).map(|k| (NAMES[k].trim_end_matches("_rad").to_string(), angle(k))).collect(),
+        ratios: (9..14)
+            .map(|k| {
+                let name = NAMES[k].trim_start_matches("ratio_").to_string();
+                (name, Quantity::new(found.values[k], uncertainties[k]))
+            })
+            .collect(),
+        undetermined: found
+            .undetermined
+            .iter()
+            .map(|name| name.trim_end_matches("_rad").to_string())
+            .collect(),
+        reference_non_orthogonality_arcsec: orthogonality(0),
+        test_non_orthogonality_arcsec: orthogonality(3),
+        numerical_difference_rad: (0..14).map(difference).fold(0.0, f64::max),
+        ..FourteenParameters::default()
+    }
+}

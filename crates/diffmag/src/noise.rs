@@ -1,0 +1,8 @@
+//! The difference that no turn explains: its noise, its drift, what it follows, and how much of it is the reference's.
+
+pub mod contributions;
+pub mod difference;
+pub mod drift;
+pub mod followed;
+pub mod octaves;
+pub mod reference_noise;

@@ -1,0 +1,250 @@
+//! What each thing adds to the difference: its rms with the thing and without, by least squares of all the others.
+
+use common::{
+    Axis, ClockDifference, Contribution, ContributionCause, DifferentialFit, Drift, DriftForm, EventKind,
+    PerAxis,
+};
+use estimate::Svd;
+use estimate::cosine::Cosine;
+use estimate::resample::PASSBAND;
+use estimate::stats::mean;
+use faer::Mat;
+
+use crate::clock::{Moved, Shift, aligned};
+use crate::followed::Follows;
+use crate::prepare::Prepared;
+use crate::residual::{of_levels, scatter};
+use crate::significance::p_of;
+use crate::{Error, TOLD_BELOW, words};
+use joined::Pair;
+
+const DAY_S: f64 = 86_400.0;
+/// Columns that others make up to this share of the largest singular value say nothing of their own.
+const DEPENDENT: f64 = 1e-12;
+
+/// Writes the contributions, the largest first, and the rms that is known without any fit.
+pub fn add(
+    raw: &Pair,
+    prepared: &Prepared,
+    followed: [&[Follows]; 3],
+    fit: &mut DifferentialFit,
+) -> Result<(), Error> {
+    for (axis, test) in Axis::ALL.into_iter().zip(&raw.test) {
+        if let Some(of) = fit.axes.entry(axis) {
+            of.rms_of_readings_nt = Some(scatter(test, &raw.whole));
+            of.rms_of_levels_nt = Some(of_levels(raw, axis.index()));
+        }
+    }
+    let cosine = Cosine::new(raw.whole.len(), raw.step_s);
+    let whole = Design { drift: true, followed };
+    let final_rms = rms(&prepared.pair, &prepared.pair.whole, fit, whole)?;
+    let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine, whole)?.into_iter().collect();
+    let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off, column: Option<String>| {
+        all.extend(what.map(|what| Contribution {
+            cause,
+            what,
+            column,
+            taken_off,
+            rms_with_nt: with,
+            rms_without_nt: final_rms.clone(),
+            ..Contribution::default()
+        }));
+    };
+    let drift = Design { drift: false, ..whole };
+    if let Some(what) = words::drifts(fit) {
+        let with = rms(&prepared.pair, &prepared.pair.whole, fit, drift)?;
+        let demanded = |axis| fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
+        let with = chosen(&with, &final_rms, demanded);
+        beside(ContributionCause::Drift, Some(what), with, true, None);
+    }
+    for (name, what) in words::followed(fit) {
+        let others: [Vec<Follows>; 3] =
+            followed.map(|all| all.iter().filter(|one| one.name != name).cloned().collect());
+        let design = Design { followed: others.each_ref().map(Vec::as_slice), ..whole };
+        let with = rms(&prepared.pair, &prepared.pair.whole, fit, design)?;
+        let follows = |axis: Axis| followed[axis.index()].iter().any(|one| one.name == name);
+        let with = chosen(&with, &final_rms, follows);
+        beside(ContributionCause::Column, Some(what), with, true, Some(name));
+    }
+    if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
+        let stepped = without(raw, prepared, |kind| kind != EventKind::Step);
+        let with = rms(&stepped, &stepped.whole, fit, whole)?;
+        beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true, None);
+    }
+    if fit.kept_out.events.iter().any(|event| event.kind != EventKind::Step) {
+        let disturbed = without(raw, prepared, |kind| kind == EventKind::Step);
+        let with = rms(&disturbed, &disturbed.whole, fit, whole)?;
+        beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true, None);
+    }
+    if let Some(what) = words::short_periods(fit) {
+        let mut long = PerAxis::default();
+        for axis in Axis::ALL {
+            let highest = fit.axes.get(axis).and_then(|of| of.weighted_up_to_hz);
+            let left = left(&prepared.pair, axis, &prepared.pair.whole, fit, whole)?;
+            let squares = squares_below(&cosine, &left, highest.unwrap_or(f64::INFINITY));
+            *long.entry(axis) = Some((squares / prepared.pair.samples() as f64).sqrt());
+        }
+        let one = Contribution {
+            cause: ContributionCause::ShortPeriods,
+            what,
+            rms_with_nt: final_rms.clone(),
+            rms_without_nt: long,
+            ..Contribution::default()
+        };
+        all.push(one);
+    }
+    all.sort_by(|a, b| b.reduction_nt2().total_cmp(&a.reduction_nt2()));
+    fit.contributions = all;
+    Ok(())
+}
+
+/// The clocks' difference, where it is one. Moving readings in time filters them; above the filter's band what is left is taken as alike.
+fn clock(
+    raw: &Pair,
+    prepared: &Prepared,
+    fit: &DifferentialFit,
+    cosine: &Cosine,
+    design: Design<'_>,
+) -> Result<Option<Contribution>, Error> {
+    let Some((clock, shift)) = fit.clock.as_ref().and_then(|clock| Some((clock, shift(prepared, clock)?)))
+    else {
+        return Ok(None);
+    };
+    let late = prepared.events.taken_out(raw, shift);
+    let right = aligned(late.clone(), shift, Moved::Test);
+    let rows: Vec<bool> = late.whole.iter().zip(&right.whole).map(|(a, b)| *a && *b).collect();
+    let count = rows.iter().filter(|row| **row).count() as f64;
+    let band = PASSBAND * 0.5 / raw.step_s;
+    let (mut with, mut without) = (PerAxis::default(), PerAxis::default());
+    for axis in Axis::ALL {
+        let late = left(&late, axis, &rows, fit, design)?;
+        let right = left(&right, axis, &rows, fit, design)?;
+        let all: f64 = late.iter().map(|d| d * d).sum();
+        let above = (all - squares_below(cosine, &late, band)).max(0.0);
+        *with.entry(axis) = Some((all / count).sqrt());
+        *without.entry(axis) = Some(((above + squares_below(cosine, &right, band)) / count).sqrt());
+    }
+    Ok(Some(Contribution {
+        cause: ContributionCause::Clock,
+        what: words::clock(clock),
+        taken_off: clock.corrected,
+        rms_with_nt: with,
+        rms_without_nt: without,
+        ..Contribution::default()
+    }))
+}
+
+/// What the test instrument's times are moved by; None where chance says as much.
+fn shift(prepared: &Prepared, clock: &ClockDifference) -> Option<Shift> {
+    let differs = p_of(&clock.offset_s).min(p_of(&clock.rate_ppm)) < TOLD_BELOW;
+    (differs || !clock.segments.is_empty()).then_some(prepared.shift)
+}
+
+/// The pair on the clock on which it is fitted, without the events of these kinds, and with the others.
+fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -> Pair {
+    let (clock, shift) = (prepared.clock.as_ref(), prepared.shift);
+    let kept: Vec<bool> = prepared.events.found.iter().map(|event| kinds(event.kind)).collect();
+    let pair = prepared.events.confirmed(&kept).taken_out(raw, shift);
+    if clock.is_some_and(|clock| clock.corrected) { aligned(pair, shift, Moved::Test) } else { pair }
+}
+
+/// What is fitted besides the reference's axes, a level and the pair's steps.
+#[derive(Clone, Copy)]
+struct Design<'a> {
+    drift: bool,
+    /// The housekeeping columns that each axis follows.
+    followed: [&'a [Follows]; 3],
+}
+
+impl Design<'_> {
+    /// Whether an axis has a straight drift: beside a column that it follows only where one is demanded.
+    fn days(&self, axis: Axis, fit: &DifferentialFit) -> bool {
+        let demanded = fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
+        self.drift && (demanded || self.followed[axis.index()].is_empty())
+    }
+}
+
+fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design<'_>) -> Result<PerAxis<f64>, Error> {
+    let count = rows.iter().filter(|row| **row).count() as f64;
+    let mut all = PerAxis::default();
+    for axis in Axis::ALL {
+        let squares: f64 = left(pair, axis, rows, fit, design)?.iter().map(|d| d * d).sum();
+        *all.entry(axis) = Some((squares / count).sqrt());
+    }
+    Ok(all)
+}
+
+/// What least squares leave of an axis in these rows, zero in the others. Normal equations of columns about their means: no column is made.
+fn left(
+    pair: &Pair,
+    axis: Axis,
+    rows: &[bool],
+    fit: &DifferentialFit,
+    design: Design<'_>,
+) -> Result<Vec<f64>, Error> {
+    let test = &pair.test[axis.index()];
+    let means = pair.reference.each_ref().map(|column| mean(column));
+    let level = mean(test);
+    let steps = &pair.steps[axis.index()];
+    let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
+    let followed = design.followed[axis.index()];
+    let days = design.days(axis, fit);
+    let width = 4
+        + usize::from(days)
+        + usize::from(decay_s.is_some())
+        + followed.iter().map(|follows| follows.columns.len()).sum::<usize>()
+        + steps.len();
+    let fill = |row: usize, values: &mut Vec<f64>| {
+        values.clear();
+        values.push(1.0);
+        values.extend((0..3).map(|i| pair.reference[i][row] - means[i]));
+        values.extend(days.then(|| pair.since_middle_s(row) / DAY_S));
+        values.extend(decay_s.map(|decay_s| (-(row as f64) * pair.step_s / decay_s).exp()));
+        values.extend(followed.iter().flat_map(|follows| &follows.columns).map(|column| column[row]));
+        values.extend(steps.iter().map(|step| if row < *step { 0.0 } else { 1.0 }));
+    };
+    let used = || (0..test.len()).filter(|row| rows[*row]);
+    let mut values = Vec::with_capacity(width);
+    let mut gram = Mat::<f64>::zeros(width, width);
+    let mut right = vec![0.0; width];
+    for row in used() {
+        fill(row, &mut values);
+        for j in 0..width {
+            right[j] += values[j] * (test[row] - level);
+            for i in 0..=j {
+                gram[(i, j)] += values[i] * values[j];
+            }
+        }
+    }
+    // Columns of length one: what is dependent then does not hang on units.
+    let scale: Vec<f64> =
+        (0..width).map(|j| if gram[(j, j)] > 0.0 { gram[(j, j)].sqrt() } else { 1.0 }).collect();
+    let even = Mat::from_fn(width, width, |i, j| gram[(i.min(j), i.max(j))] / (scale[i] * scale[j]));
+    let right: Vec<f64> = right.iter().zip(&scale).map(|(value, scale)| value / scale).collect();
+    let solved = Svd::of(even.as_ref(), DEPENDENT)?.solve(&right);
+    let mut residual = vec![0.0; test.len()];
+    for row in used() {
+        fill(row, &mut values);
+        let explained: f64 = (0..width).map(|j| solved[j] / scale[j] * values[j]).sum();
+        residual[row] = test[row] - level - explained;
+    }
+    Ok(residual)
+}
+
+/// The time constant of an exponential drift that is demanded, s.
+fn decay_s(drift: &Drift) -> Option<f64> {
+    let demanded = matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both);
+    drift.joint.as_ref().filter(|_| demanded).map(|joint| joint.time_constant_s.value())
+}
+
+/// Sum of the squares of a series about its mean, of its frequencies up to one (Hz).
+fn squares_below(cosine: &Cosine, values: &[f64], highest_hz: f64) -> f64 {
+    let below = |k: usize| cosine.frequency(k + 1) <= highest_hz;
+    cosine.transform(values).iter().enumerate().take_while(|(k, _)| below(*k)).map(|(_, c)| c * c).sum()
+}
+
+/// Of each axis the one, or the other.
+fn chosen(one: &PerAxis<f64>, other: &PerAxis<f64>, first: impl Fn(Axis) -> bool) -> PerAxis<f64> {
+    let of = |axis: Axis| Some((axis, *if first(axis) { one } else { other }.get(axis)?));
+    Axis::ALL.into_iter().filter_map(of).collect()
+}

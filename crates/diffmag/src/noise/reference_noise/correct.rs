@@ -1,0 +1,248 @@
+//! The three corrections.
+
+use estimate::stats;
+use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector4};
+
+use super::frame::{Blocks, Frame, inverse4, settle};
+use crate::Error;
+use joined::Pair;
+
+/// Ordinates of the lowest band of the spectrum; each further band has as many as all below it.
+const BAND: f64 = 8.0;
+/// Bands needed.
+const LEAST_BANDS: usize = 3;
+
+/// Noise of the reference along its axes.
+#[derive(Clone)]
+pub struct KnownDensity {
+    /// Its density at the frequencies of the frame's spectra, nT²/Hz.
+    pub density: [Vec<f64>; 3],
+    /// Relative standard uncertainty of each density.
+    pub relative_std: [f64; 3],
+    /// Whether the three are wrong by the same factor, as one declaration for all.
+    pub together: bool,
+}
+
+impl KnownDensity {
+    /// Covariance of the relative errors of two of the densities.
+    fn covariance(&self, i: usize, l: usize) -> f64 {
+        if self.together || i == l { self.relative_std[i] * self.relative_std[l] } else { 0.0 }
+    }
+}
+
+/// A corrected matrix.
+pub struct Corrected {
+    /// The frame that belongs to it.
+    pub frame: Frame,
+    /// Its covariance, column by column.
+    pub covariance: SMatrix<f64, 9, 9>,
+}
+
+/// What two instruments say about the noise of the reference.
+pub struct Spectrum {
+    /// Shares ρ of the power of v that are the reference's, and their standard uncertainties.
+    pub share: [(f64, f64); 3],
+    /// Σ of squares of what one matrix and one share leave in the bands, and its degrees of freedom.
+    pub chi_squared: (f64, f64),
+    /// Corrected by them.
+    pub corrected: Corrected,
+}
+
+/// With the noise P_e of the reference given: (M − N) δ = Σ ν S_Rv/P + N, N = Σ ν P_e/P, diagonal. None where N is more than
+/// half of M: the field is then hardly seen.
+///
+/// Covariance of δ_i: A⁻¹ (M + q e_i e_iᵀ) A⁻¹ with A = M − N, q = Σ ν P_e²/P², and a relative error r of P_e adds
+/// (A⁻¹ N e_i r)².
+///
+/// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 2.2, here by frequency.
+pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Option<Corrected>, Error> {
+    let noise = |frame: &Frame, axis: usize| -> Matrix4<f64> {
+        let mut noise = Matrix4::zeros();
+        for k in 0..3 {
+            noise[(k, k)] = frame
+                .bins()
+                .map(|bin| frame.spectra.freedom[bin] * known.density[k][bin] / frame.density[axis][bin])
+                .sum();
+        }
+        noise
+    };
+    let too_much =
+        |axis: usize| (start.held(axis, start.bins()) - 2.0 * noise(start, axis)).cholesky().is_none();
+    if (0..3).any(too_much) {
+        return Ok(None);
+    }
+    let bread = |frame: &Frame, axis: usize| inverse4(&(frame.held(axis, frame.bins()) - noise(frame, axis)));
+    let frame = settle(pair, start, |frame| {
+        let mut delta = [Vector4::zeros(); 3];
+        for (i, delta) in delta.iter_mut().enumerate() {
+            *delta = bread(frame, i)? * (frame.left(i, frame.bins()) + noise(frame, i).column(i));
+        }
+        Ok(delta)
+    })?;
+    let breads = [bread(&frame, 0)?, bread(&frame, 1)?, bread(&frame, 2)?];
+    let pulled: [Vector4<f64>; 3] = std::array::from_fn(|i| breads[i] * noise(&frame, i).column(i));
+    let blocks: Blocks = std::array::from_fn(|i| {
+        std::array::from_fn(|l| {
+            let mut middle = frame.scatter(i, l, false);
+            if i == l {
+                middle[(i, i)] += frame
+                    .bins()
+                    .map(|bin| {
+                        frame.spectra.freedom[bin] * (known.density[i][bin] / frame.density[i][bin]).powi(2)
+                    })
+                    .sum::<f64>();
+            }
+            let random = breads[i] * middle * breads[l].transpose();
+            let declared = pulled[i] * pulled[l].transpose() * known.covariance(i, l);
+            (random + declared).fixed_view::<3, 3>(0, 0).into_owned()
+        })
+    });
+    Ok(Some(Corrected { covariance: frame.of_matrix(&blocks), frame }))
+}
+
+/// With a third instrument C, whose errors are those of neither: Σ ν S_CR/P δ = Σ ν S_Cv/P. No noise needs to be known.
+///
+/// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 1.4 (instrumental variables).
+pub fn by_third(pair: &Pair, start: &Frame) -> Result<Corrected, Error> {
+    let frame = settle(pair, start, |frame| {
+        let mut delta = [Vector4::zeros(); 3];
+        for (i, delta) in delta.iter_mut().enumerate() {
+            let (held, left) = frame.by_third(i);
+            *delta = inverse4(&held)? * left;
+        }
+        Ok(delta)
+    })?;
+    let mut breads = [Matrix4::zeros(); 3];
+    for (i, bread) in breads.iter_mut().enumerate() {
+        *bread = inverse4(&frame.by_third(i).0)?;
+    }
+    let blocks: Blocks = std::array::from_fn(|i| {
+        std::array::from_fn(|l| {
+            let all = breads[i] * frame.scatter(i, l, true) * breads[l].transpose();
+            all.fixed_view::<3, 3>(0, 0).into_owned()
+        })
+    });
+    Ok(Corrected { covariance: frame.of_matrix(&blocks), frame })
+}
+
+/// From two instruments alone: in a band b of frequencies Σ_b ν S_Rv/P = M_b δ − ρ e_i Σ_b ν S_vv/P, with one δ for all bands
+/// and the share ρ of the reference in the power of v. Where the field is strong M_b gives δ, where it is weak ρ is left.
+/// Generalised least squares over the bands: R + ρ v e_i has nothing in common with v, so that a band's covariance is
+/// Σ ν S/P of that. None with too few bands.
+///
+/// The noise of the reference is taken to have the spectrum of v.
+pub fn by_spectrum(pair: &Pair, start: &Frame) -> Result<Option<Spectrum>, Error> {
+    if bands(start).len() < LEAST_BANDS {
+        return Ok(None);
+    }
+    let all = |frame: &Frame| -> Result<[Banded; 3], Error> {
+        Ok([Banded::of(frame, 0)?, Banded::of(frame, 1)?, Banded::of(frame, 2)?])
+    };
+    let frame = settle(pair, start, |frame| Ok(all(frame)?.map(|found| found.delta())))?;
+    let found = all(&frame)?;
+    let blocks: Blocks = std::array::from_fn(|i| {
+        std::array::from_fn(|l| {
+            if i == l { found[i].covariance.fixed_view::<3, 3>(0, 0).into_owned() } else { Matrix3::zeros() }
+        })
+    });
+    let sum = |of: fn(&Banded) -> f64| found.iter().map(of).sum::<f64>();
+    Ok(Some(Spectrum {
+        share: found.each_ref().map(|f| (f.found[4], f.covariance[(4, 4)].sqrt())),
+        chi_squared: (sum(|f| f.chi_squared), sum(|f| f.freedom)),
+        corrected: Corrected { covariance: frame.of_matrix(&blocks), frame },
+    }))
+}
+
+impl Spectrum {
+    /// Probability of shares so far above zero by chance: the largest of three.
+    pub fn p(&self) -> f64 {
+        let z = self.share.iter().map(|(share, std)| share / std).fold(f64::NEG_INFINITY, f64::max);
+        let half = 0.5 * stats::two_sided_p(z, f64::INFINITY);
+        (3.0 * if z > 0.0 { half } else { 1.0 - half }).min(1.0)
+    }
+
+    /// Probability of bands that agree worse.
+    pub fn consistency_p(&self) -> f64 {
+        stats::chi_squared_p(self.chi_squared.0, self.chi_squared.1)
+    }
+}
+
+/// δ and ρ of one axis.
+struct Banded {
+    found: SVector<f64, 5>,
+    covariance: SMatrix<f64, 5, 5>,
+    chi_squared: f64,
+    freedom: f64,
+}
+
+impl Banded {
+    fn of(frame: &Frame, axis: usize) -> Result<Self, Error> {
+        let bands = bands(frame);
+        let mut of_band = Vec::new();
+        for band in &bands {
+            let (held, left) = (frame.held(axis, band.clone()), frame.left(axis, band.clone()));
+            let count = frame.power(axis, band.clone());
+            let mut design = SMatrix::<f64, 4, 5>::zeros();
+            design.fixed_view_mut::<4, 4>(0, 0).copy_from(&held);
+            design[(axis, 4)] = -count;
+            of_band.push((held, left, count, design));
+        }
+        let mut banded = Self {
+            found: SVector::zeros(),
+            covariance: SMatrix::zeros(),
+            chi_squared: 0.0,
+            freedom: 4.0 * bands.len() as f64 - 5.0,
+        };
+        // The covariance of a band rests on the share.
+        for _ in 0..3 {
+            let share = banded.found[4].clamp(0.0, 1.0);
+            let (mut information, mut right) = (SMatrix::<f64, 5, 5>::zeros(), SVector::<f64, 5>::zeros());
+            let mut weights = Vec::new();
+            for (held, left, count, design) in &of_band {
+                let mut variance = *held;
+                for k in 0..4 {
+                    variance[(axis, k)] += share * left[k];
+                    variance[(k, axis)] += share * left[k];
+                }
+                variance[(axis, axis)] += share * share * count;
+                let weight = inverse4(&variance)?;
+                information += design.transpose() * weight * design;
+                right += design.transpose() * weight * left;
+                weights.push(weight);
+            }
+            banded.covariance = information.try_inverse().ok_or_else(|| {
+                Error::Undetermined("the noise of the reference cannot be told from the spectrum".into())
+            })?;
+            banded.found = banded.covariance * right;
+            banded.chi_squared = of_band
+                .iter()
+                .zip(&weights)
+                .map(|((_, left, _, design), weight)| {
+                    let rest = left - design * banded.found;
+                    (rest.transpose() * weight * rest)[(0, 0)]
+                })
+                .sum();
+        }
+        Ok(banded)
+    }
+
+    fn delta(&self) -> Vector4<f64> {
+        self.found.fixed_rows::<4>(0).into_owned()
+    }
+}
+
+/// Bands of the frequencies, each twice as high as the one before.
+fn bands(frame: &Frame) -> Vec<std::ops::Range<usize>> {
+    let (mut bands, mut from, mut count, mut wanted) = (Vec::new(), 0, 0.0, BAND);
+    for bin in frame.bins() {
+        count += 0.5 * frame.spectra.freedom[bin];
+        if count >= wanted {
+            bands.push(from..bin + 1);
+            (from, wanted, count) = (bin + 1, if bands.len() == 1 { BAND } else { 2.0 * wanted }, 0.0);
+        }
+    }
+    if let Some(last) = bands.last_mut() {
+        last.end = frame.bins().end;
+    }
+    bands
+}

@@ -1,0 +1,115 @@
+//! The difference along what it may follow, as a few points for plots.
+
+use common::{Axis, DifferenceAxis, DifferentialFit, DriftForm, ResidualSeries};
+use estimate::grouped::{Grouped, grouped};
+
+use crate::housekeeping::Housekeeping;
+use crate::prepare::Prepared;
+use crate::regression::AxisFit;
+use joined::Pair;
+
+/// Most points of a series.
+const POINTS: usize = 120;
+const DAY_S: f64 = 86_400.0;
+
+/// Along time, the field's rate of change, and each housekeeping column.
+pub fn series(
+    columns: &[Housekeeping],
+    raw: &Pair,
+    prepared: &Prepared,
+    fits: &[AxisFit; 3],
+    fit: &DifferentialFit,
+) -> Vec<ResidualSeries> {
+    let rows = raw.whole.len();
+    let time: Vec<f64> = (0..rows).map(|row| raw.time_s(row)).collect();
+    let mut all = Vec::new();
+    for (axis, found) in Axis::ALL.into_iter().zip(fits) {
+        let (j, left) = (axis.index(), &found.difference);
+        let whole = |values: &[f64]| -> Vec<f64> {
+            let whole = raw.whole.iter().zip(&prepared.pair.whole).map(|(a, b)| *a && *b);
+            values.iter().zip(whole).map(|(value, whole)| if whole { *value } else { f64::NAN }).collect()
+        };
+        let mut add = |along: &str, x: &[f64], before: &[f64], after: &[f64], fitted: Option<&[f64]>| {
+            let found = grouped(&whole(x), [before, after, fitted.unwrap_or(after)], POINTS);
+            let Some(Grouped { x, columns: [before_nt, after_nt, fitted_nt], points }) = found else {
+                return;
+            };
+            all.push(ResidualSeries {
+                recording: None,
+                column: format!("test_{axis}_nt"),
+                along: along.into(),
+                x,
+                before_nt,
+                after_nt,
+                fitted_nt: if fitted.is_some() { fitted_nt } else { Vec::new() },
+                readings: points,
+            });
+        };
+        add("time_s", &time, &levels(raw, j), left, None);
+        if let Some(clock) = &fit.clock {
+            let rate = field_rate(raw, found);
+            let late_s =
+                |row: usize| clock.offset_s.value() + 1e-6 * clock.rate_ppm.value() * raw.since_middle_s(row);
+            let of_clock: Vec<f64> = (0..rows).map(|row| -late_s(row) * rate[row]).collect();
+            let and = |sign: f64| -> Vec<f64> {
+                left.iter().zip(&of_clock).map(|(left, clock)| left + sign * clock).collect()
+            };
+            if clock.corrected {
+                add("field_rate_nt_per_s", &rate, &and(1.0), left, Some(&of_clock));
+            } else {
+                add("field_rate_nt_per_s", &rate, left, &and(-1.0), Some(&of_clock));
+            }
+        }
+        for Housekeeping { name, values } in columns {
+            match found.followed().into_iter().find(|(follows, _)| follows.name == *name) {
+                Some((follows, sizes)) => {
+                    let own = &follows.columns[0];
+                    let x: Vec<f64> = own.iter().map(|value| value + follows.at).collect();
+                    let fitted: Vec<f64> = own.iter().map(|value| sizes[0].value() * value).collect();
+                    let before: Vec<f64> = left.iter().zip(&fitted).map(|(left, own)| left + own).collect();
+                    add(name, &x, &before, left, Some(&fitted));
+                }
+                None => add(name, values, &with_drift(raw, left, fit.axes.get(axis)), left, None),
+            }
+        }
+    }
+    all
+}
+
+/// T − R of the axes of one name, less its mean.
+fn levels(raw: &Pair, axis: usize) -> Vec<f64> {
+    let d = raw.test[axis].iter().zip(&raw.reference[axis]).map(|(test, reference)| test - reference);
+    let d: Vec<f64> = d.collect();
+    let (sum, count) = d
+        .iter()
+        .zip(&raw.whole)
+        .filter(|(_, whole)| **whole)
+        .fold((0.0, 0.0), |(s, n), (d, _)| (s + d, n + 1.0));
+    d.iter().map(|d| d - sum / count).collect()
+}
+
+/// Rate of change of the field along a test axis by the reference, nT/s: central differences.
+fn field_rate(raw: &Pair, found: &AxisFit) -> Vec<f64> {
+    let field = |row: usize| -> f64 { (0..3).map(|i| found.fit.weighted[i] * raw.reference[i][row]).sum() };
+    let last = raw.whole.len() - 1;
+    let rate = |row: usize| {
+        let (from, to) = (row.saturating_sub(1), (row + 1).min(last));
+        (field(to) - field(from)) / ((to - from) as f64 * raw.step_s)
+    };
+    (0..=last).map(rate).collect()
+}
+
+/// What is left, with the drift that was taken off.
+fn with_drift(raw: &Pair, left: &[f64], found: Option<&DifferenceAxis>) -> Vec<f64> {
+    let Some(drift) = found.map(|found| &found.drift) else { return left.to_vec() };
+    let joint =
+        drift.joint.as_ref().filter(|_| matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both));
+    let at = |row: usize| {
+        let straight = drift.straight_nt_per_day.value() * raw.since_middle_s(row) / DAY_S;
+        let decay = joint.map_or(0.0, |joint| {
+            joint.amplitude_nt.value() * (-(row as f64) * raw.step_s / joint.time_constant_s.value()).exp()
+        });
+        straight + decay
+    };
+    left.iter().enumerate().map(|(row, left)| left + at(row)).collect()
+}

@@ -1,0 +1,248 @@
+//! Linear regression of long even series whose errors have a known spectrum.
+
+use faer::Mat;
+use fourier::{Complex, Forward};
+
+use crate::Error;
+use crate::linear::dot;
+use crate::positive::Positive;
+use crate::stats::{chi_squared_p, mean};
+
+/// Frequencies whose products are summed at once: the numbers of all columns there stay near the processor.
+const BLOCK: usize = 256;
+
+/// A regression y ≈ c + X β of n samples Δt apart; the constant is taken off as the mean.
+#[derive(Clone, Debug)]
+pub struct SpectralFit {
+    /// β by least squares.
+    pub least_squares: Vec<f64>,
+    /// Its covariance under errors of the given spectrum.
+    pub covariance: Mat<f64>,
+    /// (X°ᵀ X°)⁻¹: its covariance if the errors were independent and of variance one.
+    pub independent: Mat<f64>,
+    /// β weighted by the spectrum: the estimate of least variance.
+    pub weighted: Vec<f64>,
+    /// Its covariance.
+    pub weighted_covariance: Mat<f64>,
+}
+
+/// β weighted by the spectrum alone, with its covariance.
+#[derive(Clone, Debug)]
+pub struct WeightedFit {
+    /// β.
+    pub coefficients: Vec<f64>,
+    /// Its covariance.
+    pub covariance: Mat<f64>,
+}
+
+/// What each frequency weighs in a fit: one over the variance of the errors there.
+pub struct Weights(Vec<f64>);
+
+/// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of y's unit, per
+/// Hz).
+///
+/// With the transforms x̃_k, ỹ_k at f_k = k/(nΔt), k = 1 … n/2, and the errors' variance there, S_k = n P(f_k)/(2Δt):
+///
+/// - least squares, β = (X°ᵀX°)⁻¹ X°ᵀy°, has the covariance (X°ᵀX°)⁻¹ (X°ᵀ V X°)(X°ᵀX°)⁻¹ with
+///   X°ᵀVX° = 2/n Σ x̃_k* x̃_kᵀ P_k/(2Δt): errors with memory are in it;
+/// - weighted, β = (Σ x̃_k* x̃_kᵀ/S_k)⁻¹ Σ x̃_k* ỹ_k/S_k (real parts), with the covariance (2 Σ x̃_k* x̃_kᵀ/S_k)⁻¹.
+///
+/// Errors are taken as periodic over the series, which matters for what is slower than its length.
+///
+/// Source: E. J. Hannan, Regression for time series, in Time Series Analysis (M. Rosenblatt, ed.), Wiley 1963.
+///
+/// # Errors
+///
+/// [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the columns depend on each
+/// other.
+pub fn regress(
+    columns: &[Vec<f64>],
+    y: &[f64],
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+) -> Result<SpectralFit, Error> {
+    let transformer = Transformer::new(y.len());
+    let x: Vec<Transform> = columns.iter().map(|column| transformer.transform(column)).collect();
+    transformer.regress(&x.iter().collect::<Vec<_>>(), &transformer.transform(y), step_s, density)
+}
+
+/// The transform of a series less its mean.
+pub struct Transform(Vec<Complex<f64>>);
+
+/// Makes the transforms of series of one length, which may be used in many regressions.
+pub struct Transformer {
+    rows: usize,
+    plan: Forward,
+}
+
+impl Transformer {
+    /// For series of `rows` samples.
+    pub fn new(rows: usize) -> Self {
+        Self { rows, plan: fourier::forward(rows) }
+    }
+
+    /// The transform of a series less its mean.
+    pub fn transform(&self, values: &[f64]) -> Transform {
+        let middle = mean(values);
+        let mut input: Vec<f64> = values.iter().map(|value| value - middle).collect();
+        let mut output = self.plan.make_output_vec();
+        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
+        Transform(output)
+    }
+
+    /// The same as [`regress`] of columns and y that are transforms.
+    ///
+    /// # Errors
+    ///
+    /// As [`regress`].
+    pub fn regress(
+        &self,
+        columns: &[&Transform],
+        y: &Transform,
+        step_s: f64,
+        density: &dyn Fn(f64) -> f64,
+    ) -> Result<SpectralFit, Error> {
+        let unknowns = columns.len();
+        if self.rows < 2 * unknowns + 2 {
+            return Err(Error::TooFew { found: self.rows, unknowns });
+        }
+        let variances = self.at_frequencies(step_s, &|f| density(f) / (2.0 * step_s));
+        let plain = self.products(columns, y, &vec![1.0; variances.len()]);
+        let noisy = self.products(columns, y, &variances);
+        let independent = Positive::of(&square(&plain))?.inverse;
+        let weights = Weights(variances.iter().map(|variance| variance.recip()).collect());
+        let weighted = self.weighted(columns, y, &weights)?;
+        Ok(SpectralFit {
+            least_squares: solved(&independent, &plain),
+            covariance: &independent * &square(&noisy) * &independent,
+            weighted: weighted.coefficients,
+            weighted_covariance: weighted.covariance,
+            independent,
+        })
+    }
+
+    /// The weights of errors of this density, which may be used in many regressions.
+    pub fn weights(&self, step_s: f64, density: &dyn Fn(f64) -> f64) -> Weights {
+        Weights(self.at_frequencies(step_s, &|f| 2.0 * step_s / density(f)))
+    }
+
+    /// The weighted fit alone.
+    ///
+    /// # Errors
+    ///
+    /// As [`regress`].
+    pub fn weighted(
+        &self,
+        columns: &[&Transform],
+        y: &Transform,
+        weights: &Weights,
+    ) -> Result<WeightedFit, Error> {
+        let unknowns = columns.len();
+        if self.rows < 2 * unknowns + 2 {
+            return Err(Error::TooFew { found: self.rows, unknowns });
+        }
+        let products = self.products(columns, y, &weights.0);
+        let covariance = Positive::of(&square(&products))?.inverse;
+        Ok(WeightedFit { coefficients: solved(&covariance, &products), covariance })
+    }
+
+    /// A function of the frequency at all of them but zero.
+    fn at_frequencies(&self, step_s: f64, of: &dyn Fn(f64) -> f64) -> Vec<f64> {
+        let length_s = self.rows as f64 * step_s;
+        (1..=self.rows / 2).map(|k| of(k as f64 / length_s)).collect()
+    }
+
+    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times its weight. Below the diagonal
+    /// alone.
+    fn products(&self, columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
+        let count = self.rows as f64;
+        let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.0[1..]).collect();
+        let mut sums: Mat<f64> = Mat::zeros(all.len(), all.len());
+        let mut scaled = vec![Vec::with_capacity(2 * BLOCK); all.len()];
+        for from in (0..weights.len()).step_by(BLOCK) {
+            let block = from..(from + BLOCK).min(weights.len());
+            // Bands weigh nothing elsewhere.
+            if weights[block.clone()].iter().all(|weight| *weight == 0.0) {
+                continue;
+            }
+            // The Nyquist frequency stands once in the transform, the others twice.
+            let share = |row: usize| if 2 * (row + 1) == self.rows { 1.0 } else { 2.0 } / count;
+            let roots: Vec<f64> = block.clone().map(|row| (share(row) * weights[row]).sqrt()).collect();
+            for (scaled, column) in scaled.iter_mut().zip(&all) {
+                scaled.clear();
+                let values = column[block.clone()].iter().zip(&roots);
+                scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
+            }
+            for i in 0..all.len() {
+                for j in 0..=i {
+                    sums[(i, j)] += dot(&scaled[i], &scaled[j]);
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// The products of the columns with each other, on both sides of the diagonal.
+fn square(products: &Mat<f64>) -> Mat<f64> {
+    let unknowns = products.nrows() - 1;
+    Mat::from_fn(unknowns, unknowns, |i, j| products[(i.max(j), i.min(j))])
+}
+
+/// β from the products with y.
+fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
+    let unknowns = inverse.nrows();
+    (0..unknowns).map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum()).collect()
+}
+
+/// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less to be true:
+///
+/// H = qᵀ (V_plain − V_weighted)⁻¹ q, q their difference, is χ² with as many degrees of freedom as there are coefficients. Where
+/// the difference of the covariances is none (the noise is not as was thought), V_plain stands in its place.
+///
+/// Source: J. A. Hausman, Specification tests in econometrics, Econometrica 46 (1978) 1251–1271.
+///
+/// # Errors
+///
+/// [`Error::Decomposition`] for a covariance that is none.
+pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) -> Result<f64, Error> {
+    let count = plain.0.len();
+    let between = Mat::from_fn(count, count, |i, j| plain.1[(i, j)] - weighted.1[(i, j)]);
+    let alone = || Positive::of(&Mat::from_fn(count, count, |i, j| plain.1[(i, j)]));
+    let inverse = Positive::of(&between).or_else(|_| alone())?.inverse;
+    let apart: Vec<f64> = plain.0.iter().zip(weighted.0).map(|(a, b)| a - b).collect();
+    let row = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * apart[j]).sum() };
+    let distance: f64 = (0..count).map(|i| apart[i] * row(i)).sum();
+    Ok(chi_squared_p(distance.max(0.0), count as f64))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linear;
+
+    #[test]
+    fn white_errors_give_least_squares() {
+        let rows = 97;
+        let x: Vec<Vec<f64>> = vec![
+            (0..rows).map(|i| 20_000.0 + (0.13 * f64::from(i)).sin() * 30.0).collect(),
+            (0..rows).map(|i| 50_000.0 + (0.031 * f64::from(i * i % 71)).cos() * 20.0).collect(),
+        ];
+        let y: Vec<f64> = (0..rows as usize)
+            .map(|i| 7.0 + 0.9 * x[0][i] - 0.2 * x[1][i] + 0.01 * f64::from((i as i32 * 37) % 11))
+            .collect();
+        let fit = regress(&x, &y, 1.0, &|_| 2.0 * 0.25).expect("a fit");
+        let design = Mat::from_fn(rows as usize, 3, |i, j| if j == 0 { 1.0 } else { x[j - 1][i] });
+        let plain = linear::fit(design.as_ref(), &y, None).expect("a fit");
+        for k in 0..2 {
+            assert!((fit.least_squares[k] - plain.coefficients[k + 1]).abs() < 1e-9);
+            assert!((fit.weighted[k] - plain.coefficients[k + 1]).abs() < 1e-9);
+            let variance = plain.covariance[(k + 1, k + 1)];
+            assert!((fit.independent[(k, k)] / variance - 1.0).abs() < 1e-6);
+            // P = 2 σ² Δt with σ = 0.5.
+            assert!((fit.covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
+            assert!((fit.weighted_covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
+        }
+        assert!(regress(&[vec![1.0; 97]], &y, 1.0, &|_| 1.0).is_err());
+    }
+}

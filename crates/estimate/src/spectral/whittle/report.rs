@@ -1,0 +1,191 @@
+//! What a fit says about the noise.
+
+use super::estimate::Estimate;
+use super::goodness::{groups, p_value};
+use super::likelihood::{EXPONENTS, Model};
+use super::{Choice, WHITE, White, WhittleFit};
+use crate::Error;
+use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
+
+impl WhittleFit {
+    /// Density A f^-α of the flicker noise (unit²/Hz).
+    pub fn flicker_density(&self, frequency_hz: f64) -> Estimate {
+        let x = frequency_hz.ln();
+        let shape = (-self.exponent.value * x).exp();
+        self.sum([shape, -x * shape], None)
+    }
+
+    /// Density A f^-α + 2 σ² Δt of readings `step_s` apart (unit²/Hz), with the white noise of `series`; white noise of
+    /// one density is that density at any step.
+    pub fn density(&self, series: usize, step_s: f64, frequency_hz: f64) -> Estimate {
+        let x = frequency_hz.ln();
+        let shape = (-self.exponent.value * x).exp();
+        self.sum([shape, -x * shape], Some((series, self.white.density(step_s))))
+    }
+
+    /// The value of [`WhittleFit::density`] alone.
+    pub fn level(&self, series: usize, step_s: f64, frequency_hz: f64) -> f64 {
+        let own = if self.white == White::Each { series } else { 0 };
+        let flicker = self.amplitude.value * (-self.exponent.value * frequency_hz.ln()).exp();
+        flicker + self.white_variances[own] * self.white.density(step_s)
+    }
+
+    /// Variance ∫ A f^-α df of the flicker noise in a band (unit²). NaN unless 0 < low ≤ high.
+    pub fn flicker_variance(&self, low_hz: f64, high_hz: f64) -> Estimate {
+        self.sum(power_law(self.exponent.value, low_hz, high_hz), None)
+    }
+
+    /// Variance of readings `step_s` apart in a band, ∫ (A f^-α + 2 σ² Δt) df (unit²), with the white noise of `series`
+    /// as in [`WhittleFit::density`]. NaN unless 0 < low ≤ high.
+    pub fn band_variance(&self, series: usize, step_s: f64, low_hz: f64, high_hz: f64) -> Estimate {
+        let white = self.white.density(step_s) * (high_hz - low_hz);
+        self.sum(power_law(self.exponent.value, low_hz, high_hz), Some((series, white)))
+    }
+
+    /// A times the first of `flicker` and the white variance of a series times what stands beside it. `flicker[1]` is the
+    /// derivative of the first with respect to α.
+    fn sum(&self, flicker: [f64; 2], white: Option<(usize, f64)>) -> Estimate {
+        let amplitude = self.amplitude.value;
+        let mut slope = vec![0.0; self.covariance.nrows()];
+        (slope[0], slope[1]) = (amplitude * flicker[0], amplitude * flicker[1]);
+        let mut value = amplitude * flicker[0];
+        if let Some((series, factor)) = white {
+            let own = if self.white == White::Each { series } else { 0 };
+            slope[2 + own] = factor;
+            value += self.white_variances[own] * factor;
+        }
+        let row = |i: usize| (0..slope.len()).map(|j| self.covariance[(i, j)] * slope[j]).sum::<f64>();
+        let seen: f64 = (0..slope.len()).map(|i| slope[i] * row(i)).sum();
+        // Flicker below the bound may be there; with α = 1 by convention.
+        let unseen = if amplitude > 0.0 { 0.0 } else { self.amplitude.std * flicker[0] };
+        Estimate { value, std: (seen.max(0.0) + unseen * unseen).sqrt() }
+    }
+}
+
+/// ∫ f^-α df and its derivative with respect to α, −∫ ln f f^-α df: with u = ln f about the middle m of the band, half
+/// its width h and z = (1 − α) h, e^((1−α) m) 2 h sinh z/z and −m times that − e^((1−α) m) 2 h² (z cosh z − sinh z)/z².
+fn power_law(exponent: f64, low_hz: f64, high_hz: f64) -> [f64; 2] {
+    if !(low_hz > 0.0 && low_hz <= high_hz) {
+        return [f64::NAN; 2];
+    }
+    let (low, high) = (low_hz.ln(), high_hz.ln());
+    let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+    let z = (1.0 - exponent) * half;
+    let (even, odd) = if z.abs() < 1e-2 {
+        (1.0 + z * z / 6.0 * (1.0 + z * z / 20.0), z / 3.0 * (1.0 + z * z / 10.0))
+    } else {
+        (z.sinh() / z, (z * z.cosh() - z.sinh()) / (z * z))
+    };
+    let scale = 2.0 * half * ((1.0 - exponent) * middle).exp();
+    [scale * even, -scale * (middle * even + half * odd)]
+}
+
+/// What a maximum says.
+pub(super) fn report(
+    model: &Model,
+    found: &Optimum,
+    flicker_gain: f64,
+    choice: &Choice,
+) -> Result<WhittleFit, Error> {
+    let (data, theta) = (model.data, &found.theta);
+    let flicker = theta[0] > 0.0;
+    let kept: Vec<usize> = (if flicker { 0 } else { 2 }..theta.len()).collect();
+    let mut covariance = inverse(&model.slope(theta).fisher, &kept)?;
+    // From the amplitude at the lowest frequency to the logarithm of that at 1 Hz: ln A = ln θ₀ + α ln f₀.
+    if flicker {
+        (0..theta.len()).for_each(|i| covariance[(0, i)] /= theta[0]);
+        (0..theta.len()).for_each(|i| covariance[(i, 0)] /= theta[0]);
+    }
+    for i in 0..theta.len() {
+        covariance[(0, i)] += data.lowest * covariance[(1, i)];
+    }
+    for i in 0..theta.len() {
+        covariance[(i, 0)] += data.lowest * covariance[(i, 1)];
+    }
+    let (amplitude, amplitude_upper) = if flicker {
+        let value = theta[0] * (theta[1] * data.lowest).exp();
+        (Estimate { value, std: value * covariance[(0, 0)].sqrt() }, None)
+    } else {
+        let bound = flicker_bound(model, theta)?;
+        (Estimate::below(bound), Some(bound))
+    };
+    let white_variances: Vec<f64> = theta[2..].to_vec();
+    let mut whites = Vec::new();
+    for (group, variance) in white_variances.iter().enumerate() {
+        let gain = if flicker { white_gain(model, found, group)? } else { f64::INFINITY };
+        whites.push(if gain > WHITE {
+            let std = covariance[(2 + group, 2 + group)].sqrt();
+            (Estimate { value: *variance, std }, None)
+        } else {
+            let bound = upper(model, found, 2 + group, &[])?;
+            (Estimate::below(bound), Some(bound))
+        });
+    }
+    let of_series = |series: usize| {
+        let (variance, bound) = whites[model.group(series)];
+        // From the unknown to the variance of a reading.
+        let factor = model.shape(series) / (2.0 * data.step_s[series]);
+        let variance = Estimate { value: factor * variance.value, std: factor * variance.std };
+        (variance.root(), bound.map(|bound| (factor * bound).sqrt()))
+    };
+    let (white_rms, white_upper) = (0..data.series()).map(of_series).unzip();
+    let groups = groups(model, theta);
+    let unknowns = if flicker { theta.len() } else { theta.len() - 2 };
+    Ok(WhittleFit {
+        amplitude,
+        amplitude_upper,
+        exponent: Estimate { value: theta[1], std: covariance[(1, 1)].sqrt() },
+        exponent_at_limit: flicker && [EXPONENTS.0, EXPONENTS.1].contains(&theta[1]),
+        flicker_gain,
+        white: model.white,
+        white_rms,
+        white_upper,
+        white_variances,
+        covariance,
+        log_likelihood: -found.cost - data.saturated(),
+        per_reading_p: choice.per_reading_p,
+        density_p: choice.density_p,
+        goodness: p_value(&groups, unknowns),
+        groups,
+    })
+}
+
+/// Twice the fall in log likelihood without the white noise of a group.
+fn white_gain(model: &Model, found: &Optimum, group: usize) -> Result<f64, Error> {
+    let unknown = 2 + group;
+    let mut without = found.theta.clone();
+    without[unknown] = 0.0;
+    Ok(2.0 * (minimise(model, without, &[unknown])?.cost - found.cost))
+}
+
+/// One-sided 95 % bound of A for an exponent of one, where there is no significant flicker.
+fn flicker_bound(model: &Model, white: &[f64]) -> Result<f64, Error> {
+    let best = minimise(model, white.to_vec(), &[1])?;
+    Ok(upper(model, &best, 0, &[1])? * model.data.lowest.exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integral_of_a_power_law_by_quadrature() {
+        for (exponent, low, high) in
+            [(1.0, 1e-3, 1.0), (1.001, 1e-4, 30.0), (0.3, 0.2, 9.0), (2.4, 1e-2, 5.0)]
+        {
+            let [value, slope] = power_law(exponent, low, high);
+            let cells = 200_000;
+            let width = (high / low).ln() / f64::from(cells);
+            let (mut sum, mut sum_slope) = (0.0, 0.0);
+            for i in 0..cells {
+                let u = low.ln() + (f64::from(i) + 0.5) * width;
+                sum += ((1.0 - exponent) * u).exp() * width;
+                sum_slope -= u * ((1.0 - exponent) * u).exp() * width;
+            }
+            assert!((value / sum - 1.0).abs() < 1e-8, "{exponent}: {value}, {sum}");
+            assert!((slope - sum_slope).abs() < 1e-8 * sum_slope.abs().max(sum), "{slope}, {sum_slope}");
+        }
+        assert!(power_law(1.0, 0.0, 1.0)[0].is_nan() && power_law(1.0, 2.0, 1.0)[0].is_nan());
+        assert_eq!(power_law(1.0, 2.0, 2.0)[0], 0.0);
+    }
+}
