@@ -125,8 +125,8 @@ pub(crate) fn run(
     let undetermined = |column: &str, error: estimate::Error| {
         Error::from(common::Error::document(
             format!("{path}.columns.{column}"),
-            format!("readings that determine no sine of {hz} Hz ({error})"),
-            "at least a good part of a cycle, sampled more than twice a cycle",
+            format!("readings that do not determine a sine of {hz} Hz ({error})"),
+            "a large part of a cycle or more, sampled more than twice a cycle",
         ))
     };
     let fit = |values: &[f64], column: &str, quantiser: Option<Quantiser>| {
@@ -172,8 +172,7 @@ pub(crate) fn run(
 
 fn hidden(recording: &str, sensor: Axis) -> Error {
     Error::RankShort(format!(
-        "recording \"{recording}\": the readings of sensor {sensor} never leave one code of the converter, so that a \
-         field below it stays hidden; drive the other coils a little as well (a dither of some codes)"
+        "recording \"{recording}\": the readings of sensor {sensor} stay within one quantisation step of the converter, which hides smaller fields; drive the other coils slightly as well (a dither of a few steps)"
     ))
 }
 
@@ -213,7 +212,7 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error
             let (phase, phase_std) = (result.phase_rad.value(), result.phase_rad.std().unwrap_or(0.0));
             if result.p_value * (all.sensors.len() as f64) < PHASE_P {
                 all.findings.push(format!(
-                    "sensor {sensor} answers {} rad {} the drive at {hz} Hz, as a delay of {} ms would make it",
+                    "sensor {sensor} responds {} rad {} the drive at {hz} Hz, equivalent to a delay of {} ms",
                     uncertain(phase.abs(), phase_std),
                     if phase < 0.0 { "behind" } else { "ahead of" },
                     significant(result.delay_s * 1e3, 3)
@@ -262,8 +261,7 @@ fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Resu
         let quadrature = drive.iter().map(|coil| coil.im.abs()).fold(0.0, f64::max);
         if normal.determinant().norm() < 1e-9 * size.powi(3) && quadrature > OUT_OF_PHASE * size.sqrt() {
             return Err(Error::RankShort(format!(
-                "coils out of phase in fewer than three independent runs of an orientation: the phase of sensor {sensor} cannot \
-                 be told from the coils'. Drive the coils in phase, or each in turn as the main one (\"{hz} Hz\")"
+                "coils out of phase in fewer than three independent runs of an orientation: the phase of sensor {sensor} cannot be separated from the coils'. Drive the coils in phase, or each in turn as the main one (\"{hz} Hz\")"
             )));
         }
         // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped: with coils in

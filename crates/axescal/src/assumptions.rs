@@ -18,9 +18,7 @@ pub fn list(document: &Document, observations: &Observations, solution: &Solutio
     if constant && !shown && residual_field_std(document).is_none() {
         let freedom = Freedom { residual_field: Some([f64::INFINITY; 3]), ..solution.freedom.clone() };
         list.push(Assumption {
-            assumed:
-                "no field is left at the sensors without drive (no zero or reversed drives were recorded)"
-                    .into(),
+            assumed: "the residual field is zero (no zero or reversed drives were recorded)".into(),
             arcsec_per_nt: Some(
                 largest(&shift(freedom, &|unknown| matches!(unknown, Unknown::ResidualField(_)))) / ARCSEC,
             ),
@@ -37,7 +35,7 @@ pub fn list(document: &Document, observations: &Observations, solution: &Solutio
         let freedom = Freedom { offsets: [Some(f64::INFINITY); 3], ..solution.freedom.clone() };
         let is = |unknown| matches!(unknown, Unknown::Offset(axis) if unstated.contains(&axis));
         list.push(Assumption {
-            assumed: "the offsets of the sensors are as the calibration states them, exactly".into(),
+            assumed: "the sensor offsets in the calibration are exact".into(),
             arcsec_per_nt: Some(largest(&shift(freedom, &is)) / ARCSEC),
             arcsec_per_arcsec: None,
         });

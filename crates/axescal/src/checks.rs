@@ -39,7 +39,7 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
             return Err(common::Error::document(
                 format!("{path}.columns.coil_{axis}_{unit}"),
                 "a drive that is null in every row",
-                "at least one row with a drive; write 0 where the coil was off, or take the recording out",
+                "at least one row with a drive; write 0 where the coil was off, or remove the recording",
             )
             .into());
         }
@@ -52,8 +52,7 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
     for &sensor in sensors {
         let Some((name, column)) = sensor_column(recording, sensor) else {
             return Err(missing(format!(
-                "also sensor_{sensor}_v (or sensor_{sensor}_nt), the readings of sensor {sensor}; where the instrument \
-                 has no such sensor, say so in instrument.sensors"
+                "also sensor_{sensor}_v (or sensor_{sensor}_nt), the readings of sensor {sensor}; where the instrument has no such sensor, list those it has in instrument.sensors"
             ))
             .into());
         };
@@ -61,7 +60,7 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
             return Err(common::Error::document(
                 format!("{path}.columns.{name}"),
                 format!("{}, all of them null", counted(column.len(), "reading")),
-                "at least one reading; take the recording out, or the sensor out of instrument.sensors",
+                "at least one reading; remove the recording, or the sensor from instrument.sensors",
             )
             .into());
         }
@@ -141,14 +140,13 @@ pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> R
             return Err(common::Error::document(
                 format!("recordings[{index}].columns.{name}"),
                 format!(
-                    "readings of at most {} nT where the coils make {} nT, a scale of {}",
+                    "readings of at most {} nT where the coils produce {} nT, a scale of {}",
                     significant(largest, 4),
                     significant(drive, 4),
                     significant(ratio, 2)
                 ),
                 format!(
-                    "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or mend the \
-                     sensitivity or the coil constants",
+                    "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or correct the sensitivity or the coil constants",
                     if name.ends_with("_v") { "V" } else { "nT" }
                 ),
             )

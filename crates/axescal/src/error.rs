@@ -19,7 +19,7 @@ pub enum Error {
     RankShort(String),
     /// The estimation failed.
     #[error(
-        "the directions were not found: {0}. The readings may not belong to the orientations that stand beside them, or the start may be far off: try --robust, or --start=document with a first model"
+        "the fit of the directions failed: {0}. Readings may be paired with the wrong orientations, or the start may be far off: try --robust, or --start=document with a first model"
     )]
     Estimate(#[from] estimate::Error),
 }

@@ -107,7 +107,7 @@ fn check_known(
         return Err(common::Error::document(
             "calibration.axes.coils",
             "directions that axescal found from these same recordings",
-            "known coils from elsewhere, as calibration.axes.known_coils; the readings would count twice",
+            "known coils from another source, in calibration.axes.known_coils; otherwise the readings count twice",
         )
         .into());
     }

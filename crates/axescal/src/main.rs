@@ -29,10 +29,10 @@ struct Cli {
     /// Where the iteration begins
     #[arg(long, value_enum, default_value_t = StartFrom::Identity)]
     start: StartFrom,
-    /// Leave the scales of sensors and coils free and compare them with the calibration
+    /// Fit the scale factors of sensors and coils, and compare them with the calibration
     #[arg(long)]
     free_scales: bool,
-    /// Weigh readings that are far from the rest down
+    /// Down-weight outliers
     #[arg(long)]
     robust: bool,
     /// Use this sensor alone

@@ -138,13 +138,16 @@ fn words(effects: &[EffectInstance], places: &Places, added: &Added) -> Vec<Stri
     let largest = added.largest();
     let model = (!names.is_empty()).then(|| format!("{} of the model", names.join(", ")));
     let taken: Vec<String> = places.act().then(|| GRADIENTS.to_string()).into_iter().chain(model).collect();
-    let mut words =
-        vec![format!("taken off the readings, at most {} nT: {}", significant(largest, 3), taken.join(", "))];
+    let mut words = vec![format!(
+        "subtracted from the readings, at most {} nT: {}",
+        significant(largest, 3),
+        taken.join(", ")
+    )];
     let mut told: Vec<(&str, &str)> = Vec::new();
     for LeftOut { recording, who, what } in &added.left_out {
         if !told.contains(&(who, what)) {
             told.push((who, what));
-            words.push(format!("{who} is left out in \"{recording}\", for want of {what}"));
+            words.push(format!("{who} is not applied in \"{recording}\": {what} is missing"));
         }
     }
     words

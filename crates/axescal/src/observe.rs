@@ -112,7 +112,7 @@ fn one_noise_for_all(all: &mut Observations) {
     if all.noise == NoiseSource::Residuals {
         if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
             all.findings.push(
-                "the noise of some readings is not declared; one noise for all is taken from the residuals"
+                "the noise of some readings is not declared; one value for all is estimated from the residuals"
                     .into(),
             );
         }
@@ -272,7 +272,7 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
         let field = largest(axis);
         if field > WEAK_NT {
             all.findings.push(format!(
-                "coil {axis} makes at most {} nT, too little for a direction; its field is taken along its nominal axis",
+                "coil {axis} produces at most {} nT, too little for a direction; its nominal axis is assumed",
                 significant(field, 3)
             ));
         }

@@ -52,7 +52,7 @@ pub fn settle(
         }
         freedom.release(*unknown);
         findings.push(format!(
-            "the readings pull {} {} standard uncertainties away from what the document states; it was left free",
+            "the readings put {} {} standard uncertainties from the value that the document states; it was fitted without this prior",
             name(*unknown),
             significant(pull.abs(), 3)
         ));
@@ -85,7 +85,7 @@ fn orientations(pulls: &[(Unknown, f64)]) -> Option<String> {
     let p = stats::two_sided_p(far, f64::INFINITY) * corrections.len() as f64;
     (!corrections.is_empty() && p < VIOLATED_P).then(|| {
         format!(
-            "an orientation turns {} times as far as the theodolites' uncertainty allows; read it again, or state it larger",
+            "the correction of an orientation is {} times the theodolites' uncertainty; read it again, or state a larger uncertainty",
             significant(far, 3)
         )
     })
@@ -98,8 +98,7 @@ fn known_coils(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Option<String
     let freedom: f64 = rows.clone().map(|row| 1.0 - leverage[row]).sum();
     let squares: f64 = rows.map(|row| fit.residual[row].powi(2)).sum();
     (freedom > 0.5 && stats::chi_squared_p(squares, freedom) < VIOLATED_P).then(|| {
-        "the readings turn the known coils further than their uncertainty allows; they may not be where they were, or a \
-         constant is off"
+        "the readings contradict the known directions of the coils; the coils may have moved, or a constant may be wrong"
             .into()
     })
 }

@@ -27,18 +27,18 @@ pub fn explain(
     let what = match unseen {
         [one] => describe(problem, state, one),
         _ => format!(
-            "sensors and coils can turn together in {} independent ways that change no reading",
+            "sensors and coils can turn together in {} independent ways without changing a reading",
             unseen.len()
         ),
     };
     let mut text = format!(
-        "the directions are not determined: rank {} of {turns} from {}. Unseen: {what}",
+        "the directions are not determined: rank {} of {turns} from {}. Not observable: {what}",
         turns - unseen.len().min(turns),
         counted(observations.orientations.len(), "orientation")
     );
     if let Some(axis) = common_axis(observations) {
         text.push_str(&format!(
-            ". All recorded orientations differ by turns about one axis, {} of the block",
+            ". All recorded orientations differ by rotations about one axis, {} of the block",
             name_axis(&axis)
         ));
     }
@@ -88,14 +88,14 @@ fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> Str
     let part = |name: &str, frame: &str, moved: &[(Vector3<f64>, Vector3<f64>)]| {
         let size: f64 = moved.iter().map(|(_, change)| change.norm_squared()).sum();
         if size < 1e-6 {
-            return format!("{name} still");
+            return format!("{name} fixed");
         }
         match common_turn(moved) {
             Some(axis) if moved.len() > 1 => {
-                format!("all {name}s turning together about the axis {} of {frame}", name_axis(&axis))
+                format!("all {name}s rotating together about the axis {} of {frame}", name_axis(&axis))
             }
-            Some(axis) => format!("the {name} turning about {} of {frame}", name_axis(&axis)),
-            None => format!("the {name}s turning against each other"),
+            Some(axis) => format!("the {name} rotating about {} of {frame}", name_axis(&axis)),
+            None => format!("the {name}s rotating against each other"),
         }
     };
     format!("{} with {}", part("sensor", "SEN", &sensors), part("coil", "GEO", &coils))
@@ -145,12 +145,12 @@ fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, tur
     let (letters, first) = (letters.join(" or "), &observations.orientations[0].recordings[0]);
     if rank >= turns {
         format!(
-            "One more orientation shows it: the block turned by 90° about its {letters} axis from \"{first}\", driven by \
+            "One more orientation determines it: the block turned by 90° about its {letters} axis from \"{first}\", driven by \
              the same coils"
         )
     } else {
         format!(
-            "More than one further orientation is needed, with turns about two different axes; begin with the block turned \
+            "More than one further orientation is needed, with rotations about two different axes; begin with the block turned \
              by 90° about its {letters} axis from \"{first}\", which gives rank {rank} of {turns}"
         )
     }

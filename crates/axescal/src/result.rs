@@ -101,7 +101,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
     }
     if !mixed.is_empty() {
         findings.push(format!(
-            "{} cannot be told apart from zero drives in these orientations; turn the block over (180°) with no drive",
+            "{} cannot be separated by zero drives in these orientations; record zero drives with the block turned over (180°)",
             mixed.join(", ")
         ));
     }

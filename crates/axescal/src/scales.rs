@@ -3,7 +3,7 @@
 //! μ → s μ, η → η/s leaves every reading as it was, so that one of the six lengths cannot be seen. Five can:
 //! the sensors' among each other, the coils' among each other, and the common product of both.
 
-use common::number::{p_value, signed, significant, uncertain};
+use common::number::{counted, p_value, signed, significant, uncertain};
 use common::{Axis, Calibration, PerAxis, Quantity, ScaleResult, ScalesResult};
 use estimate::stats;
 use faer::Mat;
@@ -138,10 +138,11 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
     let Some(weight) = regular.try_inverse() else { return "the scales are not determined".into() };
     let chi_squared = (scales.transpose() * &weight * &scales)[(0, 0)];
     let freedom = (count - 1) as f64;
+    let degrees = counted(count - 1, "degree");
     let p = stats::chi_squared_p(chi_squared, freedom);
     if p >= DISAGREES_P {
         return format!(
-            "the readings agree with the sensitivities and coil constants of the calibration (χ² = {} of {freedom}, {})",
+            "the readings agree with the sensitivities and coil constants of the calibration (χ² = {} with {degrees} of freedom, {})",
             significant(chi_squared, 3),
             p_value(p)
         );
@@ -170,7 +171,7 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
         several => format!("any one of these explains it: {}", several.join("; ")),
     };
     format!(
-        "the readings disagree with the calibration's sensitivities and coil constants (χ² = {} of {freedom}, {}); {explained}",
+        "the readings disagree with the calibration's sensitivities and coil constants (χ² = {} with {degrees} of freedom, {}); {explained}",
         significant(chi_squared, 3),
         p_value(p)
     )

@@ -112,7 +112,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     if !scattering.is_empty() {
         if estimate.spread.degrees_of_freedom < 0.5 {
             return Err(Error::RankShort(format!(
-                "{} {} none to judge the noise by; declare it in instrument.noise, or record more orientations",
+                "{} {} no degrees of freedom to estimate the noise; declare it in instrument.noise, or record more orientations",
                 counted(problem.readings(), "reading"),
                 plural(problem.readings(), "leaves", "leave")
             )));
@@ -219,14 +219,13 @@ fn scatters(kind: ReadingKind, factor: f64, spread: Option<&Spread>) -> String {
     let test = spread.map_or_else(String::new, |spread| {
         let freedom = counted(spread.degrees_of_freedom.round() as usize, "degree");
         format!(
-            " (χ² = {} for {freedom} of freedom, {})",
+            " (χ² = {} with {freedom} of freedom, {})",
             significant(spread.sum_of_squares, 3),
             p_value(spread.p())
         )
     });
     format!(
-        "{} scatter {} times as much as declared{test}; their standard deviations are scaled up to it. \
-         --free-scales shows whether a constant is off, --robust what single readings do",
+        "{} scatter {} times as much as declared{test}; their standard deviations are scaled up accordingly. --free-scales shows whether a constant is wrong, --robust the effect of outliers",
         kind.name(),
         significant(factor, 3)
     )
@@ -363,9 +362,8 @@ fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, driv
     };
     let worst = (0..observations.orientations.len()).max_by(|a, b| rms(*a).total_cmp(&rms(*b))).unwrap_or(0);
     format!(
-        "the readings do not fit the model: they scatter by {} nT where the coils make {} nT, most in \
-         orientation {} (\"{}\", {} nT rms). An orientation may be wrong, transposed or at the wrong recording, or a \
-         constant, a frequency or a column; --robust and --free-scales may show which",
+        "the readings do not fit the model: they scatter by {} nT where the coils produce {} nT, most in \
+         orientation {} (\"{}\", {} nT rms). An orientation may be wrong, transposed or with the wrong recording, or a constant, a frequency or a column may be wrong; --robust and --free-scales may show which",
         significant(noise_nt, 3),
         significant(drive, 4),
         worst + 1,

@@ -74,14 +74,12 @@ pub fn begin(
         }
         if sign(sensors, i) < 0.0 {
             findings.push(format!(
-                "sensor {axis} reads with the opposite sign, as a mirrored axis or reversed wiring gives; its direction is \
-                 solved as it reads"
+                "sensor {axis} reads with the opposite sign, as with a mirrored axis or reversed wiring; its direction is fitted as it reads"
             ));
         }
         if sign(coils, i) < 0.0 {
             findings.push(format!(
-                "the field of coil {axis} has the opposite sign, as reversed leads or a reversed current reading give; its \
-                 direction is solved as it acts"
+                "the field of coil {axis} has the opposite sign, as with reversed leads or a reversed current reading; its direction is fitted as it acts"
             ));
         }
     }

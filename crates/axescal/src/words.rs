@@ -43,15 +43,15 @@ fn describe(axes: &AxesCalibration) -> String {
     }
     directions(&mut text, "sensor", "SEN", axes.sensors.as_ref());
     directions(&mut text, "coil", "GEO", axes.coils.as_ref());
-    constants(&mut text, "field without drive (GEO)", axes.residual_field_nt.as_ref());
-    constants(&mut text, "to add to the offsets in calibration.sensors", axes.offsets_nt.as_ref());
+    constants(&mut text, "residual field (GEO)", axes.residual_field_nt.as_ref());
+    constants(&mut text, "corrections to the offsets in calibration.sensors", axes.offsets_nt.as_ref());
     if let Some(scales) = &axes.scales {
         let _ = writeln!(text, "  scales: {}", scales.verdict);
     }
     if let Some(pair) = &axes.pair {
         let _ = writeln!(
             text,
-            "  without unit lengths: rank {} of 6, sensor {}\" and coil {}\" from the above, misfit {} nT",
+            "  without the unit-length constraint: rank {} of 6, sensor {}\" and coil {}\" from the directions above, misfit {} nT",
             pair.unconstrained_rank,
             significant(pair.sensor_difference_arcsec, 3),
             significant(pair.coil_difference_arcsec, 3),
@@ -70,11 +70,13 @@ fn describe(axes: &AxesCalibration) -> String {
     for assumption in &axes.assumptions {
         let bound = match (assumption.arcsec_per_nt, assumption.arcsec_per_arcsec) {
             (Some(nt), _) => {
-                format!("; each nT of it turns a direction by up to {}\"", significant(nt, 3))
+                format!("; each nT of it would turn a direction by up to {}\"", significant(nt, 3))
             }
             (_, Some(arcsec)) => {
                 let arcsec = significant(arcsec, 3);
-                format!("; theodolites of 1\" would make a direction uncertain by up to {arcsec}\"")
+                format!(
+                    "; an uncertainty of 1\" in the orientations makes a direction uncertain by up to {arcsec}\""
+                )
             }
             _ => String::new(),
         };
@@ -83,7 +85,7 @@ fn describe(axes: &AxesCalibration) -> String {
     for doubt in &axes.doubtful {
         let _ = writeln!(
             text,
-            "  doubtful: orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from what the others predict \
+            "  outlier: orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from the prediction of the others \
              (t = {}, adjusted {})",
             doubt.orientation,
             doubt.recording,
@@ -98,7 +100,8 @@ fn describe(axes: &AxesCalibration) -> String {
     for finding in &axes.findings {
         let _ = writeln!(text, "  note: {finding}");
     }
-    text += "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval";
+    text +=
+        "  ± is one standard uncertainty; multiply by coverage_factor_95 in the document for a 95 % interval";
     text
 }
 

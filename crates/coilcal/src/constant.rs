@@ -29,7 +29,7 @@ pub fn calibrate(
     let levels = levels(readings);
     if levels.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "coil {}, different drives recorded: {}; a line and its lack of fit need at least three, better some on either side of zero",
+            "coil {}, different drives recorded: {}; a straight line and its lack-of-fit test need at least three, preferably on both sides of zero",
             coil.coil,
             levels.len()
         )));
@@ -193,7 +193,7 @@ fn findings(coil: &Readings, kinds: &[DepartureKind], fit: &CoilFit) -> Vec<Stri
         let size: Vec<String> =
             departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         findings.push(format!(
-            "not a straight line: {} (alone {}, adjusted {}); it is fitted beside constant and offset",
+            "not a straight line: {} (unadjusted {}, adjusted {}); fitted jointly with constant and offset",
             departure.departure,
             size.join(", "),
             p_value(departure.p_adjusted)
@@ -201,18 +201,18 @@ fn findings(coil: &Readings, kinds: &[DepartureKind], fit: &CoilFit) -> Vec<Stri
     }
     if !fit.rivals.is_empty() {
         findings.push(format!(
-            "{} would explain the readings about as well; fields closer to zero, or the levels in another order, would tell them apart",
+            "{} would explain the readings about as well; to distinguish them, record fields closer to zero, or the levels in another order",
             fit.rivals.join(" or ")
         ));
     }
     if let Some(lack) = fit.lack_of_fit.filter(|lack| lack.p_value < TOLD_BELOW) {
         let left = if kinds.is_empty() {
-            "nothing that was looked for explains it"
+            "no effect in the search explains it"
         } else {
-            "what was fitted does not explain all"
+            "the fitted effects explain only part of it"
         };
         findings.push(format!(
-            "the levels scatter more than their repeats (lack of fit {}) and {left}; uncertainties rest on the {}",
+            "the levels scatter more than repeated readings (lack of fit, {}) and {left}; the uncertainties are based on the {}",
             p_value(lack.p_value),
             fit.noise_source
         ));
@@ -220,7 +220,7 @@ fn findings(coil: &Readings, kinds: &[DepartureKind], fit: &CoilFit) -> Vec<Stri
     let signs = [1.0, -1.0].map(|sign| coil.readings.iter().any(|reading| reading.current_a * sign > 0.0));
     if signs.contains(&false) {
         findings
-            .push("only one direction of the current was recorded; the offset rests on extrapolation".into());
+            .push("the current was recorded in one direction only; the offset is an extrapolation".into());
     }
     findings
 }

@@ -8,14 +8,14 @@ pub enum Error {
     Document(#[from] common::Error),
     /// No recording is for this stage.
     #[error(
-        "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages over a resistor) beside `reference_nt`, or readings in the nulled field"
+        "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages across a resistor) with `reference_nt`, or readings in the nulled field"
     )]
     Nothing,
     /// The readings do not determine the answer.
     #[error("{0}")]
     Undetermined(String),
     /// The estimation failed.
-    #[error("the coil constant was not found: {0}")]
+    #[error("the coil constant could not be fitted: {0}")]
     Estimate(#[from] estimate::Error),
 }
 

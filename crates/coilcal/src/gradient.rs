@@ -39,8 +39,8 @@ fn survey(
             Fault::document(format!("{path}.columns"), format!("no `{name}`"), what.to_string())
         })
     };
-    let position = need("position_m", "`position_m`, the place along the coil's axis from its centre")?;
-    let reference = need("reference_nt", "`reference_nt`, what the scalar magnetometer read")?;
+    let position = need("position_m", "`position_m`, the position along the coil's axis from its centre")?;
+    let reference = need("reference_nt", "`reference_nt`, the readings of the scalar magnetometer")?;
     check(document, reference, path)?;
     let (current, _) = drive(document, recording, coil, path)?;
     let rows: Vec<usize> = (0..position.len())
@@ -49,8 +49,7 @@ fn survey(
         .collect();
     if rows.is_empty() && current.contains(&0.0) {
         return Err(Error::Undetermined(format!(
-            "recording \"{}\": coil {coil} is driven in no row ({path}.columns, from row 0 on its current is 0); a gradient \
-             shows only in the coil's own field: drive the coil, or take the recording out",
+            "recording \"{}\": coil {coil} is never driven ({path}.columns: its current is 0 from row 0 on); a gradient can only be measured in the coil's own field: drive the coil, or remove the recording",
             recording.id
         )));
     }
@@ -63,9 +62,9 @@ fn survey(
         POWERS.iter().take(places.len().saturating_sub(1).min(POWERS.len())).copied().collect::<Vec<_>>();
     if places.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "recording \"{}\": {} along coil {coil}; a gradient needs at least three, on both sides of the centre",
+            "recording \"{}\": {} along coil {coil}; a gradient needs at least three, on both sides of the coil's centre",
             recording.id,
-            counted(places.len(), "place")
+            counted(places.len(), "position")
         )));
     }
     let fit = fit(&at, &field, &powers)?;

@@ -24,7 +24,7 @@ const PROGRAM: Program = Program {
 struct Cli {
     #[command(flatten)]
     stage: StageIo,
-    /// Distance off a coil's centre for which the field error is stated, m
+    /// Distance from a coil's centre at which the field error is stated, m
     #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = number::not_negative)]
     off_centre_m: f64,
     /// Nyquist frequency of the instrument that will measure in the coils, Hz

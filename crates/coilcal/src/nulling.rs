@@ -120,13 +120,12 @@ fn field(
         }
     };
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), column) else {
-        let expected = "times that rise, all there, more than half of them an even step apart: ingest --sort puts rows into the order of time, series cut keeps a part without gaps, and \
-             series resample --step S makes even steps";
+        let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
         return Err(Fault::document(format!("{path}.time_s"), "no such times", expected).into());
     };
     let filled = series::filled(&even.column).map_err(|missing| {
         let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
-        let expected = "at most one in a hundred; a spectrum needs a series without gaps: keep a part of it by series cut --from T --to T";
+        let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
         Fault::document(format!("{path}.sensor_{axis}"), found, expected)
     })?;
     Ok(Some(Evened { column: filled.into_iter().map(|value| value * scale).collect(), ..even }))

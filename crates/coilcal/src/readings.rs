@@ -55,7 +55,7 @@ fn one(document: &Document, recording: &Recording, path: &str, all: &mut Reading
     recording.at_hand(path)?;
     let (drive, volts) = drive(document, recording, all.coil, path)?;
     let Some(reference) = recording.column("reference_nt") else {
-        let expected = "`reference_nt`, what the scalar magnetometer read";
+        let expected = "`reference_nt`, the readings of the scalar magnetometer";
         return Err(Error::document(format!("{path}.columns"), "no such column", expected));
     };
     check(document, reference, path)?;
@@ -83,16 +83,18 @@ pub fn drive(
         return Ok((current.to_vec(), false));
     }
     let Some(volts) = recording.axis_column("coil", coil, "v") else {
-        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` over the precision resistor");
+        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` across the precision resistor");
         return Err(Error::document(format!("{path}.columns"), format!("no drive of coil {coil}"), expected));
     };
     let key = format!("facility.coils.{coil}.resistor_ohm");
     match resistor(document, coil) {
         Some(ohm) if ohm.is_finite() && ohm > 0.0 => Ok((volts.iter().map(|v| v / ohm).collect(), true)),
         Some(ohm) => Err(Error::document(key, ohm.to_string(), "a positive resistance")),
-        None => {
-            Err(Error::document(key, "no such key", "the precision resistor over which the voltage was read"))
-        }
+        None => Err(Error::document(
+            key,
+            "no such key",
+            "the precision resistor across which the voltage was measured",
+        )),
     }
 }
 
@@ -128,6 +130,6 @@ pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), E
             "fields outside the scalar magnetometer's range in {} {shown}{more}",
             plural(rows.len(), "row", "rows")
         ),
-        format!("{low} to {high} nT; take the rows out, or state `facility.reference_range_nt`"),
+        format!("{low} to {high} nT; remove the rows, or state `facility.reference_range_nt`"),
     ))
 }

@@ -15,7 +15,7 @@ pub fn summary(document: &Document) -> String {
             let worst = &survey.worst_departure_nt;
             let _ = writeln!(
                 text,
-                "  survey \"{}\" of coil {axis}: {worst:+} nT at {} m is the farthest from the centre's {} nT",
+                "  survey \"{}\" of coil {axis}: largest departure {worst:+} nT at {} m, from {} nT at the centre",
                 survey.recording,
                 signed(&bare(survey.worst_position_m)),
                 bare(survey.centre_nt.as_ref().map_or(0.0, Quantity::value))
@@ -23,7 +23,11 @@ pub fn summary(document: &Document) -> String {
         }
         if let Some(coil) = &coil.gradient_coil {
             let change = signed(&significant(coil.change_a, 4));
-            let _ = writeln!(text, "  gradient coil: {} A brings that to zero ({change} A)", coil.current_a);
+            let _ = writeln!(
+                text,
+                "  gradient coil: {} A nulls this departure (a change of {change} A)",
+                coil.current_a
+            );
         }
     }
     let nulling = document.calibration.as_ref().and_then(|calibration| calibration.nulling.as_ref());
@@ -36,13 +40,13 @@ pub fn summary(document: &Document) -> String {
             let Some(off_s) = series.uneven_s else { continue };
             let _ = writeln!(
                 text,
-                "    \"{}\": its times are uneven, by up to {} s; it was interpolated, and its white noise is told too low",
+                "    \"{}\": its times are uneven by up to {} s; the series was interpolated, and its white noise is underestimated",
                 series.recording,
                 significant(off_s, 2)
             );
         }
         for gap in &site.gaps_hz {
-            let _ = writeln!(text, "    nothing was recorded from {}: it is not in the rms", band(gap));
+            let _ = writeln!(text, "    no recording covers {}, so it is not in the rms", band(gap));
         }
         for line in &site.lines {
             let name = line.name.as_deref().unwrap_or("no known source");
@@ -60,8 +64,7 @@ pub fn summary(document: &Document) -> String {
         let _ = writeln!(text, "  the quietest condition is {quietest}");
     }
     if !text.is_empty() {
-        text +=
-            "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval";
+        text += "  ± is one standard uncertainty; multiply by coverage_factor_95 in the document for a 95 % interval";
     }
     text
 }

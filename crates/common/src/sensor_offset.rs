@@ -91,7 +91,7 @@ pub struct OffsetDrift {
     /// Trend, nT per year of 365.25 days.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trend_nt_per_year: Option<Quantity>,
-    /// Probability of such a trend by chance, under noise with memory.
+    /// Probability of such a trend by chance, under correlated noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trend_p: Option<f64>,
     /// From the standard uncertainty of the trend to an interval that holds it in at least 95 %; other quantities have their own.
@@ -125,7 +125,7 @@ pub struct AnnualTerm {
     pub sine_nt: Quantity,
     /// √(A² + B²), nT.
     pub amplitude_nt: f64,
-    /// Probability of such an amplitude by chance, under noise with memory.
+    /// Probability of such an amplitude by chance, under correlated noise.
     pub p_value: f64,
 }
 

@@ -5,7 +5,7 @@ use common::number::{bare, significant};
 /// Times that were made even.
 pub fn uneven(id: &str, scatter_s: f64, step_s: f64) -> String {
     format!(
-        "\"{id}\": its times are uneven, by up to {} s; its readings were interpolated from their own times to steps of {} s, which lowers \
+        "\"{id}\": its times are uneven by up to {} s; its readings were interpolated from their own times to steps of {} s, which lowers \
          their noise unevenly",
         significant(scatter_s, 2),
         bare(step_s)

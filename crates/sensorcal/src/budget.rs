@@ -76,7 +76,7 @@ fn one(
         let by: Vec<f64> = cross.covariance_order.iter().map(|key| share(key)).collect();
         let row = |i: usize| (0..by.len()).map(|j| by[i] * cross.covariance[i][j] * by[j]).sum::<f64>();
         let variance: f64 = (0..by.len()).map(row).sum();
-        all.push(("field of 50000 nT across", variance.max(0.0).sqrt()));
+        all.push(("transverse field of 50000 nT", variance.max(0.0).sqrt()));
     }
     if let Some(drift) = &sensor.drift {
         all.push(("offset drift in a year", drift.own_rms_nt));

@@ -134,7 +134,7 @@ fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Condition
     if p < DISAGREE_BELOW {
         let std = (turned.covered_nt2() + conditions.variance(&by_turned)).sqrt();
         let finding = format!(
-            "the offset in the coil is {} nT, by reversals {} nT: they do not agree ({}), and the reversals count; what is left in the coil, or its offset, may be wrong",
+            "the offset in the coil is {} nT, by reversals {} nT: they disagree ({}); the reversals are used. The residual field of the coil, or the coil's offset, may be wrong",
             signed(&uncertain(constants.offset_nt, constants.covariance[1][1].sqrt())),
             signed(&uncertain(turned.offset_nt, std)),
             p_value(p)

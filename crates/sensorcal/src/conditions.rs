@@ -60,7 +60,7 @@ impl Conditions {
             return Vec::new();
         }
         vec![format!(
-            "temperatures are not recorded in {}; k and O hold at whatever they were",
+            "no temperatures were recorded in {}; k and O apply at the unknown temperatures there",
             lacking.join(", ")
         )]
     }

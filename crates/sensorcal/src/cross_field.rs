@@ -64,7 +64,8 @@ pub fn coefficients(
     };
     if let Some(run) = runs.iter().find(|run| !run.oriented) {
         let found = "no orientation of the block";
-        let expected = "`orientation` or `theodolite`: which sides of the sensor the fields across come from";
+        let expected =
+            "`orientation` or `theodolite`, which give the directions of the transverse fields at the sensor";
         return Err(Fault::document(format!("{}.conditions", run.path), found, expected).into());
     }
     let k = runs[0].basic.sensors[sensor.index()].sensitivity;
@@ -249,25 +250,30 @@ fn findings(
         unseen.iter().map(|one| format!("{}.{}", one.kind.name(), one.name())).collect();
     if !missing.is_empty() {
         let more = if missing.len() == 1 && missing[0].ends_with("mixed_nt") {
-            "it needs both fields across at once"
+            "both transverse fields must be applied at once"
         } else if found.offset.is_empty() {
-            "a sensor that is not quite along its coil would do the same: fields of both signs across it are needed, and none"
+            "a slightly misaligned sensor would look the same: record transverse fields of both signs and zero"
         } else {
-            "fields on the other side of the sensor were not recorded: turn the block by 90° about the sensor, or drive the other coil"
+            "the other transverse direction was not recorded: turn the block by 90° about the sensor, or drive the other coil"
         };
-        found.findings.push(format!("{} cannot be told from these recordings; {more}", missing.join(", ")));
+        found
+            .findings
+            .push(format!("{} cannot be determined from these recordings: {more}", missing.join(", ")));
     }
     let p = found.significance.map_or(1.0, |test| test.p_value);
     found.findings.push(if found.offset.is_empty() {
-        format!("whether fields across change sensor {sensor} cannot be told")
+        format!("whether transverse fields affect sensor {sensor} cannot be determined")
     } else if p < FOUND_BELOW {
-        format!("fields across change sensor {sensor} ({})", p_value(p))
+        format!("transverse fields affect sensor {sensor} ({})", p_value(p))
     } else {
-        format!("fields across do not change sensor {sensor} beyond the experimental error ({})", p_value(p))
+        format!(
+            "transverse fields do not affect sensor {sensor} beyond the experimental error ({})",
+            p_value(p)
+        )
     });
     for departure in found.departures.iter().filter(|departure| departure.found) {
         found.findings.push(format!(
-            "k also depends on the square of the field across (adjusted {}), which no effect of the catalogue describes",
+            "k also depends on the square of the transverse field (adjusted {}), which no effect of the catalogue describes",
             p_value(departure.p_adjusted)
         ));
     }

@@ -44,8 +44,8 @@ pub fn drift(
     dates.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     if dates.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "sensor {sensor}: `offset_drift` was recorded on {} of the 3 dates that a mean and its scatter need (a trend needs 5, a yearly term {})",
-            dates.len(),
+            "sensor {sensor}: `offset_drift` was recorded on {}; a mean and its scatter need 3 dates, a trend 5, a yearly term {}",
+            counted(dates.len(), "date"),
             ANNUAL_FROM.1
         )));
     }
@@ -84,13 +84,11 @@ fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift, Error>
         found.findings.push(format!(
             "{} {} no trend: at least five are needed",
             counted(dates.len(), "date"),
-            plural(dates.len(), "shows", "show")
+            plural(dates.len(), "determines", "determine")
         ));
     }
     if corrected {
-        found.findings.push(
-            "offsets are at the reference temperatures: what is known of temperature is taken off".into(),
-        );
+        found.findings.push("offsets are corrected to the reference temperatures".into());
     }
     Ok(found)
 }

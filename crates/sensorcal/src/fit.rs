@@ -183,7 +183,7 @@ impl Problem<'_, '_> {
             return self.finish(&at.state, linear, &at.design);
         }
         Err(Error::Undetermined(format!(
-            "recording \"{}\": no fit settles within {} steps; do the drives, or the temperatures, go together?",
+            "recording \"{}\": the fit does not converge within {} iterations; are drives and temperatures collinear?",
             self.runs[0].context.recording.id, ITERATION.most
         )))
     }

@@ -101,7 +101,7 @@ pub fn parts(
         Part::ALL.into_iter().enumerate().filter(|(at, _)| moved(*at)).map(|(_, p)| p).collect();
     if parts.is_empty() {
         return Err(Error::Undetermined(format!(
-            "sensor {sensor}: neither temperature moves by more than {MOVED_K} K in any `temperature_run`; a coefficient needs at least two temperatures, a curvature three"
+            "sensor {sensor}: neither temperature varies by more than {MOVED_K} K in any `temperature_run`; a coefficient needs at least two temperatures, a curvature three"
         )));
     }
     if parts.len() == 2 {
@@ -125,7 +125,7 @@ pub fn parts(
         let apart = share(0, 1).min(share(1, 0));
         if apart < APART {
             findings.push(format!(
-                "the temperatures of sensor and electronics moved together (all but {} % of the one is in the other): no slope is given, for it could belong to either; heat one with the other held",
+                "the temperatures of sensor and electronics varied together (only {} % of the variance is independent), so no slope is assigned to either; heat one and hold the other constant",
                 significant(100.0 * apart, 2)
             ));
             return Ok(Vec::new());

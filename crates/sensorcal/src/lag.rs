@@ -19,7 +19,7 @@ const TRIED_S: [f64; 13] =
 /// The way from one temperature to another was recorded when no step is a larger share of it.
 const PATH: f64 = 0.1;
 /// What is said where that is not so.
-const UNSEEN: &str = "the way from one temperature to the next was not recorded: no lag can be seen";
+const UNSEEN: &str = "the transitions between temperatures were not recorded: a lag is not observable";
 /// χ² by which a lag is excluded at 95 %.
 const EXCLUDED: f64 = 3.84;
 
@@ -95,7 +95,7 @@ fn one<'p, 'b>(
             allowed = lag_s;
         }
     }
-    let Some((_, lag_s)) = best else { return Ok((format!("{name}: no lag was looked for"), None)) };
+    let Some((_, lag_s)) = best else { return Ok((format!("{name}: no search for a lag"), None)) };
     if let Some(trial) = with_lag(problem, kinds, sensor, lag_s, true)
         && let Ok(fit) = trial.solve()
     {
@@ -105,14 +105,14 @@ fn one<'p, 'b>(
             let place = unknown(&trial, kinds[1], 1);
             let lag = place.map_or((lag_s, f64::NAN), |at| (fit.values[at], fit.type_a(at)));
             let (lag, gain) = (uncertain(lag.0, lag.1), significant(gain, 3));
-            let text = format!("{name} follows {lag} s late (χ² falls by {gain})");
+            let text = format!("{name} follows {lag} s late (χ² decreases by {gain})");
             return Ok((text, Some(trial)));
         }
     }
     let text = if allowed >= TRIED_S[TRIED_S.len() - 1] {
-        format!("{name}: these readings do not show a lag, whatever it is")
+        format!("{name}: these readings do not constrain a lag")
     } else {
-        format!("{name}: no lag is seen; more than {} s is excluded", bare(allowed))
+        format!("{name}: no lag was detected; more than {} s is excluded", bare(allowed))
     };
     Ok((text, None))
 }

@@ -47,7 +47,7 @@ impl Across {
         if let (Some(first), true) = (held.first(), together.is_empty()) {
             let run = &runs[*first];
             let found = format!("no field across sensor {} that changes", run.sensor);
-            let expected = "drive on a coil across the sensor, zero and both signs: in one recording with one setting of the sensor, or one field held in each of several";
+            let expected = "drive on a coil transverse to the sensor, at zero and with both signs: within one recording at one setting of the sensor, or one constant field in each of several";
             return Err(Fault::document(format!("{}.columns", run.path), found, expected).into());
         }
         let mut groups: Vec<Vec<usize>> = changing.into_iter().map(|number| vec![number]).collect();

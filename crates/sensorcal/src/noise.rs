@@ -98,8 +98,7 @@ fn read<'a>(
     let (reading, unit) = output(recording, path, sensor)?;
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), reading) else {
-        let expected = "times that rise, all there, more than half of them an even step apart: ingest --sort puts rows into the order of time, series cut keeps a part without gaps, and \
-             series resample --step S makes even steps";
+        let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
         return Err(Fault::document(format!("{path}.columns.time_s"), "no such times", expected).into());
     };
     let Some((k, _)) = sensitivity(unit) else {
@@ -110,7 +109,7 @@ fn read<'a>(
     };
     let filled = series::filled(&even.column).map_err(|missing| {
         let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
-        let expected = "at most one in a hundred; a spectrum needs a series without gaps: keep a part of it by series cut --from T --to T";
+        let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
         Fault::document(&column, found, expected)
     })?;
     let step_s = even.step_s;
@@ -120,7 +119,7 @@ fn read<'a>(
     let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();
     if field_nt.iter().all(|field| *field == field_nt[0]) {
         let found = format!("the constant reading {}", reading[0]);
-        let expected = "readings that vary: was the sensor connected, or is its noise below a code? Amplify before the converter";
+        let expected = "readings that vary: was the sensor connected, or is its noise below one quantisation step? Amplify before the converter";
         return Err(Fault::document(column, found, expected).into());
     }
     let periodogram = periodogram(&field_nt, step_s)?;
@@ -196,7 +195,7 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
     let uneven = all.iter().filter_map(|one| Some((&one.recording.id, one.step_s, one.uneven_s?)));
     found.findings.extend(uneven.map(|(id, step_s, off_s)| {
         format!(
-            "recording \"{id}\": its times are uneven, by up to {} s; it was interpolated to steps of {} s, and its white noise is told too low",
+            "recording \"{id}\": its times are uneven by up to {} s; the series was interpolated to steps of {} s, and its white noise is underestimated",
             significant(off_s, 2),
             bare(step_s)
         )
@@ -324,30 +323,33 @@ fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
     let mut findings = Vec::new();
     for series in found.series.iter().filter(|series| series.measured != "sensor") {
         let more = series.amplification_needed.map_or_else(
-            || "; amplify before the converter until the readings scatter over several codes".to_string(),
+            || {
+                "; amplify before the converter until the readings scatter over several quantisation steps"
+                    .to_string()
+            },
             |gain| format!("; amplify at least {} times more before the converter", significant(gain, 2)),
         );
         let what = match series.measured.as_str() {
-            "both" => "sensor and quantiser together",
-            _ => "the quantiser and not the sensor",
+            "both" => "that of sensor and quantiser together",
+            _ => "that of the quantiser, not of the sensor",
         };
         findings.push(format!(
-            "recording \"{}\": codes of {} nT; at its fast end {what} was measured{more}",
+            "recording \"{}\": quantisation step {} nT; the noise measured at its highest frequencies is {what}{more}",
             series.recording,
             significant(series.code_nt.unwrap_or(0.0), 3)
         ));
     }
     if found.goodness_p < UNLIKE_BELOW {
         findings.push(format!(
-            "the spectrum is not that of A/f^α and white noise ({}); the intervals are those of the form",
+            "the spectrum is not of the form A/f^α plus white noise ({}); the intervals assume that form",
             p_value(found.goodness_p)
         ));
     }
     if fit.exponent_at_limit {
-        findings.push("the exponent is at the limit of what is tried; a drift may be in the readings".into());
+        findings.push("the exponent is at the limit of its range; the readings may contain a drift".into());
     }
     if found.flicker_below_nt2_per_hz.is_some() {
-        findings.push("no flicker noise is seen; only its bound is given".into());
+        findings.push("no flicker noise was detected; an upper bound is given".into());
     }
     findings
 }

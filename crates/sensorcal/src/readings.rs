@@ -126,7 +126,7 @@ pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result
         .map(|(path, recording)| run(document, recording, path, sensor, references))
         .collect::<Result<_, Error>>()?;
     if let Some(other) = runs.iter().find(|run| run.context.unit != runs[0].context.unit) {
-        let found = "readings in another unit than in the recording before";
+        let found = "a unit other than that of the recording before";
         let expected = "one unit for all recordings of a sensor's procedure";
         return Err(Fault::document(format!("{}.columns", other.path), found, expected).into());
     }
@@ -149,7 +149,7 @@ fn run<'a>(
     let context = Context::new(document, recording, references)
         .map_err(|error| error.at(&format!("{path}.conditions.orientation")))?;
     if !["a", "v"].iter().any(|unit| recording.axis_column("coil", coil, unit).is_some()) {
-        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` over the precision resistor");
+        let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` across the precision resistor");
         let found = format!("no drive of coil {coil}");
         return Err(Fault::document(format!("{path}.columns"), found, expected).into());
     }
@@ -168,10 +168,10 @@ fn run<'a>(
     let cosine = along.dot(&basic.mu.column(sensor.index()));
     if oriented && cosine.abs() < ALONG {
         let found = format!(
-            "an orientation by which sensor {sensor} stands {}° from coil {coil}",
+            "an orientation that puts sensor {sensor} stands {}° from coil {coil}",
             significant(cosine.clamp(-1.0, 1.0).acos().to_degrees(), 3)
         );
-        let expected = "the orientation in which the sensor was turned along the coil";
+        let expected = "the orientation in which the sensor was aligned with the coil";
         return Err(Fault::document(format!("{path}.conditions.orientation"), found, expected).into());
     }
     let direction = if oriented { cosine.signum() } else { 1.0 };
@@ -192,14 +192,14 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     let points: Vec<(f64, f64)> =
         run.rows.iter().map(|row| (direction * run.applied_nt(*row), run.reading[*row])).collect();
     if points.len() < 4 {
-        let found = format!("{} beside a known field", counted(points.len(), "reading"));
+        let found = format!("{} in a known field", counted(points.len(), "reading"));
         return Err(Fault::document(column, found, "at least four").into());
     }
     let line = Line::through(&points);
     let largest = points.iter().map(|point| point.0.abs()).fold(0.0, f64::max);
     if line.bb <= 1e-18 * points.len() as f64 * largest * largest {
         let key = format!("{}.columns.coil_{}", run.path, run.coil);
-        let expected = "fields on both sides of zero; one field alone shows no sensitivity";
+        let expected = "fields on both sides of zero; one field alone does not determine a sensitivity";
         return Err(Fault::document(key, "a drive that never changes", expected).into());
     }
     if line.vv <= 1e-12 * line.mean.1 * line.mean.1 {
@@ -221,7 +221,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     if explained < FOLLOWS {
         let percent = significant(100.0 * explained, 3);
         let found = format!("readings that follow the field of coil {} by {percent} % only", run.coil);
-        let expected = "a sensor turned along the coil that is driven; are columns, sensor or coil swapped, or is the output clipped?";
+        let expected = "a sensor aligned with the driven coil; are columns, sensor or coil swapped, or is the output clipped?";
         return Err(Fault::document(column, found, expected).into());
     }
     let sensitivity = line.bb / line.bv;
@@ -235,12 +235,12 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     let compared = known || unit == Unit::Nanotesla || nominal;
     let ratio = sensitivity / stated;
     if sensitivity < 0.0 {
-        let expected = "readings that rise with it; is the sensor turned the other way (`conditions.orientation`), or a drive's sign lost?";
+        let expected = "readings that rise with it; is the sensor reversed (`conditions.orientation`), or the sign of a drive lost?";
         return Err(Fault::document(column, "readings that fall as the field rises", expected).into());
     }
     if compared && !(1.0 / STATED_WITHIN..=STATED_WITHIN).contains(&ratio) {
-        let found = format!("a sensitivity of {} nT for each unit read", bare(sensitivity));
-        let expected = format!("about {}, as is stated; are units, columns or coils mistaken?", bare(stated));
+        let found = format!("a sensitivity of {} nT per unit of reading", bare(sensitivity));
+        let expected = format!("about {}, as stated; are units, columns or coils mixed up?", bare(stated));
         return Err(Fault::document(column, found, expected).into());
     }
     let first = &mut run.basic.sensors[sensor.index()];

@@ -84,7 +84,7 @@ pub fn offset(
                 recording.id,
                 plural(rows.len(), "pair from row", "pairs from rows"),
                 rows.join(", "),
-                plural(rows.len(), "is unlike the rest", "are unlike the rest")
+                plural(rows.len(), "is an outlier", "are outliers")
             ));
         }
         found.recordings.push(reversal.clone());
@@ -126,7 +126,7 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
         if stats::chi_squared_p(chi, above) < 0.01 {
             scatter_nt2 *= chi / above;
             findings.push(
-                "the recordings differ by more than their scatter; the offset's uncertainty rests on the differences"
+                "the recordings differ by more than their scatter; the uncertainty of the offset is based on the differences"
                     .into(),
             );
         }
@@ -191,9 +191,12 @@ pub fn one(
     let (ups, downs) = [1.0, -1.0].map(|p| rows.iter().filter(|row| position[**row] == p).count()).into();
     if ups < 2 || downs < 2 {
         let found = format!("{} in position +1 and {downs} in −1", counted(ups, "reading"));
-        return Err(
-            Fault::document(key, found, "at least two in each; one position alone shows no offset").into()
-        );
+        return Err(Fault::document(
+            key,
+            found,
+            "at least two in each; one position alone does not determine an offset",
+        )
+        .into());
     }
     let Some((k, k_std)) = sensitivity(unit) else {
         let key = format!("calibration.sensors.{sensor}.sensitivity_nt_per_v");
@@ -313,9 +316,9 @@ impl Series<'_> {
         if fit.freedom < 1.0 {
             let id = &self.recording.id;
             let more = format!(
-                "recording \"{id}\": {} {} an offset but not its scatter; take more pairs",
+                "recording \"{id}\": {} {} an offset but not its scatter; record more pairs",
                 counted(rows.len(), "reading"),
-                plural(rows.len(), "shows", "show")
+                plural(rows.len(), "determines", "determine")
             );
             return Err(Error::Undetermined(more));
         }

@@ -15,7 +15,7 @@ const SHORT: f64 = 1e-3;
 /// A reading is missed by so many times what it may differ by before it counts as standing still.
 const MISSED: f64 = 20.0;
 
-/// Takes out of the runs the readings at which the output stands still though the field goes on.
+/// Takes out of the runs the readings at which the output is saturated though the field goes on.
 pub fn take_out(
     document: &Document,
     runs: &mut [Run<'_>],
@@ -37,7 +37,7 @@ pub fn take_out(
         }
         if run.rows.len() < 4 {
             return Err(Error::Undetermined(format!(
-                "recording \"{}\": the output of sensor {sensor} stands still in all but {}; smaller fields are needed",
+                "recording \"{}\": the output of sensor {sensor} is saturated in all but {}; smaller fields are needed",
                 run.context.recording.id,
                 counted(run.rows.len(), "reading")
             )));

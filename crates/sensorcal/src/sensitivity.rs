@@ -75,7 +75,7 @@ pub fn calibrate(
     let line = problem.solve()?;
     if line.linear.freedom < 2.0 {
         return Err(Error::Undetermined(format!(
-            "sensor {sensor}: {}; a line and its scatter need at least four",
+            "sensor {sensor}: {}; a straight line and its scatter need at least four",
             counted(line.linear.residuals.len(), "reading")
         )));
     }
@@ -181,7 +181,7 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
     }
     extended.fit.widen(f);
     Ok(Some(format!(
-        "the recordings do not agree on k and O ({}); the uncertainties rest on their differences",
+        "the recordings disagree on k and O ({}); the uncertainties are based on their differences",
         p_value(p)
     )))
 }
@@ -275,12 +275,12 @@ fn order_in_words(orders: &[PolynomialOrder]) -> String {
     let least = orders.iter().skip(1).map(|order| order.p_value).fold(1.0, f64::min);
     match chosen(orders) {
         Some(order) => format!(
-            "order {}: its last term is significant ({}), none above it is",
+            "order {}: its highest term is significant ({}), no higher one is",
             order.order,
             p_value(order.p_value)
         ),
         None => format!(
-            "order 1: of the terms up to order {} none is significant (smallest {})",
+            "order 1: no higher term up to order {} is significant (smallest {})",
             orders.len(),
             p_value(least)
         ),
@@ -308,7 +308,7 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
         let size: Vec<String> =
             departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         findings.push(format!(
-            "not a straight line: {} (alone {}, adjusted {}); it is fitted beside k and O",
+            "not a straight line: {} (unadjusted {}, adjusted {}); fitted jointly with k and O",
             departure.departure,
             size.join(", "),
             p_value(departure.p_adjusted)
@@ -316,13 +316,13 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
     }
     if !fit.rivals.is_empty() {
         findings.push(format!(
-            "{} would explain the readings about as well; a sweep down after the sweep up, or fields at random, would tell them apart",
+            "{} would explain the readings about as well; to distinguish them, sweep down after the sweep up, or apply the fields in random order",
             fit.rivals.join(" or ")
         ));
     }
     if let Some(order) = chosen(&fit.orders).filter(|order| order.order > 3) {
         findings.push(format!(
-            "a term of order {} is significant ({}), which no effect of the catalogue describes and the fit does not hold; see the deviations",
+            "a term of order {} is significant ({}) but neither in the fit nor described by an effect of the catalogue; see the deviations",
             order.order,
             p_value(order.p_value)
         ));
@@ -336,7 +336,7 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
             })
             .collect();
         findings.push(format!(
-            "the output stands still {}; {} {} left out",
+            "the output is saturated {}; {} {} left out",
             sides.join(" and "),
             counted(saturation.count, "reading"),
             plural(saturation.count, "is", "are")
@@ -344,7 +344,7 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
     }
     if let Some(normality) = fit.normality.filter(|test| test.p_value < FOUND_BELOW) {
         let reason = if code_nt > 2.0 * fit.noise.rms_nt {
-            format!(", as codes of {} nT make them", significant(code_nt, 3))
+            format!(", as expected of quantisation steps of {} nT make them", significant(code_nt, 3))
         } else {
             String::new()
         };
@@ -354,14 +354,15 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
         ));
     }
     if let Some(runs) = fit.runs.filter(|test| test.p_value < FOUND_BELOW) {
-        findings.push(format!("the residuals come in runs of one sign ({})", p_value(runs.p_value)));
+        findings
+            .push(format!("the residuals are serially correlated (runs test, {})", p_value(runs.p_value)));
     }
     if let Some(factor) = fit.noise.variance_factor
         && stats::chi_squared_p(factor * fit.noise.degrees_of_freedom, fit.noise.degrees_of_freedom)
             < FOUND_BELOW
     {
         findings.push(format!(
-            "the residuals scatter {} times as much as the sensor's own noise: that of the field is allowed for",
+            "the residuals scatter {} times as much as the sensor's own noise: noise of the applied field is included",
             significant(factor.sqrt(), 3)
         ));
     }

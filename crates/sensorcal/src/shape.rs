@@ -98,7 +98,7 @@ impl Shape {
         };
         let source = match (self.source, place) {
             ("residuals", _) | (_, Place::Shield) => self.source.to_string(),
-            (source, _) => format!("{source}, with that of the field"),
+            (source, _) => format!("{source}, with noise of the applied field"),
         };
         let mut allowed = Allowed::none(source, self.known.is_some());
         // White noise of all that is known together in the first, what has memory in each.

@@ -70,7 +70,7 @@ pub fn coefficients(
     found.noise = extended.fit.noise.clone();
     for name in &extended.found {
         let text = format!(
-            "beside the polynomials the readings show: {}; it is fitted with them",
+            "besides the polynomials, the readings show {}, fitted jointly with them",
             name.replace('_', " ")
         );
         found.findings.push(text);

@@ -127,7 +127,7 @@ pub fn fit(
     let verdict = if p < TOLD_BELOW { "is real" } else { "is not significant" };
     let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
     found.findings.push(format!(
-        "the trend {verdict} under noise with memory ({}); it would be ± {} nT a year under white noise, {} under flicker noise, {} under a random walk",
+        "the trend {verdict} under correlated noise ({}); its standard uncertainty would be {} nT a year under white noise, {} under flicker noise, {} under a random walk",
         p_value(p),
         std("white"),
         std("flicker"),
@@ -135,7 +135,7 @@ pub fn fit(
     ));
     if wandering.unseen > UNSEEN_ABOVE {
         found.findings.push(format!(
-            "the dates neither show nor exclude a random walk of the offset (by less than {} nT in a year, 95 %): the intervals allow for it, and hold in at least 95 %",
+            "the dates neither establish nor exclude a random walk of the offset (below {} nT in a year at 95 %): the intervals allow for it, and their coverage is at least 95 %",
             significant(wandering.walk_below_nt_per_sqrt_s * (DAY_S * YEAR_D).sqrt(), 2)
         ));
     }

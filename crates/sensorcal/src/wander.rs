@@ -48,7 +48,7 @@ impl Wandering {
         let largest = y.iter().map(|value| value.abs()).fold(0.0, f64::max);
         if mean <= 1e-24 * largest * largest {
             return Err(Error::Undetermined(
-                "the offsets of the dates have no scatter; are they copies of one?".into(),
+                "the offsets of all dates are identical; were they copied?".into(),
             ));
         }
         let own: Vec<f64> = own.iter().map(|variance| variance.max(1e-6 * mean)).collect();

@@ -19,7 +19,7 @@ pub fn summary(document: &Document) -> String {
         line(
             &mut text,
             &format!(
-                "{} of all sensors stands still at {} degC of the {} ({}): a good temperature to hold",
+                "{} of all sensors is stationary at {} degC of the {} ({}): a good operating temperature",
                 extremum.quantity,
                 extremum.temperature_c,
                 extremum.part,
@@ -30,7 +30,7 @@ pub fn summary(document: &Document) -> String {
     if !text.is_empty() {
         line(
             &mut text,
-            "  ± is one standard uncertainty; coverage_factor_95 in the document makes it a 95 % interval",
+            "  ± is one standard uncertainty; multiply by coverage_factor_95 in the document for a 95 % interval",
         );
     }
     text
@@ -63,7 +63,7 @@ fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
         line(
             text,
             &format!(
-                "  reversals: offset {:+} nT from {}; a turn {}° off would move it by at most {} nT",
+                "  reversals: offset {:+} nT from {}; an error of {}° in the turn would change it by at most {} nT",
                 reversal.offset_nt,
                 counted(pairs, "pair"),
                 bare(turn.angle_deg),
@@ -121,7 +121,7 @@ fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
         line(
             text,
             &format!(
-                "  {name} from {} to {} degC: the field that is read moves by {:+} ppm/K{}, and by {:+} nT/K{}",
+                "  {name} from {} to {} degC: the measured field changes by {:+} ppm/K{}, and by {:+} nT/K{}",
                 significant(of.range_c[0], 3),
                 significant(of.range_c[1], 3),
                 of.sensitivity_ppm_per_k,
@@ -153,7 +153,7 @@ fn cross_line(cross: &CrossFieldFit) -> String {
             [held.before_nt].into_iter().chain(after).map(|nt| significant(nt, 3)).collect();
         format!("; held-out rms {} nT", all.join(" → "))
     });
-    format!("  50000 nT across: {}{gain}", all.join(", "))
+    format!("  50000 nT transverse: {}{gain}", all.join(", "))
 }
 
 fn drift_line(drift: &OffsetDrift) -> String {
@@ -176,7 +176,7 @@ fn budget_line(budget: &ErrorBudget) -> String {
     let terms: Vec<String> =
         largest.map(|term| format!("{} {}", term.term, significant(term.std_nt, 2))).collect();
     format!(
-        "  at {} nT: ± {} nT (most from {}); worst case {} nT",
+        "  at {} nT: ± {} nT (mainly {}); worst case {} nT",
         bare(budget.field_nt),
         figures(budget.standard_nt, 2),
         terms.join(", "),

@@ -300,7 +300,7 @@ fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, common::Error> {
 fn words(design: &Design) -> String {
     let model = &design.error_model;
     let mut text = format!(
-        "axescal design: {}, {} nT noise and {} nT codes in {} nT, theodolites {}\"\n  \
+        "axescal design: {}, {} nT noise and quantisation steps of {} nT in {} nT, theodolites {}\"\n  \
          orientations  worst arcsec  search\n",
         counted(design.candidates, "candidate orientation"),
         bare(model.noise_nt),

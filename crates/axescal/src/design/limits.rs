@@ -79,7 +79,7 @@ pub fn by_source(search: &Search<'_>, recordings: &Recordings) -> Option<Vec<(St
         let gain = DMatrix::from_fn(ALL, ALL, |i, j| own[(i, j)]) * weighed.transpose();
         let turned = &gain * &by_turns;
         let theodolites = square(&turned);
-        add("theodolites, what readings share", theodolites * shared_rad * shared_rad);
+        add("theodolites, shared error", theodolites * shared_rad * shared_rad);
         add("theodolites, single readings", theodolites * own_rad * own_rad);
         for sensor in 0..3 {
             let root = readings.covariance[sensor].clone().cholesky()?.unpack();
@@ -90,7 +90,7 @@ pub fn by_source(search: &Search<'_>, recordings: &Recordings) -> Option<Vec<(St
             let all = &readings.covariance[sensor];
             add("white noise", of(&white_nt2[sensor]));
             add("slow noise", of(&slow_nt2[sensor]));
-            add("rounding to codes", of(&(all - &white_nt2[sensor] - &slow_nt2[sensor])));
+            add("quantisation", of(&(all - &white_nt2[sensor] - &slow_nt2[sensor])));
         }
     }
     let known = [
@@ -171,11 +171,11 @@ pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Ve
         .collect();
     type Change = fn(&Given) -> Given;
     let better: [(&str, Change); 6] = [
-        ("theodolite readings that err half as much", |given| Given {
+        ("theodolite readings with half the error", |given| Given {
             theodolite_arcsec: 0.5 * given.theodolite_arcsec,
             ..given.clone()
         }),
-        ("half the error that theodolite readings share", |given| Given {
+        ("half the shared error of theodolite readings", |given| Given {
             theodolite_shared_arcsec: 0.5 * given.theodolite_shared_arcsec,
             ..given.clone()
         }),
@@ -188,7 +188,7 @@ pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Ve
                 noise.random_walk_nt_per_sqrt_s = noise.random_walk_nt_per_sqrt_s.map(|rate| 0.5 * rate);
             })
         }),
-        ("gradients known twice as well", |given| Given {
+        ("gradients with half the uncertainty", |given| Given {
             gradient_per_m: given.gradient_per_m.map(|std| 0.5 * std),
             ..given.clone()
         }),

@@ -106,9 +106,9 @@ pub fn design(
             "no {number} of the {} candidate orientations determine the directions; {}",
             candidates.len(),
             if number < 3 {
-                "two never suffice, three do when their turns are about two different axes".to_string()
+                "two never suffice, three do when their rotations are about two different axes".to_string()
             } else {
-                "their turns must be about at least two different axes".to_string()
+                "their rotations must be about at least two different axes".to_string()
             }
         ))
     })?;
@@ -157,7 +157,7 @@ fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Resu
     }
     if model.noise_nt + model.quantisation_nt < 1e-9 * model.drive_nt {
         return Err(common::Error::Request(
-            "without noise or quantisation every set is perfect; give --noise-nt".into(),
+            "without noise or quantisation all sets are equally exact; give --noise-nt".into(),
         ));
     }
     if candidates.len() < 3 {

@@ -195,7 +195,7 @@ fn out_of_reach(request: Request, best: f64) -> Error {
     let reached = if best.is_finite() {
         format!("the most recordings that are tried reach {}\"", significant(best, 3))
     } else {
-        "the orientations do not determine the directions; their turns must be about at least two different axes".into()
+        "the orientations do not determine the directions; their rotations must be about at least two different axes".into()
     };
     Error::RankShort(format!(
         "{}\" for {of} with a probability of {} is out of reach: {reached}. Ask for less (--target-arcsec), or state better theodolites, \

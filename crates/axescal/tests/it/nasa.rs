@@ -92,7 +92,7 @@ fn which_orientations_suffice() {
     for name in ["table-4-1-2-3", "table-4-1-2"] {
         let message = refused(name);
         assert!(message.contains("rank 11 of 12"), "{message}");
-        assert!(message.contains("differ by turns about one axis, z of the block"), "{message}");
+        assert!(message.contains("differ by rotations about one axis, z of the block"), "{message}");
         assert!(message.contains("turned by 90° about its x or y axis"), "{message}");
     }
 }

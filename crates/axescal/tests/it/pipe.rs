@@ -24,7 +24,7 @@ fn document_in_document_out() {
     assert_eq!(history["stage"], "axescal");
     assert_eq!(history["input_sha256"].as_str().expect("a digest").len(), 64);
     assert!(
-        run.stderr.contains("doubtful: orientation 4 (\"orientation-4\", row 0), coil x, sensor y"),
+        run.stderr.contains("outlier: orientation 4 (\"orientation-4\", row 0), coil x, sensor y"),
         "{}",
         run.stderr
     );
@@ -114,9 +114,8 @@ fn what_cannot_be_seen_ends_with_1_and_writes_nothing() {
     assert_eq!((run.code, run.stdout.as_str()), (1, ""));
     assert_eq!(
         run.stderr,
-        "axescal: the directions are not determined: rank 11 of 12 from 3 orientations. Unseen: all sensors turning \
-         together about the axis z of SEN with all coils turning together about the axis z of GEO. All recorded \
-         orientations differ by turns about one axis, z of the block. One more orientation shows it: the block turned by \
+        "axescal: the directions are not determined: rank 11 of 12 from 3 orientations. Not observable: all sensors rotating together about the axis z of SEN with all coils rotating together about the axis z of GEO. All recorded \
+         orientations differ by rotations about one axis, z of the block. One more orientation determines it: the block turned by \
          90° about its x or y axis from \"orientation-1\", driven by the same coils\n"
     );
 }

@@ -1,4 +1,4 @@
-//! The drift of the difference: b t + a e^(−t/τ) beside η, under noise with memory.
+//! The drift of the difference: b t + a e^(−t/τ) beside η, under correlated noise.
 
 mod change;
 mod explanations;

@@ -93,7 +93,7 @@ fn agreement(calibration: &Calibration) -> String {
     };
     match doubtful {
         0 => noise.into(),
-        count => format!("{noise}; {} of the directions in doubt", counted(count, "reading")),
+        count => format!("{noise}; {} among the readings of the directions", counted(count, "outlier")),
     }
 }
 

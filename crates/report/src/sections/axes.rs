@@ -25,7 +25,7 @@ fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
     section.warnings.extend(findings("", &axes.findings, &effects::axes::RULES, axes));
     section.warnings.extend(axes.doubtful.iter().map(|one| {
         let words = format!(
-            "orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from what the others predict (p = {})",
+            "orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from the prediction of the others (p = {})",
             one.orientation,
             one.recording,
             one.row,

@@ -100,7 +100,7 @@ fn temperatures_that_move_together_give_no_slopes() {
     let both: Vec<(f64, f64)> = STEPS.iter().map(|step| (23.0 + step, 23.0 + 0.98 * step)).collect();
     let fit = fitted(&document(vec![heated(3, "run", &both, |_, s, e| 0.05 * s - 0.02 * e)]));
     assert!(fit.sensor.is_none() && fit.electronics.is_none());
-    assert!(fit.findings.iter().any(|finding| finding.contains("moved together")), "{:?}", fit.findings);
+    assert!(fit.findings.iter().any(|finding| finding.contains("varied together")), "{:?}", fit.findings);
 }
 
 #[test]

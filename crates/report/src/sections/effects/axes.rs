@@ -10,13 +10,13 @@ const ARCSEC_PER_RAD: f64 = 206_264.806;
 
 /// What findings on the directions do.
 pub const RULES: [Rule<AxesCalibration>; 13] = [
-    ("standard uncertainties away from what the document states", |_, words| {
+    ("standard uncertainties from the value that the document states", |_, words| {
         Effect::std(before(words, " standard uncertainties"))
     }),
-    ("times as far as the theodolites' uncertainty allows", |_, words| {
-        Effect::std(before(words, " times as far"))
+    ("times the theodolites' uncertainty", |_, words| {
+        Effect::std(before(words, " times the theodolites' uncertainty"))
     }),
-    ("the readings turn the known coils further", |axes, _| Effect::arcsec(turned(axes))),
+    ("the readings contradict the known directions of the coils", |axes, _| Effect::arcsec(turned(axes))),
     ("columns or cables may be swapped", |axes, words| {
         Effect::arcsec(off_nominal(axes.sensors.as_ref(), "sensor", words))
     }),
@@ -24,13 +24,13 @@ pub const RULES: [Rule<AxesCalibration>; 13] = [
         Effect::arcsec(off_nominal(axes.sensors.as_ref(), "sensor", words))
     }),
     (" has the opposite sign", |axes, words| Effect::arcsec(off_nominal(axes.coils.as_ref(), "coil", words))),
-    ("taken off the readings, at most ", |_, words| Effect::nt(before(words, " nT: "))),
+    ("subtracted from the readings, at most ", |_, words| Effect::nt(before(words, " nT: "))),
     ("given no weight", |axes, _| Effect::nt(without_weight(axes))),
     ("times as much as declared", |_, _| UNCERTAINTY),
-    ("one noise for all is taken from the residuals", |_, _| UNCERTAINTY),
-    ("cannot be told apart from zero drives", |_, _| NOT_SHOWN),
+    ("one value for all is estimated from the residuals", |_, _| UNCERTAINTY),
+    ("cannot be separated by zero drives", |_, _| NOT_SHOWN),
     ("too little for a direction", |_, _| NOT_SHOWN),
-    (" is left out in ", |_, _| LEFT_OUT),
+    (" is not applied in ", |_, _| LEFT_OUT),
 ];
 
 /// What a reading that does not belong to the rest moves the prediction of itself by: its share in it times its distance from what the others predict.

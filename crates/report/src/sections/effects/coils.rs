@@ -9,10 +9,10 @@ use crate::Effect;
 pub const RULES: [Rule<CoilCalibration>; 4] = [
     ("not a straight line: ", |coil, _| bend(coil)),
     ("would explain the readings about as well", |_, _| UNDECIDED),
-    ("the levels scatter more than their repeats", |coil, _| {
+    ("the levels scatter more than repeated readings", |coil, _| {
         Effect::nt(coil.constant.as_ref().map(|fit| fit.rms_nt))
     }),
-    ("only one direction of the current was recorded", |_, _| NOT_SHOWN),
+    ("the current was recorded in one direction only", |_, _| NOT_SHOWN),
 ];
 
 /// What is fitted beside constant and offset: the largest distance of the fitted field from their line, among the levels.

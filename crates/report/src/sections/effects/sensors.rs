@@ -14,12 +14,12 @@ pub const SENSITIVITY: [Rule<SensorCalibration>; 9] = [
     ("a term of order ", |sensor, words| {
         Effect::nt(sensor.sensitivity.as_deref().and_then(|fit| term(fit, words)))
     }),
-    ("the output stands still ", |_, _| LEFT_OUT),
+    ("the output is saturated ", |_, _| LEFT_OUT),
     ("the residuals are not normal", |_, _| UNCERTAINTY),
-    ("the residuals come in runs of one sign", |_, _| UNCERTAINTY),
+    ("the residuals are serially correlated", |_, _| UNCERTAINTY),
     ("times as much as the sensor's own noise", |_, _| UNCERTAINTY),
-    ("they do not agree", |sensor, _| Effect::nt(apart(sensor))),
-    ("temperatures are not recorded in", |_, _| NOT_SHOWN),
+    ("they disagree", |sensor, _| Effect::nt(apart(sensor))),
+    ("no temperatures were recorded in", |_, _| NOT_SHOWN),
 ];
 
 /// What findings on the offset by turning do.
@@ -33,24 +33,24 @@ pub const REVERSAL: [Rule<ReversalOffset>; 2] = [
 
 /// What findings on the drift do.
 pub const DRIFT: [Rule<OffsetDrift>; 6] = [
-    ("under noise with memory", |drift, words| {
-        let real = words.starts_with("the trend is real");
-        if real { Effect::nt(over_the_dates(drift)) } else { NOT_SIGNIFICANT }
+    ("under correlated noise", |drift, words| {
+        let significant = words.starts_with("the trend is significant");
+        if significant { Effect::nt(over_the_dates(drift)) } else { NOT_SIGNIFICANT }
     }),
-    ("the dates neither show nor exclude", |_, _| UNCERTAINTY),
+    ("the dates neither establish nor exclude", |_, _| UNCERTAINTY),
     ("a yearly term of ", |drift, _| Effect::nt(drift.annual.as_ref().map(|annual| annual.amplitude_nt))),
     ("the offset follows the sensor's temperature", |drift, _| Effect::nt(by_temperature(drift))),
     ("no trend: at least five are needed", |_, _| NOT_SHOWN),
-    ("what is known of temperature is taken off", |_, _| Effect::NOT_HELD),
+    ("corrected to the reference temperatures", |_, _| Effect::NOT_HELD),
 ];
 
 /// What findings on the noise do.
 pub const NOISE: [Rule<()>; 5] = [
-    (" was measured", |_, _| UNCERTAINTY),
-    ("the spectrum is not that of A/f^α and white noise", |_, _| UNCERTAINTY),
-    ("the exponent is at the limit of what is tried", |_, _| UNCERTAINTY),
-    ("no flicker noise is seen", |_, _| UNCERTAINTY),
-    ("its white noise is told too low", |_, _| UNCERTAINTY),
+    ("the noise measured at its highest frequencies", |_, _| UNCERTAINTY),
+    ("the spectrum is not of the form A/f^α plus white noise", |_, _| UNCERTAINTY),
+    ("the exponent is at the limit of its range", |_, _| UNCERTAINTY),
+    ("no flicker noise was detected", |_, _| UNCERTAINTY),
+    ("its white noise is underestimated", |_, _| UNCERTAINTY),
 ];
 
 /// What fitting a departure changes at the readings, at most.
