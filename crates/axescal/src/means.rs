@@ -144,7 +144,7 @@ mod tests {
             [0.0, 0.0, 5e4, 5e4, 5e4, -5e4].map(|field| Vector3::new(field, 0.0, 0.0)).into();
         let time = [0.0, 1.0, 12.0, 13.0, 14.0, 25.0];
         let (drives, covariance) =
-            means(&[&noise], Some(&time), &drive, 0.0, |row| row != 3).expect("noise with memory");
+            means(&[&noise], Some(&time), &drive, 0.0, |row| row != 3).expect("correlated noise");
         assert_eq!(drives, [0..2, 2..5, 5..6]);
         assert!(covariance[(0, 0)] > 0.005 && covariance[(0, 1)] != 0.0);
         assert!(means(&[&noise], None, &drive, 0.0, |_| true).is_none(), "no times, no memory");

@@ -26,7 +26,7 @@ struct Cli {
     command: Option<Command>,
     #[command(flatten)]
     stage: StageIo,
-    /// Correct the times of the test instrument by what its clock differs, and fit again
+    /// Correct the times of the test instrument for the clock difference, and fit again
     #[arg(long)]
     correct_clock: bool,
 }
@@ -35,7 +35,7 @@ struct Cli {
 enum Command {
     /// Compare long series in files, in one pass and bounded memory
     Stream(StreamArgs),
-    /// Compare by statistics of pieces, which `diffmag stream --partial` wrote
+    /// Compare from statistics of pieces, as `diffmag stream --partial` writes them
     #[command(after_help = "Example:\n  \
         diffmag stream --partial fixtures/diffmag/pieces/morning.csv > pieces.ndjson\n  \
         diffmag stream --partial fixtures/diffmag/pieces/evening.csv >> pieces.ndjson\n  \
@@ -49,7 +49,7 @@ enum Command {
 struct StreamArgs {
     #[command(flatten)]
     stream: pieces::Stream,
-    /// From one sample to the next, s; found from the first rows where it is not told
+    /// Sampling interval, s [default: found from the first rows]
     #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
     step_s: Option<f64>,
     /// The reference's columns are NAME_x_nt, NAME_y_nt, NAME_z_nt

@@ -27,8 +27,7 @@ const MATTERS: f64 = 0.95;
 
 /// Which interval to quote.
 pub fn quoted() -> String {
-    "the weighted elements with `weighted_std`: both rest on the spectrum of the difference, flicker noise included; least \
-     squares with N − 4 degrees of freedom takes the samples as independent"
+    "the weighted elements with `weighted_std`: both use the spectrum of the difference, including flicker noise; least squares with N − 4 degrees of freedom assumes independent samples"
         .into()
 }
 
@@ -46,8 +45,7 @@ pub fn answer(fit: &DifferentialFit) -> String {
         fit.axes.iter().filter_map(|(_, axis)| of(axis)).map(|nt| significant(nt, 3)).collect()
     };
     format!(
-        "the matrix leaves {} nT (rms of x; y; z) of the {} nT by which the two differ with levels alone; nothing that can be \
-         taken off lowers that by 5 %",
+        "the matrix leaves {} nT (rms of x; y; z) of the {} nT by which the two differ with only their offsets removed; no correction reduces that by 5 %",
         each(|axis| Some(axis.rms_nt)).join("; "),
         each(|axis| axis.rms_of_levels_nt).join("; ")
     )
@@ -57,7 +55,7 @@ pub fn answer(fit: &DifferentialFit) -> String {
 fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<String> {
     let own = of.exceeded_nt()?;
     Some(format!(
-        "test {axis}: what is left, {} nT rms, is more than the {} nT that there were before any fit; do not use this matrix",
+        "test {axis}: the residual of {} nT rms exceeds the {} nT before any fit; do not use this matrix",
         significant(of.left_nt(), 3),
         significant(own, 3)
     ))
@@ -67,11 +65,11 @@ fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<String> {
 fn contribution(one: &Contribution) -> String {
     let lead = match one.cause {
         ContributionCause::Clock => "with this corrected",
-        ContributionCause::Steps => "with the steps taken off",
-        ContributionCause::Disturbances => "with these left out",
-        ContributionCause::Drift => "with the drift taken off",
-        ContributionCause::ShortPeriods => "at longer periods alone",
-        ContributionCause::Column => "with this taken off",
+        ContributionCause::Steps => "with the steps removed",
+        ContributionCause::Disturbances => "with these excluded",
+        ContributionCause::Drift => "with the drift removed",
+        ContributionCause::ShortPeriods => "at longer periods only",
+        ContributionCause::Column => "with this removed",
     };
     let change = |(axis, with, without): (Axis, f64, f64)| {
         let verb = if without < with { "falls" } else { "rises" };
@@ -79,11 +77,8 @@ fn contribution(one: &Contribution) -> String {
     };
     let changes: Vec<String> = one.changes().map(change).collect();
     let changes = if changes.is_empty() { "no axis changes by 1 %".into() } else { changes.join(", ") };
-    let ask = if one.cause == ContributionCause::Clock && !one.taken_off {
-        " (ask for --correct-clock)"
-    } else {
-        ""
-    };
+    let ask =
+        if one.cause == ContributionCause::Clock && !one.taken_off { " (use --correct-clock)" } else { "" };
     format!("{}; {lead}, {changes}{ask}", one.what)
 }
 
@@ -105,8 +100,7 @@ fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = String> {
         let open = of.drift.demanded == DriftForm::None && found.drift > UNDECIDED;
         open.then(|| {
             format!(
-                "test {axis}: a drift of {:+} nT a day (weight {}), or noise that wanders as 1/f^α with α = {} and no drift ({}); \
-                 a longer recording would tell which",
+                "test {axis}: a drift of {:+} nT a day (weight {}), or 1/f^α noise with α = {} and no drift ({}); a longer recording would decide",
                 found.straight_nt_per_day,
                 significant(found.drift, 2),
                 found.exponent_alone,
@@ -207,7 +201,7 @@ pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
     let all: Vec<String> = all.iter().map(told).collect();
     (!all.is_empty()).then(|| {
         format!(
-            "at periods below {} the instruments do not answer alike (filters, or noise of the reference), and the matrix rests on longer ones",
+            "at periods below {} the responses of the instruments differ (filters, or noise of the reference); the matrix is based on longer periods",
             all.join(", ")
         )
     })
@@ -221,14 +215,13 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
         findings.push(format!(
-            "the errors have memory: intervals as if the samples were independent would be up to {} times too narrow",
+            "the errors are correlated in time: intervals for independent samples would be up to {} times too narrow",
             significant(ratio, 2)
         ));
     }
     for (axis, of) in fit.axes.iter().filter(|(_, of)| of.goodness_p < UNLIKE_BELOW) {
         findings.push(format!(
-            "axis {axis}: the difference is not A/f^α and white noise ({}); something else is in it. The weights \
-             take each octave's own level where their band is not of that form; by what is left itself `weighted_std` would be up to {} times as wide",
+            "axis {axis}: the difference is not of the form A/f^α plus white noise ({}); it contains something else. In bands that are not of that form the weights use the level of each octave; with the spectrum of the residuals `weighted_std` would be up to {} times as large",
             p_value(of.goodness_p),
             significant(wider[axis.index()], 2)
         ));
@@ -244,7 +237,7 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     findings.extend(doubtful(&fit.kept_out));
     if fit.missing > 0 {
         findings.push(format!(
-            "{} without a reading or taken out; the most likely reading under the fitted noise stands in each place",
+            "{} missing or excluded; each is replaced by its most likely value under the fitted noise",
             counted(fit.missing, "sample")
         ));
     }
@@ -255,11 +248,14 @@ fn doubtful(kept_out: &KeptOut) -> Vec<String> {
     let mut findings = Vec::new();
     if kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
         findings.push(
-            "of some events it cannot be told in which instrument they are: the axes lie too close".into(),
+            "some events cannot be assigned to one instrument: the axes are too nearly parallel".into(),
         );
     }
     if kept_out.more {
-        findings.push("there are more steps and spikes than are looked for: the noise is not of the form that is fitted".into());
+        findings.push(
+            "there are more steps and spikes than the search allows: the noise is not of the fitted form"
+                .into(),
+        );
     }
     findings
 }
@@ -281,22 +277,19 @@ pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
     let what = what.join(" and ");
     (!what.is_empty()).then(|| {
         format!(
-            "the search took the readings for {what} that the final fit does not confirm: below {CONFIRMED} uncertainties of its size; \
-             left in"
+            "the search found {what} that the final fit does not confirm (size below {CONFIRMED} standard uncertainties); not removed"
         )
     })
 }
 
 fn moved() -> String {
-    "the test instrument's readings were moved in time by a filter: its white noise is lower near half the sampling rate, and the \
-     noise is told from the band below"
+    "the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"
         .into()
 }
 
 /// A third instrument.
 pub fn third() -> String {
-    "the third instrument's readings are in no regression of `fit`; they take the pull of the reference's noise off `matrix`, and \
-     `three_cornered` has the noise of each of the three by them"
+    "the readings of the third instrument enter no regression of `fit`; they correct `matrix` for the attenuation by noise of the reference, and give the noise of each of the three in `three_cornered`"
         .into()
 }
 
@@ -306,7 +299,7 @@ fn drift(of: &Drift) -> Option<String> {
     let exponential = || {
         let joint = of.joint.as_ref()?;
         let [low, high] = joint.time_constant_interval_s.map(|end| significant(end, 3));
-        let limit = if joint.time_constant_at_limit { ", at the limit of what is sought" } else { "" };
+        let limit = if joint.time_constant_at_limit { ", at the limit of the search" } else { "" };
         Some(format!(
             "exponentially, {:+} nT at the beginning with a time constant of {} s ({low} to {high}{limit}; {})",
             joint.amplitude_nt,
@@ -400,10 +393,13 @@ fn mutual(fourteen: &FourteenParameters) -> String {
     // Writing to a String cannot fail.
     let _ = match (fourteen.known, fourteen.assumed) {
         (_, true) => {
-            writeln!(text, "  if the reference is orthogonal with equal scales (nobody said; see `known`):")
+            writeln!(
+                text,
+                "  if the reference is orthogonal with equal scale factors (assumed; see `known`):"
+            )
         }
-        (Magnetometer::Reference, false) => writeln!(text, "  with the reference as known:"),
-        (Magnetometer::Test, false) => writeln!(text, "  with the test instrument as known:"),
+        (Magnetometer::Reference, false) => writeln!(text, "  with the known axes of the reference:"),
+        (Magnetometer::Test, false) => writeln!(text, "  with the known axes of the test instrument:"),
     };
     let angles: Vec<String> = fourteen
         .angles
@@ -421,12 +417,12 @@ fn mutual(fourteen: &FourteenParameters) -> String {
         .filter(|(_, ratio)| ratio.std() != Some(0.0))
         .map(|(name, ratio)| format!("{} {ratio}", name.replace('_', "/")))
         .collect();
-    let _ = writeln!(text, "    scales {}", ratios.join(", "));
+    let _ = writeln!(text, "    scale factors {}", ratios.join(", "));
     let (whose, angles) = match fourteen.known {
         Magnetometer::Reference => ("test instrument", &fourteen.test_non_orthogonality_arcsec),
         Magnetometer::Test => ("reference", &fourteen.reference_non_orthogonality_arcsec),
     };
     let angles: Vec<String> = angles.iter().map(|(pair, angle)| format!("{pair} {angle:+}″")).collect();
-    let _ = writeln!(text, "    {whose} off right angles: {}", angles.join(", "));
+    let _ = writeln!(text, "    non-orthogonality of the {whose}: {}", angles.join(", "));
     text
 }

@@ -5,8 +5,7 @@ use common::number::{bare, significant};
 /// Times that were made even.
 pub fn uneven(id: &str, scatter_s: f64, step_s: f64) -> String {
     format!(
-        "\"{id}\": its times are uneven by up to {} s; its readings were interpolated from their own times to steps of {} s, which lowers \
-         their noise unevenly",
+        "\"{id}\": its times are uneven by up to {} s; its readings were interpolated to steps of {} s, which attenuates their noise unevenly",
         significant(scatter_s, 2),
         bare(step_s)
     )
@@ -15,8 +14,7 @@ pub fn uneven(id: &str, scatter_s: f64, step_s: f64) -> String {
 /// An instrument that was brought to another grid.
 pub fn filtered(instrument: &str, from_s: f64, to_s: f64, white: f64) -> String {
     format!(
-        "the {instrument} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white \
-         noise pass, and the noise is told from the band below 0.9 of half the sampling rate",
+        "the {instrument} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white noise passes, and the noise is estimated below 0.9 of half the sampling rate",
         bare(from_s),
         bare(to_s),
         significant(100.0 * white, 2)

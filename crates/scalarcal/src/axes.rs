@@ -40,8 +40,7 @@ impl Axes {
         match (swapped.as_slice(), mirrored.as_slice(), left_handed) {
             ([], [], _) => None,
             ([a, b], [], _) => Some(format!(
-                "the channels of sensors {a} and {b} are swapped, or the sensors are mounted so: exchange the columns of the two, or state the \
-                 directions under calibration.axes.sensors"
+                "the channels of sensors {a} and {b} are swapped, or the sensors are mounted that way: exchange the two columns, or state the directions under calibration.axes.sensors"
             )),
             ([], [one], _) => Some(format!(
                 "sensor {one} reads the field with the opposite sign: change the sign of its column, or state its direction under \
@@ -52,7 +51,7 @@ impl Axes {
                  under calibration.axes.sensors"
             )),
             (_, _, false) => Some(format!(
-                "the sensors are turned against the axes of the attitude ({all}): state the directions under calibration.axes.sensors, or give \
+                "the sensors are rotated relative to the axes of the attitude ({all}): state the directions under calibration.axes.sensors, or give \
                  the attitude of the sensors' own frame"
             )),
         }

@@ -20,8 +20,7 @@ use crate::solved::Solved;
 use crate::weakest::frame;
 
 /// What is said of sensors on a body whose own calibration is not known.
-pub const INCLUDED: &str = "offsets, sensitivities and angles include the iron of the body on which the sensors are mounted: to tell the two apart, record the \
-    sensors away from it too (conditions.mounted: false), or give --known with their own calibration";
+pub const INCLUDED: &str = "offsets, sensitivities and angles include the iron of the body on which the sensors are mounted: to separate the two, also record the sensors away from it (conditions.mounted: false), or give --known with their own calibration";
 /// Elements of the symmetric matrix, and their names.
 const ELEMENTS: [(usize, usize, &str); 6] =
     [(0, 0, "xx"), (1, 1, "yy"), (2, 2, "zz"), (0, 1, "xy"), (1, 2, "yz"), (0, 2, "xz")];
@@ -55,8 +54,7 @@ pub fn stated(document: &Document) -> Result<(), Error> {
     {
         return Ok(());
     }
-    let expected = "the sensors' own calibration, as scalarcal writes it of recordings away from the body, or those recordings with \
-                    conditions.mounted: false";
+    let expected = "the calibration of the sensors alone, as scalarcal writes it from recordings away from the body, or those recordings with conditions.mounted: false";
     Err(Fault::document("calibration.sensors", "no calibration of all three sensors for --known", expected)
         .into())
 }

@@ -60,8 +60,7 @@ pub fn retain(series: &mut Series, keep: &[bool]) {
 pub fn repeats(count: u64, rows: u64) -> Option<String> {
     (count * 10 > rows && count > LEAST).then(|| {
         format!(
-            "{} of {rows} repeat the readings of the row before in all three sensors: rows that say nothing new make the \
-             uncertainties too small. Did the logger read faster than the sensors?",
+            "{} of {rows} repeat the previous row in all three sensors: repeated readings make the uncertainties too small. Is the logger faster than the sensors?",
             counted(count as usize, "row")
         )
     })
@@ -104,8 +103,7 @@ pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
     (number > 0).then(|| {
         let one = &series[recording];
         format!(
-            "{} of {count} further from the rest than noise explains (p < {DISTURBED}), the furthest by {} nT in \"{}\", row {}: \
-             --robust weighs such rows down",
+            "{} of {count} are outliers (p < {DISTURBED}), the largest by {} nT in \"{}\", row {}: --robust down-weights such rows",
             counted(number, "row"),
             significant(value, 3),
             one.id,

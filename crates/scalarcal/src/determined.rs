@@ -66,8 +66,7 @@ pub fn wandering(solved: &Solved) -> Option<String> {
     let wanders = solved.form.of == Memory::Sensors && solved.form.ratio > 0.0;
     (wanders && offset > UNDETERMINED).then(|| {
         format!(
-            "what is left changes slowly and turns with the sensors, as offsets do that wander: longer recordings of this kind make their {} nT no \
-             smaller. Is there iron or a current near by, is the field another where the block was moved to, or does the instrument correct itself?",
+            "the residuals change slowly and rotate with the sensors, like drifting offsets: longer recordings of this kind will not reduce their uncertainty of {} nT. Check for iron or currents nearby, a different field where the block was moved to, and an instrument that corrects itself",
             significant(offset * solved.scales.magnitude_nt, 2)
         )
     })
@@ -131,20 +130,20 @@ fn message(
         || {
             (
                 "the directions of the field do not differ".into(),
-                "turn the block about all three axes".to_string(),
+                "rotate the block about all three axes".to_string(),
             )
         },
-        |weakest| (weakest.words, weakest.remedy.split(": the combination").next().unwrap_or("").to_string()),
+        |weakest| {
+            (weakest.words, weakest.remedy.split(": this would determine").next().unwrap_or("").to_string())
+        },
     );
     let known = match (beforehand.rows.is_empty(), options.known) {
         (true, _) => {
-            "state what is known of the sensors beforehand under `calibration`, with its uncertainty, and give --known"
+            "state prior values of the sensors with their uncertainty under `calibration`, and give --known"
         }
-        (false, false) => {
-            "give --known, which holds what the document states of the sensors within its uncertainty"
-        }
+        (false, false) => "give --known, which uses the stated calibration of the sensors as a prior",
         (false, true) => {
-            "state under `calibration` more of what is known of the sensors, or with a smaller uncertainty"
+            "state more prior values of the sensors under `calibration`, or smaller uncertainties"
         }
     };
     Error::Undetermined(format!(

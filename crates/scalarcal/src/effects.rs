@@ -27,8 +27,7 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
         let linear = about.parameters.iter().all(|parameter| parameter.role == Role::Amplitude);
         if !linear || about.stage < Stage::Block || !about.invertible {
             return Err(Fault::Request(format!(
-                "--with {}: {} is not proportional to its parameters at the sensors, and cannot be fitted by the magnitude; run \
-                 diagnose on the result, which searches for it",
+                "--with {}: {} is not linear in its parameters at the sensors and cannot be fitted from the magnitude; run diagnose on the result, which searches for it",
                 about.name, about.title
             ))
             .into());
@@ -124,7 +123,7 @@ pub fn following(
             let kind = effects[number[0]].kind;
             let name = kind.parameters()[number[1]].name;
             let message = format!(
-                "{}.{name} changes no reading of these recordings: what it follows does not vary",
+                "{}.{name} changes no reading of these recordings: the quantity that it follows does not vary",
                 kind.name()
             );
             return Err(Error::Undetermined(message));

@@ -22,7 +22,7 @@ pub enum Error {
     Undetermined(String),
     /// The estimation failed.
     #[error(
-        "the calibration was not found: {0}. Look for readings that were disturbed (--robust), and for a reference in another unit"
+        "the calibration failed: {0}. Check for outliers (--robust), and for a reference in another unit"
     )]
     Estimate(#[from] estimate::Error),
 }

@@ -24,15 +24,14 @@ pub fn of(
     let mut all = Vec::new();
     if let Some(reference) = reference.filter(|reference| told(reference.p_value) && !reference.fitted) {
         all.push(format!(
-            "the reference reads {:+} nT too much ({}), or something else does not grow with the field: a constant error of the \
-             reference goes into the sensitivities. --reference-offset fits it",
+            "the reference reads {:+} nT too high ({}), or another error is constant with the field: a constant error of the reference biases the sensitivities. --reference-offset fits it",
             reference.offset_nt,
             p_value(reference.p_value)
         ));
     }
     if let Some(test) = beforehand.filter(|test| told(test.p_value)) {
         all.push(format!(
-            "the readings contradict what was known of the sensors beforehand (χ² = {} with {} degrees of freedom, {}): the \
+            "the readings contradict the prior calibration of the sensors (χ² = {} with {} degrees of freedom, {}): the \
              sensors have changed, the body has a field, or the reference is wrong",
             significant(test.chi_squared, 3),
             test.degrees_of_freedom,
@@ -41,16 +40,14 @@ pub fn of(
     }
     if let Some(test) = stability.filter(|test| told(test.p_value)) {
         all.push(format!(
-            "the calibration does not hold over the time: {} differ from it (F test, {}); look at `stability.windows`, and at \
-             temperatures and currents (--with)",
+            "the calibration is not constant in time: {} differ from it (F test, {}); check `stability.windows`, and temperatures and currents (--with)",
             counted(test.windows.len(), "part"),
             p_value(test.p_value)
         ));
     }
     if solved.model.place(&Parameter::Magnitude).is_some() && solved.sources == [Source::Constant] {
         all.push(
-            "the magnitude of the field is not known, so that the sensitivities are known relative to each other only: their mean is held at \
-             the nominal one"
+            "the magnitude of the field is unknown, so only ratios of the sensitivities are observable: their mean is fixed at the nominal value"
                 .into(),
         );
     }
@@ -65,7 +62,7 @@ pub fn of(
         ));
     }
     if state[6..9].iter().any(|cosine| cosine.abs() > OBLIQUE) {
-        all.push("axes are far from right angles: were two channels mixed up, or is one sensor a combination of others?".into());
+        all.push("the axes are far from orthogonal: were two channels mixed up, or is one sensor a combination of others?".into());
     }
     all
 }

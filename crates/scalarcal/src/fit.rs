@@ -72,7 +72,7 @@ pub fn fit(
     if freedom < 1.0 {
         let rows = sums.plain.rows();
         return Err(Error::Undetermined(format!(
-            "{rows} whole rows for {count} parameters; expected more rows than parameters"
+            "{rows} complete rows for {count} parameters; expected more rows than parameters"
         )));
     }
     let upper = sums.plain.upper();

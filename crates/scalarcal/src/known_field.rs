@@ -129,7 +129,7 @@ impl<'a> Vectors<'a> {
                 mu.set_column(axis, &Vector3::new(x[0], x[1], x[2]));
             }
             if svd.rank() < 4 || (0..3).any(|axis| mu.column(axis).norm() == 0.0) {
-                let message = "the known field, turned by the attitude, lies in one plane of SEN: it does not determine the calibration. \
+                let message = "the known field, rotated by the attitude, lies in one plane of SEN, which does not determine the calibration. \
                                Record more attitudes, so that the field lies along each sensor in both directions";
                 return Err(Error::Undetermined(message.into()));
             }

@@ -78,7 +78,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     };
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
-        let expected = "one from elsewhere: with --known each reading would count twice; take the document as it was before";
+        let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
         return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
     }
     let options = &Options { known: options.known && solved.body.is_none(), ..options.clone() };

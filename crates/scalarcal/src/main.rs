@@ -30,13 +30,13 @@ struct Cli {
     stage: StageIo,
     #[command(flatten)]
     fit: FitArgs,
-    /// Leave out rows that are far from the rest
+    /// Down-weight outliers
     #[arg(long)]
     robust: bool,
-    /// The field's magnitude is constant and not known in recordings without a reference
+    /// Fit one constant magnitude of the field in recordings without a reference
     #[arg(long)]
     constant_magnitude: bool,
-    /// Hold the readings against the known field (ambient_*_nt) turned by the attitude: the directions of the sensors in full
+    /// Compare the readings with the known field (ambient_*_nt) rotated by the attitude: determines the directions of the sensors fully
     #[arg(long)]
     vector: bool,
     /// Fit an effect of the catalogue too (offset_temperature, sensitivity_temperature, stray_current, …); may be repeated
@@ -46,11 +46,11 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Calibrate by long series in files, in one pass and bounded memory
+    /// Calibrate from long series in files, in one pass and bounded memory
     #[command(after_help = "Example:\n  \
         scalarcal stream --document fixtures/scalarcal/pieces/stated.json \\\n    fixtures/scalarcal/pieces/*.csv > result.json")]
     Stream(StreamArgs),
-    /// Calibrate by statistics of pieces, which `scalarcal stream --partial` wrote
+    /// Calibrate from statistics of pieces, as `scalarcal stream --partial` writes them
     #[command(after_help = "Example:\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv > pieces.ndjson\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv >> pieces.ndjson\n  \
@@ -60,13 +60,13 @@ enum Command {
 
 #[derive(Args)]
 struct FitArgs {
-    /// Use what calibration states of the sensors, within its uncertainty
+    /// Use the stated calibration of the sensors as a prior, with its uncertainty
     #[arg(long)]
     known: bool,
     /// Fit a constant error of the reference
     #[arg(long)]
     reference_offset: bool,
-    /// Tell the calibration in windows of this length, s, and whether it is the same in all
+    /// Calibrate in windows of this length, s, and test whether they agree
     #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
     windows: Option<f64>,
 }
@@ -89,7 +89,7 @@ struct MergeArgs {
 
 #[derive(Args)]
 struct KnownArgs {
-    /// What is known of instrument, reference and sensors; the calibration is put into this document, whose recordings are not read
+    /// Document that states instrument, reference and sensors; the calibration is added to it, its recordings are not read
     #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
     document: Option<PathBuf>,
     #[command(flatten)]

@@ -34,7 +34,7 @@ impl Source {
             Source::Scalar => "a scalar magnetometer (reference_nt)",
             Source::Ambient => "the magnitude of the known field (ambient_*_nt)",
             Source::Stated => "the stated magnitude (conditions.magnitude_nt)",
-            Source::Constant => "a constant magnitude that is not known",
+            Source::Constant => "a constant, unknown magnitude",
         }
     }
 }
@@ -131,8 +131,7 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
             return Err(Fault::document("recordings", found, expected).into());
         };
         let expected = format!(
-            "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or \
-             --constant-magnitude where the field did not change"
+            "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or --constant-magnitude if the field was constant"
         );
         let beside = names(&document.recordings[index], "sensor_");
         let found = format!(
@@ -246,7 +245,7 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         if readings.len() > 1 && readings.iter().all(|reading| *reading == readings[0]) {
             let found =
                 format!("the reading {} in all {}", quoted(readings[0]), counted(readings.len(), "row"));
-            let expected = format!("a sensor that is turned; is {axis} connected, or did the logger freeze?");
+            let expected = format!("a rotated sensor; is {axis} connected, or did the logger freeze?");
             let column = format!("{path}.columns.sensor_{axis}_{}", unit.suffix());
             return Err(Fault::document(column, found, expected).into());
         }

@@ -54,7 +54,7 @@ pub fn kept(
     }
     let weights = rows.weights.take().ok_or_else(|| {
         Error::Undetermined(
-            "more than half of the residuals are zero; --robust has no scale to weigh by".into(),
+            "more than half of the residuals are zero; --robust cannot estimate a scale".into(),
         )
     })?;
     Ok(weights.iter().map(|weights| weights.iter().map(|weight| *weight > 0.0).collect()).collect())

@@ -36,13 +36,13 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     let mut left_out = checks::saturated(checks::without_saturated(&mut series));
     let repeated = checks::without_repeated(&mut series);
     if repeated > 0 {
-        left_out.push(("the readings of the row before once more".into(), repeated as u64));
+        left_out.push(("repeated readings".into(), repeated as u64));
     }
     unlike(&mut series, &mut told);
     series.retain(|one| one.len() > 0);
     let constant = series.iter().all(|one| one.source == Source::Constant);
     if constant && !is_stated(document, unit) {
-        let expected = "`instrument.nominal_sensitivity_nt_per_v`, or `conditions.magnitude_nt`: one of the two gives the field its scale";
+        let expected = "`instrument.nominal_sensitivity_nt_per_v` or `conditions.magnitude_nt`, to set the scale of the field";
         let found = "neither a sensitivity nor a magnitude, with --constant-magnitude";
         return Err(common::Error::document("instrument", found, expected).into());
     }
@@ -124,7 +124,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
                 column.retain(|_| *flags.next().unwrap_or(&true));
             }
         }
-        left_out.push(("far from the rest (--robust)".into(), count));
+        left_out.push(("outliers (--robust)".into(), count));
         let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
         plain = rows.factor(&model.terms);
         let sums = Sums { plain: &plain, sensor, reference, held: &held };
@@ -228,10 +228,8 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
     let Some(first) = stated.iter().flatten().next().copied() else { return Ok(None) };
     if let Some(other) = stated.iter().position(|one| *one != Some(first)) {
         let path = format!("{}.conditions.{}", series[other].path(), crate::read::MAGNITUDE);
-        let found =
-            "a magnitude that is stated with an uncertainty beside recordings whose magnitude is another";
-        let expected =
-            "one magnitude for all recordings, or none with an uncertainty; calibrate them one by one";
+        let found = "a magnitude stated with an uncertainty, and recordings with a different magnitude";
+        let expected = "one magnitude for all recordings, or none with an uncertainty; otherwise calibrate them one by one";
         return Err(common::Error::document(path, found, expected).into());
     }
     Ok(Some(first.1))

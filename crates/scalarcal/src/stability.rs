@@ -139,15 +139,15 @@ fn by_time(series: &[Series], length_s: f64) -> Result<Vec<(usize, usize, usize)
     for (number, one) in series.iter().enumerate() {
         let times = one.time_s.as_deref().filter(|times| times.windows(2).all(|pair| pair[1] >= pair[0]));
         let Some(times) = times else {
-            let found = format!("no rising times of the rows of \"{}\"", one.id);
-            let expected = "`time_s`, by which --windows can cut";
+            let found = format!("no increasing times of the rows of \"{}\"", one.id);
+            let expected = "`time_s`, which --windows needs";
             return Err(Fault::document(format!("{}.columns.time_s", one.path()), found, expected).into());
         };
         let Some((first, last)) = times.first().zip(times.last()) else { continue };
         let window = |time: f64| ((time - first) / length_s).floor();
         if window(*last) >= MOST_WINDOWS {
             return Err(Fault::Request(format!(
-                "--windows {length_s}: found {} windows in \"{}\"; expected at most {MOST_WINDOWS}: take longer ones",
+                "--windows {length_s}: found {} windows in \"{}\"; expected at most {MOST_WINDOWS}: use longer ones",
                 window(*last) + 1.0,
                 one.id
             ))

@@ -51,7 +51,7 @@ pub fn solve(
     solved.told.extend(axes.told());
     if start.inverse_rms < INVERSE * start.rms {
         solved.told.push(
-            "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} is to be GEO → SEN; turn the signs of x, y and z".into(),
+            "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} must be GEO → SEN; reverse the signs of x, y and z".into(),
         );
     }
     let count = solved.model.parameters.len() + 3;
@@ -192,7 +192,7 @@ fn undetermined(model: &Model, jacobian: &Mat<f64>) -> Error {
         weakest::least(&information).map(|(_, weakest)| weakest::named(model, &weakest)).unwrap_or_default();
     let list: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
     Error::Undetermined(format!(
-        "field and attitude do not determine the calibration: {} cannot be told. Record more attitudes, so that the field lies along each \
+        "field and attitude do not determine the calibration: {} cannot be determined. Record more attitudes, so that the field lies along each \
          sensor in both directions and between them",
         if list.is_empty() { "some parameters".into() } else { list.join(", ") }
     ))

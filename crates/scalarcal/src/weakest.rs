@@ -80,9 +80,9 @@ pub fn weakest(
     let about = cone(directions);
     let list: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
     let together = if list.len() > 1 {
-        format!("{} cannot be told apart well", join(&list))
+        format!("{} cannot be separated well", join(&list))
     } else {
-        format!("{} is shown least", list.first().copied().unwrap_or("the calibration"))
+        format!("{} is least determined", list.first().copied().unwrap_or("the calibration"))
     };
     let words = match about {
         Some(axis) => format!("rotated only about {axis}: {together}"),
@@ -90,7 +90,7 @@ pub fn weakest(
     };
     let (_, after, how) = best?;
     let remedy = format!(
-        "record the same rotations once more with the block {how}: the combination is then known to {} nT",
+        "record the same rotations again with the block {how}: this would determine the combination to {} nT",
         significant(after, 2)
     );
     Some(WeakestDirection {

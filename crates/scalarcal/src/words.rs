@@ -30,7 +30,7 @@ fn describe(scalar: &ScalarCalibration) -> String {
             significant(vector.rms_along_nt, 3),
             significant(vector.rms_across_nt, 3),
             significant(vector.attitude_std_arcsec, 2),
-            if vector.across_only { "; across it alone is used" } else { "" }
+            if vector.across_only { "; only the transverse residual is used" } else { "" }
         );
     }
     let noise = scalar.vector.as_ref().and_then(|vector| vector.noise.as_ref()).unwrap_or(&scalar.noise);
@@ -39,8 +39,8 @@ fn describe(scalar: &ScalarCalibration) -> String {
             text,
             "  {}: {} nT²/Hz at 1 Hz, as 1/f^α with α = {}; white {} nT",
             match scalar.memory_of.as_deref() {
-                Some("magnitude") => "changes of the magnitude, which nobody measured",
-                _ => "noise with memory",
+                Some("magnitude") => "unmeasured changes of the magnitude",
+                _ => "correlated noise",
             },
             significant(amplitude, 3),
             significant(noise.flicker_exponent.unwrap_or(1.0), 3),
@@ -50,7 +50,7 @@ fn describe(scalar: &ScalarCalibration) -> String {
     for parameter in &scalar.parameters {
         let with = match (scalar.beforehand.as_ref(), parameter.std_with_known) {
             (Some(known), Some(std)) if !known.used => {
-                format!(" (± {} with what was known)", significant(std, 2))
+                format!(" (± {} with prior knowledge)", significant(std, 2))
             }
             _ => String::new(),
         };
@@ -66,7 +66,7 @@ fn describe(scalar: &ScalarCalibration) -> String {
     }
     if let Some(weakest) = &scalar.weakest {
         let std = weakest.std_nt.map(|std| format!(" (± {} nT)", significant(std, 2))).unwrap_or_default();
-        let _ = writeln!(text, "  shown least: {}{std}; {}", weakest.words, weakest.remedy);
+        let _ = writeln!(text, "  least determined: {}{std}; {}", weakest.words, weakest.remedy);
     }
     if let Some(reference) = &scalar.reference_offset {
         let fitted = if reference.fitted { "fitted" } else { "by the readings" };
@@ -80,7 +80,7 @@ fn describe(scalar: &ScalarCalibration) -> String {
     if let Some(test) = &scalar.beforehand {
         let _ = writeln!(
             text,
-            "  against what was known: χ² = {} with {} degrees of freedom, {}",
+            "  against prior knowledge: χ² = {} with {} degrees of freedom, {}",
             significant(test.chi_squared, 3),
             test.degrees_of_freedom,
             p_value(test.p_value)
@@ -89,7 +89,7 @@ fn describe(scalar: &ScalarCalibration) -> String {
     if let Some(test) = &scalar.stability {
         let _ = writeln!(
             text,
-            "  {} of the time against all: {}",
+            "  {} of the recording against the whole: {}",
             counted(test.windows.len(), "part"),
             p_value(test.p_value)
         );

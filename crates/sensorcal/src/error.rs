@@ -15,7 +15,7 @@ pub enum Error {
     #[error("{0}")]
     Undetermined(String),
     /// The estimation failed.
-    #[error("no fit was found: {0}")]
+    #[error("the fit failed: {0}")]
     Estimate(#[from] estimate::Error),
 }
 

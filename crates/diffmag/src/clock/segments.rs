@@ -168,7 +168,7 @@ fn said(jump: &ClockJump) -> String {
         |of: &Quantity| signed(&of.std().map_or_else(|| of.to_string(), |std| uncertain(of.value(), std)));
     let pause = jump.by_s.value() == 0.0;
     let what = if pause {
-        "leave rows out before".to_string()
+        "skip rows before".to_string()
     } else {
         format!("jump by {} s in", signed(&significant(jump.by_s.value(), 3)))
     };
@@ -176,26 +176,25 @@ fn said(jump: &ClockJump) -> String {
         format!("the times of \"{}\" {what} row {} ({} s)", jump.recording, jump.row, bare(jump.time_s));
     let Some(name) = &jump.instrument else {
         return format!(
-            "{place}: both instruments have these times, so that the field cannot tell whether the sampling jumped with them; the series was \
-             cut there"
+            "{place}: both instruments share these times, so the field cannot show whether the sampling jumped with them; the series was split there"
         );
     };
     let change = jump.offset_change_s.as_ref();
     let of_field = change.map_or_else(
-        || "the readings beside it are too few to tell an offset".to_string(),
+        || "there are too few readings nearby to determine an offset".to_string(),
         |change| format!("the offset of the {name} instrument's clock changes by {} s there", with(change)),
     );
     let says = match jump.verdict {
         JumpVerdict::Contradicted if pause => {
-            "the field contradicts the gap: the clock was set, and the sampling went on"
+            "the field contradicts the gap: the clock was reset while the sampling went on"
         }
-        JumpVerdict::Other if pause => "the clock was set there; look at the logger",
+        JumpVerdict::Other if pause => "the clock was reset there; check the logger",
         JumpVerdict::Confirmed => "the field confirms it: the sampling jumped with the times",
         JumpVerdict::Contradicted => {
-            "the field contradicts it: only the times jumped, and the sampling went on"
+            "the field contradicts it: only the times jumped while the sampling went on"
         }
-        JumpVerdict::Other => "the field says something else than the times; look at the logger there",
-        JumpVerdict::Unclear => "the field cannot tell whether the sampling jumped with the times",
+        JumpVerdict::Other => "the field disagrees with the times; check the logger there",
+        JumpVerdict::Unclear => "the field cannot show whether the sampling jumped with the times",
     };
     let p = change.filter(|_| jump.verdict == JumpVerdict::Other);
     let p = p.map(|change| format!(" ({})", p_value(p_of(change)))).unwrap_or_default();

@@ -11,13 +11,13 @@ use joined::Pair;
 pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, Error> {
     let Some(rows) = windows::divide(pair) else { return Ok(None) };
     let mut found = MatrixStability::default();
-    let noise = told(Noise::of(pair, fits, &rows), "whether the matrix holds still", &mut found.findings)?;
+    let noise = told(Noise::of(pair, fits, &rows), "whether the matrix is constant", &mut found.findings)?;
     let Some(noise) = noise else { return Ok(Some(found)) };
     let in_windows = windows::windows(pair, fits, &noise, &rows);
-    found.windows = told(in_windows, "whether the matrix holds still in time", &mut found.findings)?;
+    found.windows = told(in_windows, "whether the matrix is constant in time", &mut found.findings)?;
     found.findings.extend(found.windows.iter().flat_map(windows::findings));
     let quiet_disturbed = windows::quiet_disturbed(pair, fits, &noise);
-    let name = "whether disturbed times have another matrix than quiet ones";
+    let name = "whether the matrix differs between disturbed and quiet times";
     found.quiet_disturbed = told(quiet_disturbed, name, &mut found.findings)?.flatten();
     found.findings.extend(found.quiet_disturbed.iter().flat_map(windows::quiet_findings));
     let in_bands = bands::bands(pair, fits, &noise);
@@ -34,6 +34,6 @@ fn told<T>(found: Result<T, Error>, name: &str, findings: &mut Vec<String>) -> R
         Err(Error::Undetermined(why)) => why,
         Err(other) => return Err(other),
     };
-    findings.push(format!("{name} cannot be said: {why}"));
+    findings.push(format!("{name} cannot be determined: {why}"));
     Ok(None)
 }

@@ -9,7 +9,7 @@ pub enum Error {
     Piece(#[from] partial::Error),
     /// A row does not stand on the grid.
     #[error(
-        "row {row}: found {time_s} s, {} of a step from the grid of {step_s} s; expected less than 0.4 (is the step right? does the clock jump?)",
+        "row {row}: found {time_s} s, {} of a step from the grid of {step_s} s; expected less than 0.4 (check the step, and the clock for jumps)",
         significant(*.off, 2)
     )]
     OffGrid {
@@ -27,7 +27,7 @@ pub enum Error {
     Step(f64),
     /// The times do not show a step.
     #[error(
-        "the first {rows} times show no even step of up to six digits (or one over such a rate); state the step, or make one: series resample --step S"
+        "the first {rows} times have no common step of up to six digits (nor the inverse of such a rate); state the step, or resample: series resample --step S"
     )]
     NoStep {
         /// Rows looked at.

@@ -97,7 +97,7 @@ impl Grid {
     /// That pieces on this grid and on another cannot be joined.
     pub(super) fn unlike(self, other: Self) -> Error {
         let [first, second] = [self, other].map(|grid| format!("every {grid} s"));
-        let expected = "the same step in all; state it when they are made (--step-s)";
+        let expected = "the same step in all; state it when writing them (--step-s)";
         Error::Piece(partial::Error::Unlike { first, second, expected })
     }
 }

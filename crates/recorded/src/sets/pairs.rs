@@ -19,7 +19,7 @@ const DAY_S: f64 = 86_400.0;
 /// What diffmag says of instruments whose filters differ.
 const UNLIKE: &str = "do not answer alike";
 /// What it says of a matrix that is not one.
-const MOVES: &str = "the matrix does not hold still";
+const MOVES: &str = "the matrix is not constant";
 /// Standard uncertainties beyond which an offset of a clock is one.
 const SURE: f64 = 5.0;
 

@@ -46,7 +46,7 @@ fn instruments_that_share_no_field_are_not_made_to_look_good() {
     let cell = row.split('|').nth(2).and_then(|cell| cell.split('±').next()).expect("an element");
     let own: f64 = cell.trim().parse().expect("a number");
     assert!(own < 0.8, "two fluxgates that felt one field would have 1: {row}");
-    assert!(text.contains("the errors have memory"), "{text}");
+    assert!(text.contains("the errors are correlated in time"), "{text}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub fn section(document: &Document) -> Option<Section> {
     section.warnings.extend(findings("", &scalar.findings, &effects::scalar::RULES, scalar));
     parameters(&mut section, scalar);
     if let Some(weakest) = &scalar.weakest {
-        section.say(format!("Shown least: {}. To show it, {}.", weakest.words, weakest.remedy));
+        section.say(format!("Least determined: {}. To determine it, {}.", weakest.words, weakest.remedy));
     }
     if let Some(vector) = &scalar.vector {
         section.say(format!(

@@ -120,7 +120,7 @@ fn a_part_of_the_time_counts_by_the_parameter_that_stands_out_most() {
             "parameters": [{"name": "sensitivity of x", "unit": "nT/V", "value": 5000.0, "std": 0.1},
                 {"name": "offset of x", "unit": "nT", "value": 10.0, "std": 0.1}],
             "stability": {"p_value": 1e-9, "windows": [{"from_s": 0.0, "to_s": 1.0, "rows": 9, "rms_nt": 1.0, "values": values, "std": [0.1, 0.1]}]},
-            "findings": ["the calibration does not hold over the time: 1 part differ from it"]}}})
+            "findings": ["the calibration is not constant in time: 1 part differ from it"]}}})
     };
     // Five uncertainties of the offset against two of the sensitivity; then eight of that, 0.8 of 5000 in 50 000 nT.
     assert_eq!(effect(&scalar(json!([5000.2, 10.5]))), Effect::Nt(0.5));

@@ -34,7 +34,7 @@ pub fn document(partial: &Partial, mut document: Document, options: &Options) ->
     let (solved, detail, windows) = solve(partial, &document, options)?;
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same series";
-        let expected = "one from elsewhere: with --known each reading would count twice";
+        let expected = "one from another source: with --known each reading would count twice";
         return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
     }
     let seen = seen(partial, &document, &solved, &detail, &windows, options)?;
@@ -51,13 +51,14 @@ fn solve(
     options: &Options,
 ) -> Result<(Solved, Detail, Places), Error> {
     if options.robust || options.constant_magnitude || options.vector || !options.with.is_empty() {
-        let message = "--robust, --constant-magnitude, --vector and --with need rows; a stream has none";
+        let message =
+            "--robust, --constant-magnitude, --vector and --with need rows, which a stream does not keep";
         return Err(Fault::Request(message.into()).into());
     }
     let adopted =
         physics::adopt(document).map_err(|source| Error::Physics { path: "model".into(), source })?;
     if !adopted.is_empty() {
-        let found = "effects, which a stream does not take off the readings";
+        let found = "effects, which a stream cannot subtract from the readings";
         let expected = "none; correct the readings, or calibrate a document with rows";
         return Err(Fault::document("model.effects", found, expected).into());
     }
@@ -166,7 +167,7 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
             && high <= low
         {
             return refused(format!(
-                "{}: found the reading {high} in all rows; expected a sensor that is turned; is it connected, or did the logger freeze?",
+                "{}: found the reading {high} in all rows; expected a rotated sensor; is it connected, or did the logger freeze?",
                 name(axis)
             ));
         }
@@ -194,8 +195,7 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
 }
 
 /// What is said where noise with memory was not looked for.
-const NO_MEMORY: &str = "noise with memory was not looked for, because there are too few rows or windows, or because the noise is large beside what the \
-                         rotations show: the uncertainties are those of white noise";
+const NO_MEMORY: &str = "correlated noise was not estimated, because there are too few rows or windows, or the noise is too large: the uncertainties assume white noise";
 /// Readings are those of another sensor where they differ by less than this share of their squares.
 const SAME: f64 = 1e-14;
 
@@ -269,7 +269,7 @@ fn seen(
         options.windows_s.filter(|length| (partial.windows.level() as f64).exp2() > 2.0 * length)
     {
         findings.push(format!(
-            "windows of {} s are the shortest that are kept of so long a series; {length} s were asked for",
+            "windows of {} s are the shortest kept for a series of this length; {length} s were requested",
             (partial.windows.level() as f64).exp2()
         ));
     }

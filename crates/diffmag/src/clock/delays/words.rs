@@ -10,8 +10,7 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
     let mut findings = Vec::new();
     if let Some(parts) = clock.parts.as_ref().filter(|parts| parts.p < TOLD_BELOW) {
         findings.push(format!(
-            "the clocks' offset is not the same in all parts of the recording: {} parts scatter by {} s, {} times their uncertainties ({}); its \
-             uncertainty is that scatter",
+            "the clock offset is not constant over the recording: {} parts scatter by {} s, {} times their uncertainties ({}); this scatter is taken as its uncertainty",
             parts.count,
             significant(parts.between_s, 2),
             significant(parts.birge_ratio, 2),
@@ -21,8 +20,7 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
     if let Some(length) = clock.bands.as_ref().and_then(|bands| bands.average_s.as_ref()) {
         let whose = if length.value() < 0.0 { "reference" } else { "test instrument" };
         findings.push(format!(
-            "the response by period is as if the readings of the {whose} were means over {} s where the other's are not; half of that is in the offset of the \
-             clocks where such a mean is stamped at its beginning or end",
+            "the response against period is that of readings of the {whose} averaged over {} s, unlike the other's; half of that is in the clock offset if the averages are time-stamped at their beginning or end",
             uncertain(length.value().abs(), length.std().unwrap_or(0.0))
         ));
     }
@@ -43,12 +41,12 @@ pub fn findings(clock: &ClockDifference) -> Vec<String> {
         (DelayForm::LowPass, Some(time)) => {
             let whose = if time.value() < 0.0 { "reference" } else { "test instrument" };
             let size = uncertain(time.value().abs(), time.std().unwrap_or(0.0));
-            format!("as of a low-pass filter of first order in the {whose}, with a time constant of {size} s")
+            format!("as with a first-order low-pass filter in the {whose}, with a time constant of {size} s")
         }
-        _ => "not as of a low-pass filter of first order".into(),
+        _ => "not as with a first-order low-pass filter".into(),
     };
     findings.push(format!(
-        "the delay depends on the period ({}): {} and {}, {form}. A filter is no clock: no shift of times mends it",
+        "the delay depends on the period ({}): {} and {}, {form}. This is a filter effect: shifting the times cannot correct it",
         p_value(bands.scatter.p),
         ends[0],
         ends[1]

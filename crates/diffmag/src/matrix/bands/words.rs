@@ -24,15 +24,13 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
         .map(|band| format!("{} ({})", periods(band), significant(band.freedom, 2)))
         .collect();
     if !few.is_empty() {
-        findings.push(format!(
-            "bands of periods with too few degrees of freedom to be tested: {}",
-            few.join(", ")
-        ));
+        findings
+            .push(format!("period bands with too few degrees of freedom to be tested: {}", few.join(", ")));
     }
     let clock = p_of(&found.clock.offset_s);
     if clock < TOLD_BELOW && found.clock.alike_p >= TOLD_BELOW {
         findings.push(format!(
-            "the phases between the instruments grow with frequency, alike on all axes: the test instrument's clock is {} by \
+            "the phase between the instruments grows with frequency, equally on all axes: the test instrument's clock is {} by \
              {} s ({})",
             if found.clock.offset_s.value() > 0.0 { "late" } else { "early" },
             uncertain(found.clock.offset_s.value().abs(), found.clock.offset_s.std().unwrap_or(0.0)),
@@ -48,14 +46,13 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
         let pair = farthest(found, |a, b| a.from_period_s < LONG_S || b.from_period_s < LONG_S);
         (
             pair,
-            "induced currents that differ between the sites would do that, most of all at short periods and in z",
+            "induced currents that differ between the sites would cause this, mostly at short periods and in z",
         )
     } else {
         let pair = farthest(found, |a, b| (a.to_period_s < LONG_S) != (b.to_period_s < LONG_S));
         (
             pair,
-            "shorter periods than half a day agree among themselves, so that it belongs to the day's course: a pillar that \
-                tilts or a temperature; induction with a time constant of hours would look alike",
+            "periods below half a day agree with each other, which points to the daily cycle: a tilting pillar or a temperature. Induction with a time constant of hours would look the same",
         )
     };
     let Some((name, a, b)) = pair else { return findings };

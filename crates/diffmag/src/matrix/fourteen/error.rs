@@ -14,7 +14,7 @@ const SIGMAS: f64 = 3.0;
 pub enum Error {
     /// η has no inverse.
     #[error(
-        "η is singular within its uncertainty: its determinant is {}; three axes of one instrument lie in a plane, an output is dead or connected twice, or the field did not vary in three directions",
+        "η is singular within its uncertainty: its determinant is {}; three axes of one instrument are coplanar, an output is dead or connected twice, or the field did not vary in three directions",
         uncertain(*.determinant, *.uncertainty)
     )]
     Singular {
@@ -35,7 +35,7 @@ pub enum Error {
     },
     /// A matrix given as a covariance is none.
     #[error(
-        "the covariance of {of} is none: {found}; it must be finite, symmetric and have no negative eigenvalue"
+        "the covariance of {of} is invalid: {found}; it must be finite, symmetric and have no negative eigenvalue"
     )]
     Covariance {
         /// Of which values.
@@ -45,11 +45,11 @@ pub enum Error {
     },
     /// η and the known values contradict each other.
     #[error(
-        "no pair of instruments has this η and these known values: the reference's axes would not span space"
+        "no pair of instruments has this η and these known values: the axes of the reference would be coplanar"
     )]
     NoAnswer,
     /// The iteration failed.
-    #[error("the fourteen parameters were not found numerically: {0}")]
+    #[error("the iteration for the fourteen parameters failed: {0}")]
     Estimate(#[from] estimate::Error),
 }
 

@@ -13,7 +13,7 @@ pub fn findings(found: &MatrixWindows) -> Vec<String> {
     if moved < TOLD_BELOW {
         let change = &found.largest_change;
         findings.push(format!(
-            "the matrix does not hold still: {} do not have one η ({}); what stands out most is {} by {} at {}",
+            "the matrix is not constant: {} do not share one η ({}); the largest change is {} by {} at {}",
             counted(found.windows.len(), "window"),
             p_value(moved),
             named(&change.element),
@@ -25,7 +25,7 @@ pub fn findings(found: &MatrixWindows) -> Vec<String> {
         && let Some((element, change)) = largest(&found.trend_per_day, &found.trend_std_per_day)
     {
         findings.push(format!(
-            "the matrix changes steadily ({}): {} by {} a day most clearly; a pillar that settles, or a course of temperature, would turn it so",
+            "the matrix changes steadily ({}): {} by {} a day most clearly; a settling pillar or a changing temperature could cause this",
             p_value(trend),
             named(&element),
             amount(&element, &change),
@@ -39,8 +39,7 @@ pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
     let (Some(quiet), Some(disturbed), Some(test)) = (&found.quiet, &found.disturbed, &found.one_matrix)
     else {
         return vec![format!(
-            "the field is nearly as lively in quiet as in disturbed times (a factor of {}): whether the matrix differs between \
-             them cannot be asked of this recording",
+            "the field is nearly as active in quiet as in disturbed times (a factor of {}): this recording cannot show whether the matrix differs between them",
             significant(found.activity_ratio, 2)
         )];
     };
@@ -63,8 +62,7 @@ pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
         format!(", the longest from {} to {}", duration(*from), duration(*to))
     });
     vec![format!(
-        "disturbed times ({} of them{when}) have another matrix than quiet ones ({}){most}; induced currents that differ \
-         between the sites would do that",
+        "disturbed times ({} of them{when}) have a different matrix from quiet ones ({}){most}; induced currents that differ between the sites would cause this",
         disturbed.times_s.len(),
         p_value(p)
     )]

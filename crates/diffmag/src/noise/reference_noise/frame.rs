@@ -213,7 +213,7 @@ pub fn invert(eta: &Matrix3<f64>) -> Result<Matrix3<f64>, Error> {
 pub fn inverse4(information: &Matrix4<f64>) -> Result<Matrix4<f64>, Error> {
     information.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite())).ok_or_else(|| {
         Error::Undetermined(
-            "the field varied too little to tell the axes apart; record longer, or on days of more unrest".into(),
+            "the field varied too little to tell the axes apart; record longer, or on more disturbed days".into(),
         )
     })
 }

@@ -8,11 +8,10 @@ pub fn quoted(from: ReferenceNoiseSource) -> String {
     let by = match from {
         ReferenceNoiseSource::ThirdInstrument => "with the third instrument",
         ReferenceNoiseSource::Declared => "with its declared noise",
-        _ => "with what the spectra show of it",
+        _ => "with its noise as estimated from the spectra",
     };
     format!(
-        "`matrix` with `covariance`: noise of the reference pulls least squares and the weighted elements toward zero, and \
-         that pull, listed in `reference_noise.elements`, is taken off `matrix` {by}"
+        "`matrix` with `covariance`: noise of the reference biases least squares and the weighted elements toward zero; `matrix` is corrected for this bias (listed in `reference_noise.elements`) {by}"
     )
 }
 
@@ -25,31 +24,30 @@ fn harmless_share(report: &ReferenceNoise) -> f64 {
 /// Whose noise the difference is, and why.
 pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> String {
     if let Some(three) = three {
-        return format!("each instrument has its own noise, by the third instrument: {}", split(three));
+        return format!("noise of each instrument, separated with the third: {}", split(three));
     }
     let shares = report.share.as_ref().map(of_axes);
     match (report.known_from, shares) {
         (ReferenceNoiseSource::Declared, Some(shares)) => format!(
-            "by its declared noise the reference has {shares} of the difference's power; the rest is ascribed to the test \
-             instrument"
+            "according to its declared noise the reference contributes {shares} of the power of the difference; the rest is attributed to the test instrument"
         ),
         (ReferenceNoiseSource::Spectrum, Some(shares)) => format!(
-            "by the spectra the reference has {shares} of the difference's power; the rest is ascribed to the test instrument"
+            "according to the spectra the reference contributes {shares} of the power of the difference; the rest is attributed to the test instrument"
         ),
         _ => {
             let harmless = harmless_share(report);
             let enough = if harmless < 1.0 {
                 format!(
-                    "the pull on the matrix is below half of each uncertainty where the reference has less than {} % of \
+                    "the bias of the matrix is below half of each uncertainty if the reference contributes less than {} % of \
                      that power",
                     figures(100.0 * harmless, 2)
                 )
             } else {
-                "whichever instrument has it, the pull on the matrix is below half of each uncertainty".into()
+                "whichever instrument it belongs to, the bias of the matrix is below half of each uncertainty"
+                    .into()
             };
             format!(
-                "the difference is ascribed to the test instrument, because the noise of the reference is not known and is \
-                 taken to be the smaller: figures of the test instrument are upper bounds of its noise, and {enough}"
+                "the difference is attributed to the test instrument, because the noise of the reference is unknown and assumed to be the smaller: the noise stated for the test instrument is an upper bound, and {enough}"
             )
         }
     }
@@ -64,7 +62,7 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
     let pulled = |element: &common::PulledElement| element.pull.map_or(0.0, f64::abs) / element.pulled_std;
     match worst(&pulled) {
         Some((name, pull)) if pull > 0.5 => findings.push(format!(
-            "noise of the reference had pulled the matrix by up to {} of its uncertainties ({name})",
+            "noise of the reference had biased the matrix by up to {} standard uncertainties ({name})",
             figures(pull, 2)
         )),
         _ => {}
@@ -72,9 +70,7 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
     let corrected = report.elements.values().any(|element| element.corrected.is_some());
     if !corrected && report.known_from == ReferenceNoiseSource::Declared {
         findings.push(
-            "the declared noise of the reference is more than half of what its readings hold along some direction, or the matrix \
-             without its pull leaves more than levels alone: the field is hardly seen, and the matrix is left as it is; record \
-             when the field is less quiet"
+            "the declared noise of the reference is more than half the variance of its readings along some direction, or the corrected matrix fits worse than offsets alone. The field varied too little and the matrix is not corrected: record when the field is more active"
                 .into(),
         );
     } else if !corrected
@@ -82,7 +78,7 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
         && most > 0.5
     {
         findings.push(format!(
-            "noise of the reference may have pulled the matrix by up to {} of its uncertainties ({name}); declare it in \
+            "noise of the reference may have biased the matrix by up to {} standard uncertainties ({name}); declare it in \
              `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
             figures(most, 2)
         ));
@@ -91,22 +87,19 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
         let told = spectrum.p < told_below;
         if spectrum.used {
             findings.push(
-                "the coefficients fall where the field is weak, as noise of the reference makes them; a test instrument that \
-                 answers less to fast changes looks much the same"
+                "the coefficients decrease where the field varies little, as expected of noise of the reference; a test instrument with a weaker response to fast changes would look nearly the same"
                     .into(),
             );
         } else if told && report.known_from == ReferenceNoiseSource::Unknown {
             findings.push(format!(
-                "the coefficients fall where the field is weak, but not as noise of the reference makes them ({}): \
-                 the two instruments do not answer alike at all frequencies",
+                "the coefficients decrease where the field varies little, but not as expected of noise of the reference ({}): the responses of the two instruments differ with frequency",
                 p_value(spectrum.consistency_p)
             ));
         }
     }
     if let Some(three) = three.filter(|three| three.goodness_p < told_below) {
         findings.push(format!(
-            "the noises of the three instruments are not independent, or not A/f^α and white ({}): something is \
-             common to two of them, and the split is not to be trusted",
+            "the noises of the three instruments are not independent, or not of the form A/f^α plus white ({}): two of them share a disturbance, and their separation is unreliable",
             p_value(three.goodness_p)
         ));
     }

@@ -11,41 +11,41 @@ const FIELD_NT: f64 = 50_000.0;
 /// What findings on the difference do, but for those on what adds to it.
 pub const FIT: [Rule<DifferentialFit>; 8] = [
     ("do not use this matrix", |fit, words| Effect::nt(left(fit, words))),
-    ("the errors have memory", |_, _| UNCERTAINTY),
-    ("the difference is not A/f^α and white noise", |_, _| UNCERTAINTY),
+    ("the errors are correlated in time", |_, _| UNCERTAINTY),
+    ("the difference is not of the form A/f^α plus white noise", |_, _| UNCERTAINTY),
     (": a drift of ", |fit, words| Effect::nt(undecided(fit, words))),
-    ("of some events it cannot be told in which instrument they are", |fit, _| {
+    ("some events cannot be assigned to one instrument", |fit, _| {
         let either = fit.kept_out.events.iter().filter(|one| one.instrument == EventInstrument::Either);
         Effect::nt(largest(either.map(|one| one.size_nt.value())))
     }),
-    ("the most likely reading under the fitted noise stands in each place", |_, _| LEFT_OUT),
+    ("replaced by its most likely value under the fitted noise", |_, _| LEFT_OUT),
     ("that the final fit does not confirm", |_, _| NOT_SIGNIFICANT),
-    ("the third instrument's readings are in no regression of", |_, _| UNCERTAINTY),
+    ("the readings of the third instrument enter no regression of", |_, _| UNCERTAINTY),
 ];
 
 /// What findings on whether the matrix holds still do.
 pub const STABILITY: [Rule<MatrixStability>; 6] = [
-    ("the matrix does not hold still", |stability, _| {
+    ("the matrix is not constant", |stability, _| {
         let windows = stability.windows.as_ref();
         Effect::nt(windows.map(|windows| windows.largest_change.change_ppm.value() * 1e-6 * FIELD_NT))
     }),
     ("the matrix changes steadily", |stability, _| Effect::nt(steadily(stability))),
-    ("have another matrix than quiet ones", |stability, _| Effect::nt(disturbed(stability))),
+    ("have a different matrix from quiet ones", |stability, _| Effect::nt(disturbed(stability))),
     ("too few degrees of freedom to be tested", |_, _| NOT_SHOWN),
-    (" cannot be said: ", |_, _| NOT_SHOWN),
-    ("cannot be asked of this recording", |_, _| NOT_SHOWN),
+    (" cannot be determined: ", |_, _| NOT_SHOWN),
+    ("this recording cannot show whether the matrix differs", |_, _| NOT_SHOWN),
 ];
 
 /// What findings on noise of the reference do.
 pub const REFERENCE: [Rule<ReferenceNoise>; 3] = [
-    ("noise of the reference had pulled the matrix", |noise, _| {
+    ("noise of the reference had biased the matrix", |noise, _| {
         let pulled = noise.elements.values();
         Effect::std(largest(pulled.filter_map(|one| Some(one.pull? / one.pulled_std))))
     }),
-    ("noise of the reference may have pulled the matrix", |noise, _| {
+    ("noise of the reference may have biased the matrix", |noise, _| {
         Effect::std(largest(noise.elements.values().map(|one| one.largest_pull_over_std)))
     }),
-    ("and the split is not to be trusted", |_, _| UNCERTAINTY),
+    ("and their separation is unreliable", |_, _| UNCERTAINTY),
 ];
 
 /// Findings on the difference: what adds to it by how much it adds.

@@ -10,10 +10,10 @@ pub const RULES: [Rule<ScalarCalibration>; 8] = [
     ("the reference reads ", |scalar, _| {
         Effect::nt(scalar.reference_offset.as_ref().map(|reference| reference.offset_nt.value()))
     }),
-    ("the readings contradict what was known of the sensors beforehand", |scalar, _| contradicted(scalar)),
-    ("the calibration does not hold over the time", |scalar, _| changed(scalar)),
-    ("further from the rest than noise explains", |_, words| Effect::nt(before(words, " nT in "))),
-    ("the magnitude of the field is not known", |_, _| NOT_SHOWN),
+    ("the readings contradict the prior calibration of the sensors", |scalar, _| contradicted(scalar)),
+    ("the calibration is not constant in time", |scalar, _| changed(scalar)),
+    ("outliers (p", |_, words| Effect::nt(before(words, " nT in "))),
+    ("the magnitude of the field is unknown", |_, _| NOT_SHOWN),
     ("make the uncertainties too small", |_, _| UNCERTAINTY),
     ("include the iron of the body", |_, _| NOT_SHOWN),
     (" left out: others have one", |_, _| LEFT_OUT),
