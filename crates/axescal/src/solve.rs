@@ -65,7 +65,7 @@ pub struct Solution {
     pub influence: Vec<Influence>,
     /// Weights of a robust fit.
     pub weights: Option<Vec<f64>>,
-    /// Readings that do not belong to the rest: number, leave-one-out, t, adjusted p.
+    /// Outliers: number, leave-one-out, t, adjusted p.
     pub doubtful: Vec<readings::Doubt>,
     /// The steps of the first, plain iteration, in units of the declared noise.
     pub steps: Vec<estimate::Step>,

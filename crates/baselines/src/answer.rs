@@ -18,7 +18,7 @@ pub fn diagnosis(dictionary: &Dictionary, choice: &Choice) -> Result<Diagnosis, 
         .filter_map(|group| Some(ExplainedEffect { p_adjusted: 1.0, ..group.effect.clone()? }))
         .collect();
     let nameless = chosen().filter(|group| group.effect.is_none()).map(|group| &group.name);
-    let reasons = nameless.map(|name| format!("structure without a name: {name}"));
+    let reasons = nameless.map(|name| format!("unidentified structure: {name}"));
     let verdict = match (choice.groups.is_empty(), effects.is_empty()) {
         (true, _) => Verdict::Agrees,
         (false, true) => Verdict::Unexplained,

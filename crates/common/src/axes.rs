@@ -48,7 +48,7 @@ pub struct AxesCalibration {
     /// What the recordings did not show and was assumed, with the bound of its effect.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assumptions: Vec<Assumption>,
-    /// Readings that do not belong to the rest.
+    /// Outliers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubtful: Vec<DoubtfulReading>,
     /// What looks wrong, in words.

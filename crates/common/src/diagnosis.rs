@@ -204,7 +204,7 @@ pub struct ExplainedEffect {
     pub held_out_by_block_nt: Vec<f64>,
     /// Share of its energy that the calibration had not swallowed.
     pub visible_fraction: f64,
-    /// What else was considered, and why it lost.
+    /// Effects that were rejected, and why.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rivals: Vec<Rival>,
     /// Keys that this version does not know.

@@ -18,10 +18,10 @@ pub const EFFECT_LEFT: u32 = 16;
 /// Every flag with what it says.
 pub const MEANINGS: [(u32, &str); 5] = [
     (MISSING, "a reading is missing"),
-    (NOT_INVERTIBLE, "the chain cannot be run backwards"),
-    (TEMPERATURE, "a temperature is outside those of the calibration"),
-    (RANGE, "the field is beyond that of the calibration"),
-    (EFFECT_LEFT, "an effect of the model could not be taken out"),
+    (NOT_INVERTIBLE, "the model cannot be inverted"),
+    (TEMPERATURE, "a temperature is outside the calibrated range"),
+    (RANGE, "the field is outside the calibrated range"),
+    (EFFECT_LEFT, "an effect of the model could not be corrected"),
 ];
 
 /// Without a temperature run a calibration is taken to hold so far around its reference temperature, K: the smallest step of

@@ -47,18 +47,17 @@ impl IagaWriter {
         let code = station.code.to_ascii_uppercase();
         if !(3..=4).contains(&code.len()) || !code.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
             return Err(Error::Request(format!(
-                "\"{}\" is no code of a station; expected three or four letters or digits",
+                "\"{}\" is not a station code; expected three or four letters or digits",
                 station.code
             )));
         }
         let told = station.start.map(|text| {
-            let expected = "--start is no moment; expected RFC 3339, as in 2026-05-26T14:44:35Z";
+            let expected = "--start is not a time; expected RFC 3339, as in 2026-05-26T14:44:35Z";
             Start::parse(text).ok_or_else(|| Error::Request(format!("\"{text}\" after {expected}")))
         });
         let Some(start) = told.transpose()?.or(recording.start()) else {
             return Err(Error::Request(
-                "IAGA-2002 has the date in each row, and nothing says when time_s is zero; give --start, or --recording of which \
-                 the document knows the start"
+                "IAGA-2002 needs dates, and the origin of time_s is unknown; give --start, or --recording with a start in the document"
                     .into(),
             ));
         };
@@ -99,7 +98,7 @@ impl IagaWriter {
             Error::Request(format!("row {}: found time_s = {time_s}; expected {expected}", self.rows))
         };
         if !time_s.is_finite() || self.last_ms.is_some_and(|last| ms <= last) {
-            return Err(refused("times that rise by a millisecond at least, as IAGA-2002 tells them apart"));
+            return Err(refused("times that increase by at least 1 ms, the resolution of IAGA-2002"));
         }
         let timestamp = Timestamp::from_duration(SignedDuration::from_millis(ms))
             .map_err(|_| refused("a time of the years that a calendar has"))?;

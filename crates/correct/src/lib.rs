@@ -137,7 +137,7 @@ fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -
         let key = format!("sensitivity_nt_per_{}", unit.suffix());
         if volts && field {
             let found = format!("sensor_{axis}_v beside sensor_{axis}_nt");
-            let expected = "readings in V or in nT; leave one of the two columns out";
+            let expected = "readings in V or in nT; remove one of the two columns";
             return Err(common::Error::document(format!("{path}.columns"), found, expected));
         }
         if volts && stated.or(nominal).is_none() {

@@ -22,7 +22,7 @@ const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VER
     correct fixtures/correct/flight/input.json > result.json\n  \
     correct --calibration fixtures/correct/flight/input.json \\\n    fixtures/correct/flight/readings.csv -o field.parquet\n  \
     correct --calibration fixtures/correct/flight/input.json --iaga FLX --start 2026-05-26T00:00:00Z \\\n    fixtures/correct/flight/readings.csv -o field.min\n\n\
-    Exit codes: 0 done; 1 the chain cannot be run backwards; 2 the request, the document or the table is wrong."
+    Exit codes: 0 done; 1 the model cannot be inverted; 2 the request, the document or the table is wrong."
 )]
 struct Cli {
     #[command(flatten)]
@@ -40,16 +40,16 @@ struct Cli {
     /// How the file of readings is read, as `ingest --map`; it is then held in memory
     #[arg(long, value_name = "MAP", requires = "calibration", conflicts_with = "from")]
     map: Option<PathBuf>,
-    /// Format of the table, where its name does not say it
+    /// Format of the table, if its name does not show it
     #[arg(long, value_enum, requires = "calibration")]
     from: Option<FormatName>,
-    /// Format to write, where the name of the output does not say it
+    /// Format to write, if the name of the output does not show it
     #[arg(long, value_enum, requires = "calibration")]
     to: Option<FormatName>,
     /// Write IAGA-2002 for this station (three or four letters), in GEO
     #[arg(long, value_name = "CODE", requires = "calibration", conflicts_with_all = ["to", "frame"])]
     iaga: Option<String>,
-    /// When time_s is zero, RFC 3339, where the recording does not say it
+    /// Time at which time_s is zero (RFC 3339), if the recording does not state it
     #[arg(long, value_name = "MOMENT", requires = "iaga")]
     start: Option<String>,
 }

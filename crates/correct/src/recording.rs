@@ -117,7 +117,7 @@ impl<'a> Corrector<'a> {
                     if acting.iter().any(|(_, effect)| effect.kind.name() == who) =>
                 {
                     acting.retain(|(_, effect)| effect.kind.name() != who);
-                    left.push(format!("{who} is not taken out, for want of {what}"));
+                    left.push(format!("{who} is not corrected: {what} is missing"));
                 }
                 Err(error @ physics::Error::Hidden { .. }) => return Err(Error::Hidden(error.to_string())),
                 other => break other.map_err(at)?,

@@ -230,7 +230,7 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
         (None, Some(format)) => (Reader::from_read(io::stdin(), format, &stdin, None)?, stdin, format),
         (None, None) => {
             return Err(common::Error::Request(
-                "the format of standard input is not told; expected --from csv or --from ndjson, or a file"
+                "the format of standard input is unknown; expected --from csv or --from ndjson, or a file"
                     .into(),
             )
             .into());
@@ -265,8 +265,7 @@ fn check_columns(document: &Document, recording: &Recording, name: &str) -> Resu
         let sensors = Axis::ALL.map(|axis| format!("sensor_{axis}_v")).join(", ");
         let found: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
         return Err(common::Error::Request(format!(
-            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; of other names, a mapping \
-             says what they are: ingest guess {name} > map.json, then correct --map map.json",
+            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; for other names write a mapping: ingest guess {name} > map.json, then correct --map map.json",
             found.join(", ")
         ))
         .into());

@@ -115,9 +115,9 @@ fn notes<'a>(
     let sensors = calibration.and_then(|calibration| calibration.axes.as_ref()?.sensors.as_ref());
     match sensors {
         None => notes
-            .push("directions of the sensors are not stated: taken along SEN, without uncertainty".into()),
+            .push("directions of the sensors are not stated: assumed along SEN, without uncertainty".into()),
         Some(sensors) if sensors.covariance.is_none() && sensors.std_arcsec.is_none() => {
-            notes.push("directions of the sensors have no stated uncertainty: none is counted".into());
+            notes.push("directions of the sensors have no stated uncertainty: none is included".into());
         }
         Some(_) => {}
     }
@@ -128,8 +128,9 @@ fn notes<'a>(
             scale.and_then(common::Quantity::std).is_some()
         });
         if !stated {
-            notes
-                .push(format!("the sensitivity of sensor {axis} has no stated uncertainty: none is counted"));
+            notes.push(format!(
+                "the sensitivity of sensor {axis} has no stated uncertainty: none is included"
+            ));
         }
     }
     let oriented = |recording: &Recording| {
@@ -138,7 +139,7 @@ fn notes<'a>(
             || recording.columns.contains_key("attitude_w")
     };
     if frame == Frame::Geo && !corrected.all(oriented) {
-        notes.push("where no orientation is stated, SEN is taken to stand along GEO".into());
+        notes.push("where no orientation is stated, SEN is assumed aligned with GEO".into());
     }
     notes
 }

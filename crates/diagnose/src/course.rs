@@ -82,13 +82,13 @@ pub fn search(
     let mut round = 0;
     let mut before_this: Option<(BTreeSet<String>, f64)> = None;
     loop {
-        told(&format!("weighing sets of effects, round {}", round + 1));
+        told(&format!("comparing sets of effects, round {}", round + 1));
         let mut answer =
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
         let (fit, noise, left) = match beside(document, model, &ground, &additions) {
             Err(Error::Undetermined(_)) => {
-                let answer = answer.unexplained("no fit with it settles");
+                let answer = answer.unexplained("no fit with it converges");
                 let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
                 return concluded(model, before, (base, base_noise, first), origin, codes, answer, last);
             }
@@ -130,7 +130,7 @@ pub fn search(
         if answer.nothing > 1.0 - SURE && !ground.look.exceeds(searcher.level) {
             answer = answer.agrees();
         } else if !met && !answer.names.is_empty() {
-            answer = answer.unexplained("it does not fit once everything is fitted together");
+            answer = answer.unexplained("the joint fit does not confirm it");
         }
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
         return concluded(

@@ -12,7 +12,7 @@ pub const ALONG: &str = "the field along it";
 
 /// The field across a sensor, along another.
 pub fn across(other: Axis) -> String {
-    format!("the field across it ({other})")
+    format!("the transverse field ({other})")
 }
 
 /// What is known of the Sun.

@@ -92,13 +92,13 @@ use crate::whitening::NoiseModel;
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Seed of the draws by which chance is judged.
+    /// Seed of the random draws of the significance tests.
     pub seed: u64,
-    /// Probability of a claim where there is nothing.
+    /// Probability of a false alarm.
     pub level: f64,
     /// Whether the calibration that was fitted again is written also where no effect was found.
     pub refit: bool,
-    /// A simulation to hold the recordings against, in the place of what calibration and model predict.
+    /// A simulation to compare the recordings with, instead of the prediction of calibration and model.
     pub against: Option<Document>,
     /// Effects that are not considered, nor fuller forms of them.
     pub without: Vec<Kind>,
@@ -220,7 +220,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     observed.notes.splice(0..0, notes);
     let (mut model, start) = Model::of(&original, observed)?;
     let before = model.residual(&start)?;
-    told("fitting the calibration again");
+    told("refitting the calibration");
     let (base, base_noise) = reach::within(&original, &mut model, &start)?;
     let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
@@ -235,7 +235,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         None
     };
     if let Some((pool, state)) = &nearer {
-        told("searching again about the calibration that goes with what was found");
+        told("searching again around the calibration fitted with the effects found");
         let mut other = Searcher::new(pool, options.seed, options.level);
         let noise = outcome.base_noise.clone();
         let about = Fitter { model: &model, noise: &noise }.at(state)?;

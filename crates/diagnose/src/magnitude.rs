@@ -34,8 +34,7 @@ pub fn alone(run: &Run<'_>) -> bool {
 /// What such a recording cannot show, in words.
 pub fn unseen(recording: &str) -> String {
     format!(
-        "of \"{recording}\", which is held against the field's magnitude alone, a turn of all sensors together and whatever a disturbance \
-         does across the field: that takes the field's direction, from the attitude and a model of the field"
+        "\"{recording}\" is compared with the magnitude of the field alone: a common rotation of all sensors and disturbances transverse to the field are not observable. They need the field's direction, from the attitude and a field model"
     )
 }
 

@@ -24,22 +24,22 @@ const PROGRAM: Program =
 struct Cli {
     #[command(flatten)]
     stage: StageIo,
-    /// A simulation to hold the recordings against, in the place of what calibration and model predict
+    /// A simulation to compare the recordings with, instead of the prediction of calibration and model
     #[arg(long, value_name = "FILE")]
     against: Option<PathBuf>,
-    /// Write the calibration that was fitted again also where no effect was found
+    /// Write the refitted calibration even if no effect was found
     #[arg(long)]
     refit: bool,
-    /// Write the plan of the recording that would decide between names, for `simulate campaign`
+    /// Write the plan of the recording that would decide between the alternatives, for `simulate campaign`
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
-    /// An effect that is known not to act, and is not considered; several may be given (`simulate effects` lists them)
+    /// An effect to exclude, because it is known not to act; may be repeated (`simulate effects` lists them)
     #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
     without: Vec<Kind>,
-    /// Seed of the draws by which chance is judged
+    /// Seed of the random draws of the significance tests
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Probability of a claim where there is nothing
+    /// Probability of a false alarm
     #[arg(long, default_value_t = 0.01, value_parser = number::positive)]
     level: f64,
 }
@@ -81,7 +81,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     match (&cli.plan, plan) {
         (Some(path), Some(plan)) => pipe::write(Some(path), &plan)?,
         (Some(path), None) => pipe::say(&format!(
-            "diagnose: no recording is known that would decide between names; {} was not written\n",
+            "diagnose: no recording is known that would decide between the alternatives; {} was not written\n",
             path.display()
         )),
         _ => {}

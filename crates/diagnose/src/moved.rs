@@ -37,8 +37,7 @@ pub fn held(model: &Model<'_>, outcome: &Outcome) -> Option<String> {
     let names: Vec<String> = held.iter().map(|k| name(model, &model.unknowns[*k])).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "what the field's magnitude does not determine here, held within what is known of it: {}; each has moved only with the others, \
-             by its part in what is determined",
+            "not observable from the magnitude alone, constrained by prior knowledge: {}; these changed only through their correlation with the others",
             names.join(", ")
         )
     })

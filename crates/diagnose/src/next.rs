@@ -41,13 +41,11 @@ impl Site {
     /// What to record where no variation of a recording that was made decides; `local` is whether all names are of single moments.
     pub fn ambiguous(self, local: bool) -> String {
         match (self, local) {
-            (Site::Scalar, true) => "take an absolute measurement, or set another vector magnetometer beside it: the length of the field does not say \
-                                     which axis a step or a spike was in"
+            (Site::Scalar, true) => "take an absolute measurement, or set another vector magnetometer beside it: the magnitude of the field does not show in which axis a step or a spike was"
                 .into(),
-            (Site::Alone, true) => "set a second magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone \
-                                    does not tell the field's own changes from its own"
+            (Site::Alone, true) => "set a second magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate changes of the field from its own"
                 .into(),
-            _ => "record more of what each of the names follows, so that the two no longer run together".into(),
+            _ => "vary the quantities that the alternatives follow independently, so that they are no longer collinear".into(),
         }
     }
 
@@ -65,31 +63,26 @@ impl Site {
         }
         match self {
             Site::Coils => format!("change {covariate} alone, with the drive held"),
-            _ => format!("change {covariate} alone, with all else as it is"),
+            _ => format!("change {covariate} alone, everything else constant"),
         }
     }
 
     fn of_time(self) -> &'static str {
         match self {
             Site::Coils => {
-                "repeat the recording at another hour with all temperatures recorded and the drive held: what follows time alone comes \
-                 back at the same time after switching on"
+                "repeat the recording at another hour with all temperatures recorded and the drive held: an effect of time alone recurs at the same time after switching on"
             }
             Site::Orbit => {
-                "record another day of orbits with all temperatures and currents in the telemetry: what follows the orbit comes back with it, \
-                 and a drift does not"
+                "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not"
             }
             Site::Pair => {
-                "record another day of both with a temperature log at each sensor, and take an absolute measurement at its beginning and its end: \
-                 it says which of the two drifts"
+                "record another day of both with a temperature log at each sensor, and take an absolute measurement at its beginning and its end: this shows which of the two drifts"
             }
             Site::Scalar => {
-                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the \
-                 length of the field alone does not say what drifts"
+                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts"
             }
             Site::Alone => {
-                "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone does not \
-                 tell its drift from the field's"
+                "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate its drift from that of the field"
             }
         }
     }
@@ -107,8 +100,7 @@ impl Site {
                 "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet"
             }
             Site::Alone => {
-                "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the day's course is \
-                 in the field as well"
+                "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the field has a daily variation as well"
             }
         }
     }
@@ -116,7 +108,7 @@ impl Site {
     fn of_field(self, across: bool) -> &'static str {
         match (self, across) {
             (Site::Coils, true) => {
-                "drive the coil across the sensor up and down with the others at zero, in two orientations of the block"
+                "drive the coil transverse to the sensor up and down with the others at zero, in two orientations of the block"
             }
             (Site::Coils, false) => {
                 "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed"

@@ -64,7 +64,7 @@ impl<'a> Observed<'a> {
             if [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL].contains(&recording.procedure.as_str())
             {
                 let what = format!(
-                    "\"{}\" ({}) is no recording of what the model predicts",
+                    "\"{}\" ({}) has no readings that the model predicts",
                     recording.id, recording.procedure
                 );
                 observed.notes.push(what);
@@ -77,7 +77,7 @@ impl<'a> Observed<'a> {
             let times = setting.context.times("the search");
             if let Some(error) = times.as_ref().err().filter(|_| recording.column("time_s").is_some()) {
                 let what = format!(
-                    "the times of \"{}\": {error}; nothing that needs them is searched there",
+                    "the times of \"{}\": {error}; effects that need them are not searched there",
                     recording.id
                 );
                 observed.notes.push(what);

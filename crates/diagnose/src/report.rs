@@ -73,14 +73,14 @@ pub fn report(
     let in_words = |p: Option<f64>| p.map_or("not declared".to_string(), p_value);
     let mut reasons = vec![
         format!(
-            "sum of squares over degrees of freedom {} with the calibration fitted again ({}), {} with what was found ({})",
+            "sum of squares per degree of freedom {} after refitting the calibration ({}), {} with the effects found ({})",
             significant(outcome.first.rest.sum_of_squares / outcome.first.rest.freedom, 4),
             in_words(first),
             significant(rest.sum_of_squares / rest.freedom, 4),
             in_words(omnibus)
         ),
         format!(
-            "most striking structure by chance: {} before, {} after, level {}",
+            "probability by chance of the most significant structure: {} before, {} after; level {}",
             probability(outcome.first.least_p),
             probability(outcome.last.least_p),
             bare(options.level)
@@ -89,24 +89,24 @@ pub fn report(
     if verdict == Verdict::Agrees && rest.is_larger(options.level) {
         let ratio = (rest.sum_of_squares / rest.freedom).sqrt();
         reasons.push(format!(
-            "what is left follows nothing, but scatters {} times as much as the noise that is declared: declare it as it is",
+            "the residuals show no structure, but scatter {} times as much as the declared noise: correct the declaration",
             significant(ratio, 3)
         ));
     }
     if left {
-        reasons.extend(outcome.refused.iter().map(|(name, why)| format!("not {name}: {why}")));
+        reasons.extend(outcome.refused.iter().map(|(name, why)| format!("rejected {name}: {why}")));
     }
     for (number, effect) in outcome.base.state.effects.iter().enumerate() {
         if !outcome.base.state.acts[number].contains(&true) {
             let name = named(effect);
             reasons.push(format!(
-                "left aside: {name} of model.effects acts in no recording; what it needs is not recorded"
+                "note: {name} of model.effects acts in no recording: what it needs was not recorded"
             ));
         }
     }
-    reasons.extend(model.observed.notes.iter().map(|note| format!("left aside: {note}")));
+    reasons.extend(model.observed.notes.iter().map(|note| format!("note: {note}")));
     let notes = outcome.notes.iter().cloned().chain(moved::held(model, outcome));
-    reasons.extend(notes.map(|note| format!("left aside: {note}")));
+    reasons.extend(notes.map(|note| format!("note: {note}")));
     let guilty = guilty::guilty(model, &places);
     let fields = covariates::fields(model, &outcome.fit.state)?;
     let energy =

@@ -82,7 +82,7 @@ pub struct Searcher<'p> {
     white: Option<(NoiseModel, Products)>,
     chance: Option<Chance>,
     seed: u64,
-    /// Probability of a claim where there is nothing.
+    /// Probability of a false alarm.
     pub level: f64,
 }
 

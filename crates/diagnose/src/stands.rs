@@ -33,18 +33,15 @@ pub fn standing(
     let same = outcome.found.is_empty() && outcome.fit.residual == outcome.base.residual;
     let mut base = least(document, model, (&outcome.base, &outcome.base_noise))?;
     if square(&base.residual) > most {
-        outcome.notes.push(
-            "the calibration fitted again: it would leave more than as it came, and so it stands as it came"
-                .into(),
-        );
+        outcome
+            .notes
+            .push("the stated calibration is kept, because refitting it would increase the residual".into());
         base = Fitter { model, noise: &outcome.base_noise }.at(start)?;
     }
     outcome.fit = if same { base.clone() } else { least(document, model, (&outcome.fit, &outcome.noise))? };
     outcome.base = base;
     if model.only_magnitudes() && worse_corrected(model, outcome) {
-        outcome.without_names(
-            "corrected by it, the readings are farther from the scalar magnetometer than without it",
-        );
+        outcome.without_names("its correction increases the difference from the scalar magnetometer");
     }
     Ok(())
 }

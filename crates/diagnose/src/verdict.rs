@@ -178,7 +178,7 @@ pub fn answer(
         let p = by_chance(&rest, atom, gain, coefficients.get(number).map_or(1, Vec::len));
         let Some(equal) = slot.equal else {
             let why = format!(
-                "its probability is {}; structure without a name and other sets have the rest",
+                "its probability is {}; unidentified structure and other sets of effects have the rest",
                 significant(slot.probability, 2)
             );
             refused.push((atom.name.clone(), why));
@@ -215,7 +215,7 @@ pub fn answer(
     if verdict == Verdict::Unexplained {
         for name in names.drain(..) {
             let why = format!(
-                "with a probability of {} it explains {} of what can be explained, all names {}",
+                "its probability is {}, but it explains only {} of the explicable variance (all effects together {})",
                 probability(name.probability),
                 significant(name.share, 2),
                 significant(share, 2)
@@ -289,7 +289,7 @@ fn core(
         });
         if let Some((p, number)) = chance.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(p, _)| *p > level) {
             core.retain(|other| *other != number);
-            let why = format!("what it adds to the others is what chance adds too ({})", p_value(p));
+            let why = format!("its improvement on the other effects is within chance ({})", p_value(p));
             refused.push((atoms.all[members[number].atom].name.clone(), why));
             continue;
         }
@@ -316,7 +316,7 @@ fn core(
         let atom = &atoms.all[members[number].atom];
         if atom.is_named() {
             let why = format!(
-                "it explains {} % of what is explained where it acts, no more than the forms of the others may be off",
+                "it explains only {} % of the explained variance where it acts, within the model error of the other effects",
                 significant(100.0 * share, 2)
             );
             refused.push((atom.name.clone(), why));

@@ -24,13 +24,13 @@ pub fn answer(entry: &Diagnosis) -> String {
     let Some(fit) = &entry.fit else { return String::new() };
     if fit.is_absurd() {
         return format!(
-            "the fit leaves more than there was, {} nT rms of {}: it is an error, and nothing that follows from it holds",
+            "the fit increases the residual to {} nT rms, from {}: it failed, and its results are invalid",
             rms(fit.rms_refitted_nt.max(fit.rms_after_nt)),
             rms(fit.rms_before_nt)
         );
     }
     let refitted = format!(
-        "{} nT rms as it came, {} with the calibration fitted again",
+        "{} nT rms with the stated calibration, {} after refitting it",
         rms(fit.rms_before_nt),
         rms(fit.rms_refitted_nt)
     );
@@ -38,33 +38,35 @@ pub fn answer(entry: &Diagnosis) -> String {
     let noise = format!("noise {} nT", rms(fit.noise_floor_nt));
     let with = if entry.effects.len() > 1 { "with these" } else { "with this" };
     match entry.verdict {
-        Verdict::Agrees => format!("the recordings are met to their noise: {refitted}, {noise}"),
+        Verdict::Agrees => {
+            format!("the model agrees with the recordings to their noise: {refitted}, {noise}")
+        }
         Verdict::Explained if entry.effects.is_empty() => {
-            let moved = |one: &MovedConstant| format!("{} moved by {}", one.parameter, one.shift);
+            let moved = |one: &MovedConstant| format!("{} changed by {}", one.parameter, one.shift);
             let moved: Vec<String> = entry.calibration_moved.iter().map(moved).collect();
             format!("{}: {refitted}, {noise}", moved.join(", "))
         }
         Verdict::Explained => format!("{}; {with}, {falls} ({noise})", names(entry)),
         Verdict::PartlyExplained => {
-            format!("{}; {with}, {falls}, and more is left than the {noise}", names(entry))
+            format!("{}; {with}, {falls}, still above the {noise}", names(entry))
         }
         Verdict::Ambiguous => {
             let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
             format!(
-                "{}: these recordings cannot tell which; with either, {falls} ({noise})",
+                "{}: indistinguishable in these recordings; with either, {falls} ({noise})",
                 sets.join(" or ")
             )
         }
         Verdict::Unexplained => {
-            let left = entry.remaining.as_ref().map_or("structure without a name", |left| &left.structure);
-            format!("{refitted}, {noise}; no effect explains what is left: {left}")
+            let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
+            format!("{refitted}, {noise}; no effect explains the residual: {left}")
         }
     }
 }
 
 /// The effects in the catalogue's words, with the sizes of the first, the one that does most.
 fn names(entry: &Diagnosis) -> String {
-    let [first, others @ ..] = entry.effects.as_slice() else { return "nothing with a name".into() };
+    let [first, others @ ..] = entry.effects.as_slice() else { return "no effect of the catalogue".into() };
     let titled = |effect: &ExplainedEffect| match acts_on(effect) {
         Some(target) => format!("{}: {}", target, effect.title),
         None => effect.title.clone(),
@@ -90,7 +92,7 @@ fn named(effect: &ExplainedEffect) -> String {
 fn weight(effect: &ExplainedEffect) -> String {
     let sure = effect.probability.map(|own| format!("probability {}", probability(own)));
     let share =
-        effect.share.map(|share| format!("{} % of what can be explained", significant(100.0 * share, 2)));
+        effect.share.map(|share| format!("{} % of the explicable variance", significant(100.0 * share, 2)));
     [sure, share, Some(p_value(effect.p_adjusted))].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
@@ -114,7 +116,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
     if let Some(fit) = &entry.fit {
         let _ = writeln!(
             text,
-            "  rms {} nT as it came, {} with the calibration fitted again, {} with what was found; left out {}, noise {} ({})",
+            "  rms {} nT with the stated calibration, {} after refitting it, {} with the effects found; held out {}, noise {} ({})",
             significant(fit.rms_before_nt, 4),
             significant(fit.rms_refitted_nt, 4),
             significant(fit.rms_after_nt, 4),
@@ -131,21 +133,21 @@ fn one(text: &mut String, entry: &Diagnosis) {
         let gain = significant(effect.held_out_gain_nt, 3);
         let _ = writeln!(
             text,
-            "  {}: {}{times}; lowers the rms of readings left out by {gain} nT ({})",
+            "  {}: {}{times}; reduces the rms of held-out readings by {gain} nT ({})",
             named(effect),
             effect.title,
             weight(effect)
         );
         let _ = writeln!(text, "    {}", parameters(effect, PARAMETERS));
         for rival in &effect.rivals {
-            let _ = writeln!(text, "    not {}: {}", rival.effect, rival.why_not);
+            let _ = writeln!(text, "    rejected {}: {}", rival.effect, rival.why_not);
         }
     }
     for moved in &entry.calibration_moved {
         let or = moved.alternatives.iter().map(|other| format!(" or {other}")).collect::<String>();
         let _ = writeln!(
             text,
-            "  the calibration as stated no longer holds: {}{or} moved by {}, {} times its stated uncertainty ({})",
+            "  the stated calibration no longer holds: {}{or} changed by {}, {} times its stated uncertainty ({})",
             moved.parameter,
             moved.shift,
             significant(moved.shift.value().abs() / moved.stated_std, 2),
@@ -154,7 +156,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
     }
     if !entry.ambiguity.is_empty() {
         let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
-        let _ = writeln!(text, "  cannot be told apart here: {}", sets.join("; "));
+        let _ = writeln!(text, "  indistinguishable: {}", sets.join("; "));
     }
     for share in entry.places.iter().flat_map(|share| &share.readings) {
         let _ = writeln!(
@@ -169,18 +171,19 @@ fn one(text: &mut String, entry: &Diagnosis) {
     for structure in &entry.unnamed {
         let sensor = structure.sensor.map_or_else(String::new, |axis| format!("{axis} "));
         let parity = structure.parity.iter().map(|parity| format!(", {parity}")).collect::<String>();
-        let lag = structure.lag_s.map(|lag| format!(", {} s back", significant(lag, 2))).unwrap_or_default();
+        let lag =
+            structure.lag_s.map(|lag| format!(", lagged {} s", significant(lag, 2))).unwrap_or_default();
         let _ = writeln!(
             text,
-            "  without a name: {sensor}follows {}{parity}{lag} ({} % of what can be explained)",
+            "  unidentified: {sensor}follows {}{parity}{lag} ({} % of the explicable variance)",
             structure.follows,
             significant(100.0 * structure.share, 2)
         );
     }
     if let Some(remaining) = entry.remaining.as_ref().filter(|remaining| !remaining.white) {
-        let _ = writeln!(text, "  left: {}", remaining.structure);
+        let _ = writeln!(text, "  residual: {}", remaining.structure);
     }
-    let told = |reason: &&String| reason.starts_with("not ") || reason.starts_with("left aside: ");
+    let told = |reason: &&String| reason.starts_with("rejected ") || reason.starts_with("note: ");
     for reason in entry.reasons.iter().filter(told) {
         let _ = writeln!(text, "  {reason}");
     }

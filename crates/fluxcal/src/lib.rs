@@ -18,7 +18,7 @@ pub struct Program {
 
 /// All of them, in the order in which a calibration needs them.
 pub const PROGRAMS: [Program; 11] = [
-    Program { name: "simulate", does: "Make the recordings that a campaign would give, from a plan" },
+    Program { name: "simulate", does: "Simulate the recordings of a campaign from a plan" },
     Program {
         name: "ingest",
         does: "Read files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON, Parquet",

@@ -54,10 +54,8 @@ impl Table {
                 Values::Numbers(values) if variable.dimensions.len() < 2 && variable.width() <= MOST => {
                     columns.extend(columns_of(variable, values, &mut notes));
                 }
-                _ => notes.push(format!(
-                    "the variable {:?} is no column of numbers and is left out",
-                    variable.name
-                )),
+                _ => notes
+                    .push(format!("the variable {:?} is not a numeric column and is ignored", variable.name)),
             }
         }
         Ok(Table { cdf, moments, columns, notes })

@@ -44,7 +44,7 @@ impl Guess {
         lines.extend(self.notes.iter().map(|note| format!("  {note}")));
         lines.extend(self.doubts.iter().map(|doubt| format!("  to be settled: {doubt}")));
         lines.push(if known {
-            "  nothing is open: look at it, then ingest --map MAP FILE".into()
+            "  nothing is open: check it, then ingest --map MAP FILE".into()
         } else {
             "  edit the mapping, then ingest --map MAP FILE".into()
         });
@@ -86,9 +86,8 @@ fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
         notes: Vec::new(),
     };
     if let Some(mark) = guess.mapping.thousands.filter(|_| sample.notation.thousands_are_doubtful) {
-        let doubt = format!(
-            "whether {mark:?} stands between thousands or is the decimal mark (`thousands`, `decimal`)"
-        );
+        let doubt =
+            format!("whether {mark:?} separates thousands or is the decimal mark (`thousands`, `decimal`)");
         guess.doubts.push(doubt);
     }
     let time = time::guess(&sample, &source.name, &mut guess);
@@ -111,7 +110,7 @@ pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>)
         return Ok((guess.mapping, guess.notes));
     }
     Err(Error::Document(Fault::Request(format!(
-        "{}: the file does not say all that must be known: {}. Write a mapping with\n  ingest guess {} > map.json\n\
+        "{}: the file leaves open: {}. Write a mapping with\n  ingest guess {} > map.json\n\
          look at it, edit it, then\n  ingest --map map.json {}",
         source.shown,
         guess.doubts.join("; "),

@@ -78,13 +78,13 @@ fn check_interval(
     match (fits, trust_rows) {
         (true, _) => Ok(()),
         (false, true) => {
-            notes.push(format!("the header says {said:?}, the rows stand {step_s} s apart; the rows count"));
+            notes.push(format!("the header says {said:?}, the rows are {step_s} s apart; the rows are used"));
             Ok(())
         }
         (false, false) => Err(source.fault(
             Place::Line(line),
-            format!("the interval {said:?} where the rows stand {step_s} s apart"),
-            "a header that tells the rows' interval; correct it, or let the rows count with --trust-rows",
+            format!("the interval {said:?} where the rows are {step_s} s apart"),
+            "a header with the interval of the rows; correct it, or use the rows with --trust-rows",
         )),
     }
 }

@@ -38,7 +38,7 @@ pub fn read(source: &Source, options: &Options) -> Result<Option<Piece>, Error> 
     let mut by_times: IndexMap<String, Vec<(Element, Vec<f64>)>> = IndexMap::new();
     for column in table.columns {
         let Some(element) = Element::of(&column.name) else {
-            table.notes.push(format!("the variable {:?} is left out", column.name));
+            table.notes.push(format!("the variable {:?} is ignored", column.name));
             continue;
         };
         let named = column.times.filter(|times| table.moments.iter().any(|(name, _)| name == times));

@@ -139,7 +139,7 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     if source.kind == Content::Iaga {
         if options.mapping.is_some() {
             let expected =
-                "no --map, which is for CDF, CSV, NDJSON and Parquet: IAGA-2002 says itself what it holds";
+                "no --map, which is for CDF, CSV, NDJSON and Parquet: IAGA-2002 describes its own columns";
             return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
         }
         return iaga::read(source, options);

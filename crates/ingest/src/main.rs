@@ -62,7 +62,7 @@ struct IngestArgs {
     /// Add the recording to this document; - is standard input
     #[arg(long, value_name = "DOCUMENT")]
     add: Option<PathBuf>,
-    /// What vector readings are (with --map, the mapping says it)
+    /// What vector readings are (with --map, the mapping states it)
     #[arg(long = "as", value_name = "QUANTITY", default_value = "sensor", value_parser = QUANTITIES, conflicts_with = "map")]
     quantity: String,
     /// The recording's id [default: of the station and day, or of the first file's name]
@@ -77,16 +77,16 @@ struct IngestArgs {
     /// Keep the readings in the document, however many
     #[arg(long, conflicts_with = "beside")]
     inline: bool,
-    /// Which file counts where files disagree: the one that begins first or last
+    /// Which file takes precedence where files disagree: the one that begins first or last
     #[arg(long, value_name = "FILE")]
     keep: Option<KeepArg>,
     /// Sort rows that are out of order within a file
     #[arg(long)]
     sort: bool,
-    /// Let titles and rows count where the header of IAGA-2002 contradicts them
+    /// Trust titles and rows where the header of IAGA-2002 contradicts them
     #[arg(long)]
     trust_rows: bool,
-    /// Add this to D of IAGA-2002, minutes of arc, in place of what the file's DECBAS says
+    /// Add this to D of IAGA-2002, minutes of arc, instead of the DECBAS of the file
     #[arg(long, value_name = "ARCMIN", value_parser = number::finite)]
     declination_base_arcmin: Option<f64>,
     /// Write the document to this file; absent or `-`: standard output

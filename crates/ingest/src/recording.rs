@@ -37,7 +37,7 @@ pub fn add(
     let id = options.id.clone().unwrap_or_else(|| id(&pieces, start.as_deref()));
     if let Some(index) = document.recordings.iter().position(|known| known.id == id) {
         let found = format!("\"{id}\" there already");
-        let expected = "another id for the new recording; say it with --id";
+        let expected = "another id for the new recording; set it with --id";
         return Err(Fault::document(format!("recordings[{index}].id"), found, expected).into());
     }
     let jumps = jumps(&series, begin_ns);

@@ -189,7 +189,8 @@ fn falling(piece: &Piece, sort: bool) -> Result<usize, Error> {
         Some(row) if !sort => {
             let time = |row: usize| said(piece.clock, piece.times_ns[row]);
             let found = format!("{} after {} on line {}", time(*row), time(row - 1), piece.lines[row - 1]);
-            let expected = "times that rise; a clock was set back there. Where rows are only out of order, --sort puts them right";
+            let expected =
+                "increasing times; the clock was set back there. If rows are only out of order, use --sort";
             Err(Error::at(&piece.shown, Place::Line(piece.lines[*row].into()), found, expected))
         }
         _ => Ok(falls.len()),
@@ -265,7 +266,7 @@ fn disagreement(pieces: &[Piece], same: &[(i64, u32, u32)], column: &str, values
         values[0]
     );
     let expected =
-        "one reading for each time; --keep first or --keep last says which file counts where they disagree";
+        "one reading for each time; --keep first or --keep last selects the file to use where they disagree";
     Error::at(&second.shown, Place::Line(line.into()), found, expected)
 }
 

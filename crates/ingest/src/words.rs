@@ -36,7 +36,7 @@ pub fn words(
     let converted = pieces.first().and_then(|piece| piece.header.get("converted")?.as_str());
     lines.extend(converted.map(|words| format!("  {words}")));
     if series.clock == Clock::Campaign {
-        lines.push("  times count from the file's own zero: no moment is stated".into());
+        lines.push("  times count from the origin of the file: no date is stated".into());
     }
     if gaps.count > 0 {
         let longest = gaps.longest.iter().max_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -69,7 +69,7 @@ pub fn words(
     }));
     if notes.len() > SAID {
         let more = notes.len() - SAID;
-        lines.push(format!("  … and {more} such {} more", plural(more, "word", "words")));
+        lines.push(format!("  … and {more} more {}", plural(more, "note", "notes")));
     }
     lines.join("\n")
 }

@@ -34,7 +34,7 @@ pub enum Error {
     },
     /// An effect of the chain hides the field: many fields give one reading.
     #[error(
-        "recording \"{recording}\": the chain cannot be run backwards through {effect} ({title}): many fields give the same reading"
+        "recording \"{recording}\": the model cannot be inverted through {effect} ({title}): many fields give the same reading"
     )]
     Hidden {
         /// The recording.
@@ -46,7 +46,7 @@ pub enum Error {
     },
     /// The chain has no inverse for these readings.
     #[error(
-        "recording \"{recording}\": the chain cannot be run backwards in {}, the first of them row {first}; {effects} may hide the field that made them",
+        "recording \"{recording}\": the model cannot be inverted in {}, the first of them row {first}; {effects} may hide the field that made them",
         counted(*.rows, "row")
     )]
     NotInvertible {

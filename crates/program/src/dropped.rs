@@ -36,7 +36,7 @@ pub fn check(recording: &Recording, path: &str) -> Result<(), Error> {
     Err(Error::document(
         format!("{path}.dropped.sha256"),
         format!("{} where the readings of \"{}\" have {found}", dropped.sha256, recording.id),
-        "the readings that were left out; put those back, or take `dropped` away if they were meant to change",
+        "the readings that were left out; restore those, or remove `dropped` if they were meant to change",
     ))
 }
 

@@ -90,7 +90,7 @@ impl Page {
             items.push(format!("left: {left}"));
         }
         let reasons = array(&entry["reasons"]).filter_map(Value::as_str);
-        items.extend(reasons.filter(|reason| reason.starts_with("not ")).take(4).map(String::from));
+        items.extend(reasons.filter(|reason| reason.starts_with("rejected ")).take(4).map(String::from));
         if let Some(next) = entry["next_experiment"].as_str().filter(|_| verdict != "agrees") {
             items.push(format!("it proposes: {next}"));
         }

@@ -31,7 +31,7 @@ struct Cli {
     /// Plain text, for the terminal, instead of HTML
     #[arg(long)]
     text: bool,
-    /// Hold the document against this specification, as a statement of conformity; the exit code is 0 whatever its verdicts
+    /// Check the document against this specification and state conformity; the exit code is 0 whatever its verdicts
     #[arg(long, value_name = "FILE")]
     spec: Option<PathBuf>,
     /// Write a calibration certificate (ISO/IEC 17025:2017, 7.8.2 and 7.8.4) to this file; the page is then written where -o names a file

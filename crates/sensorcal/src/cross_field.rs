@@ -115,7 +115,7 @@ pub fn coefficients(
         .iter()
         .map(|one| uncertainty::effect(&adopt::one(one.kind, sensor, Default::default()), one.name()));
     let block = Block {
-        name: format!("sensor {sensor}: scatter with fields across"),
+        name: format!("sensor {sensor}: scatter with transverse fields"),
         degrees_of_freedom: freedom,
         parameters: parameters.collect(),
         covariance: own,

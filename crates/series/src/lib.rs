@@ -109,7 +109,7 @@ fn times<'a>(recording: &'a Recording, path: &str) -> Result<&'a [f64], Error> {
     match time.windows(2).position(|pair| pair[1] <= pair[0]) {
         Some(row) => refused(
             format!("{} s after {} s in row {} of \"{}\"", time[row + 1], time[row], row + 1, recording.id),
-            "times that rise; ingest --sort puts rows into the order of time",
+            "increasing times; ingest --sort sorts rows by time",
         ),
         None => Ok(time),
     }

@@ -36,7 +36,7 @@ enum Command {
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series average --window 10 > result.json"
     )]
     Average(AverageArgs),
-    /// Resample to whole multiples of a step in UTC; what the step cannot hold is filtered out
+    /// Resample to whole multiples of a step in UTC; frequencies above the new Nyquist frequency are filtered out
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/logger.csv | series resample --step 60 > result.json"
     )]
@@ -61,7 +61,7 @@ struct CutArgs {
     /// The recording; absent: all with readings
     #[arg(long, value_name = "ID")]
     recording: Vec<String>,
-    /// The first row's time at least: RFC 3339, or seconds of time_s
+    /// Earliest time: RFC 3339, or seconds of time_s
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = bound)]
     from: Option<Bound>,
     /// Rows before this time
@@ -79,7 +79,7 @@ struct AverageArgs {
     /// The length of a window, s
     #[arg(long, value_name = "S", value_parser = number::positive)]
     window: f64,
-    /// The least share of a full window's samples, 0 to 1; a mean of fewer is missing
+    /// Minimum share of the samples of a full window, 0 to 1; means of fewer are missing
     #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
     share: f64,
 }

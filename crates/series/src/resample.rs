@@ -75,5 +75,5 @@ pub fn said(ways: &[(String, Way)]) -> String {
     if names.is_empty() {
         return String::new();
     }
-    format!("; uneven or slower, and so interpolated by cubic pieces: {}", names.join(", "))
+    format!("; uneven or slower, therefore interpolated by piecewise cubics: {}", names.join(", "))
 }

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "simulate", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
-/// Make the recordings that a campaign would give, from a plan
+/// Simulate the recordings of a campaign from a plan
 #[derive(Parser)]
 #[command(
     version,
@@ -32,7 +32,7 @@ struct Cli {
 enum Command {
     /// Carry out every procedure of a plan and write the document
     Campaign(CampaignArgs),
-    /// Replace a document's readings by what its calibration and model predict
+    /// Replace the readings of a document by the predictions of its calibration and model
     Replay(ReplayArgs),
     /// Carry out a plan for many seeds or values, one document a line
     Sweep(SweepArgs),
@@ -57,7 +57,7 @@ struct CampaignArgs {
     /// Seed of all noise, instead of the plan's
     #[arg(long)]
     seed: Option<u64>,
-    /// Write what is true to this file
+    /// Write the true values to this file
     #[arg(long, value_name = "FILE", conflicts_with = "run_sheet")]
     truth: Option<PathBuf>,
     /// Write the sequence of settings as CSV instead of the document
@@ -70,7 +70,7 @@ struct CampaignArgs {
 struct ReplayArgs {
     #[command(flatten)]
     io: Io,
-    /// Add the declared noise and round to codes
+    /// Add the declared noise and quantise
     #[arg(long)]
     noise: bool,
     /// Seed of that noise
@@ -91,7 +91,7 @@ struct SweepArgs {
     /// A value of the plan in several versions: PATH=VALUE,VALUE,…; give it again for every combination
     #[arg(long, value_name = "PATH=VALUES", value_parser = variation)]
     set: Vec<Variation>,
-    /// Write what is true to this file, one line for each document
+    /// Write the true values to this file, one line for each document
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 }

@@ -106,7 +106,7 @@ fn words(left_out: &[LeftOut]) -> Vec<String> {
         .map(|LeftOut { recording, who, what }| {
             let others = left_out.iter().filter(|one| one.who == *who && one.what == *what).count() - 1;
             let others = if others > 0 { format!(" and {others} more") } else { String::new() };
-            format!("{who} is left out in recording \"{recording}\"{others}, for want of {what}")
+            format!("{who} is not applied in recording \"{recording}\"{others}: {what} is missing")
         })
         .collect()
 }
@@ -158,15 +158,15 @@ fn notes(document: &Document) -> Vec<String> {
     let differential = |recording: &Recording| recording.procedure == procedure::DIFFERENTIAL;
     if document.recordings.iter().any(|recording| !differential(recording)) {
         if axes.is_none_or(|axes| axes.sensors.is_none()) {
-            notes.push("directions of the sensors are not stated: taken along SEN".into());
+            notes.push("directions of the sensors are not stated: assumed along SEN".into());
         }
         if axes.is_none_or(|axes| axes.coils.is_none()) {
-            notes.push("directions of the coils are not stated: taken along GEO".into());
+            notes.push("directions of the coils are not stated: assumed along GEO".into());
         }
     }
     if document.recordings.iter().any(differential) && calibration.is_none_or(|c| c.differential.is_none()) {
         notes.push(
-            "calibration.differential is not stated: the test instrument is taken to read as the reference"
+            "calibration.differential is not stated: the test instrument is assumed to read like the reference"
                 .into(),
         );
     }

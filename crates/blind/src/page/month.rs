@@ -75,7 +75,7 @@ pub fn section(truth: &Truth, compared: &Value, answer: &Value) -> String {
         let share = share.map_or(String::new(), |share| format!(", {:.0} % of the energy", 100.0 * share));
         text += &format!("- where: {}{share}\n", place["description"].as_str().unwrap_or_default());
     }
-    for reason in list(&entry["reasons"]).iter().filter(|words| words.starts_with("not ")) {
+    for reason in list(&entry["reasons"]).iter().filter(|words| words.starts_with("rejected ")) {
         text += &format!("- {reason}\n");
     }
     let sets: Vec<String> =

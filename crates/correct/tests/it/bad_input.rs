@@ -67,7 +67,7 @@ fn each_fault_of_a_table_has_its_message() {
         ),
         (
             &["--calibration", "flight.json", "-"],
-            "the format of standard input is not told; expected --from csv",
+            "the format of standard input is unknown; expected --from csv",
         ),
     ];
     for (arguments, message) in faults {

@@ -304,7 +304,7 @@ fn a_mapping_is_read_as_ingest_reads_it() {
         columns
     };
     assert_eq!(sorted(&direct), sorted(&mapped));
-    // IAGA-2002 says itself what it holds; without sensitivities in V its readings in nT are what is corrected.
+    // IAGA-2002 describes its own columns; without sensitivities in V its readings in nT are what is corrected.
     std::fs::copy(testkit::fixture("ingest/lemi.sec"), folder.path().join("lemi.sec")).expect("copied");
     let (iaga, said) = correct(&["lemi.sec"]);
     assert!(said.contains("IAGA-2002") && iaga.starts_with("time_s,"), "{said}");

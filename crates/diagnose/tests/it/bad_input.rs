@@ -46,10 +46,9 @@ fn what_is_left_aside_is_told() {
     document["recordings"].as_array_mut().expect("recordings").truncate(1);
     let run = testkit::run(DIAGNOSE, &[], &document.to_string());
     assert_eq!(run.code, 0, "{}", run.stderr);
-    for told in [
-        "left aside: coil_temperature x of model.effects acts in no recording",
-        "left aside: the times of \"run-1\"",
-    ] {
+    for told in
+        ["note: coil_temperature x of model.effects acts in no recording", "note: the times of \"run-1\""]
+    {
         assert!(run.stderr.contains(told), "{}", run.stderr);
     }
 }

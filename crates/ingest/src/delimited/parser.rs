@@ -166,14 +166,14 @@ impl Parser<'_> {
             "a closing quote on the same line".to_string()
         } else if marked {
             format!(
-                "a number with the decimal mark {own:?}; where the file writes {other:?}, say \"decimal\": \"{other}\" in the mapping"
+                "a number with the decimal mark {own:?}; where the file writes {other:?}, state \"decimal\": \"{other}\" in the mapping"
             )
         } else if let Some(mark) = [',', '.', '\'', ' ']
             .into_iter()
             .find(|mark| *mark != own && field.contains(&(*mark as u8)) && grouped(own, *mark))
         {
             format!(
-                "a number; where {mark:?} stands between thousands, say \"thousands\": \"{mark}\" in the mapping"
+                "a number; where {mark:?} separates thousands, state \"thousands\": \"{mark}\" in the mapping"
             )
         } else {
             format!(

@@ -68,7 +68,7 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
             kind => {
                 let what = if kind == Cells::Empty { "holds nothing" } else { "holds no numbers" };
                 guess.notes.push(format!(
-                    "column {} ({:?}) {what} and is left out",
+                    "column {} ({:?}) {what} and is ignored",
                     column + 1,
                     sample.names[column]
                 ));
@@ -120,7 +120,7 @@ fn doubts(sample: &Sample, told: &[Told], guess: &mut Guess) {
     let mut questions: Vec<(String, Vec<String>)> = Vec::new();
     for (one, mapping) in told.iter().zip(&guess.mapping.columns) {
         let question = match (&mapping.unit, &mapping.note) {
-            (Some(unit), _) if unit == "?" => "no unit is stated that is known".to_string(),
+            (Some(unit), _) if unit == "?" => "no known unit is stated".to_string(),
             (_, Some(note)) => note.clone(),
             _ => continue,
         };

@@ -128,10 +128,10 @@ impl Header {
                 return Err(source.fault(
                     Place::Line(line.into()),
                     format!("the components {reported} where the titles of the columns say {titles}"),
-                    "the same in both; correct the header, or let the titles count with --trust-rows",
+                    "the same in both; correct the header, or use the titles with --trust-rows",
                 ));
             }
-            notes.push(format!("the header says {reported}, the titles say {titles}; the titles count"));
+            notes.push(format!("the header says {reported}, the titles say {titles}; the titles are used"));
         }
         Ok(letters)
     }

@@ -67,8 +67,8 @@ impl Parser<'_> {
         if day.text != date.get(..10).unwrap_or_default() || date.len() != 10 {
             let Some(next) = Day::of(date) else {
                 if text.get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"Format")) {
-                    let expected = "rows; files joined end to end are to be given one by one";
-                    return fault(None, "a header amid the rows".into(), expected.into());
+                    let expected = "rows; give concatenated files one by one";
+                    return fault(None, "a header among the rows".into(), expected.into());
                 }
                 return fault(Some((1, "DATE")), quoted(date), "a date as in 2014-11-01".into());
             };

@@ -159,10 +159,10 @@ fn what_is_asked_for_gets_past_a_fault() {
         (said, serde_json::from_str::<serde_json::Value>(&written).expect("a document"))
     };
     let (said, document) = ok(&["--trust-rows", "components-lie.min"]);
-    assert!(said.contains("the header says XYZF, the titles say HDZF; the titles count"), "{said}");
+    assert!(said.contains("the header says XYZF, the titles say HDZF; the titles are used"), "{said}");
     assert_eq!(document["recordings"][0]["source"]["components"], "HDZF");
     assert!(
-        ok(&["--trust-rows", "interval-lies.min"]).0.contains("the rows stand 60 s apart; the rows count")
+        ok(&["--trust-rows", "interval-lies.min"]).0.contains("the rows stand 60 s apart; the rows are used")
     );
     ok(&["--trust-rows", "day-of-year-lies.min"]);
     let (said, document) = ok(&["--keep", "last", "whole.min", "disagrees.min"]);

@@ -85,7 +85,7 @@ pub fn close(sheet: &mut Sheet, data: &Certificate) {
         sheet.say(format!("They apply to the item as it was received{adjusted} (7.8.2.2)."));
     }
     if data.customer_data.as_ref().is_some_and(|all| !all.is_empty()) {
-        sheet.say("The laboratory does not answer for data that the customer supplied, which may affect the results (7.8.2.2).");
+        sheet.say("The laboratory is not responsible for data supplied by the customer, which may affect the results (7.8.2.2).");
     }
     sheet.say(
         "This certificate may not be reproduced except in full, unless the laboratory agrees in writing.",

@@ -58,7 +58,7 @@ pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate) {
 
 /// The constants of the coils in which an instrument was calibrated.
 fn coils(document: &Document) -> Table {
-    let mut table = Expanded::table("Coil constants that the results rest on");
+    let mut table = Expanded::table("Coil constants used for the results");
     let coils = document.calibration.as_ref().and_then(|calibration| calibration.coils.as_ref());
     for (axis, coil) in coils.into_iter().flat_map(|coils| coils.iter()) {
         let factor = coil.constant.as_ref().map(|fit| fit.coverage_factor_95);

@@ -17,7 +17,7 @@ use crate::conformity::Joint;
 pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate) -> Result<(), Error> {
     sheet.begin("Results", "7.8.2.1 m, p, 7.8.2.2, 7.8.4.1 a, d");
     sheet.say(
-        "Each value stands with its expanded uncertainty U = k u for a coverage probability of 95 %; k is the coverage factor. k follows from the \
+        "Each value is given with its expanded uncertainty U = k u for a coverage probability of 95 %; k is the coverage factor. k follows from the \
          effective degrees of freedom; it is 1.96, that of a normal distribution, where the document states none. U has two digits, and the \
          value ends at the same decimal. U is valid at the time of the calibration and does not allow for changes afterwards.",
     );

@@ -68,7 +68,7 @@ impl Budget {
         let directions = Directions::of(document, joint).map_err(missing)?;
         let inverse = directions.mu.transpose().try_inverse();
         let inverse =
-            inverse.ok_or_else(|| missing("the sensors lie in a plane; such axes give no field"))?;
+            inverse.ok_or_else(|| missing("the sensor axes are coplanar and do not determine the field"))?;
         let mut gaps = Gaps::default();
         let mut sensors = Vec::new();
         let asked_nt = requirement.range_nt.unwrap_or(0.0);
@@ -96,7 +96,7 @@ impl Budget {
                 Some(_) => {}
                 None => gaps.add(
                     axis,
-                    "in which fields it was calibrated is not known (`sensor_sensitivity` would show it)",
+                    "its calibrated range of fields is unknown (`sensor_sensitivity` would show it)",
                 ),
             }
             let across = found.cross_field.as_ref().map(|fit| &fit.levels.across_nt);
@@ -105,7 +105,7 @@ impl Budget {
             if let Some(across) = across.filter(|across| *across < asked_nt) {
                 range_nt = range_nt.min(across);
                 let gap = format!(
-                    "fields across went up to {} nT (`cross_field` up to {} nT would show the rest)",
+                    "transverse fields were applied up to {} nT (`cross_field` up to {} nT would show the rest)",
                     bare(across),
                     bare(asked_nt)
                 );
@@ -221,8 +221,7 @@ fn words(size: f64, terms: &[(&'static str, f64)], case: &Case) -> String {
         .map(|(name, std)| format!("{name} {}", significant(*std, 2)))
         .collect();
     format!(
-        "|e| + k u = {} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the \
-         reference; most from {}",
+        "|e| + k u = {} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the reference; mainly from {}",
         significant(size, 3),
         largest.join(", ")
     )

@@ -29,9 +29,9 @@ fn one_range(document: &Document, axis: Axis, (end, side): (usize, &str)) -> Sho
         relative.ok_or_else(|| missing("its sensitivity has no uncertainty; sensorcal gives one"))?;
     let stands = fit.saturation.as_ref().and_then(|saturation| saturation.fields_nt[end]);
     let (value, gaps, how) = match stands {
-        Some(field) => (field.abs(), Vec::new(), "from there on the output stands"),
+        Some(field) => (field.abs(), Vec::new(), "the output is saturated from there on"),
         None => {
-            let gap = "no larger field was applied, in which the output might stand still (`sensor_sensitivity` up to the \
+            let gap = "no larger field was applied, in which the output might saturate (`sensor_sensitivity` up to the \
                        limit would show it)";
             (followed[end], vec![gap.to_string()], "the largest field that was applied")
         }
@@ -72,10 +72,10 @@ fn one_resolution(document: &Document, axis: Axis) -> Shown {
         (Some(declared), Some(seen)) => {
             (declared.max(seen), "as declared and as the noise recordings show".into())
         }
-        (Some(declared), None) => (declared, "as declared; no recording shows codes".into()),
+        (Some(declared), None) => (declared, "as declared; no recording shows quantisation".into()),
         (None, Some(seen)) => (seen, "as the noise recordings show".into()),
         (None, None) => {
-            let why = "no width of a code is declared (`instrument.quantisation_v`), and no `sensor_noise` shows one";
+            let why = "no quantisation step is declared (`instrument.quantisation_v`), and no `sensor_noise` shows one";
             return Err(Missing { of: sensor_name(axis), why: why.into() });
         }
     };

@@ -70,7 +70,7 @@ fn all(section: &mut Section, id: &str, axes: &AxesCalibration) {
 /// The report's unconstrained solution of one sensor and one coil.
 fn unconstrained(pair: &PairComparison) -> Table {
     let mut table = Table::new(
-        "Without holding the vectors to unit length (minimum norm), and how far their directions are from those above",
+        "Without the unit-length constraint (minimum norm), and how far the directions are from those above",
         [("vector", ""), ("x", ""), ("y", ""), ("z", ""), ("difference", "arcsec")],
     );
     for (name, vector, difference) in [
@@ -143,18 +143,18 @@ fn residuals(section: &mut Section, id: &str, axes: &AxesCalibration) {
     };
     section.plot(draw("", "Residuals of the readings, orientation by orientation", &|_| true));
     if !axes.doubtful.is_empty() {
-        let title = "The same without the readings that do not belong to the rest";
+        let title = "The same without the outliers";
         section.plot(draw("-left", title, &|row| !doubtful(row)));
     }
     let mut doubtful = Table::new(
-        "Readings that do not belong to the rest",
+        "Outliers",
         [
             ("recording", ""),
             ("orientation", ""),
             ("row", ""),
             ("coil", ""),
             ("sensor", ""),
-            ("from what the others predict", "nT"),
+            ("from the prediction of the others", "nT"),
             ("t", ""),
             ("p", ""),
         ],
@@ -176,12 +176,12 @@ fn residuals(section: &mut Section, id: &str, axes: &AxesCalibration) {
 
 fn fields(section: &mut Section, axes: &AxesCalibration) {
     let mut table = Table::new(
-        "Fields that were found beside the directions",
+        "Fields fitted together with the directions",
         [("what", ""), ("x", "nT"), ("y", "nT"), ("z", "nT")],
     );
     for (what, each) in [
-        ("left without drive, GEO", &axes.residual_field_nt),
-        ("to be added to each sensor's offset", &axes.offsets_nt),
+        ("residual field, GEO", &axes.residual_field_nt),
+        ("correction to each sensor's offset", &axes.offsets_nt),
     ] {
         if each.is_some() {
             let [x, y, z] = cells(each.as_ref());
@@ -192,7 +192,7 @@ fn fields(section: &mut Section, axes: &AxesCalibration) {
     if let Some(scales) = &axes.scales {
         section.say(sentence(&scales.verdict));
         let mut table = Table::new(
-            "Scales, left free and held against the calibration",
+            "Scale factors, fitted and compared with the calibration",
             [
                 ("scale", ""),
                 ("fitted", ""),
@@ -219,7 +219,7 @@ fn fields(section: &mut Section, axes: &AxesCalibration) {
 
 fn orientations(section: &mut Section, axes: &AxesCalibration) {
     let mut table = Table::new(
-        "Orientations: the small rotation about the SEN axes by which each was corrected",
+        "Orientations: the small rotation about the SEN axes that corrects each",
         [
             ("recordings", ""),
             ("readings", ""),
@@ -258,7 +258,7 @@ fn orientations(section: &mut Section, axes: &AxesCalibration) {
     }
     section.table(phases);
     let mut assumptions = Table::new(
-        "What the recordings did not show and was assumed, with what it does to a direction",
+        "Assumptions that the recordings do not test, and their effect on a direction",
         [("assumed", ""), ("for each nT", "arcsec"), ("for each arcsec", "arcsec")],
     );
     let figures = |number: Option<f64>| number.map_or(Cell::Empty, |number| Cell::Figures(number, 2));

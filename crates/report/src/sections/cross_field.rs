@@ -10,13 +10,13 @@ use crate::{Cell, Section, Table};
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
-    let mut section = Section::new("cross-field", "Fields across the sensor");
+    let mut section = Section::new("cross-field", "Fields transverse to the sensor");
     let mut table = Table::new(
         "Coefficients, at 50000 nT across (and along, for the sensitivity)",
         [("sensor", ""), ("of", ""), ("coefficient", ""), ("value", "nT")],
     );
     let mut tests = Table::new(
-        "Whether there is anything, and what the correction does to readings that were not in its fit",
+        "Significance, and the effect of the correction on held-out readings",
         [
             ("sensor", ""),
             ("difference, p", ""),

@@ -8,7 +8,7 @@ use crate::{Cell, Table};
 /// A table of departures; rows are added by [`add`].
 pub fn table(of: &str) -> Table {
     Table::new(
-        "Departures that were looked for; p is adjusted for all of them",
+        "Departures that were tested; p is adjusted for the number of tests (trials factor)",
         [
             (of, ""),
             ("departure", ""),

@@ -42,8 +42,7 @@ pub fn section(document: &Document) -> Option<Section> {
 fn absurd(fit: &Residual) -> Option<Finding> {
     fit.is_absurd().then(|| {
         let words = format!(
-            "The fit leaves more than there was: rms {} nT as it came, {} nT with the calibration fitted again, {} nT with what was found. Do not \
-             use it.",
+            "The fit increases the residual: rms {} nT with the stated calibration, {} nT after refitting it, {} nT with the effects found. Do not use it.",
             number::significant(fit.rms_before_nt, 3),
             number::significant(fit.rms_refitted_nt, 3),
             number::significant(fit.rms_after_nt, 3)
@@ -54,12 +53,12 @@ fn absurd(fit: &Residual) -> Option<Finding> {
 
 fn answer(diagnosis: &Diagnosis) -> &'static str {
     match diagnosis.verdict {
-        Verdict::Agrees => "Agrees: the recordings are met to the noise.",
+        Verdict::Agrees => "Agrees: the model agrees with the recordings to the noise.",
         Verdict::Explained if diagnosis.effects.is_empty() => {
-            "Explained: constants of the calibration moved, and nothing else is left."
+            "Explained: constants of the calibration changed, and nothing else remains."
         }
         Verdict::Explained => {
-            "Explained: named effects explain the difference, but for what their forms leave."
+            "Explained: named effects explain the difference, except for the departure from their equations."
         }
         Verdict::PartlyExplained => "Partly explained: named effects explain a part of the difference.",
         Verdict::Ambiguous => "Ambiguous: several effects explain the difference equally well.",
@@ -76,13 +75,13 @@ fn reasons(section: &mut Section, diagnosis: &Diagnosis) {
         section.say(format!("These do equally well: {}.", sets.join("; or ")));
     }
     if let Some(remaining) = diagnosis.remaining.as_ref().filter(|remaining| !remaining.white) {
-        let words = format!("What is left is not noise alone: {}", remaining.structure);
+        let words = format!("The residuals are not noise alone: {}", remaining.structure);
         // What the noise does not explain.
         let beyond = |fit: &Residual| (fit.rms_after_nt.powi(2) - fit.noise_floor_nt.powi(2)).max(0.0).sqrt();
         section.warnings.push(Finding::of(words, Effect::nt(diagnosis.fit.as_ref().map(beyond))));
     }
     if let Some(next) = &diagnosis.next_experiment {
-        section.say(sentence(&format!("what would tell: {next}")));
+        section.say(sentence(&format!("what would decide: {next}")));
     }
     let mut table = Table::new(
         "Where it shows",
@@ -137,11 +136,11 @@ fn effects(diagnosis: &Diagnosis) -> Table {
         "Effects",
         [
             ("effect", ""),
-            ("probability of the name", ""),
-            ("share of what can be explained", ""),
+            ("probability of the effect", ""),
+            ("share of the explicable variance", ""),
             ("departure from its equation, share", ""),
             ("p", ""),
-            ("gain on readings left out", "nT"),
+            ("gain on held-out readings", "nT"),
             ("visible", ""),
         ],
     );
@@ -187,7 +186,7 @@ fn residuals(id: &str, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Pl
         id: format!("residual-{id}"),
         title: format!("Residual of {column}, {of},"),
         residual: "residual",
-        legend: ["before: as it came", "after: with what was found", "fitted"],
+        legend: ["before: stated calibration", "after: with the effects found", "fitted"],
     };
     plots(&names, series, &noise.unwrap_or_default())
 }
@@ -199,14 +198,14 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
             ("recording, column", ""),
             ("before", "nT"),
             ("after", "nT"),
-            ("left out, before", "nT"),
-            ("left out, after", "nT"),
+            ("held out, before", "nT"),
+            ("held out, after", "nT"),
             ("noise", "nT"),
         ],
     );
     if let Some(fit) = &diagnosis.fit {
         section.say(format!(
-            "Calibration fitted again, without any effect: {} nT rms.",
+            "Calibration refitted without any effect: {} nT rms.",
             number::significant(fit.rms_refitted_nt, 4)
         ));
         let figures = |name: String, figures: [f64; 5]| -> [Cell; 6] {
@@ -237,10 +236,8 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         }
     }
     section.table(rms);
-    let mut rivals = Table::new(
-        "What else was considered, and why it lost",
-        [("effect", ""), ("rival", ""), ("why not", "")],
-    );
+    let mut rivals =
+        Table::new("Effects that were rejected, and why", [("effect", ""), ("rival", ""), ("why not", "")]);
     for effect in &diagnosis.effects {
         for rival in &effect.rivals {
             rivals.row([
@@ -273,7 +270,7 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
     }
     section.table(experiments);
     let columns = [("sensor", ""), ("follows", ""), ("how", ""), ("lag", "s"), ("share", "")];
-    let mut unnamed = Table::new("Structure without a name", columns);
+    let mut unnamed = Table::new("Unidentified structure", columns);
     for one in &diagnosis.unnamed {
         unnamed.row([
             one.sensor.map_or(Cell::Empty, |axis| axis.to_string().into()),
@@ -284,9 +281,8 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         ]);
     }
     section.table(unnamed);
-    let columns =
-        [("parameter", ""), ("moved by", ""), ("stated u", ""), ("unit", ""), ("or", ""), ("p", "")];
-    let mut moved = Table::new("The calibration as stated no longer holds", columns);
+    let columns = [("parameter", ""), ("change", ""), ("stated u", ""), ("unit", ""), ("or", ""), ("p", "")];
+    let mut moved = Table::new("The stated calibration no longer holds", columns);
     for one in &diagnosis.calibration_moved {
         let (parameter, unit) = key(&one.parameter);
         moved.row([
@@ -300,14 +296,14 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
     }
     section.table(moved);
     let mut shifts =
-        Table::new("How far the calibration moved", [("parameter", ""), ("shift", ""), ("unit", "")]);
+        Table::new("Changes of the calibration", [("parameter", ""), ("shift", ""), ("unit", "")]);
     for one in &diagnosis.base_shift {
         let (parameter, unit) = key(&one.parameter);
         shifts.row([parameter.into(), (&one.shift).into(), unit.into()]);
     }
     section.table(shifts);
     let mut detectable = Table::new(
-        "The smallest effect that these recordings would have shown, nine times in ten",
+        "Smallest effect that these recordings would show with a probability of 90 %",
         [("effect", ""), ("of", ""), ("parameter", ""), ("smallest", ""), ("unit", ""), ("visible", "")],
     );
     for one in &diagnosis.detectable {

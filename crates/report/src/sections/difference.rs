@@ -26,7 +26,7 @@ pub fn draw(section: &mut Section, fit: &DifferentialFit) {
 
 fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
     let (legend, note) = match series.along.as_str() {
-        "time_s" => (["levels alone: T − R", "left: T − R η − d", "fitted"], "Both less their means."),
+        "time_s" => (["offsets removed: T − R", "left: T − R η − d", "fitted"], "Both less their means."),
         "field_rate_nt_per_s" => (
             ["with the clocks' difference", "without it", "the clocks' difference"],
             "The rate of change is that of the field along the test axis; a clock that is late by δ shows as −δ times it.",
@@ -43,7 +43,7 @@ fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
 /// What adds to the difference, the largest first, with the rms with it and without.
 pub fn contributions(fit: &DifferentialFit) -> Table {
     let mut table = Table::new(
-        "What adds to the difference: rms with it and without, all else being the same",
+        "Contributions to the difference: rms with and without each, all else equal",
         [
             ("what", ""),
             ("taken off", ""),
@@ -71,7 +71,7 @@ fn named(one: &Contribution) -> String {
         ContributionCause::Steps => "steps",
         ContributionCause::Disturbances => "spikes and disturbed intervals",
         ContributionCause::Drift => "drift",
-        ContributionCause::ShortPeriods => "periods on which the matrix does not rest",
+        ContributionCause::ShortPeriods => "periods excluded from the matrix",
         ContributionCause::Column => "what follows",
     };
     one.column.as_ref().map_or_else(|| name.to_string(), |column| format!("{name} {column}"))

@@ -92,7 +92,7 @@ fn axes(section: &mut Section, found: &DifferentialCalibration, fit: &Differenti
             ("test axis", ""),
             ("mean d", "nT"),
             ("rms of the readings", "nT"),
-            ("rms of T − R, levels alone", "nT"),
+            ("rms of T − R, offsets removed", "nT"),
             ("rms of d", "nT"),
             ("white, of a reading", "nT"),
             ("√A at 1 Hz", "nT/√Hz"),
@@ -214,7 +214,7 @@ fn clock(section: &mut Section, fit: &DifferentialFit) {
 
 fn kept_out(section: &mut Section, fit: &DifferentialFit) {
     let mut table = Table::new(
-        "Events that were kept out or taken off",
+        "Events that were excluded or removed",
         [
             ("event", ""),
             ("instrument", ""),
@@ -234,7 +234,7 @@ fn kept_out(section: &mut Section, fit: &DifferentialFit) {
         let instrument = match event.instrument {
             EventInstrument::Test => "test",
             EventInstrument::Reference => "reference",
-            EventInstrument::Either => "not to be told",
+            EventInstrument::Either => "undetermined",
         };
         let [first, last] = event.rows;
         table.row([

@@ -11,7 +11,7 @@ use crate::{Cell, Section, Table};
 pub fn stability(section: &mut Section, fit: &DifferentialFit, matrix: &common::Matrix3x3) {
     let Some(stability) = &fit.stability else { return };
     section.warnings.extend(findings("", &stability.findings, &effects::differential::STABILITY, stability));
-    let mut tests = Table::new("Whether the matrix is one", [("asked of", ""), ("p", "")]);
+    let mut tests = Table::new("Constancy of the matrix", [("asked of", ""), ("p", "")]);
     let mut test = |of: &str, p: Option<f64>| {
         if let Some(p) = p {
             tests.row([of.into(), Cell::Probability(p)]);
@@ -19,12 +19,12 @@ pub fn stability(section: &mut Section, fit: &DifferentialFit, matrix: &common::
     };
     let windows = stability.windows.as_ref();
     test("windows of equal length", windows.map(|windows| windows.one_matrix.p));
-    test("a straight trend through them: none", windows.map(|windows| windows.no_trend.p));
+    test("no linear trend through them", windows.map(|windows| windows.no_trend.p));
     let times = stability.quiet_disturbed.as_ref().and_then(|times| times.one_matrix.as_ref());
     test("quiet and disturbed times", times.map(|one| one.p));
     let bands = stability.bands.as_ref();
     test("bands of periods", bands.map(|bands| bands.one_matrix.p));
-    test("bands of periods, a clock's offset taken off", bands.map(|bands| bands.one_matrix_with_clock.p));
+    test("bands of periods, clock offset removed", bands.map(|bands| bands.one_matrix_with_clock.p));
     for test in Axis::ALL {
         section.plot(in_time(stability, matrix, test));
     }

@@ -64,7 +64,7 @@ fn left(axis: Axis, drift: &OffsetDrift) -> Plot {
     let dates = &drift.dates;
     let mut plot = Plot::new(
         format!("drift-{axis}-left"),
-        format!("What the trend leaves, sensor {axis}"),
+        format!("Residuals of the trend, sensor {axis}"),
         Dimension::linear("since the first date", "days"),
         Dimension::linear("offset less fitted", "nT"),
     );

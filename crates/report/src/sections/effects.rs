@@ -14,7 +14,7 @@ use crate::{Effect, Finding};
 /// It says how well something is known.
 pub const UNCERTAINTY: Effect = Effect::Unstated("uncertainties only");
 /// The recordings leave it open.
-pub const NOT_SHOWN: Effect = Effect::Unstated("not shown by the readings");
+pub const NOT_SHOWN: Effect = Effect::Unstated("not determined by the readings");
 /// Several explanations fit.
 pub const UNDECIDED: Effect = Effect::Unstated("the readings do not decide");
 /// The result is stated without what it is about.

@@ -7,7 +7,7 @@ use crate::{Cell, Section, Table, number};
 /// Adds angles, ratios and angles between axes.
 pub fn tables(section: &mut Section, fourteen: &FourteenParameters) {
     let assumed =
-        if fourteen.assumed { "; nobody stated them: taken as orthogonal, with equal scales" } else { "" };
+        if fourteen.assumed { "; not stated: assumed orthogonal, with equal scale factors" } else { "" };
     let known = match fourteen.known {
         Magnetometer::Reference => "reference",
         Magnetometer::Test => "test instrument",
@@ -15,12 +15,7 @@ pub fn tables(section: &mut Section, fourteen: &FourteenParameters) {
     section.say(format!("The fourteen parameters, five of the {known} known{assumed}."));
     let mut angles = Table::new(
         "Angles of the axes",
-        [
-            ("angle", ""),
-            ("value", "deg"),
-            ("standard uncertainty", "arcsec"),
-            ("from where it is meant", "arcsec"),
-        ],
+        [("angle", ""), ("value", "deg"), ("standard uncertainty", "arcsec"), ("from nominal", "arcsec")],
     );
     for (name, angle) in &fourteen.angles {
         angles.row([

@@ -47,7 +47,7 @@ pub fn section(document: &Document) -> Option<Section> {
         }
         if let Some(gradient_coil) = &coil.gradient_coil {
             section.words.push(format!(
-                "Gradient coil of {axis}: {} A brings the departure at {} m to zero.",
+                "Gradient coil of {axis}: {} A nulls the departure at {} m.",
                 number::cell(&(&gradient_coil.current_a).into()),
                 number::bare(gradient_coil.position_m)
             ));

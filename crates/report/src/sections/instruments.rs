@@ -25,7 +25,7 @@ pub fn noise(section: &mut Section, fit: &DifferentialFit) {
             section.say(sentence(&noise.ascribed));
         }
         section.table(pulled(noise));
-        add(&mut own, "test, the reference's noise taken off", noise.test.as_ref());
+        add(&mut own, "test, noise of the reference removed", noise.test.as_ref());
     }
     if let Some(three) = &fit.three_cornered {
         section.say(format!(
@@ -41,8 +41,8 @@ pub fn noise(section: &mut Section, fit: &DifferentialFit) {
 
 fn pulled(noise: &ReferenceNoise) -> Table {
     let mut table = Table::new(
-        "What noise of the reference does to each element",
-        [("element", ""), ("pulled", ""), ("corrected", ""), ("largest pull", ""), ("over its std", "")],
+        "Bias of each element by noise of the reference",
+        [("element", ""), ("pulled", ""), ("corrected", ""), ("largest bias", ""), ("over its std", "")],
     );
     for (place, one) in &noise.elements {
         table.row([

@@ -86,8 +86,10 @@ fn ranked(sections: &[Section]) -> Option<Section> {
         .flat_map(|section| section.warnings.iter().map(|finding| (finding, section.title.as_str())))
         .collect();
     Finding::sort(&mut all, |(finding, _)| finding);
-    let table = |caption| Table::new(caption, [("moves the result by", ""), ("finding", ""), ("where", "")]);
-    let (mut first, mut others) = (table("Findings, what moves most first"), table("The others"));
+    let table =
+        |caption| Table::new(caption, [("changes the result by", ""), ("finding", ""), ("where", "")]);
+    let (mut first, mut others) =
+        (table("Findings, largest change of the result first"), table("The others"));
     for (place, (finding, title)) in all.into_iter().enumerate() {
         let table = if place < FIRST { &mut first } else { &mut others };
         let figures = |size| number::significant(size, 2);
@@ -104,9 +106,8 @@ fn ranked(sections: &[Section]) -> Option<Section> {
     section.table(others);
     (!section.items.is_empty()).then(|| {
         section.words.push(
-            "By how much a finding moves the result, from numbers that the document holds: a field or an offset in nT, a direction in arcsec, or a parameter in its \
-             standard uncertainties. Turns and changes of a sensitivity count in a field of 50 000 nT, where 1 arcsec is 0.24 nT. Behind them stand those in standard \
-             uncertainties, then those without a number, with the reason."
+            "How much a finding changes the result, from numbers in the document: a field or an offset in nT, a direction in arcsec, or a parameter in its \
+             standard uncertainties. Rotations and changes of a sensitivity count in a field of 50 000 nT, where 1 arcsec is 0.24 nT. Findings in standard uncertainties follow, then those without a number, with the reason."
                 .into(),
         );
         section
@@ -149,8 +150,7 @@ fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> V
         words::counted(rows, "row")
     ));
     summary.push(
-        "Each ± is one standard uncertainty, to two figures; so is a bar in a plot unless its note says otherwise, and what something is known to. What is a 95 % \
-         interval is called so."
+        "Each ±, each error bar without another note and each stated accuracy is one standard uncertainty, to two figures. 95 % intervals are named as such."
             .into(),
     );
     summary.extend(sha256.map(|hash| format!("SHA-256 of the document: {hash}")));

@@ -33,9 +33,9 @@ pub fn section(document: &Document) -> Option<Section> {
             ("rate", "Hz"),
             ("mean", "nT"),
             ("rms", "nT"),
-            ("white, codes included", "nT rms"),
-            ("width of a code", "nT"),
-            ("its fast end shows", ""),
+            ("white, quantisation included", "nT rms"),
+            ("quantisation step", "nT"),
+            ("measured at its highest frequencies", ""),
         ],
     );
     let mut bands = Table::new(
@@ -119,12 +119,8 @@ fn spectrum(axis: Axis, noise: &SensorNoise) -> Plot {
         .between(&spectrum.low_nt2_per_hz, &spectrum.high_nt2_per_hz),
     );
     let mut fit = Series { name: "fit".into(), mark: Mark::Dashes, style: 5, points: Vec::new() };
-    let mut floor = Series {
-        name: "rounding to codes, δ² Δt/6".into(),
-        mark: Mark::Dashes,
-        style: 3,
-        points: Vec::new(),
-    };
+    let mut floor =
+        Series { name: "quantisation, δ² Δt/6".into(), mark: Mark::Dashes, style: 3, points: Vec::new() };
     for one in &noise.series {
         // White noise of a reading is spread up to the Nyquist frequency: 2 σ² Δt.
         let white = 2.0 * one.white_rms_nt.value().powi(2) / one.rate_hz;

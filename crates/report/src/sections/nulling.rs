@@ -9,7 +9,7 @@ use crate::{Cell, Section, Table};
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let nulling = document.calibration.as_ref()?.nulling.as_ref()?;
-    let mut section = Section::new("nulling", "What the nulling leaves");
+    let mut section = Section::new("nulling", "Residual field after nulling");
     if let Some(quietest) = &nulling.quietest {
         section.words.push(format!("Quietest condition of the site: {quietest}."));
     }

@@ -59,8 +59,8 @@ fn parameters(section: &mut Section, scalar: &ScalarCalibration) {
             ("parameter", ""),
             ("value", ""),
             ("unit", ""),
-            ("by the readings alone", ""),
-            ("with what was known", ""),
+            ("from the readings alone", ""),
+            ("with prior knowledge", ""),
         ],
     );
     for parameter in &scalar.parameters {
@@ -132,11 +132,11 @@ fn by_component(directions: &FieldDirections) -> Plot {
     plot
 }
 
-/// Offsets in parts of the time, less those of all.
+/// Offsets in parts of the recording, less those of the whole.
 fn offsets(scalar: &ScalarCalibration, stability: &ScalarStability) -> Plot {
     let mut plot = Plot::new(
         "scalar-stability",
-        "Offsets in parts of the time, less those of all",
+        "Offsets in parts of the recording, less those of the whole",
         Dimension::linear("middle of the part", "s"),
         Dimension::linear("offset", "nT"),
     );

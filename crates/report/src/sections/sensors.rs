@@ -105,7 +105,7 @@ fn left(axis: Axis, fit: &SensitivityFit) -> Option<Plot> {
     let model = fit.model.replace('_', " ");
     let mut plot = Plot::new(
         format!("sensor-{axis}-residuals"),
-        format!("Sensor {axis}: what the fit leaves"),
+        format!("Sensor {axis}: residuals of the fit"),
         Dimension::linear("field along the sensor", "nT"),
         Dimension::linear("read less fitted", "nT"),
     )
@@ -167,7 +167,7 @@ fn reversals<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a
 
 fn error_budget<'a>(section: &mut Section, sensors: impl Iterator<Item = (Axis, &'a SensorCalibration)>) {
     let mut table = Table::new(
-        "What a measured field is uncertain by (standard uncertainty; worst case: all terms added, each at twice its own)",
+        "Uncertainty of a measured field (standard uncertainty; worst case: sum of all terms, each doubled)",
         [
             ("sensor", ""),
             ("field along it", "nT"),

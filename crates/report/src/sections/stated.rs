@@ -17,8 +17,8 @@ pub fn section(document: &Document) -> Option<Section> {
         section.words.extend(instrument.name.clone());
         state("range of the instrument, ±", instrument.range_nt, "nT");
         state("nominal sensitivity", instrument.nominal_sensitivity_nt_per_v, "nT/V");
-        state("width of a code", instrument.quantisation_v, "V");
-        state("width of a code", instrument.quantisation_nt, "nT");
+        state("quantisation step", instrument.quantisation_v, "V");
+        state("quantisation step", instrument.quantisation_nt, "nT");
         match &instrument.noise {
             Some(NoiseOfSensors::Same(noise)) => noise_of(&mut state, "each sensor", noise),
             Some(NoiseOfSensors::Each(each)) => {

@@ -31,7 +31,7 @@ pub fn section(document: &Document) -> Option<Section> {
         [("sensor", ""), ("temperature of", ""), ("k", "ppm/K"), ("O", "nT/K")],
     );
     let mut turning = Table::new(
-        "Temperatures at which k or O stands still",
+        "Temperatures at which k or O is stationary",
         [
             ("sensor", ""),
             ("temperature of", ""),

@@ -228,10 +228,7 @@ fn a_stated_calibration_passes_no_accuracy() {
     let largest = one.shown.iter().map(|shown| found(shown).std).fold(0.0, f64::max);
     assert!((0.42..0.60).contains(&largest), "{largest}");
     assert!(
-        found(&one.shown[0])
-            .gaps
-            .iter()
-            .any(|gap| gap.contains("in which fields it was calibrated is not known"))
+        found(&one.shown[0]).gaps.iter().any(|gap| gap.contains("its calibrated range of fields is unknown"))
     );
 }
 

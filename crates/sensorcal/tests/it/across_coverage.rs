@@ -134,7 +134,8 @@ fn intervals(document: Document, truth: &[[f64; 5]; 3], seed: u64) -> IndexMap<S
     let calibration = found.calibration.expect("a calibration");
     let mut all = IndexMap::new();
     for sensor in Axis::ALL {
-        let cross = calibration.sensor(sensor).and_then(|s| s.cross_field.as_ref()).expect("fields across");
+        let cross =
+            calibration.sensor(sensor).and_then(|s| s.cross_field.as_ref()).expect("transverse fields");
         for (at, (effect, name)) in PARAMETERS.into_iter().enumerate() {
             let group = if effect == "cross_field" { &cross.offset } else { &cross.sensitivity };
             let Some(quantity) = group.get(name) else { continue };

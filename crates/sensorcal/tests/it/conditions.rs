@@ -195,7 +195,7 @@ fn across(seed: u64, levels: &[f64], even: f64) -> Vec<Value> {
 #[test]
 fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
     let levels = [-60_000.0, -20_000.0, 0.0, 20_000.0, 60_000.0];
-    let leaning = sensor(&document(across(6, &levels, 0.0))).cross_field.expect("fields across");
+    let leaning = sensor(&document(across(6, &levels, 0.0))).cross_field.expect("transverse fields");
     assert!(leaning.significance.expect("a test").p_value > 0.01);
     for misalignment in &leaning.misalignments {
         let angle = &misalignment.angle_arcsec;
@@ -204,7 +204,7 @@ fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
     let found = build::run(&document(across(6, &levels, 0.0))).expect("calibrated");
     assert!(found.model.is_none_or(|model| model.effects.is_empty()));
     // 3 nT, even in the field along z (v in SEN); the field from the other side (u) does nothing.
-    let with_effect = sensor(&document(across(6, &levels, 3.0))).cross_field.expect("fields across");
+    let with_effect = sensor(&document(across(6, &levels, 3.0))).cross_field.expect("transverse fields");
     let (first, second) = (&with_effect.offset["first_nt"], &with_effect.offset["second_nt"]);
     let near = |quantity: &common::Quantity, truth: f64| {
         (quantity.value() - truth).abs() < 3.5 * quantity.std().expect("a std")
@@ -219,7 +219,7 @@ fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
 #[test]
 fn one_side_alone_is_said() {
     let one = across(7, &[-60_000.0, 0.0, 60_000.0], 3.0).remove(0);
-    let cross = sensor(&document(vec![one])).cross_field.expect("fields across");
+    let cross = sensor(&document(vec![one])).cross_field.expect("transverse fields");
     assert!(cross.offset.contains_key("second_nt") && !cross.offset.contains_key("first_nt"));
     assert!(
         cross.findings.iter().any(|finding| finding.contains("were not recorded")),
@@ -230,7 +230,7 @@ fn one_side_alone_is_said() {
 
 #[test]
 fn without_both_signs_a_lean_cannot_be_told() {
-    let cross = sensor(&document(across(8, &[0.0, 60_000.0], 3.0))).cross_field.expect("fields across");
+    let cross = sensor(&document(across(8, &[0.0, 60_000.0], 3.0))).cross_field.expect("transverse fields");
     assert!(cross.offset.is_empty());
     assert!(cross.findings.iter().any(|finding| finding.contains("both signs")), "{:?}", cross.findings);
 }
@@ -264,7 +264,7 @@ fn a_ramp_shows_its_curvature_and_no_lag() {
 #[test]
 fn small_fields_across_show_what_they_can() {
     let levels = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
-    let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("fields across");
+    let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("transverse fields");
     let second = &cross.offset["second_nt"];
     assert!((second.value() - 8.0).abs() < 3.5 * second.std().expect("a std"), "{second:?}");
     assert!(cross.significance.expect("a test").p_value < 1e-6);

@@ -168,7 +168,7 @@ fn the_error_budget_covers() {
         let found = sensor(&found, Axis::X);
         let value = |quantity: &Option<common::Quantity>| quantity.as_ref().expect("a quantity").value();
         let part = found.temperature.as_ref().and_then(|fit| fit.sensor.as_ref()).expect("the sensor");
-        let across = found.cross_field.as_ref().expect("fields across");
+        let across = found.cross_field.as_ref().expect("transverse fields");
         let fitted = [
             part.sensitivity_ppm_per_k.value(),
             value(&part.sensitivity_ppm_per_k2),

@@ -141,7 +141,7 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
             add(format!("{name} extremum"), extremum, truth, factor);
         }
     }
-    let cross = sensor.cross_field.as_ref().expect("fields across");
+    let cross = sensor.cross_field.as_ref().expect("transverse fields");
     let factor = cross.noise.coverage_factor_95;
     for (name, truth) in [("first_nt", CROSS[0]), ("second_nt", CROSS[1])] {
         add(format!("cross field {name}"), &cross.offset[name], truth, factor);

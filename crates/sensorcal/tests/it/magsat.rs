@@ -58,7 +58,7 @@ fn every_true_coefficient_is_within_its_interval() {
                 truth(&shift, "curvature_nt_per_k2"),
             );
         }
-        let cross = sensor.cross_field.as_ref().expect("fields across");
+        let cross = sensor.cross_field.as_ref().expect("transverse fields");
         for (name, quantity) in &cross.offset {
             add(&format!("cross_field {name}"), quantity, true_effect(&truth, "cross_field", axis, name));
         }
@@ -67,7 +67,7 @@ fn every_true_coefficient_is_within_its_interval() {
             add(&format!("cross_field_sensitivity {name}"), quantity, of);
         }
         let significant = cross.significance.expect("a test").p_value < 0.01;
-        assert_eq!(significant, axis == Axis::X, "sensor {axis}: fields across");
+        assert_eq!(significant, axis == Axis::X, "sensor {axis}: transverse fields");
         let noise = sensor.noise.as_ref().expect("noise");
         add("A", &noise.flicker_nt2_per_hz_at_1hz, 9.786e-5);
         add("alpha", &noise.flicker_exponent, 1.0);

@@ -72,7 +72,7 @@ impl Sequence for CrossFieldProcedure {
             return Err(Error::document(
                 format!("{path}.levels_nt"),
                 "an empty list",
-                "at least one field across",
+                "at least one transverse field",
             ));
         }
         let steps = samples(&format!("{path}.steps"), self.steps as f64, 2.0)?;

@@ -144,7 +144,7 @@ fn what_cannot_be_predicted_is_said_with_its_place() {
     volts["calibration"] = json!({"coils": {"x": {"constant_nt_per_a": 40000.0}}});
     let predicted = run(&volts);
     assert!(
-        predicted.stderr.contains("directions of the sensors are not stated: taken along SEN"),
+        predicted.stderr.contains("directions of the sensors are not stated: assumed along SEN"),
         "{}",
         predicted.stderr
     );

@@ -67,7 +67,7 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
     let scalar = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
     if of == "sensors" && scalar.is_some_and(|scalar| scalar.vector.is_none()) {
         sheet.say(
-            "The magnitude of the field does not show a turn of all sensors together: SEN is the frame in which they are nearest to their nominal axes. \
+            "A common rotation of all sensors is not observable from magnitude alone: SEN is the frame in which they are nearest to their nominal axes. \
              The angles between the sensors do not depend on that.",
         );
     }

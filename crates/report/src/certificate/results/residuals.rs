@@ -31,7 +31,7 @@ pub fn table(sheet: &mut Sheet, document: &Document) {
             add(format!("sensor {axis}, temperature"), None, fit.noise.rms_nt, &[]);
         }
         if let Some(fit) = &sensor.cross_field {
-            add(format!("sensor {axis}, fields across"), None, fit.noise.rms_nt, &[]);
+            add(format!("sensor {axis}, transverse fields"), None, fit.noise.rms_nt, &[]);
         }
         if let Some(drift) = &sensor.drift {
             let all = &drift.dates.residual_nt;

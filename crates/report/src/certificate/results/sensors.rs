@@ -26,7 +26,7 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint) {
     ));
     sheet.table(all("Temperature coefficients at the reference temperatures", &temperature));
     sheet.table(all("Offset in time", &drift));
-    sheet.table(all("Fields across the sensor, at 50 000 nT", &across));
+    sheet.table(all("Fields transverse to the sensor, at 50 000 nT", &across));
     sheet.table(all("Noise of a sensor", &noise));
     sheet.table(model(document));
 }

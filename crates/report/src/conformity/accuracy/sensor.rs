@@ -138,7 +138,7 @@ impl Sensor {
         let cross = found.cross_field.as_ref();
         let across = cross.map(|fit| Across::of(fit, axis, modelled(Kind::CrossField)));
         let paths = across.iter().flat_map(|across| across.paths.iter().cloned());
-        parameters.extend(paths.map(|path| ("fields across", path)));
+        parameters.extend(paths.map(|path| ("transverse fields", path)));
         let noise = found.noise.as_ref();
         let drift = requirement.years.zip(found.drift.as_ref()).map(|(years, found)| drift(found, years));
         let (drift, undetermined) = match drift.transpose() {
@@ -150,7 +150,7 @@ impl Sensor {
                 warm[0].1 && !turns,
                 "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
             ),
-            (across.is_none(), "what fields across do is not known (`cross_field` would show it)"),
+            (across.is_none(), "the effect of transverse fields is unknown (`cross_field` would show it)"),
             (noise.is_none(), "the noise is not known (`sensor_noise` would show it)"),
             (
                 requirement.years.is_some() && found.drift.is_none(),
@@ -206,7 +206,7 @@ impl Sensor {
         let bent = [self.nonlinearity[0] * share * share, self.nonlinearity[1] * (share.powi(3) - line)];
         let terms = [
             ("nonlinearity", bent[0].hypot(bent[1])),
-            ("fields across", self.across.as_ref().map_or(0.0, |known| known.left(&across).abs())),
+            ("transverse fields", self.across.as_ref().map_or(0.0, |known| known.left(&across).abs())),
             ("noise of a reading", self.noise),
             ("rounding", self.rounding),
             ("drift of the offset", self.drift.as_ref().map_or(0.0, |drift| drift.std)),
