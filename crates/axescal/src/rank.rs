@@ -88,7 +88,7 @@ fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> Str
     let part = |name: &str, frame: &str, moved: &[(Vector3<f64>, Vector3<f64>)]| {
         let size: f64 = moved.iter().map(|(_, change)| change.norm_squared()).sum();
         if size < 1e-6 {
-            return format!("{name} fixed");
+            return format!("{name}s fixed");
         }
         match common_turn(moved) {
             Some(axis) if moved.len() > 1 => {

@@ -1,6 +1,6 @@
 //! k and B0 of one coil.
 
-use common::number::p_value;
+use common::number::{counted, p_value};
 use common::uncertainty::{self, Block, By};
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, Quantity, Uncertainty};
 use estimate::linear::LinearFit;
@@ -29,9 +29,9 @@ pub fn calibrate(
     let levels = levels(readings);
     if levels.len() < 3 {
         return Err(Error::Undetermined(format!(
-            "coil {}, different drives recorded: {}; a straight line and its lack-of-fit test need at least three, preferably on both sides of zero",
+            "coil {}: {} recorded; a straight line and its lack-of-fit test need at least three, preferably on both sides of zero",
             coil.coil,
-            levels.len()
+            counted(levels.len(), "different drive")
         )));
     }
     let declared = document.facility.as_ref().and_then(|facility| facility.reference_std_nt);

@@ -398,8 +398,12 @@ fn mutual(fourteen: &FourteenParameters) -> String {
                 "  if the reference is orthogonal with equal scale factors (assumed; see `known`):"
             )
         }
-        (Magnetometer::Reference, false) => writeln!(text, "  with the known axes of the reference:"),
-        (Magnetometer::Test, false) => writeln!(text, "  with the known axes of the test instrument:"),
+        (Magnetometer::Reference, false) => {
+            writeln!(text, "  with the known axes and scale factors of the reference:")
+        }
+        (Magnetometer::Test, false) => {
+            writeln!(text, "  with the known axes and scale factors of the test instrument:")
+        }
     };
     let angles: Vec<String> = fourteen
         .angles

@@ -65,9 +65,8 @@ fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
     assert!((delays[1].0 - 0.010).abs() < 1e-5 && delays[1].1 < 1e-6, "{delays:?}");
     assert!(delays[0].0.abs() < 1e-5 && delays[0].1 > 1e-4, "{delays:?}");
     assert!(
-        axes.findings
-            .iter()
-            .any(|finding| finding.contains("sensor y answers") && finding.contains("as a delay of 10 ms")),
+        axes.findings.iter().any(|finding| finding.contains("sensor y responds")
+            && finding.contains("equivalent to a delay of 10 ms")),
         "{:?}",
         axes.findings
     );
@@ -143,7 +142,10 @@ fn a_channel_that_never_leaves_its_code_asks_for_dither() {
     plan.truth.calibration = None;
     let document = simulate::campaign(&plan).expect("simulated").document;
     let error = axescal::run(document, &Options::default()).expect_err("hidden").to_string();
-    assert!(error.contains("never leave one code of the converter") && error.contains("dither"), "{error}");
+    assert!(
+        error.contains("stay within one quantisation step of the converter") && error.contains("dither"),
+        "{error}"
+    );
 }
 
 #[test]

@@ -102,7 +102,7 @@ fn noise_declared_for_one_sensor_only_is_not_mixed_with_a_guess() {
     let document = solved(document);
     let found = axes(&document);
     assert!(
-        found.findings.iter().any(|finding| finding.contains("one noise for all")),
+        found.findings.iter().any(|finding| finding.contains("one value for all")),
         "{:?}",
         found.findings
     );
@@ -157,7 +157,7 @@ fn the_advised_turn_is_the_one_that_helps() {
     }
     let document = simulate::campaign(&plan).expect("simulated").document;
     let error = axescal::run(document, &Options::default()).expect_err("one axis").to_string();
-    assert!(error.contains("turns about one axis, (0.12, 0.10, 0.99) of the block"), "{error}");
+    assert!(error.contains("rotations about one axis, (0.12, 0.10, 0.99) of the block"), "{error}");
     assert!(error.contains("turned by 90° about its x or y axis"), "{error}");
 }
 
@@ -183,7 +183,7 @@ fn a_statement_that_the_readings_contradict_is_said_and_left_free() {
     let document = solved(document);
     let found = axes(&document);
     assert!(
-        found.findings.iter().any(|finding| finding.contains("pull the residual field")),
+        found.findings.iter().any(|finding| finding.contains("put the residual field")),
         "{:?}",
         found.findings
     );
@@ -204,7 +204,7 @@ fn a_statement_that_the_readings_contradict_is_said_and_left_free() {
     let document = solved(document);
     let said = axes(&document).findings.join("\n");
     assert!(
-        said.contains("pull the offset of sensor y") && said.contains("pull the constant of coil x"),
+        said.contains("put the offset of sensor y") && said.contains("put the constant of coil x"),
         "{said}"
     );
     assert_eq!(axes(&document).findings.len(), 2, "{said}");
@@ -268,7 +268,7 @@ fn a_weak_coil_keeps_its_field_and_is_said() {
     let document = solved(simulate::campaign(&plan).expect("simulated").document);
     let found = axes(&document);
     assert!(
-        found.findings.iter().any(|finding| finding.starts_with("coil z makes at most 45 nT")),
+        found.findings.iter().any(|finding| finding.starts_with("coil z produces at most 45 nT")),
         "{:?}",
         found.findings
     );

@@ -264,9 +264,9 @@ fn iaga_2002_holds_the_field() {
     let without = Request { iaga: Some(Station { code: "flx", start: None }), ..asked };
     let without = Request { recording: None, ..without };
     let error = correct_table(&without).expect_err("no start").to_string();
-    assert!(error.contains("nothing says when time_s is zero"), "{error}");
+    assert!(error.contains("the origin of time_s is unknown"), "{error}");
     let error = correct_table(&Request { iaga: Some(Station { code: "Vienna", start: None }), ..asked });
-    assert!(error.expect_err("no code").to_string().contains("is no code of a station"));
+    assert!(error.expect_err("no code").to_string().contains("is not a station code"));
 }
 
 /// A logger's file by a mapping gives what the table with the document's names gives: the same columns, in other notation.

@@ -11,7 +11,7 @@ use crate::{Cell, Section, Table};
 pub fn stability(section: &mut Section, fit: &DifferentialFit, matrix: &common::Matrix3x3) {
     let Some(stability) = &fit.stability else { return };
     section.warnings.extend(findings("", &stability.findings, &effects::differential::STABILITY, stability));
-    let mut tests = Table::new("Constancy of the matrix", [("asked of", ""), ("p", "")]);
+    let mut tests = Table::new("Constancy of the matrix", [("test", ""), ("p", "")]);
     let mut test = |of: &str, p: Option<f64>| {
         if let Some(p) = p {
             tests.row([of.into(), Cell::Probability(p)]);

@@ -58,7 +58,7 @@ fn what_moves_most_comes_first_and_what_has_no_number_last() {
             "doubtful": [{"recording": "a", "orientation": 1, "row": 0, "coil": "x", "sensor": "y", "leave_one_out_nt": -2.0, "t": -9.0, "p_adjusted": 1e-6}],
             "readings": {"orientation": [1, 1], "recording": ["a", "a"], "row": [0, 0], "coil": ["x", "x"], "sensor": ["x", "y"],
                 "residual_nt": [0.0, -1.5], "leverage": [0.9, 0.25], "leave_one_out_nt": [0.0, -2.0], "t": [0.0, -9.0]},
-            "findings": ["the readings pull the constant of coil x 5.3 standard uncertainties from the value that the document states; it was fitted without this prior"]
+            "findings": ["the readings put the constant of coil x 5.3 standard uncertainties from the value that the document states; it was fitted without this prior"]
         }
     }});
     let found = listed(&document);
@@ -70,7 +70,7 @@ fn what_moves_most_comes_first_and_what_has_no_number_last() {
             ("0.8 nT", "sensor x: the trend is"),
             ("0.5 nT", "orientation 1 (\"a\", row 0),"),
             ("0.3 nT", "sensor x: not a straight"),
-            ("5.3 standard uncertainties", "the readings pull the constant"),
+            ("5.3 standard uncertainties", "the readings put the constant"),
             ("– (uncertainties only)", "sensor x: the residuals are"),
         ]
     );
@@ -87,9 +87,9 @@ fn turns_count_in_a_field_of_50_000_nt() {
     let unit = |turn: f64| json!([[1.0, 0.0, 0.0], [turn, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     let document = json!({"fluxcal": 1, "calibration": {
         "axes": {"coils": {"matrix": unit(10.0 * second)}, "known_coils": {"matrix": unit(0.0)},
-            "findings": ["the readings contradict the known directions of the coils than their uncertainty allows; they may not be where they were"]},
+            "findings": ["the readings contradict the known directions of the coils; the coils may have moved"]},
         "scalar": {"reference_offset": {"offset_nt": {"value": -2.0, "std": 0.1}, "p_value": 1e-9, "fitted": false},
-            "findings": ["the reference reads -2.0 nT too much (p = 1e-9), or something else"]}
+            "findings": ["the reference reads -2.0 nT too high (p = 1e-9), or another error"]}
     }});
     // 10 arcsec are 2.4 nT.
     let found: Vec<String> = listed(&document).into_iter().map(|(effect, _)| effect).collect();

@@ -41,7 +41,7 @@ fn a_biased_reference_is_said_and_fitted() {
 fn offsets_that_follow_a_temperature() {
     let campaign = Campaign { per_k: [0.3, -0.3, 0.15], rows: 2000, ..Campaign::default() };
     let plain = run(campaign.document(1), &Options::default());
-    assert!(findings(&plain).contains("does not hold over the time"), "{}", findings(&plain));
+    assert!(findings(&plain).contains("is not constant in time"), "{}", findings(&plain));
     let options = Options { with: vec![physics::Kind::OffsetTemperature], ..Options::default() };
     let document = run(campaign.document(1), &options);
     assert_eq!(findings(&document), "");
@@ -104,7 +104,9 @@ fn disturbed_rows_are_told_and_weighed_down() {
     let mut values = column.to_vec();
     values.iter_mut().step_by(50).for_each(|value| *value += 0.02);
     *column = values.into();
-    assert!(findings(&run(document.clone(), &Options::default())).contains("--robust weighs such rows down"));
+    assert!(
+        findings(&run(document.clone(), &Options::default())).contains("--robust down-weights such rows")
+    );
     let robust = run(document, &Options { robust: true, ..Options::default() });
     for ((value, std), truth) in found(&robust).iter().zip(campaign.truth()) {
         assert!((value - truth).abs() < 4.0 * std, "{value} {std} {truth}");
@@ -120,7 +122,7 @@ fn a_constant_magnitude_that_is_not_known_gives_relative_sensitivities() {
         scalarcal::run(document.clone(), &Options::default()).expect_err("no reference").to_string();
     assert!(message.contains("--constant-magnitude"), "{message}");
     let document = run(document, &Options { constant_magnitude: true, ..Options::default() });
-    assert!(findings(&document).contains("relative to each other only"));
+    assert!(findings(&document).contains("only ratios of the sensitivities are observable"));
     let truth = campaign.truth();
     let all = found(&document);
     let ratio = (all[0].0 / all[1].0) / (truth[0] / truth[1]) - 1.0;

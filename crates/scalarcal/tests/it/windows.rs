@@ -100,5 +100,5 @@ fn windows_that_do_not_determine_the_sensors_have_no_values() {
     assert_eq!(windows.len(), 30);
     assert!(windows.iter().any(|window| window.values.is_empty() && window.std.is_empty()));
     let none = scalarcal::run(campaign.document(2), &Options { windows_s: Some(1e-4), ..WINDOWS });
-    assert!(none.expect_err("too many").to_string().contains("take longer ones"));
+    assert!(none.expect_err("too many").to_string().contains("use longer ones"));
 }

@@ -75,7 +75,7 @@ fn coefficients_and_the_report_s_slopes() {
     assert!((extremum.value() - 48.0).abs() < 3.5 * extremum.std().expect("a std"), "{extremum:?}");
     assert_eq!(part.range_c, [-7.0, 53.0]);
     assert_eq!((fit.levels.branch[3], fit.levels.branch[5], fit.levels.branch[12]), (1, -1, 1));
-    assert!(part.lag.contains("was not recorded"), "{}", part.lag);
+    assert!(part.lag.contains("were not recorded"), "{}", part.lag);
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn a_lag_is_found_where_there_is_one() {
     assert!((lag.value() - 600.0).abs() < 20.0 + 3.5 * lag.std().expect("a std"), "{lag:?}");
     assert!((part.offset_nt_per_k.value() - 0.1).abs() < 0.01);
     let none = fitted(&followed(0.0)).sensor.expect("the sensor");
-    assert!(none.lag_s.is_none() && none.lag.contains("no lag is seen"), "{}", none.lag);
+    assert!(none.lag_s.is_none() && none.lag.contains("no lag was detected"), "{}", none.lag);
 }
 
 /// Seven fields along at each field across, from both sides by a quarter turn; the sensor leans by 20″.
@@ -222,7 +222,7 @@ fn one_side_alone_is_said() {
     let cross = sensor(&document(vec![one])).cross_field.expect("transverse fields");
     assert!(cross.offset.contains_key("second_nt") && !cross.offset.contains_key("first_nt"));
     assert!(
-        cross.findings.iter().any(|finding| finding.contains("were not recorded")),
+        cross.findings.iter().any(|finding| finding.contains("was not recorded")),
         "{:?}",
         cross.findings
     );

@@ -80,7 +80,7 @@ fn trend_and_year_cover_whatever_wanders() {
 fn a_random_walk_that_is_not_seen_is_said() {
     let still = drift(&json!({"white_rms_nt": 0.0}), 3);
     let said = |drift: &OffsetDrift| {
-        drift.findings.iter().any(|finding| finding.contains("neither show nor exclude a random walk"))
+        drift.findings.iter().any(|finding| finding.contains("neither establish nor exclude a random walk"))
     };
     assert!(said(&still), "{:?}", still.findings);
     let walking = drift(&json!({"random_walk_nt_per_sqrt_s": 1e-4}), 3);

@@ -43,7 +43,7 @@ fn each_fault_has_its_message() {
         ),
         (
             &["average", "--window", "60", "--recording", "back", "in.json"],
-            "recordings[3].columns.time_s: found 2 s after 2 s in row 2 of \"back\"; expected times that rise; ingest --sort",
+            "recordings[3].columns.time_s: found 2 s after 2 s in row 2 of \"back\"; expected increasing times; ingest --sort",
         ),
         (
             &["resample", "--step", "1", "--recording", "none", "in.json"],

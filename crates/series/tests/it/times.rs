@@ -89,5 +89,5 @@ fn recordings_with_times_of_their_own() {
     assert!(off < 0.1 && (90..150).contains(&missing), "{off} nT, {missing} missing");
     let (off, missing) = against(pair, "outside_x_nt", 0.0);
     assert!(off < 0.2 && missing == 0, "{off} nT, {missing} missing");
-    assert!(outcome.words[1].contains("cubic pieces: outside_x_nt"), "{:?}", outcome.words);
+    assert!(outcome.words[1].contains("piecewise cubics: outside_x_nt"), "{:?}", outcome.words);
 }

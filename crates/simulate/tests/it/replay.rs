@@ -89,7 +89,7 @@ fn the_magsat_campaign_too_where_everything_is_recorded() {
     assert!(
         notes
             .iter()
-            .any(|note| note.contains("nulling_leakage is left out in recording \"coil-x\" and 39 more")),
+            .any(|note| note.contains("nulling_leakage is not applied in recording \"coil-x\" and 39 more")),
         "{notes:?}"
     );
     let nulling = worst(&document, &replayed, |procedure, _| procedure == "nulling_residual");
