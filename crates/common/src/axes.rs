@@ -93,6 +93,16 @@ pub struct AxesDirections {
     pub extra: Extra,
 }
 
+impl AxesDirections {
+    /// The unit vector of an axis.
+    pub fn direction(&self, axis: Axis) -> Option<[f64; 3]> {
+        match &self.matrix {
+            Some(matrix) => Some([0, 1, 2].map(|row| matrix[row][axis.index()])),
+            None => self.directions.as_ref()?.get(axis).copied(),
+        }
+    }
+}
+
 /// Directions and five of the six scales from the same readings (17 of 18 unknowns).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]

@@ -1,28 +1,16 @@
 //! Any document as one page: what each stage found, in words, tables and plots.
 //!
-//! A [`Page`] is made of the document by [`run`] and knows nothing of how it is shown; [`html`] and [`text`] write it. Each part of
+//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. Each part of
 //! a document has its file below `sections`. What the document does not hold is not computed here.
 //!
-//! A table holds `Cell`s: a value keeps its uncertainty until it is written. Plots are SVG of our own (`plot`: scale, ticks, thinning, shapes),
-//! some 600 lines, where a library would bring fonts and colours: ours are classes, so that the page's style sets the theme. The HTML is
-//! well-formed XML, which a parser checks. `conformity` gives one more section of the same form. `certificate` makes a document of its own, a
-//! `Sheet` of fields with their clauses; a field without text is blank everywhere.
+//! `conformity` gives one more section of the same form; `certificate` makes a document of its own.
 
-pub mod certificate;
-pub mod conformity;
-mod error;
-mod escape;
-pub mod html;
-mod number;
-mod page;
-pub mod plot;
 mod sections;
-mod table;
-pub mod text;
 
-pub use error::Error;
-pub use page::{Effect, Finding, Item, Page, Section};
-pub use table::{Cell, Header, Table};
+pub use page::{Cell, Effect, Finding, Header, Item, Page, Section, Table};
+pub use sections::findings;
+
+use page::{number, plot};
 
 use common::Document;
 use common::number::counted;
@@ -41,7 +29,7 @@ pub struct Options {
 /// # Errors
 ///
 /// Where the statement of conformity cannot be made; a document without content gives a page that says so.
-pub fn run(document: &Document, options: &Options) -> Result<Page, Error> {
+pub fn run(document: &Document, options: &Options) -> Result<Page, common::Error> {
     let conformity = options.spec.as_ref().map(|spec| conformity::section(document, spec)).transpose()?;
     Ok(sections::page(document, conformity, options.document_sha256.as_deref()))
 }

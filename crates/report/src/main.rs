@@ -1,12 +1,13 @@
 //! `report`: any document as one page.
 
+use certificate::Asked;
 use clap::{Parser, ValueEnum};
 use common::{Error, procedure};
+use conformity::Spec;
+use page::{html, text};
 use program::pipe::{self, Input, Io, Program, Sink};
 use program::{apart, beside, manual};
-use report::certificate::{self, Asked};
-use report::conformity::Spec;
-use report::{Options, html, text};
+use report::Options;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -91,7 +92,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Err(error) = beside::read(&mut document, cli.io.folder(), PROGRAM.takes) {
         pipe::say(&format!("report: {}; the page does without", input.locate(error)));
     }
-    let page = report::run(&document, &options).map_err(|error| input.locate(error.into()))?;
+    let page = report::run(&document, &options).map_err(|error| input.locate(error))?;
     let (mut words, mut written) = (Vec::new(), Vec::new());
     if let Some(file) = &cli.certificate {
         let data = cli.certificate_data.as_deref().map(|file| Input::read(Some(file))).transpose()?;
@@ -101,12 +102,14 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
             document.certificate = Some(Box::new(merged));
         }
         let data_sha256 = data.map(|data| data.sha256());
+        let findings = report::findings(&document);
         let asked = Asked {
+            findings: &findings,
             document_sha256: options.document_sha256.as_deref(),
             data_sha256: data_sha256.as_deref(),
             spec: options.spec.as_ref().map(|spec| (spec, spec_sha256.as_deref())),
         };
-        let sheet = certificate::run(&document, &asked).map_err(|error| input.locate(error.into()))?;
+        let sheet = certificate::run(&document, &asked).map_err(|error| input.locate(error))?;
         written.push((Some(file.as_path()), certificate::render(&sheet, cli.paper.map(Into::into))));
         words.push(certificate::summary(&sheet));
     }

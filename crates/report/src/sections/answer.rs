@@ -2,8 +2,8 @@
 
 use common::{Axis, Calibration, Document, OneOrEach, Quantity};
 
-use super::words::counted;
 use crate::number::{figures, significant};
+use page::words::counted;
 
 /// Below this probability the residuals do not go with the noise that was declared.
 const UNLIKELY: f64 = 0.01;

@@ -4,9 +4,9 @@ use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairCom
 
 use super::axes_map;
 use super::effects::{self, findings};
-use super::words::{cells, counted, sentence};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Finding, Item, Section, Table, number};
+use page::words::{cells, counted, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -96,7 +96,7 @@ fn cosines(of: &str, frame: &str, directions: &AxesDirections) -> Table {
         ],
     );
     for axis in Axis::ALL {
-        let Some(vector) = axes_map::direction(directions, axis) else { continue };
+        let Some(vector) = directions.direction(axis) else { continue };
         let [x, y, z] = vector.map(|cosine| Cell::Text(number::fixed(cosine, 8)));
         let std = directions.std_arcsec.as_ref().and_then(|std: &OneOrEach| std.get(axis));
         let off = directions.off_nominal_arcsec.as_ref().and_then(|off| off.get(axis));

@@ -34,7 +34,7 @@ pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
     );
     regions.map = true;
     for axis in Axis::ALL {
-        let Some(v) = direction(directions, axis) else { continue };
+        let Some(v) = directions.direction(axis) else { continue };
         let name = format!("{of} {axis}").replace("sensors", "sensor").replace("coils", "coil");
         let [east, north] = from_nominal(axis, v);
         nominal.push(Series::new(&name, Mark::Points, axis.index(), &[east], &[north]));
@@ -46,14 +46,6 @@ pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
         .into_iter()
         .filter(|plot| plot.series.iter().any(|series| series.name != "nominal"))
         .collect()
-}
-
-/// The unit vector of an axis.
-pub fn direction(directions: &AxesDirections, axis: Axis) -> Option<[f64; 3]> {
-    match &directions.matrix {
-        Some(matrix) => Some([0, 1, 2].map(|row| matrix[row][axis.index()])),
-        None => directions.directions.as_ref()?.get(axis).copied(),
-    }
 }
 
 fn from_nominal(axis: Axis, v: [f64; 3]) -> [f64; 2] {

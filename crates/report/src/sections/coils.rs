@@ -4,9 +4,9 @@ use common::Document;
 
 use super::departures;
 use super::effects::{self, findings};
-use super::words::counted;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
+use page::words::counted;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -4,9 +4,9 @@ use common::{Axis, Document, Recording};
 
 use super::clock::Clock;
 use super::effects;
-use super::words::{counted, slug};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Finding, Section, Table, number};
+use page::words::{counted, slug};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 4;

@@ -40,7 +40,7 @@ pub fn section(document: &Document) -> Option<Section> {
         section.warnings.extend(findings(&name, &fit.findings, &effects::conditions::CROSS_FIELD, fit));
         for (of, parameters) in [("offset", &fit.offset), ("sensitivity", &fit.sensitivity)] {
             for (key, value) in parameters {
-                let (words, _) = super::words::key(key);
+                let (words, _) = page::words::key(key);
                 table.row([name.as_str().into(), of.into(), words.into(), value.into()]);
             }
         }

@@ -2,8 +2,8 @@
 
 use common::Departure;
 
-use super::words::key;
 use crate::{Cell, Table};
+use page::words::key;
 
 /// A table of departures; rows are added by [`add`].
 pub fn table(of: &str) -> Table {

@@ -3,9 +3,9 @@
 use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Verdict};
 
 use super::residuals::{Names, plots};
-use super::words::{key, rounded, sentence};
 use crate::plot::Plot;
 use crate::{Cell, Effect, Finding, Section, Table, number};
+use page::words::{key, rounded, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -5,10 +5,10 @@ use common::{
 };
 
 use super::effects;
-use super::words::{counted, sentence};
 use super::{difference, differential_matrix, fourteen, instruments};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
+use page::words::{counted, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

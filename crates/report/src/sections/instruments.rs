@@ -3,9 +3,9 @@
 use common::{Axis, DifferentialFit, OwnNoise, PerAxis, ReferenceNoise};
 
 use super::effects::{self, findings};
-use super::words::sentence;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
+use page::words::sentence;
 
 /// What noise of the reference does to the matrix, and the noise of each instrument as far as it can be told.
 pub fn noise(section: &mut Section, fit: &DifferentialFit) {

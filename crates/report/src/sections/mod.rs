@@ -28,15 +28,13 @@ mod sensors;
 mod stated;
 mod temperature;
 mod temperature_loops;
-mod words;
 
 use common::Document;
 use std::collections::HashSet;
 
-pub use axes_map::direction;
-pub use words::key;
+use page::words;
 
-use crate::{Effect, Finding, Item, Page, Section, Table, conformity, number};
+use crate::{Effect, Finding, Item, Page, Section, Table, number};
 
 /// How a part of a document is shown; None where the document does not have it.
 type Part = fn(&Document) -> Option<Section>;

@@ -3,8 +3,8 @@
 use common::{AdoptedEffect, Document};
 use serde_json::Value;
 
-use super::words::key;
 use crate::{Cell, Section, Table};
+use page::words::key;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

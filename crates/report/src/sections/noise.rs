@@ -4,9 +4,9 @@ use common::{AllanDeviation, Axis, Document, Quantity, SensorNoise};
 
 use super::effects::{self, findings};
 use super::nulling::{add_lines, lines_table};
-use super::words::rounded;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
+use page::words::rounded;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

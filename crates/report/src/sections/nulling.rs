@@ -2,9 +2,9 @@
 
 use common::{Axis, Document, SpectralLine};
 
-use super::words::{cells, rounded};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
+use page::words::{cells, rounded};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

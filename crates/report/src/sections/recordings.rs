@@ -4,9 +4,9 @@ use common::{Document, Recording, procedure};
 use std::collections::BTreeMap;
 
 use super::clock::Clock;
-use super::words::{counted, key, slug};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
 use crate::{Section, Table};
+use page::words::{counted, key, slug};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;

@@ -3,9 +3,9 @@
 use common::ResidualSeries;
 
 use super::clock::Clock;
-use super::words::{key, slug};
 use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
+use page::words::{key, slug};
 
 /// Where what is left spans less than this share of what there was, it also has a plot of its own.
 const FLAT: f64 = 0.4;

@@ -4,9 +4,9 @@ use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
 use super::departures;
 use super::effects::{self, findings};
-use super::words::counted;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
+use page::words::counted;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
@@ -58,7 +58,7 @@ pub fn section(document: &Document) -> Option<Section> {
         let Some(fit) = fit else { continue };
         section.warnings.extend(findings(&name, &fit.findings, &effects::sensors::SENSITIVITY, sensor));
         for (key, budget) in &fit.uncertainty {
-            let (words, unit) = super::words::key(key);
+            let (words, unit) = page::words::key(key);
             budgets.row([
                 name.as_str().into(),
                 words.into(),

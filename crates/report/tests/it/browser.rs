@@ -2,8 +2,9 @@
 //! phone's width. Needs the browser: `just browser`.
 
 use common::Document;
-use report::conformity::Spec;
-use report::{Options, html};
+use conformity::Spec;
+use page::html;
+use report::Options;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs;

@@ -2,7 +2,7 @@
 //! of the first. The programs must be built.
 
 use common::{Axis, Document};
-use report::conformity::{self, Spec};
+use conformity::Spec;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 

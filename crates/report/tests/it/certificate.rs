@@ -1,8 +1,8 @@
 //! The certificate: as it stands, what is blank, what is pointed out, and its results against the document.
 
+use certificate::{Asked, Sheet};
 use common::{Certificate, Document};
-use report::certificate::{self, Asked, Sheet};
-use report::conformity::Spec;
+use conformity::Spec;
 use roxmltree::{Document as Xml, ParsingOptions};
 use serde_json::{Value, json};
 use std::fs;
@@ -32,12 +32,19 @@ fn golden() {
     let schema = jsonschema::validator_for(&common::schema::document()).expect("a schema");
     assert!(schema.is_valid(&complete));
     let document = Document::parse(&complete.to_string()).expect("a document");
-    let asked = Asked { document_sha256: Some("0f"), spec: Some((&spec, Some("1e"))), ..Asked::default() };
+    let findings = report::findings(&document);
+    let asked = Asked {
+        document_sha256: Some("0f"),
+        findings: &findings,
+        spec: Some((&spec, Some("1e"))),
+        ..Asked::default()
+    };
     let complete = certificate::run(&document, &asked).expect("a certificate");
     assert_eq!((complete.blank(), &complete.notes), (Vec::new(), &Vec::new()));
     let document =
         Document::parse(&testkit::read_fixture("scalarcal/meadow/expected.json")).expect("a document");
-    let asked = Asked { document_sha256: Some("0f"), ..Asked::default() };
+    let findings = report::findings(&document);
+    let asked = Asked { document_sha256: Some("0f"), findings: &findings, ..Asked::default() };
     let blank = certificate::run(&document, &asked).expect("a certificate");
     assert_eq!(blank.blank().len(), 25, "{:?}", blank.blank());
     for (name, sheet) in [("magsat.html", complete), ("blank.html", blank)] {

@@ -1,8 +1,9 @@
 //! The statement of conformity: against numbers made in SciPy, by hand, and as it stands.
 
 use common::{Axis, Document};
-use report::conformity::{self, Judged, RequirementKind, Shown, ShownValue, Spec, Verdict};
-use report::{Page, text};
+use conformity::{Judged, RequirementKind, Shown, ShownValue, Spec, Verdict};
+use page::text;
+use report::Page;
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

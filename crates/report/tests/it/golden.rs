@@ -2,7 +2,8 @@
 //! before it is kept.
 
 use common::Document;
-use report::{Options, html, text};
+use page::{html, text};
+use report::Options;
 use std::fs;
 
 #[test]

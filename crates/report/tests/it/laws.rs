@@ -4,7 +4,8 @@
 //! to show, which golden pages hold.
 
 use common::Document;
-use report::{Options, text};
+use page::text;
+use report::Options;
 use serde_json::Value;
 use testkit::laws;
 

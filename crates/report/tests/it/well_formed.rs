@@ -1,7 +1,8 @@
 //! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads somewhere.
 
 use common::Document;
-use report::{Item, Options, Page, html, text};
+use page::{html, text};
+use report::{Item, Options, Page};
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 use std::collections::HashSet;
 

@@ -2,7 +2,6 @@
 
 use common::{AxesCalibration, AxesDirections, Axis, DoubtfulReading};
 
-use super::super::axes_map::direction;
 use super::{LEFT_OUT, NOT_SHOWN, Rule, UNCERTAINTY, before, largest};
 use crate::Effect;
 
@@ -58,7 +57,7 @@ fn without_weight(axes: &AxesCalibration) -> Option<f64> {
 /// The largest turn of a coil from where it was known to be.
 fn turned(axes: &AxesCalibration) -> Option<f64> {
     let (found, known) = (axes.coils.as_ref()?, axes.known_coils.as_ref()?);
-    largest(Axis::ALL.into_iter().filter_map(|axis| angle(direction(found, axis)?, direction(known, axis)?)))
+    largest(Axis::ALL.into_iter().filter_map(|axis| angle(found.direction(axis)?, known.direction(axis)?)))
 }
 
 /// Between two unit vectors, arcsec.
@@ -72,7 +71,7 @@ fn off_nominal(directions: Option<&AxesDirections>, of: &str, words: &str) -> Op
     let directions = directions?;
     let axis = Axis::ALL.into_iter().find(|axis| words.contains(&format!("{of} {axis} ")))?;
     let nominal = Axis::ALL.map(|other| if other == axis { 1.0 } else { 0.0 });
-    angle(direction(directions, axis)?, nominal)
+    angle(directions.direction(axis)?, nominal)
 }
 
 #[cfg(test)]

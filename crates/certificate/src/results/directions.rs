@@ -1,0 +1,73 @@
+//! Directions of sensors or coils in their frame, and the angles between them.
+
+use common::{Axis, Document, uncertainty};
+use nalgebra::Vector3;
+
+use super::Expanded;
+use super::Sheet;
+use crate::expanded::NORMAL;
+use conformity::Joint;
+
+/// The tables of one set of directions, `sensors` or `coils`.
+pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, frame: &str) {
+    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let found =
+        axes.and_then(|axes| if of == "sensors" { axes.sensors.as_ref() } else { axes.coils.as_ref() });
+    let Some(found) = found else { return };
+    let one = of.trim_end_matches('s');
+    let known: Vec<(Axis, Vector3<f64>)> = Axis::ALL
+        .into_iter()
+        .filter_map(|axis| Some((axis, Vector3::from(found.direction(axis)?))))
+        .collect();
+    let paths = uncertainty::directions(of);
+    // Each standard uncertainty is here that of the normal distribution with the same 95 % interval.
+    let covariance = joint.covariance(&paths);
+    let own = axes.and_then(|axes| axes.fit.as_ref()).map(|fit| fit.coverage_factor_95);
+    let factor = joint.factor(&paths[0]).max(NORMAL);
+    let expanded = |value: f64, variance: f64| {
+        let std = (variance > 0.0).then(|| variance.sqrt() * NORMAL / factor);
+        Expanded::new(value, std, Some(factor))
+    };
+    let mut table = Expanded::table(&format!("Directions of the {of} in {frame}, as cosines"));
+    for (axis, unit) in &known {
+        for (row, name) in ["x", "y", "z"].iter().enumerate() {
+            let place = 3 * axis.index() + row;
+            let result = expanded(unit[row], covariance[place][place]);
+            result.row(&mut table, &format!("{one} {axis}, cosine with {name} of {frame}"), "1");
+        }
+    }
+    sheet.table(table);
+    let mut table = Expanded::table(&format!("Angles of the {of}"));
+    for (i, (a, first)) in known.iter().enumerate() {
+        for (b, second) in &known[i + 1..] {
+            let cosine = first.dot(second).clamp(-1.0, 1.0);
+            let across = (1.0 - cosine * cosine).sqrt();
+            // dθ = −(m_b · dm_a + m_a · dm_b)/sin θ.
+            let weight = |place: usize| match place / 3 {
+                of if of == a.index() => -second[place % 3] / across,
+                of if of == b.index() => -first[place % 3] / across,
+                _ => 0.0,
+            };
+            let row = |p: usize| (0..9).map(|q| covariance[p][q] * weight(q)).sum::<f64>();
+            let variance: f64 = (0..9).map(|p| weight(p) * row(p)).sum();
+            let degrees = 1f64.to_degrees();
+            let result = expanded(cosine.acos() * degrees, variance * degrees * degrees);
+            result.row(&mut table, &format!("between {one}s {a} and {b}"), "deg");
+        }
+    }
+    for (axis, angle) in found.off_nominal_arcsec.iter().flat_map(|all| all.iter()) {
+        Expanded::of(angle, own.or(Some(factor))).row(
+            &mut table,
+            &format!("{one} {axis}, off its nominal axis"),
+            "arcsec",
+        );
+    }
+    sheet.table(table);
+    let scalar = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
+    if of == "sensors" && scalar.is_some_and(|scalar| scalar.vector.is_none()) {
+        sheet.say(
+            "A common rotation of all sensors is not observable from magnitude alone: SEN is the frame in which they are nearest to their nominal axes. \
+             The angles between the sensors do not depend on that.",
+        );
+    }
+}
