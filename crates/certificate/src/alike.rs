@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn the_keys_are_those_of_the_schema() {
         let schema: Value =
-            serde_json::from_str(include_str!("../../../../schemas/document.schema.json")).expect("JSON");
+            serde_json::from_str(include_str!("../../../schemas/document.schema.json")).expect("JSON");
         for (name, keys) in [
             ("Certificate", &TOP[..]),
             ("Party", &PARTY),
