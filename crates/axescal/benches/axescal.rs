@@ -45,7 +45,8 @@ fn whole_stage(bencher: divan::Bencher) {
     bencher.bench(|| axescal::run(document.clone(), &Options::default()).expect("a result"));
 }
 
-/// 10 000 campaigns of seven orientations with theodolite corrections, on all cores: each from the minimum of one of them.
+/// 10 000 campaigns of seven orientations with theodolite corrections, on all cores: each from the minimum of
+/// one of them.
 #[divan::bench(sample_count = 3)]
 fn monte_carlo_10_000(bencher: divan::Bencher) {
     let mut observations = observations();

@@ -42,7 +42,8 @@ pub(crate) struct Place {
     pub orientation: usize,
 }
 
-/// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are subtracted, so that each is fitted once.
+/// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are
+/// subtracted, so that each is fitted once.
 #[derive(Default)]
 pub(crate) struct Fits {
     sines: RefCell<HashMap<(usize, String), Sine>>,
@@ -191,10 +192,10 @@ fn quantiser(
 
 /// Takes each sensor's phase off its phasors and adds the amplitudes to the readings.
 ///
-/// A sensor answers every field of one frequency with the same phase φ: z = e^(iφ) b B_c, b real, B_c the coils'
-/// phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where coils in phase were not each the main one) lies on one line
-/// through zero, and φ = ½ arg Σ (z B_c⁻¹)². Coils out of phase with each other make the imaginary part of z e^(−iφ) a
-/// reading of its own, with the imaginary part of the drive.
+/// A sensor answers every field of one frequency with the same phase φ: z = e^(iφ) b B_c, b real, B_c the
+/// coils' phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where coils in phase were not each the main one)
+/// lies on one line through zero, and φ = ½ arg Σ (z B_c⁻¹)². Coils out of phase with each other make the
+/// imaginary part of z e^(−iφ) a reading of its own, with the imaginary part of the drive.
 pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error> {
     let mut frequencies: Vec<f64> = runs.iter().map(|run| run.hz).collect();
     frequencies.sort_by(f64::total_cmp);
@@ -245,7 +246,8 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error
     Ok(())
 }
 
-/// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is σ/√Σ|z|².
+/// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is
+/// σ/√Σ|z|².
 fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Result<PhaseResult, Error> {
     let mut orientations: Vec<usize> = phasors.iter().map(|(run, ..)| run.orientation).collect();
     orientations.sort_unstable();
@@ -264,8 +266,8 @@ fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Resu
                 "coils out of phase in fewer than three independent runs of an orientation: the phase of sensor {sensor} cannot be separated from the coils'. Drive the coils in phase, or each in turn as the main one (\"{hz} Hz\")"
             )));
         }
-        // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped: with coils in
-        // phase it is real but for the sensor's phase, whatever the rank.
+        // Minimum-norm solution of drive · b = answers through the normal equations, lightly damped: with
+        // coils in phase it is real but for the sensor's phase, whatever the rank.
         let damping = DMatrix::identity(3, 3) * Complex::new(1e-12 * size, 0.0);
         if let Some(inverse) = (normal + damping).try_inverse() {
             let answer = inverse * (drive.adjoint() * answers);

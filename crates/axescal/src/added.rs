@@ -7,7 +7,8 @@ use physics::{EffectInstance, LeftOut, References, Setting};
 
 use crate::Error;
 
-/// What effects add to the readings of the recordings, nT along each sensor; a recording without any has no rows.
+/// What effects add to the readings of the recordings, nT along each sensor; a recording without any has no
+/// rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Added {
     recordings: Vec<Vec<Vector3<f64>>>,
@@ -63,7 +64,8 @@ impl Places {
         self.positions_m.is_some() && (self.gradient_nt_per_m_a != Vector3::zeros() || self.uncertain)
     }
 
-    /// The same moved by one standard uncertainty of each number that is stated with one: its path, the uncertainty, what it becomes.
+    /// The same moved by one standard uncertainty of each number that is stated with one: its path, the
+    /// uncertainty, what it becomes.
     pub fn moved(&self, document: &Document) -> Vec<(String, f64, Self)> {
         let mut all = Vec::new();
         if !self.act() {
@@ -99,8 +101,8 @@ pub(crate) fn effects(document: &Document) -> Result<Vec<EffectInstance>, Error>
     Ok(all.into_iter().filter(acts).collect())
 }
 
-/// The reading with the effects and the gradients less the reading without, as field, for sensors and coils in these directions; None: as
-/// the document states them.
+/// The reading with the effects and the gradients less the reading without, as field, for sensors and coils
+/// in these directions; None: as the document states them.
 pub(crate) fn added(
     document: &Document,
     effects: &[EffectInstance],

@@ -15,7 +15,8 @@ pub(crate) fn drive(document: &Document, coil: Axis) -> By {
     uncertainty::drive(document, coil, constant(document, coil), mine)
 }
 
-/// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None where none is stated.
+/// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None
+/// where none is stated.
 pub(crate) fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
     let covariance = joint.covariance_by(&drive(document, coil));
     let std = |which: usize| Some(covariance[which][which].sqrt()).filter(|std| *std > 0.0);

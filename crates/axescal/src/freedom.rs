@@ -64,8 +64,9 @@ pub(crate) fn residual_field_std(document: &Document) -> Option<f64> {
 /// Uncertainties of constants below this are as good as none, nT.
 const NEGLIGIBLE_NT: f64 = 1e-9;
 
-/// Whether in some orientation the drives read by a sensor tell a constant from a field in proportion to the drive:
-/// zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives alone.
+/// Whether in some orientation the drives read by a sensor tell a constant from a field in proportion to the
+/// drive: zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives
+/// alone.
 pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
     let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
     let driven = |axis: Axis| f64::from(observations.coils.contains(&axis));

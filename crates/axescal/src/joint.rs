@@ -1,9 +1,10 @@
-//! What the directions owe to what was known before: the constants of coils and sensors, resistor and voltmeter, the effects of
-//! the model.
+//! What the directions owe to what was known before: the constants of coils and sensors, resistor and
+//! voltmeter, the effects of the model.
 //!
-//! The fit holds an unknown u with prior knowledge to zero by the weight P. Where the truth is x instead, all unknowns err by −C P x. A
-//! constant of the document that errs by δ makes x = δ ∂x/∂constant, so its sources move the directions by −C P ∂x/∂constant. What
-//! the prior adds to C by its row of the fit is left out for that, so that sources bring it in with all that they have in common.
+//! The fit holds an unknown u with prior knowledge to zero by the weight P. Where the truth is x instead, all
+//! unknowns err by −C P x. A constant of the document that errs by δ makes x = δ ∂x/∂constant, so its sources
+//! move the directions by −C P ∂x/∂constant. What the prior adds to C by its row of the fit is left out for
+//! that, so that sources bring it in with all that they have in common.
 
 use common::uncertainty::{self, Block, By};
 use common::{Axis, Document, PerAxis, Quantity, Uncertainty};
@@ -14,14 +15,15 @@ use crate::drive::{constant, drive};
 use crate::unknowns::Unknown;
 use crate::{AxesProblem, AxesState, Error, Observations, Solution, directions};
 
-/// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns err with parameters of the document.
+/// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns
+/// err with parameters of the document.
 pub(crate) struct Split {
     own: Mat<f64>,
     by: By,
 }
 
-/// Splits the covariance of a solution and restates it with all that the sources have in common; `by_effects` is how the unknowns
-/// err with the parameters of the model.
+/// Splits the covariance of a solution and restates it with all that the sources have in common; `by_effects`
+/// is how the unknowns err with the parameters of the model.
 pub(crate) fn restate(
     document: &Document,
     observations: &Observations,
@@ -82,7 +84,8 @@ fn truths(document: &Document, (observations, state): (&Observations, &AxesState
     }
 }
 
-/// Takes the directions, and the constants that were found with them, into the joint uncertainty of the document.
+/// Takes the directions, and the constants that were found with them, into the joint uncertainty of the
+/// document.
 pub(crate) fn adopt(
     document: &mut Document,
     observations: &Observations,
@@ -136,8 +139,8 @@ pub(crate) fn adopt(
     Ok(())
 }
 
-/// The offsets and the components of the residual field that were written: their paths, the unknowns, and the signs with which the
-/// unknowns' errors are theirs.
+/// The offsets and the components of the residual field that were written: their paths, the unknowns, and the
+/// signs with which the unknowns' errors are theirs.
 fn constants(document: &Document) -> Vec<(String, Unknown, f64)> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let written = |each: Option<&PerAxis<Quantity>>| -> Vec<Axis> {

@@ -1,13 +1,13 @@
 //! Directions of the sensors in SEN and of the coils in GEO, in arcseconds.
 //!
-//! The recordings give, for orientations γ of the sensor block, M = μᵀ R(γ) (η B_c + e) + o (NASA eq. 12 and 30)
-//! with B_c the full field along the coils, e the field left in GEO, o the offsets left of the sensors.
+//! The recordings give, for orientations γ of the sensor block, M = μᵀ R(γ) (η B_c + e) + o (NASA eq. 12 and
+//! 30) with B_c the full field along the coils, e the field left in GEO, o the offsets left of the sensors.
 //! [`run`] finds μ and η by Gauss-Newton on unit spheres, together with whatever else the recordings show or
 //! the document states with an uncertainty: e, o, small corrections of each R, scales.
 //!
-//! [`design`] takes the derivatives of one orientation from the same problem. Informations of orientations add;
-//! what theodolites leave open is eliminated from each (Schur complement), and scales, offsets and the residual field stay in with
-//! their priors.
+//! [`design`] takes the derivatives of one orientation from the same problem. Informations of orientations
+//! add; what theodolites leave open is eliminated from each (Schur complement), and scales, offsets and the
+//! residual field stay in with their priors.
 
 mod ac;
 mod added;

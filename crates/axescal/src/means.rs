@@ -1,5 +1,5 @@
-//! Readings of one drive count as their mean where noise with memory is declared: neighbours err together, and so do means that
-//! follow each other.
+//! Readings of one drive count as their mean where noise with memory is declared: neighbours err together,
+//! and so do means that follow each other.
 
 use common::Noise;
 use nalgebra::{DMatrix, Vector3};
@@ -11,7 +11,8 @@ use crate::Observations;
 const SAME_DRIVE: f64 = 1e-3;
 /// Of more drives than this in one recording, each reading counts by itself.
 const MOST_DRIVES: usize = 400;
-/// Terms of the series for the rounding that readings of one drive have in common; each falls with the square of its number.
+/// Terms of the series for the rounding that readings of one drive have in common; each falls with the square
+/// of its number.
 const TERMS: usize = 40;
 
 /// The readings of one block and the Cholesky root of their correlation.
@@ -23,7 +24,8 @@ pub(crate) struct Block {
     pub root: DMatrix<f64>,
 }
 
-/// Rows of one drive each, one after the other, and the covariance of their means; None where each row counts by itself.
+/// Rows of one drive each, one after the other, and the covariance of their means; None where each row counts
+/// by itself.
 pub(crate) fn means(
     noises: &[&Noise],
     time_s: Option<&[f64]>,
@@ -65,9 +67,9 @@ pub(crate) fn means(
     Some((drives, covariance))
 }
 
-/// Variance of the mean of n readings of one field by rounding to codes of width q, where white noise σ comes before the converter:
-/// c + (q²/12 − c)/n. Their rounding has the covariance c = Σ q²/(2π²k²) exp(−4π²k²σ²/q²) in common, over all fields (B. Widrow and
-/// I. Kollár, Quantization Noise, 2008, ch. 15).
+/// Variance of the mean of n readings of one field by rounding to codes of width q, where white noise σ comes
+/// before the converter: c + (q²/12 − c)/n. Their rounding has the covariance c = Σ q²/(2π²k²)
+/// exp(−4π²k²σ²/q²) in common, over all fields (B. Widrow and I. Kollár, Quantization Noise, 2008, ch. 15).
 fn rounding(code: f64, white: f64, count: usize) -> f64 {
     if code <= 0.0 {
         return 0.0;
@@ -104,7 +106,8 @@ pub(crate) fn blocks(all: &Observations) -> Vec<Block> {
     blocks
 }
 
-/// Takes what readings have in common out of a column over the readings, each in units of its own standard deviation: L⁻¹ of each block.
+/// Takes what readings have in common out of a column over the readings, each in units of its own standard
+/// deviation: L⁻¹ of each block.
 pub(crate) fn whiten(blocks: &[Block], mut get: impl FnMut(usize) -> f64, mut set: impl FnMut(usize, f64)) {
     for Block { first, root } in blocks {
         let mut white = Vec::with_capacity(root.nrows());

@@ -11,8 +11,8 @@ use crate::means::{self, Block};
 use crate::unknowns::{KnownCoils, Unknown};
 use crate::{AxesState, Freedom, NoiseFactors, Observation, Observations};
 
-/// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation and free of what they have in
-/// common, followed by one row of prior knowledge for each unknown that has any.
+/// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation and
+/// free of what they have in common, followed by one row of prior knowledge for each unknown that has any.
 pub struct AxesProblem<'a> {
     /// The readings.
     pub observations: &'a Observations,
@@ -125,7 +125,8 @@ impl<'a> AxesProblem<'a> {
         self.observations.readings.len() + self.priors.len()..self.rows()
     }
 
-    /// Takes what the errors of readings have in common out of a column over them, each in units of its own standard deviation.
+    /// Takes what the errors of readings have in common out of a column over them, each in units of its own
+    /// standard deviation.
     pub(crate) fn whiten(&self, column: &mut [f64]) {
         let given = column.to_vec();
         means::whiten(&self.blocks, |row| given[row], |row, value| column[row] = value);
@@ -155,7 +156,8 @@ impl<'a> AxesProblem<'a> {
         }
     }
 
-    /// The prediction of a reading, nT, and its derivatives by the unknowns, handed to `derivative` one by one.
+    /// The prediction of a reading, nT, and its derivatives by the unknowns, handed to `derivative` one by
+    /// one.
     fn predict(
         &self,
         state: &AxesState,

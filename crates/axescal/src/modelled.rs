@@ -1,5 +1,6 @@
-//! The effects of the document's model, and the known gradients of the coils at the sensors' places: what they add to the readings is
-//! taken off before the directions are sought, and what is uncertain about them is in the uncertainty of the directions.
+//! The effects of the document's model, and the known gradients of the coils at the sensors' places: what
+//! they add to the readings is taken off before the directions are sought, and what is uncertain about them
+//! is in the uncertainty of the directions.
 
 use common::number::significant;
 use common::uncertainty::{self, By};
@@ -15,8 +16,8 @@ use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, ac
 /// Words for what the gradients add.
 const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
 
-/// Rounds in which directions and effects settle: what effects add is some 10⁻⁴ of the field, and so is what the second round
-/// leaves of what the first one had wrong.
+/// Rounds in which directions and effects settle: what effects add is some 10⁻⁴ of the field, and so is what
+/// the second round leaves of what the first one had wrong.
 const ROUNDS: usize = 2;
 
 /// Readings without what the model's effects add to them, and the directions that follow from them.
@@ -65,8 +66,8 @@ struct Taken<'a> {
 }
 
 impl Taken<'_> {
-    /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each unit, Δ the change of the
-    /// readings.
+    /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
+    /// unit, Δ the change of the readings.
     fn by(&self, observations: &Observations, solution: &Solution) -> Result<By, Error> {
         let adopted: Vec<&AdoptedEffect> =
             self.document.model.iter().flat_map(|model| &model.effects).collect();

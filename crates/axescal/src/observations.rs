@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, Vector3};
 use physics::Unit;
 use physics::frames::Orientation;
 
-/// Factors on the standard deviations of readings: of those with constant drives, and of amplitudes of AC runs.
+/// Factors on the standard deviations of readings: of those with constant drives, and of amplitudes of AC
+/// runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseFactors {
     /// Constant drives.
@@ -29,8 +30,8 @@ impl NoiseFactors {
     }
 }
 
-/// One reading of one sensor, or the mean of those of one drive; an AC run gives one for each sensor, its amplitude in phase with
-/// the drive.
+/// One reading of one sensor, or the mean of those of one drive; an AC run gives one for each sensor, its
+/// amplitude in phase with the drive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// Number of its orientation in [`Observations::orientations`].

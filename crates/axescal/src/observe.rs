@@ -159,8 +159,8 @@ fn sensors(
     Ok(sensors)
 }
 
-/// Readings of a recording with constant drives: row by row, or drive by drive where noise with memory is declared. A missing reading
-/// takes out itself alone.
+/// Readings of a recording with constant drives: row by row, or drive by drive where noise with memory is
+/// declared. A missing reading takes out itself alone.
 fn rows(
     document: &Document,
     recording: usize,
@@ -229,7 +229,8 @@ fn rows(
     }
 }
 
-/// The noise that is declared for a sensor, and with it that of the field in the coils; nothing where that of the sensor is not.
+/// The noise that is declared for a sensor, and with it that of the field in the coils; nothing where that of
+/// the sensor is not.
 fn declared(document: &Document, sensor: Axis) -> Vec<&Noise> {
     let own = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
     let field = document.facility.as_ref().and_then(|facility| facility.noise.as_ref());

@@ -15,7 +15,8 @@ struct Unconstrained<'a> {
     observations: &'a Observations,
     /// R of each orientation, corrected.
     rotations: Vec<Matrix3<f64>>,
-    /// What the coil makes in each reading, by the constrained fit: the reading less constants and offset, nT.
+    /// What the coil makes in each reading, by the constrained fit: the reading less constants and offset,
+    /// nT.
     values_nt: Vec<f64>,
     noise: NoiseFactors,
 }

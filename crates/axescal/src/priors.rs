@@ -1,8 +1,8 @@
 //! Constants that the readings contradict.
 //!
-//! A stated uncertainty that is too small would bend the directions, and in the end the noise with them. So each
-//! prior is held against what the readings alone say of it: its residual over √(1 − h) is a standard normal number
-//! when the statement is true. A constant that is beyond chance is left free, and said.
+//! A stated uncertainty that is too small would bend the directions, and in the end the noise with them. So
+//! each prior is held against what the readings alone say of it: its residual over √(1 − h) is a standard
+//! normal number when the statement is true. A constant that is beyond chance is left free, and said.
 
 use common::number::significant;
 use estimate::{Fit, Options as Iteration, Problem, stats};

@@ -129,8 +129,8 @@ fn name_axis(axis: &Vector3<f64>) -> String {
     format!("({})", [0, 1, 2].map(|k| fixed(axis[k] * sign, 2)).join(", "))
 }
 
-/// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out. Of the turns
-/// that do, those are named that leave the directions almost as certain as the best.
+/// Which turn of the block, by 90° from the first orientation, would show what is unseen: tried out. Of the
+/// turns that do, those are named that leave the directions almost as certain as the best.
 fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, turns: usize) -> String {
     let quarter = std::f64::consts::FRAC_PI_2;
     let tried: Vec<(Axis, Gain)> = Axis::ALL
@@ -156,7 +156,8 @@ fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, tur
     }
 }
 
-/// What one more orientation would give: the rank of the directions and the largest standard deviation, relative.
+/// What one more orientation would give: the rank of the directions and the largest standard deviation,
+/// relative.
 struct Gain {
     rank: usize,
     worst: f64,

@@ -19,7 +19,8 @@ use crate::{
 const CHI_SQUARED_P: f64 = 1e-3;
 /// Singular values below this share of the largest are held still where the iteration wanders along them.
 const COARSE_RANK: f64 = 1e-3;
-/// A robust scale is not taken for the declared one beyond this over √(degrees of freedom): some four standard deviations.
+/// A robust scale is not taken for the declared one beyond this over √(degrees of freedom): some four
+/// standard deviations.
 const ROBUST_EXCESS: f64 = 4.0;
 /// A reading of less weight than this is left out.
 const NO_WEIGHT: f64 = 1e-2;
@@ -31,7 +32,8 @@ const ROUNDS: usize = 30;
 const SETTLED: f64 = 1e-5;
 /// Rounding of a reading, as a share of the largest.
 const ROUNDING: f64 = 1e-13;
-/// Noise of a fair reading, as a share of the drive: with it, a direction that is still unknown is so for its orientations.
+/// Noise of a fair reading, as a share of the drive: with it, a direction that is still unknown is so for its
+/// orientations.
 const GOOD_NOISE: f64 = 1e-4;
 /// A direction that is known to no better than this is not known, rad.
 const LARGEST_STD: f64 = 3600.0 * ARCSEC;
@@ -55,7 +57,8 @@ pub struct Solution {
     pub chi_squared: Option<(f64, f64)>,
     /// Degrees of freedom left.
     pub degrees_of_freedom: f64,
-    /// Degrees of freedom of the noise where it was taken from the scatter of the readings; infinite where it is known.
+    /// Degrees of freedom of the noise where it was taken from the scatter of the readings; infinite where it
+    /// is known.
     pub noise_freedom: f64,
     /// Factor from a standard uncertainty to a 95 % interval.
     pub coverage_factor: f64,
@@ -187,8 +190,8 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     })
 }
 
-/// The plain fit. Where a combination of turns is all but unseen, the iteration may wander along it; then it is held
-/// still, so that what is wrong can be said.
+/// The plain fit. Where a combination of turns is all but unseen, the iteration may wander along it; then it
+/// is held still, so that what is wrong can be said.
 fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesState>, Error> {
     match estimate::solve(problem, start.clone(), None, &Iteration::default()) {
         Err(estimate::Error::NotConverged { .. }) => {
@@ -305,7 +308,8 @@ fn estimated(
     Ok(Estimate { scale: robust_scale.unwrap_or(spread.scale()), fit, weights, spread })
 }
 
-/// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its covariance.
+/// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its
+/// covariance.
 fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<AxesState>, Error> {
     let (residual, jacobian) = estimate::linearised(problem, &fit.state);
     let svd = estimate::Svd::of(jacobian.as_ref(), Iteration::default().rank_tolerance)?;
@@ -313,8 +317,8 @@ fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<Axes
     Ok(Fit { residual, jacobian, svd, cost, ..fit })
 }
 
-/// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are to blame,
-/// else because the readings do not fit.
+/// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are
+/// to blame, else because the readings do not fit.
 fn check_certainty(
     problem: &AxesProblem<'_>,
     freedom: &Freedom,

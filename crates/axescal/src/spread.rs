@@ -1,5 +1,5 @@
-//! How much readings scatter about a fit: all of them, or those with constant drives and the amplitudes of AC runs apart, whose
-//! standard deviations come from different sources.
+//! How much readings scatter about a fit: all of them, or those with constant drives and the amplitudes of AC
+//! runs apart, whose standard deviations come from different sources.
 
 use estimate::{Fit, stats};
 

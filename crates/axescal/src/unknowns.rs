@@ -14,7 +14,8 @@ pub struct Freedom {
     pub coil_scale: [Option<f64>; 3],
     /// Whether each orientation may turn within its theodolites' uncertainty.
     pub orientations: bool,
-    /// Standard uncertainty of each component of the residual field (GEO), nT; infinite: free; None: taken as zero.
+    /// Standard uncertainty of each component of the residual field (GEO), nT; infinite: free; None: taken as
+    /// zero.
     pub residual_field: Option<[f64; 3]>,
     /// Standard uncertainty of each sensor's remaining offset, nT; infinite: free; None: taken as zero.
     pub offsets: [Option<f64>; 3],
@@ -50,7 +51,8 @@ impl Freedom {
 pub struct KnownCoils {
     /// Unit vectors in GEO.
     pub directions: [Vector3<f64>; 3],
-    /// W with Wᵀ W = inverse covariance of the turns along the tangents of the driven coils, in order; None: exact.
+    /// W with Wᵀ W = inverse covariance of the turns along the tangents of the driven coils, in order; None:
+    /// exact.
     pub whitening: Option<DMatrix<f64>>,
 }
 

@@ -10,8 +10,8 @@ use crate::blocks::Blocks;
 const PIECES: usize = 24;
 const PARTS: usize = 6;
 
-/// Nothing chosen agrees, names explain, smooth structure alone is unexplained. A method that knows no probability prints none; what
-/// a diagnosis must hold besides (`p_adjusted`) is one.
+/// Nothing chosen agrees, names explain, smooth structure alone is unexplained. A method that knows no
+/// probability prints none; what a diagnosis must hold besides (`p_adjusted`) is one.
 pub fn diagnosis(dictionary: &Dictionary, choice: &Choice) -> Result<Diagnosis, Error> {
     let chosen = || choice.groups.iter().map(|group| &dictionary.groups[*group]);
     let effects: Vec<ExplainedEffect> = chosen()

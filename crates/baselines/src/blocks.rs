@@ -1,4 +1,5 @@
-//! Products of columns in pieces of time, of which samples of the rows are put together without going through the rows again.
+//! Products of columns in pieces of time, of which samples of the rows are put together without going through
+//! the rows again.
 
 use diagnose::{Dictionary, Error};
 use faer::{Mat, MatRef, Side};
@@ -33,7 +34,8 @@ pub struct Sample {
 }
 
 impl Blocks {
-    /// Of sums of a dictionary's columns in pieces of equally many moments, one after the other; the sensors of a moment stay together.
+    /// Of sums of a dictionary's columns in pieces of equally many moments, one after the other; the sensors
+    /// of a moment stay together.
     pub fn of(dictionary: &Dictionary, columns: &[Combination], pieces: usize) -> Self {
         let base = dictionary.base.ncols();
         let width = base + columns.len() + 1;
@@ -109,8 +111,8 @@ impl Blocks {
         })
     }
 
-    /// Sum of squares of the readings when calibration and columns are fitted to all, and of those of each part predicted from the others;
-    /// piece after piece is dealt out to the parts.
+    /// Sum of squares of the readings when calibration and columns are fitted to all, and of those of each
+    /// part predicted from the others; piece after piece is dealt out to the parts.
     ///
     /// # Errors
     ///

@@ -1,11 +1,14 @@
-//! SINDy's ensemble: thresholded least squares on bags of the rows; what most bags keep is chosen, its coefficients are their medians.
+//! SINDy's ensemble: thresholded least squares on bags of the rows; what most bags keep is chosen, its
+//! coefficients are their medians.
 //!
-//! Source: Fasel, Kutz, Brunton & Brunton 2022, Ensemble-SINDy, Proc. R. Soc. A 478, 20210904; PySINDy's `EnsembleOptimizer`, de Silva et
-//! al. 2020, JOSS 5, 2104. Bags are drawn with replacement, as many pieces of time as there are; threshold and ridge are those of the
-//! least extended Bayesian information criterion on all rows.
+//! Source: Fasel, Kutz, Brunton & Brunton 2022, Ensemble-SINDy, Proc. R. Soc. A 478, 20210904; PySINDy's
+//! `EnsembleOptimizer`, de Silva et al. 2020, JOSS 5, 2104. Bags are drawn with replacement, as many pieces
+//! of time as there are; threshold and ridge are those of the least extended Bayesian information criterion
+//! on all rows.
 //!
-//! Its threshold is on single coefficients, which mean nothing where columns run together. So of each grid it has the value that explains
-//! most by itself, and it goes without smooth structure, of which every name has a part: with it, far fewer names were right.
+//! Its threshold is on single coefficients, which mean nothing where columns run together. So of each grid it
+//! has the value that explains most by itself, and it goes without smooth structure, of which every name has
+//! a part: with it, far fewer names were right.
 
 use diagnose::{Dictionary, Error};
 use estimate::screen::Screen;
@@ -66,7 +69,8 @@ pub fn choose(dictionary: &Dictionary, screen: &Screen, seed: u64) -> Result<Cho
     Ok(Choice { groups, columns, reasons })
 }
 
-/// The columns of each name at the value of its grid that explains most by itself, each of mean square one, and the group of each.
+/// The columns of each name at the value of its grid that explains most by itself, each of mean square one,
+/// and the group of each.
 fn library(dictionary: &Dictionary, screen: &Screen) -> Result<(Vec<usize>, Reduced), Error> {
     let (mut owners, mut reduced) = (Vec::new(), Reduced { groups: Vec::new(), columns: Vec::new() });
     for (number, group) in dictionary.groups.iter().enumerate().filter(|(_, g)| g.effect.is_some()) {

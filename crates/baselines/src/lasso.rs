@@ -4,7 +4,8 @@
 //! min over β of  1/(2n) |y − X β|² + λ Σ √r_g |β_g|
 //! ```
 //!
-//! with r_g the columns of group g. Source: Yuan & Lin 2006, Model selection and estimation in regression with grouped variables, JRSS B 68,
+//! with r_g the columns of group g. Source: Yuan & Lin 2006, Model selection and estimation in regression
+//! with grouped variables, JRSS B 68,
 //! 49. Group after group goes to the minimum of a bound of the first term that is the same in all directions of the group. Source: Yang
 //! & Zou 2015, A fast unified algorithm for solving group-lasso penalized learning problems, Stat. Comput. 25, 1129.
 
@@ -32,7 +33,8 @@ pub struct Lasso<'s> {
     steep: Vec<f64>,
 }
 
-/// Where a descent stands: the coefficients, and the products of the columns with what is left, over the rows.
+/// Where a descent stands: the coefficients, and the products of the columns with what is left, over the
+/// rows.
 #[derive(Clone, Debug)]
 struct At {
     coefficients: Vec<f64>,
@@ -84,7 +86,8 @@ impl<'s> Lasso<'s> {
         most
     }
 
-    /// The minimum at a penalty, from where a descent stands: groups that are in until they stand, then all of them.
+    /// The minimum at a penalty, from where a descent stands: groups that are in until they stand, then all
+    /// of them.
     fn minimum(&self, at: &mut At, penalty: f64, tolerance: f64) {
         let largest = |at: &At| at.coefficients.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
         for _ in 0..ROUNDS {
@@ -107,7 +110,8 @@ impl<'s> Lasso<'s> {
         (0..self.groups.len()).filter(is_in).collect()
     }
 
-    /// The groups that come in at any penalty of a path from the heaviest down, as long as there are no more of them than some.
+    /// The groups that come in at any penalty of a path from the heaviest down, as long as there are no more
+    /// of them than some.
     pub fn first(&self, most: usize) -> BTreeSet<usize> {
         let (mut at, heaviest) = (self.begin(), self.heaviest());
         let mut found = BTreeSet::new();

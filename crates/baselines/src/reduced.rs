@@ -1,4 +1,5 @@
-//! The columns of each group as few that are orthonormal: lags of a grid and powers of a temperature run together.
+//! The columns of each group as few that are orthonormal: lags of a grid and powers of a temperature run
+//! together.
 //!
 //! Source: Simon & Tibshirani 2012, Standardization and the group lasso penalty, Statistica Sinica 22, 983.
 
@@ -19,7 +20,8 @@ pub const VISIBLE: f64 = 1e-9;
 pub struct Reduced {
     /// Those of each group of the dictionary; empty where the calibration leaves nothing of it.
     pub groups: Vec<Range<usize>>,
-    /// What each is made of: of mean square one over the rows when the calibration is projected out, and orthogonal within its group.
+    /// What each is made of: of mean square one over the rows when the calibration is projected out, and
+    /// orthogonal within its group.
     pub columns: Vec<Combination>,
 }
 

@@ -1,12 +1,14 @@
 //! Stability selection: what the group lasso chooses in most halves of the recordings.
 //!
-//! In each half the groups that come in first, up to q of them, are noted; those that come in in a share π of the halves are
-//! chosen. Of G groups, the expected number of those chosen that a half takes with no more than the mean probability q/G is at most
-//! q²/((2π − 1) G). Source: Meinshausen & Bühlmann 2010, Stability selection, JRSS B 72, 417; in pairs of halves that share no row, for
-//! which that holds without their assumption of exchangeability: Shah & Samworth 2013, Variable selection with error control, JRSS B 75, 55.
+//! In each half the groups that come in first, up to q of them, are noted; those that come in in a share π of
+//! the halves are chosen. Of G groups, the expected number of those chosen that a half takes with no more
+//! than the mean probability q/G is at most q²/((2π − 1) G). Source: Meinshausen & Bühlmann 2010, Stability
+//! selection, JRSS B 72, 417; in pairs of halves that share no row, for which that holds without their
+//! assumption of exchangeability: Shah & Samworth 2013, Variable selection with error control, JRSS B 75, 55.
 //!
-//! Halves are made of pieces of time and not of single rows, for noise has memory. What happens at one moment is in one half of a pair
-//! alone: of each group those halves count that hold it, and for such groups the bound is not proven.
+//! Halves are made of pieces of time and not of single rows, for noise has memory. What happens at one moment
+//! is in one half of a pair alone: of each group those halves count that hold it, and for such groups the
+//! bound is not proven.
 
 use diagnose::{Dictionary, Error};
 use estimate::screen::Screen;
@@ -30,7 +32,8 @@ const PAIRS: u64 = 50;
 const SHARE: f64 = 0.75;
 /// The bound on the expected number of false choices, from which q follows.
 const FALSE: f64 = 0.1;
-/// A sample in which the mean square of a group's columns is less than this share of what it is in all rows does not count for it.
+/// A sample in which the mean square of a group's columns is less than this share of what it is in all rows
+/// does not count for it.
 pub const HELD: f64 = 0.5;
 
 /// Chooses groups of a dictionary.
@@ -71,7 +74,8 @@ fn halves(seed: u64, pair: u64) -> [Vec<f64>; 2] {
     [first, second]
 }
 
-/// Whether the columns of each group, of mean square one over all rows, have a mean square of at least so much in a sample.
+/// Whether the columns of each group, of mean square one over all rows, have a mean square of at least so
+/// much in a sample.
 pub fn held(sample: &Sample, reduced: &Reduced, least: f64) -> Vec<bool> {
     let of = |group: &Range<usize>| {
         let squares: f64 = group.clone().map(|j| sample.gram[(j, j)]).sum();

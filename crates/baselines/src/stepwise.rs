@@ -1,7 +1,8 @@
-//! Stepwise regression: the form that lowers the criterion most comes in, any that raises it goes, until neither helps.
+//! Stepwise regression: the form that lowers the criterion most comes in, any that raises it goes, until
+//! neither helps.
 //!
-//! A form is all columns of a group at one value of its grid or at one moment, or one of these columns alone. Several forms of a group may
-//! come in.
+//! A form is all columns of a group at one value of its grid or at one moment, or one of these columns alone.
+//! Several forms of a group may come in.
 
 use diagnose::{Dictionary, Error};
 use estimate::screen::Screen;

@@ -1,7 +1,8 @@
 //! Sequentially thresholded least squares, from the products of the columns alone.
 //!
-//! Ridge regression on all columns; groups whose coefficients are below the threshold go, and the rest are fitted again, until none goes;
-//! these are fitted once more without the ridge. Source: Brunton, Proctor & Kutz 2016, PNAS 113, 3932; de Silva et al. 2020, PySINDy, JOSS 5,
+//! Ridge regression on all columns; groups whose coefficients are below the threshold go, and the rest are
+//! fitted again, until none goes; these are fitted once more without the ridge. Source: Brunton, Proctor &
+//! Kutz 2016, PNAS 113, 3932; de Silva et al. 2020, PySINDy, JOSS 5,
 //! 2104. A group of r columns goes when |β_g| < t √r: with one column a group, that is PySINDy's STLSQ.
 
 use faer::linalg::solvers::Solve;

@@ -15,7 +15,8 @@ use crate::Error;
 /// What programs are told besides, by the case.
 pub type Arguments = BTreeMap<String, Vec<String>>;
 
-/// Documents in `documents`, the answers of each build of a program in a folder that bears the program's digest.
+/// Documents in `documents`, the answers of each build of a program in a folder that bears the program's
+/// digest.
 #[derive(Clone, Debug)]
 pub struct Folder(PathBuf);
 
@@ -80,7 +81,8 @@ impl Folder {
         Ok(all)
     }
 
-    /// Runs a program on the document of a case, unless it has answered it, for no longer than a limit. Gives the seconds it took.
+    /// Runs a program on the document of a case, unless it has answered it, for no longer than a limit. Gives
+    /// the seconds it took.
     pub fn answer(&self, asked: &Asked<'_>, case: &str, answers: &Path) -> Result<f64, Error> {
         let (document, answer) = (self.document(case), answers.join(format!("{case}.json")));
         let taken = answers.join(format!("{case}.seconds"));
@@ -95,7 +97,8 @@ impl Folder {
         Ok(seconds)
     }
 
-    /// The answers to some cases, side by side on all cores; a program that fails has given none, which is its answer. Gives their folder.
+    /// The answers to some cases, side by side on all cores; a program that fails has given none, which is
+    /// its answer. Gives their folder.
     pub fn answer_all<'c>(
         &self,
         asked: &Asked<'_>,

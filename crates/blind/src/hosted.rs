@@ -42,7 +42,8 @@ impl<'o> Hosted<'o> {
         self.outcome.class == Class::Right
     }
 
-    /// Whether all parameters that are told of it hold; None where the name is not right or the truth has none to hold against.
+    /// Whether all parameters that are told of it hold; None where the name is not right or the truth has
+    /// none to hold against.
     pub fn sized(&self) -> Option<bool> {
         let off = &self.outcome.parameters;
         (!off.is_empty()).then(|| off.iter().all(|one| one.off.abs() <= HALF_95))

@@ -1,7 +1,7 @@
 //! Real recordings that show nothing, and what is concealed in them.
 //!
-//! A candidate is a host where diagnose says `agrees` of it as it came, before anything is injected. All that were tried stand in
-//! `hosts.json` beside the documents, with what diagnose said.
+//! A candidate is a host where diagnose says `agrees` of it as it came, before anything is injected. All that
+//! were tried stand in `hosts.json` beside the documents, with what diagnose said.
 
 use concealed::case::Case;
 use injected::{CANDIDATES, Candidate, Host, injected, untouched};

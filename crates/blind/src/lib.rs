@@ -1,8 +1,10 @@
-//! Cases of `concealed` made and sealed, answered by the programs as they are shipped, opened once and scored.
+//! Cases of `concealed` made and sealed, answered by the programs as they are shipped, opened once and
+//! scored.
 //!
-//! `steps` are the three runs: make, answer, score. `folder` has documents and answers, `seal` the digests of the truths and their opening,
-//! `verdict` an answer against its truth, `reliability` whether printed probabilities hold, `score` and `page` the rest. For development `tally`
-//! makes and scores at once, a line a case; with `--removed` the concealed effect is taken out of diagnose's catalogue. `hosts` asks diagnose
+//! `steps` are the three runs: make, answer, score. `folder` has documents and answers, `seal` the digests of
+//! the truths and their opening, `verdict` an answer against its truth, `reliability` whether printed
+//! probabilities hold, `score` and `page` the rest. For development `tally` makes and scores at once, a line
+//! a case; with `--removed` the concealed effect is taken out of diagnose's catalogue. `hosts` asks diagnose
 //! which real recordings show nothing before anything is added to them; `hosted` counts the results in those.
 
 mod arguments;

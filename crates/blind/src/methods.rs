@@ -1,4 +1,5 @@
-//! Other methods on the same documents: their answers stand beside those of diagnose, under the same seals, and are scored by the same code.
+//! Other methods on the same documents: their answers stand beside those of diagnose, under the same seals,
+//! and are scored by the same code.
 
 use std::path::Path;
 use std::time::Duration;
@@ -30,7 +31,8 @@ fn with<T>(
     of(&Asked { name: "baselines", arguments: &arguments, programs, limit: Duration::from_secs(LIMIT_S) })
 }
 
-/// Has each of them answer the documents of some cases. One that fails, or takes too long, has given no answer.
+/// Has each of them answer the documents of some cases. One that fails, or takes too long, has given no
+/// answer.
 pub fn answer<'c>(
     folder: &Folder,
     programs: &Programs,

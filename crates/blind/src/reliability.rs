@@ -1,5 +1,5 @@
-//! Whether printed probabilities hold: of the names given with some probability that share must be right, and intervals of some level must
-//! hold as often.
+//! Whether printed probabilities hold: of the names given with some probability that share must be right, and
+//! intervals of some level must hold as often.
 
 use std::collections::BTreeMap;
 
@@ -46,7 +46,8 @@ pub fn of_intervals<'o>(outcomes: impl Iterator<Item = &'o Outcome>) -> Vec<(f64
     LEVELS.map(|(level, half)| (level, Share::of(&off, |off| off.abs() <= half))).to_vec()
 }
 
-/// How often intervals of 95 % hold, parameter by parameter, and whether their uncertainties are stated as lower bounds; the farthest of each.
+/// How often intervals of 95 % hold, parameter by parameter, and whether their uncertainties are stated as
+/// lower bounds; the farthest of each.
 pub fn by_parameter<'o>(
     outcomes: impl Iterator<Item = &'o Outcome>,
 ) -> BTreeMap<(bool, &'o str), (Share, f64)> {
@@ -62,7 +63,8 @@ pub fn by_parameter<'o>(
     all
 }
 
-/// Mean of −ln of the probability that was given to what is true, over names; None where no name was given. ln 2 is a guess.
+/// Mean of −ln of the probability that was given to what is true, over names; None where no name was given.
+/// ln 2 is a guess.
 pub fn logarithmic_score<'o>(outcomes: impl Iterator<Item = &'o Outcome>) -> Option<f64> {
     let loss = |(p, right): &(f64, bool)| {
         let p = p.clamp(1.0 - SUREST, SUREST);

@@ -16,7 +16,8 @@ use crate::wilson::Share;
 pub struct Score {
     /// By set, seed and number.
     pub outcomes: Vec<Outcome>,
-    /// Those of effects in real recordings, and of the recordings themselves: no goal of the others counts them.
+    /// Those of effects in real recordings, and of the recordings themselves: no goal of the others counts
+    /// them.
     pub real: Vec<Outcome>,
     /// SHA-256 of the file of seals.
     pub seal: String,

@@ -1,8 +1,9 @@
 //! Truths are sealed before anything is answered, and opened once.
 //!
-//! A folder of cases holds the documents, what whoever answers is told besides (`arguments.json`), the digest of each truth (`seals.txt`) and the answers; the truths are in a file apart, which
-//! whoever answers need not have. The digest of `seals.txt` is the commitment. The first opening notes the digests of the answers that are
-//! there (`opened.json`); answers that come later are refused.
+//! A folder of cases holds the documents, what whoever answers is told besides (`arguments.json`), the digest
+//! of each truth (`seals.txt`) and the answers; the truths are in a file apart, which whoever answers need
+//! not have. The digest of `seals.txt` is the commitment. The first opening notes the digests of the answers
+//! that are there (`opened.json`); answers that come later are refused.
 
 use concealed::case::{Case, Truth};
 use std::collections::BTreeMap;
@@ -52,7 +53,8 @@ pub fn stored(folder: &Folder) -> Result<BTreeMap<String, String>, Error> {
 ///
 /// # Errors
 ///
-/// A truth that is not the one that was sealed; a document without an answer; answers that were not there when the truths were first opened.
+/// A truth that is not the one that was sealed; a document without an answer; answers that were not there
+/// when the truths were first opened.
 pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>, Error> {
     let texts: Truths = folder::value(truths)?;
     let stored = stored(folder)?;

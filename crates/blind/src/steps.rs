@@ -40,7 +40,8 @@ pub fn make(asked: &Make) -> Result<String, Error> {
     seal::commitment(&folder)
 }
 
-/// Has diagnose answer every document, and the methods beside it. What ends with an error, or takes too long, stands as an answer without a diagnosis.
+/// Has diagnose answer every document, and the methods beside it. What ends with an error, or takes too long,
+/// stands as an answer without a diagnosis.
 pub fn answer(asked: &Answer) -> Result<usize, Error> {
     let programs = Programs::find(asked.programs.as_deref())?;
     let folder = Folder::at(&asked.folder)?;

@@ -11,8 +11,8 @@ pub const HALF_95: f64 = 1.959_964;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Class {
-    /// All that was concealed is named, and nothing else; where nothing was, nothing is claimed; where the catalogue has no name, structure
-    /// is told and no name given.
+    /// All that was concealed is named, and nothing else; where nothing was, nothing is claimed; where the
+    /// catalogue has no name, structure is told and no name given.
     Right,
     /// What was concealed is among the effects that are indistinguishable, and nothing else is claimed.
     InSet,
@@ -132,8 +132,8 @@ fn named(effect: &Value) -> String {
     target.map_or_else(|| name.to_string(), |target| format!("{name} {target}"))
 }
 
-/// For each effect of an answer the names that are indistinguishable. The list of sets goes through the effects in order, and each begins with
-/// the effect's own name.
+/// For each effect of an answer the names that are indistinguishable. The list of sets goes through the
+/// effects in order, and each begins with the effect's own name.
 fn claims(entry: &Value) -> Vec<Vec<String>> {
     let effects = entry["effects"].as_array().map(|effects| effects.iter().map(named).collect::<Vec<_>>());
     let bare = |name: &str| name.split(" in \"").next().unwrap_or_default().to_string();
@@ -201,7 +201,8 @@ fn classify(truth: &Truth, verdict: &str, claims: &[Vec<String>]) -> Class {
     }
 }
 
-/// Whether the places of an answer are the sensors that show it, or, for what is in the field, GEO or more than one sensor.
+/// Whether the places of an answer are the sensors that show it, or, for what is in the field, GEO or more
+/// than one sensor.
 fn located(truth: &Truth, entry: &Value) -> Option<bool> {
     let places = entry["where"].as_array().filter(|places| !places.is_empty())?;
     if truth.effects.is_empty() {
@@ -249,7 +250,8 @@ fn parameters(truth: &Truth, entry: &Value) -> Vec<Sized> {
     all
 }
 
-/// By how much a quantity is off the truth, half of its interval of 95 % being [`HALF_95`]: as it is stated, else by its coverage factor.
+/// By how much a quantity is off the truth, half of its interval of 95 % being [`HALF_95`]: as it is stated,
+/// else by its coverage factor.
 fn off(found: &Value, truth: f64) -> Option<f64> {
     let (value, std) = (found["value"].as_f64()?, found["std"].as_f64()?);
     let end = found["interval_95"][usize::from(truth > value)].as_f64();

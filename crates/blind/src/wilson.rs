@@ -25,7 +25,8 @@ impl Share {
         self.hits as f64 / self.trials as f64
     }
 
-    /// The 95 % interval. Source: Wilson 1927, Probable inference, the law of succession, and statistical inference, JASA 22, 209.
+    /// The 95 % interval. Source: Wilson 1927, Probable inference, the law of succession, and statistical
+    /// inference, JASA 22, 209.
     pub fn interval(self) -> [f64; 2] {
         let (n, p, z) = (self.trials as f64, self.value(), 1.959964_f64);
         let middle = (p + z * z / (2.0 * n)) / (1.0 + z * z / n);

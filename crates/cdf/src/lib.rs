@@ -1,6 +1,7 @@
-//! NASA's Common Data Format, version 3 (CDF Internal Format Description, NASA GSFC, version 3.9): variables with their numbers, attributes,
-//! and times as nanoseconds since 1970 in UTC. Single files, uncompressed or compressed by GZIP or run lengths, as a whole or variable by
-//! variable; r and z variables; sparse records. Not read: versions before 3, VAX floating point, Huffman compression.
+//! NASA's Common Data Format, version 3 (CDF Internal Format Description, NASA GSFC, version 3.9): variables
+//! with their numbers, attributes, and times as nanoseconds since 1970 in UTC. Single files, uncompressed or
+//! compressed by GZIP or run lengths, as a whole or variable by variable; r and z variables; sparse records.
+//! Not read: versions before 3, VAX floating point, Huffman compression.
 
 mod bytes;
 mod records;
@@ -94,8 +95,8 @@ mod tests {
         std::fs::read(format!("{}/../../fixtures/ingest/{name}", env!("CARGO_MANIFEST_DIR"))).expect(name)
     }
 
-    /// Values of five files, big and little endian, plain, compressed by variable and as a whole, as cdflib reads them
-    /// (fixtures/reference/ingest/cdf.py); times over the leap second at the end of 2016.
+    /// Values of five files, big and little endian, plain, compressed by variable and as a whole, as cdflib
+    /// reads them (fixtures/reference/ingest/cdf.py); times over the leap second at the end of 2016.
     #[test]
     fn as_cdflib_reads_them() {
         let expected: serde_json::Value =

@@ -1,4 +1,5 @@
-//! The records of a file: the descriptors of file, attributes and variables, each a list that leads from one to the next.
+//! The records of a file: the descriptors of file, attributes and variables, each a list that leads from one
+//! to the next.
 
 use crate::bytes::{Bytes, Compression};
 use crate::variable::Layout;

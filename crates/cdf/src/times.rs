@@ -1,4 +1,5 @@
-//! Times of a CDF as nanoseconds since 1970-01-01T00:00:00 UTC, in which a leap second has no number of its own: 23:59:60.5 is as 00:00:00.5.
+//! Times of a CDF as nanoseconds since 1970-01-01T00:00:00 UTC, in which a leap second has no number of its
+//! own: 23:59:60.5 is as 00:00:00.5.
 
 /// Nanoseconds of a second.
 const SECOND: i64 = 1_000_000_000;

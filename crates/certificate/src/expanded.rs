@@ -29,7 +29,8 @@ impl Expanded {
         Self { value, spread, interval: None, at_least: false }
     }
 
-    /// A quantity of the document. k is its own `coverage_factor_95`, else that of the fit it comes from, else the normal one.
+    /// A quantity of the document. k is its own `coverage_factor_95`, else that of the fit it comes from,
+    /// else the normal one.
     pub fn of(quantity: &Quantity, of_the_fit: Option<f64>) -> Self {
         let factor = quantity.coverage_factor_95().or(of_the_fit);
         let own = match quantity {

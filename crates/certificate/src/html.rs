@@ -76,7 +76,8 @@ fn page_rule(number: Option<&str>, paper: Option<Paper>) -> String {
     )
 }
 
-/// A text as a string of CSS: whatever is not a letter or a digit is escaped, so that none of it ends the string or the style.
+/// A text as a string of CSS: whatever is not a letter or a digit is escaped, so that none of it ends the
+/// string or the style.
 fn css_string(text: &str) -> String {
     let one =
         |c: char| if c.is_ascii_alphanumeric() { c.to_string() } else { format!("\\{:x} ", u32::from(c)) };

@@ -1,7 +1,9 @@
-//! The certificate that a calibration laboratory hands over: what ISO/IEC 17025:2017 asks of one in 7.8.2 and 7.8.4.
+//! The certificate that a calibration laboratory hands over: what ISO/IEC 17025:2017 asks of one in 7.8.2 and
+//! 7.8.4.
 //!
-//! Results come from `calibration`, `model` and the statement of conformity; what a laboratory has to say besides, from the document's
-//! `certificate`. What is missing is a blank line with its clause. Nothing is estimated here, and no clock is read.
+//! Results come from `calibration`, `model` and the statement of conformity; what a laboratory has to say
+//! besides, from the document's `certificate`. What is missing is a blank line with its clause. Nothing is
+//! estimated here, and no clock is read.
 
 mod administration;
 mod alike;

@@ -40,7 +40,8 @@ pub fn calibrate(
     let line = departures::fit(readings, &[], &relative_std)?;
     let (mut kinds, mut looked) = (Vec::new(), departures::look(readings, &levels, &relative_std, declared)?);
     let (mut fit, mut rivals) = (line, Vec::new());
-    // One departure after the other, the most significant first, as long as the line with it leaves another one.
+    // One departure after the other, the most significant first, as long as the line with it leaves another
+    // one.
     while kinds.len() < MOST_DEPARTURES {
         let candidates = candidates((readings, &levels, &relative_std), declared, (&kinds, &fit), &looked)?;
         let Some(best) = candidates.first() else { break };
@@ -161,7 +162,8 @@ fn candidates(
     Ok(found)
 }
 
-/// How k and B0 move with resistor and voltmeter, the same at all points: against what these do to a calculated field.
+/// How k and B0 move with resistor and voltmeter, the same at all points: against what these do to a
+/// calculated field.
 fn measured_with(document: &Document, coil: &Readings, k: f64) -> By {
     if !coil.volts {
         return Vec::new();

@@ -84,7 +84,8 @@ impl DepartureKind {
     }
 }
 
-/// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard deviations.
+/// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard
+/// deviations.
 pub fn fit(readings: &[Reading], kinds: &[DepartureKind], relative_std: &[f64]) -> Result<LinearFit, Error> {
     let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
     let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
@@ -96,8 +97,8 @@ pub fn fit(readings: &[Reading], kinds: &[DepartureKind], relative_std: &[f64]) 
     Ok(linear::fit(design.as_ref(), &y, Some(relative_std))?)
 }
 
-/// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that of the
-/// fit with the departure.
+/// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that
+/// of the fit with the departure.
 pub fn look(
     readings: &[Reading],
     levels: &[Level],

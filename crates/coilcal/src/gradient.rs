@@ -154,8 +154,8 @@ fn off_centre(fit: &LinearFit, powers: &[i32], distance_m: f64, noise_nt: f64) -
     OffCentre { distance_m, error_nt: Quantity::new(departure(worst).abs(), variance.sqrt() * noise_nt) }
 }
 
-/// The gradient coil's current at which the worst place of the first survey departs by nothing, from two surveys with
-/// different currents: linear in the current.
+/// The gradient coil's current at which the worst place of the first survey departs by nothing, from two
+/// surveys with different currents: linear in the current.
 pub fn gradient_coil(surveys: &[CoilSurvey]) -> Option<GradientCoil> {
     let [first, rest @ ..] = surveys else { return None };
     let from = first.gradient_coil_a?;

@@ -30,7 +30,8 @@ pub fn levels(readings: &[Reading]) -> Vec<Level> {
     levels
 }
 
-/// Splits levels into visits: readings of one drive that follow each other directly. What wanders slowly, the site's field for one, is common to a visit.
+/// Splits levels into visits: readings of one drive that follow each other directly. What wanders slowly, the
+/// site's field for one, is common to a visit.
 pub fn visits(levels: &[Level]) -> Vec<Level> {
     let of = |level: &Level| {
         let mut members = level.members.clone();

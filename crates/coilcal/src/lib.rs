@@ -1,9 +1,9 @@
-//! The coil facility itself: the constant of each coil and its gradient, from a scalar magnetometer (NASA, "Calibration of
-//! Test Facility").
+//! The coil facility itself: the constant of each coil and its gradient, from a scalar magnetometer (NASA,
+//! "Calibration of Test Facility").
 //!
-//! B = k I + B0 along the coil's axis. A scalar magnetometer reads |B|; the sign is that of the current. Uncertainties from
-//! scatter (type A) and from resistor and voltmeter (type B, common to all points) are kept apart and joined as JCGM 100
-//! says.
+//! B = k I + B0 along the coil's axis. A scalar magnetometer reads |B|; the sign is that of the current.
+//! Uncertainties from scatter (type A) and from resistor and voltmeter (type B, common to all points) are
+//! kept apart and joined as JCGM 100 says.
 
 mod constant;
 mod departures;
@@ -35,8 +35,9 @@ impl Default for Options {
     }
 }
 
-/// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes them to
-/// `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document says of it.
+/// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes
+/// them to `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document
+/// says of it.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL];
     if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {

@@ -13,7 +13,8 @@ use crate::Error;
 
 /// Segments into which a series is cut, before overlapping.
 const SEGMENTS: usize = 8;
-/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one follows.
+/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one
+/// follows.
 const TRUSTED: f64 = 0.8;
 /// Bins of the merged spectrum in a decade.
 const BINS: f64 = 10.0;
@@ -40,7 +41,8 @@ struct Series<'a> {
     band_hz: [f64; 2],
 }
 
-/// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will measure.
+/// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will
+/// measure.
 pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>, Error> {
     let mut found = NullingCalibration::default();
     let mut sites: Vec<String> = Vec::new();
@@ -131,8 +133,8 @@ fn field(
     Ok(Some(Evened { column: filled.into_iter().map(|value| value * scale).collect(), ..even }))
 }
 
-/// Joins the series of a condition: the slowest stands from its second frequency to a share of its Nyquist frequency, the
-/// next one from there on, the fastest to its end.
+/// Joins the series of a condition: the slowest stands from its second frequency to a share of its Nyquist
+/// frequency, the next one from there on, the fastest to its end.
 fn merge(mut series: Vec<Series<'_>>, nyquist_hz: f64) -> SiteSpectra {
     series.sort_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
     let first: Vec<f64> = series.iter().map(|one| one.spectra[0].1.frequency_hz[1]).collect();
@@ -178,8 +180,8 @@ fn of<'s>(series: &'s Series<'_>, axis: Axis) -> Option<&'s Spectrum> {
     series.spectra.iter().find(|(of, _)| *of == axis).map(|(_, spectrum)| spectrum)
 }
 
-/// The estimates of the merged spectrum in bins of a tenth of a decade, with their band: ν of a bin is that of its estimates
-/// together, less what neighbours share.
+/// The estimates of the merged spectrum in bins of a tenth of a decade, with their band: ν of a bin is that
+/// of its estimates together, less what neighbours share.
 fn binned(series: &[Series<'_>], axis: Axis) -> MergedSpectrum {
     let mut merged = MergedSpectrum::default();
     let mut push = |frequency: f64, density: f64, freedom: f64| {
@@ -251,7 +253,8 @@ fn expected(series: &[Series<'_>], length_s: f64, nyquist_hz: f64) -> Option<Exp
     Some(ExpectedRms { length_s, band_hz: [low, high], rms_nt })
 }
 
-/// Peaks that stand out of what is beside them more than chance allows, for all frequencies of the series together.
+/// Peaks that stand out of what is beside them more than chance allows, for all frequencies of the series
+/// together.
 fn lines(series: &Series<'_>, axis: Axis, spectrum: &Spectrum) -> Vec<SpectralLine> {
     let (frequency, density) = (&spectrum.frequency_hz, &spectrum.density);
     let last = density.len() - 1;
@@ -277,8 +280,8 @@ fn lines(series: &Series<'_>, axis: Axis, spectrum: &Spectrum) -> Vec<SpectralLi
     found
 }
 
-/// The density at a frequency as its neighbours have it, with its degrees of freedom: a power law through them, other lines
-/// left out.
+/// The density at a frequency as its neighbours have it, with its degrees of freedom: a power law through
+/// them, other lines left out.
 fn beside(spectrum: &Spectrum, at: usize) -> (f64, f64) {
     let near = at.saturating_sub(BESIDE).max(1)..=(at + BESIDE).min(spectrum.density.len() - 1);
     let point = |k: usize| (spectrum.frequency_hz[k].ln(), spectrum.density[k].ln());
@@ -304,7 +307,8 @@ fn power_law(points: &[(f64, f64)]) -> Box<dyn Fn(f64) -> f64> {
     Box::new(move |at| y + slope * (at - x))
 }
 
-/// Mains with its harmonics and railway power, where the frequency or its alias at this rate is within a frequency step.
+/// Mains with its harmonics and railway power, where the frequency or its alias at this rate is within a
+/// frequency step.
 fn name(frequency_hz: f64, step_hz: f64, rate_hz: f64) -> Option<String> {
     let mains = [50.0, 60.0].into_iter().flat_map(|hz| {
         (1..=5).map(move |multiple| {

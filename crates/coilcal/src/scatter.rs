@@ -22,8 +22,9 @@ pub struct Scatter {
     pub source: &'static str,
 }
 
-/// Standard deviation of each reading over the common one: 1, or, where the scatter differs between levels more than chance
-/// allows (Bartlett), that of its level, drawn towards the common one by as much as a few repeats can say.
+/// Standard deviation of each reading over the common one: 1, or, where the scatter differs between levels
+/// more than chance allows (Bartlett), that of its level, drawn towards the common one by as much as a few
+/// repeats can say.
 pub fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
     let mut relative = vec![1.0; readings.len()];
     // What the currents differ by within a level is not scatter: the line between the levels takes it off.
@@ -52,8 +53,9 @@ pub fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
     relative
 }
 
-/// The largest scatter about the model: that of the readings, of the visits, whose readings share what wanders slowly, or of the levels, all of
-/// whose visits may err together. As declared where there are no degrees of freedom.
+/// The largest scatter about the model: that of the readings, of the visits, whose readings share what
+/// wanders slowly, or of the levels, all of whose visits may err together. As declared where there are no
+/// degrees of freedom.
 pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
     let of = |sum_of_squares: f64, count: usize, source: &'static str| {
         let freedom = count as f64 - fit.rank as f64;
@@ -72,8 +74,8 @@ pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scat
     largest.or(declared).unwrap_or(Scatter { std_nt: 0.0, freedom: 0.0, source: "residuals" })
 }
 
-/// Scatter of the levels' means about the model against that of the visits about their level's mean; against that of the repeats where
-/// no level was set twice.
+/// Scatter of the levels' means about the model against that of the visits about their level's mean; against
+/// that of the repeats where no level was set twice.
 pub fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
     let visits = visits(levels);
     let (all, below) = within(levels, |member| fit.standardised[member]);

@@ -15,10 +15,12 @@ pub struct AxesCalibration {
     /// η: columns = unit vectors of the coils' axes in GEO.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coils: Option<AxesDirections>,
-    /// η as it was given before the readings spoke, where coils were taken as known; `coils` is then what both say together.
+    /// η as it was given before the readings spoke, where coils were taken as known; `coils` is then what
+    /// both say together.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub known_coils: Option<AxesDirections>,
-    /// Covariance between `sensors.matrix` (rows) and `coils.matrix` (columns), each in its `covariance_order`.
+    /// Covariance between `sensors.matrix` (rows) and `coils.matrix` (columns), each in its
+    /// `covariance_order`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cross_covariance: Option<Vec<Vec<f64>>>,
     /// Field left at the sensors with no drive, in GEO, nT.
@@ -137,7 +139,8 @@ pub struct ScaleResult {
     pub p_value: Option<f64>,
 }
 
-/// One sensor and one coil: 4 unknowns on the unit spheres beside 6 unconstrained ones (NASA MAGCAL1 and MAGCAL).
+/// One sensor and one coil: 4 unknowns on the unit spheres beside 6 unconstrained ones (NASA MAGCAL1 and
+/// MAGCAL).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -215,7 +218,8 @@ pub struct AxesFit {
     pub rms_nt: f64,
     /// Standard deviation of a reading behind the uncertainties, nT.
     pub noise_nt: f64,
-    /// Where that comes from: `declared`, `sine fits` or `residuals`; the first two may be `…, scaled to the residuals`.
+    /// Where that comes from: `declared`, `sine fits` or `residuals`; the first two may be `…, scaled to the
+    /// residuals`.
     pub noise_source: String,
     /// χ² of the residuals over the declared noise, where it is declared.
     #[serde(skip_serializing_if = "Option::is_none")]

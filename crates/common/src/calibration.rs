@@ -75,8 +75,8 @@ impl Calibration {
     }
 }
 
-/// Reads a calibration that stands in another format than the document, by the code that is made for the document's: for
-/// `deserialize_with`.
+/// Reads a calibration that stands in another format than the document, by the code that is made for the
+/// document's: for `deserialize_with`.
 ///
 /// # Errors
 ///

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Extra, Quantity, json, parse, to_text};
 
-/// What a calibration certificate states and no program finds (ISO/IEC 17025:2017, 7.8.2 and 7.8.4). An absent key is a blank
-/// line on the certificate. An empty text or list is the statement that there is none.
+/// What a calibration certificate states and no program finds (ISO/IEC 17025:2017, 7.8.2 and 7.8.4). An
+/// absent key is a blank line on the certificate. An empty text or list is the statement that there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -31,7 +31,8 @@ pub struct Certificate {
     /// Day on which the item was received, YYYY-MM-DD.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub received: Option<String>,
-    /// Days of the calibration, YYYY-MM-DD: one, or the first and the last. Absent: those of the recordings' `start`.
+    /// Days of the calibration, YYYY-MM-DD: one, or the first and the last. Absent: those of the recordings'
+    /// `start`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibrated: Option<Vec<String>>,
     /// Day of issue, YYYY-MM-DD. No program reads a clock.
@@ -55,7 +56,8 @@ pub struct Certificate {
     /// Data that the customer supplied, a sentence each.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub customer_data: Option<Vec<String>>,
-    /// Conditions that may have influenced the results, a sentence each, beside the temperatures that stand in the document.
+    /// Conditions that may have influenced the results, a sentence each, beside the temperatures that stand
+    /// in the document.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub conditions: Option<Vec<String>>,
     /// How the measurements are metrologically traceable, in words.

@@ -1,5 +1,5 @@
-//! What the types of a calibration do not say and every number behind them rests on: directions of length one, sensitivities
-//! that are not zero, covariances that can be.
+//! What the types of a calibration do not say and every number behind them rests on: directions of length
+//! one, sensitivities that are not zero, covariances that can be.
 
 use std::collections::HashSet;
 
@@ -90,7 +90,8 @@ fn is_element(key: &str) -> bool {
     inside.and_then(|inside| inside.split_once("][")).is_some_and(|(row, column)| place(row) && place(column))
 }
 
-/// A covariance is square, over keys that there are, symmetric, and no variance of any combination is negative.
+/// A covariance is square, over keys that there are, symmetric, and no variance of any combination is
+/// negative.
 fn covariance(
     path: &str,
     covariance: Option<&[Vec<f64>]>,
@@ -146,7 +147,8 @@ fn covariance(
     Ok(())
 }
 
-/// Whether a correlation matrix has no negative eigenvalue, by elimination: each pivot is what is left of a variance.
+/// Whether a correlation matrix has no negative eigenvalue, by elimination: each pivot is what is left of a
+/// variance.
 fn is_possible(mut left: Vec<Vec<f64>>) -> bool {
     for k in 0..left.len() {
         let row = left[k].clone();

@@ -13,8 +13,9 @@ use crate::range;
 
 /// A column of readings; a missing one (`null`) is NaN in memory, and nothing else is.
 ///
-/// Clones share their readings until one of them is changed: a month of readings once a second is 20 MB a column. A column of a document
-/// stays text until its readings are asked for, and is written as that text unless it was changed: stages pass on what they do not use.
+/// Clones share their readings until one of them is changed: a month of readings once a second is 20 MB a
+/// column. A column of a document stays text until its readings are asked for, and is written as that text
+/// unless it was changed: stages pass on what they do not use.
 #[derive(Clone, Default)]
 pub struct Column(Arc<Readings>);
 
@@ -45,7 +46,8 @@ impl Column {
         self.len() == 0
     }
 
-    /// The first row whose value is outside a range; a missing reading is not. The text is read only where it may hold one.
+    /// The first row whose value is outside a range; a missing reading is not. The text is read only where it
+    /// may hold one.
     pub fn first_outside(&self, [low, high]: [f64; 2]) -> Option<usize> {
         let within = |bound: f64| low <= -bound && bound <= high;
         if self.0.text.as_ref().is_some_and(|(_, summary)| within(summary.bound)) {

@@ -12,7 +12,8 @@ pub struct Summary {
     pub bound: f64,
 }
 
-/// Summarises valid JSON. None where it is not a plain list of nulls and of numbers without positive exponents, with at most one space after each comma.
+/// Summarises valid JSON. None where it is not a plain list of nulls and of numbers without positive
+/// exponents, with at most one space after each comma.
 pub fn summary(text: &str) -> Option<Summary> {
     let inner = text.strip_prefix('[')?.strip_suffix(']')?;
     if inner.is_empty() {

@@ -41,13 +41,15 @@ pub struct Diagnosis {
     /// In which recordings, sensors, times, bands and regions of the covariates the difference lies.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub energy: Vec<EnergyShare>,
-    /// Residuals before and after against time and covariates, for the sensors and recordings that show something.
+    /// Residuals before and after against time and covariates, for the sensors and recordings that show
+    /// something.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub series: Vec<ResidualSeries>,
     /// How far the calibration's parameters moved.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub base_shift: Vec<BaseShift>,
-    /// Constants that moved farther than their stated uncertainty allows: the calibration as stated no longer holds.
+    /// Constants that moved farther than their stated uncertainty allows: the calibration as stated no longer
+    /// holds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub calibration_moved: Vec<MovedConstant>,
     /// What these recordings could have shown.
@@ -103,7 +105,8 @@ impl Verdict {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Share {
-    /// `sensor`, `electronics`, `logger`, `facility`, `environment`, `spacecraft`, `sites`; absent where it is not known.
+    /// `sensor`, `electronics`, `logger`, `facility`, `environment`, `spacecraft`, `sites`; absent where it
+    /// is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
     /// The sensors that show it.
@@ -115,8 +118,8 @@ pub struct Share {
     /// What it follows.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariates: Vec<String>,
-    /// Share of the explainable energy of the difference, 0 to 1: by how much it lowers the weighted sum of squares, over the
-    /// sum's excess above the noise before.
+    /// Share of the explainable energy of the difference, 0 to 1: by how much it lowers the weighted sum of
+    /// squares, over the sum's excess above the noise before.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub energy_share: Option<f64>,
     /// The recordings in which it shows.
@@ -237,7 +240,8 @@ pub struct UnnamedStructure {
     pub sensor: Option<Axis>,
     /// What it follows.
     pub follows: String,
-    /// Whether it is `even` or `odd` in the field that it follows; absent where neither, or where that has no meaning.
+    /// Whether it is `even` or `odd` in the field that it follows; absent where neither, or where that has no
+    /// meaning.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parity: Option<String>,
     /// How far back, where it follows the past of something, s.
@@ -347,8 +351,9 @@ pub struct EnergyShare {
     /// The part's region, in the unit of what it is parted by.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<[f64; 2]>,
-    /// Share of the excess of the weighted squared residual over what the noise leaves, with the calibration fitted again and before any effect.
-    /// Shares of all parts sum to 1; one below zero has less than its noise.
+    /// Share of the excess of the weighted squared residual over what the noise leaves, with the calibration
+    /// fitted again and before any effect. Shares of all parts sum to 1; one below zero has less than its
+    /// noise.
     pub share: f64,
 }
 
@@ -416,7 +421,8 @@ pub struct Detectable {
     /// The sensor, coil or column.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<String>,
-    /// Smallest size of each amplitude by itself that is claimed nine times in ten; absent where these recordings cannot show it.
+    /// Smallest size of each amplitude by itself that is claimed nine times in ten; absent where these
+    /// recordings cannot show it.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub smallest: IndexMap<String, f64>,
     /// Share of its energy that the calibration does not swallow.
@@ -430,7 +436,8 @@ pub struct Detectable {
 pub struct Remaining {
     /// Whether nothing is left but the noise.
     pub white: bool,
-    /// Probability of a larger sum of squares under the declared noise; absent where the noise is not declared.
+    /// Probability of a larger sum of squares under the declared noise; absent where the noise is not
+    /// declared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub p_value: Option<f64>,
     /// Probability of the most striking structure by chance.

@@ -42,7 +42,8 @@ pub struct DifferentialCalibration {
     /// `matrix[0][0]`, `matrix[1][0]`, …: column by column.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub covariance_order: Option<Vec<String>>,
-    /// Five values of one of the instruments, known beforehand; the fourteen parameters follow with the matrix.
+    /// Five values of one of the instruments, known beforehand; the fourteen parameters follow with the
+    /// matrix.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub known: Option<KnownInstrument>,
     /// How the instruments and their axes stand to each other.
@@ -97,9 +98,10 @@ pub struct DifferentialFit {
     /// What adds to the difference, the largest first; absent where only statistics of the series are left.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contributions: Vec<Contribution>,
-    /// The difference along `time_s`, the field's rate of change along the test axis (`field_rate_nt_per_s`) and each housekeeping column, for plots.
-    /// Along time `before_nt` is T − R of axes of the same name, less its mean. Along the field's rate of change it has the clock's difference in it,
-    /// along a column the drift; nothing else. `after_nt` is without.
+    /// The difference along `time_s`, the field's rate of change along the test axis (`field_rate_nt_per_s`)
+    /// and each housekeeping column, for plots. Along time `before_nt` is T − R of axes of the same name,
+    /// less its mean. Along the field's rate of change it has the clock's difference in it, along a column
+    /// the drift; nothing else. `after_nt` is without.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub series: Vec<ResidualSeries>,
     /// What looks wrong, in words: what can be taken off first, by what it does to the difference.
@@ -145,7 +147,8 @@ pub struct DifferenceAxis {
     /// Rms of the axis's own readings about their mean, nT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_of_readings_nt: Option<f64>,
-    /// Rms of the readings less those of the reference's axis of the same name, about its mean: levels alone, nT.
+    /// Rms of the readings less those of the reference's axis of the same name, about its mean: levels alone,
+    /// nT.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rms_of_levels_nt: Option<f64>,
     /// 95 % interval of its standard deviation by χ² with N − 4 degrees of freedom, as the source has it, nT.
@@ -160,14 +163,16 @@ pub struct DifferenceAxis {
     pub density_at_1hz_nt_per_sqrt_hz: Quantity,
     /// Probability of a worse agreement of the spectrum with that form by chance.
     pub goodness_p: f64,
-    /// The weighted matrix rests on frequencies up to this: above, the instruments do not answer alike, Hz. Absent: on all.
+    /// The weighted matrix rests on frequencies up to this: above, the instruments do not answer alike, Hz.
+    /// Absent: on all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub weighted_up_to_hz: Option<f64>,
     /// Overlapping Allan deviation.
     pub allan: AllanDeviation,
     /// Its drift.
     pub drift: Drift,
-    /// Housekeeping columns that it follows, in the order in which they were found; the matrix and d are without what follows them.
+    /// Housekeeping columns that it follows, in the order in which they were found; the matrix and d are
+    /// without what follows them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub follows: Vec<Followed>,
 }

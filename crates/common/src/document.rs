@@ -85,8 +85,8 @@ impl Document {
         finite::readings(&self.recordings)
     }
 
-    /// Ids are unique, the columns of a recording have one length, `start` is a moment, every
-    /// reading is one that an instrument can give, times do not run backwards, and the calibration is one that can be.
+    /// Ids are unique, the columns of a recording have one length, `start` is a moment, every reading is one
+    /// that an instrument can give, times do not run backwards, and the calibration is one that can be.
     pub fn check(&self) -> Result<(), Error> {
         self.calibration.iter().try_for_each(check::calibration)?;
         let mut seen = HashMap::new();

@@ -19,8 +19,8 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub theodolite_arcsec: Option<f64>,
-    /// Standard uncertainty of what all theodolite readings of one angle in one setting of the block have in common
-    /// (levelling, pointing at the face), arcsec: it stays however often the angle is read. Absent: 0.
+    /// Standard uncertainty of what all theodolite readings of one angle in one setting of the block have in
+    /// common (levelling, pointing at the face), arcsec: it stays however often the angle is read. Absent: 0.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub theodolite_shared_arcsec: Option<f64>,
@@ -28,14 +28,16 @@ pub struct Facility {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub reference_std_nt: Option<f64>,
-    /// Smallest and largest field that the scalar reference reads, nT; absent: 20 000 to 60 000, a proton magnetometer's.
+    /// Smallest and largest field that the scalar reference reads, nT; absent: 20 000 to 60 000, a proton
+    /// magnetometer's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_range_nt: Option<[f64; 2]>,
     /// Standard uncertainty of each component of the field that nulling leaves, nT (GEO).
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub residual_field_std_nt: Option<f64>,
-    /// Noise of each component of the field in the coils, beside that of the instrument: what a reading there scatters by besides.
+    /// Noise of each component of the field in the coils, beside that of the instrument: what a reading there
+    /// scatters by besides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
     /// Keys that this version does not know.
@@ -44,8 +46,8 @@ pub struct Facility {
 }
 
 impl Facility {
-    /// Standard uncertainty of the mean of so many theodolite readings of an angle, arcsec: √(shared² + reading²/n); None where
-    /// neither is stated.
+    /// Standard uncertainty of the mean of so many theodolite readings of an angle, arcsec: √(shared² +
+    /// reading²/n); None where neither is stated.
     pub fn theodolite_std_arcsec(&self, readings: usize) -> Option<f64> {
         let shared = self.theodolite_shared_arcsec;
         let own = self.theodolite_arcsec.map(|std| std / (readings.max(1) as f64).sqrt());

@@ -1,5 +1,6 @@
-//! Every number of a result is finite before it is written: JSON has no word for others, and `null` would say that nothing
-//! was found. Readings that a program made are such as an instrument gives: others would be refused by whoever reads them.
+//! Every number of a result is finite before it is written: JSON has no word for others, and `null` would say
+//! that nothing was found. Readings that a program made are such as an instrument gives: others would be
+//! refused by whoever reads them.
 
 use std::fmt::Debug;
 
@@ -11,7 +12,8 @@ use crate::{Error, Recording, range};
 ///
 /// The path of the first number that is not finite.
 pub fn all_finite(name: &str, result: &dyn Debug) -> Result<(), Error> {
-    // Without indentation the text takes a fraction of the time; few results have to be looked at more closely.
+    // Without indentation the text takes a fraction of the time; few results have to be looked at more
+    // closely.
     let text = format!("{result:?}");
     if !text.contains("NaN") && !text.contains("inf") {
         return Ok(());
@@ -45,10 +47,11 @@ pub(crate) fn readings(recordings: &[Recording]) -> Result<(), Error> {
     Ok(())
 }
 
-/// The path and the value of the first number of a type's indented debug text that is not finite. That text names every field
-/// as JSON does, a line each, for all types at once.
+/// The path and the value of the first number of a type's indented debug text that is not finite. That text
+/// names every field as JSON does, a line each, for all types at once.
 fn first(text: &str) -> Option<(String, &str)> {
-    // The fields and list items that are open, each with its indentation and its name; of lists, how many items there were.
+    // The fields and list items that are open, each with its indentation and its name; of lists, how many
+    // items there were.
     let mut open: Vec<(usize, String, Option<usize>)> = Vec::new();
     for line in text.lines() {
         let indent = line.len() - line.trim_start().len();

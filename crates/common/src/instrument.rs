@@ -29,7 +29,8 @@ pub struct Instrument {
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
     #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
     pub quantisation_nt: Option<f64>,
-    /// Noise of a reading: the same for all sensors, or keyed by sensor. Absent: estimated from the recording.
+    /// Noise of a reading: the same for all sensors, or keyed by sensor. Absent: estimated from the
+    /// recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub noise: Option<NoiseOfSensors>,
     /// Place of each sensor in SEN, m.
@@ -87,7 +88,8 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
     }
 }
 
-/// Noise of a reading: white, flicker P(f) = A f^-α, one-sided, down to one over the record's length, and a random walk.
+/// Noise of a reading: white, flicker P(f) = A f^-α, one-sided, down to one over the record's length, and a
+/// random walk.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct Noise {
@@ -116,7 +118,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// One-sided power density of readings `step_s` apart, nT²/Hz: 2 σ² Δt + A f^-α + r²/(2π² f²), r that of the random walk.
+    /// One-sided power density of readings `step_s` apart, nT²/Hz: 2 σ² Δt + A f^-α + r²/(2π² f²), r that of
+    /// the random walk.
     pub fn density(&self, frequency_hz: f64, step_s: f64) -> f64 {
         let white = self.white_rms_nt.unwrap_or(0.0);
         let flicker = self.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
@@ -126,9 +129,10 @@ impl Noise {
             + 0.5 * walk * walk
     }
 
-    /// Rms of one reading in a record of `length_s` seconds sampled each `step_s` seconds, nT:
-    /// √(white² + ∫ A f^-α df + r² length/6), the integral from 1/length to the Nyquist frequency 1/(2 step), the last term the
-    /// variance of a random walk about its mean over the record. Without times only the white part is known.
+    /// Rms of one reading in a record of `length_s` seconds sampled each `step_s` seconds, nT: √(white² + ∫ A
+    /// f^-α df + r² length/6), the integral from 1/length to the Nyquist frequency 1/(2 step), the last term
+    /// the variance of a random walk about its mean over the record. Without times only the white part is
+    /// known.
     pub fn rms_nt(&self, length_s: f64, step_s: f64) -> f64 {
         let white = self.white_rms_nt.unwrap_or(0.0);
         let amplitude = self.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);

@@ -34,7 +34,8 @@ fn written<T: Serialize>(value: &T, spaced: bool) -> String {
     String::from_utf8(lines.0).expect("serde_json writes UTF-8")
 }
 
-/// Text without spaces at the ends of its lines: one follows each item of a list, and an object begins on a new line.
+/// Text without spaces at the ends of its lines: one follows each item of a list, and an object begins on a
+/// new line.
 struct Lines(Vec<u8>);
 
 impl Write for Lines {

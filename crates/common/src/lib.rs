@@ -4,17 +4,20 @@
 //! Here are its types (one file for each part), the quantity with its uncertainty, and the errors with
 //! their exit codes. No physics, no estimation; how a program reads and writes is `program`'s.
 //!
-//! A column of readings stays text until a stage asks for its numbers ([`Column`]): a scan of the digits counts its rows and
-//! bounds its size, and unless it was changed it is written as it came. So a stage passes on what it does not use at the speed of
-//! a copy. A number keeps its value, not its spelling: `1` may come out as `1.0`.
+//! A column of readings stays text until a stage asks for its numbers ([`Column`]): a scan of the digits
+//! counts its rows and bounds its size, and unless it was changed it is written as it came. So a stage passes
+//! on what it does not use at the speed of a copy. A number keeps its value, not its spelling: `1` may come
+//! out as `1.0`.
 //!
-//! What every stage must respect is checked here: `check` (directions, sensitivities, covariances), `range` (readings that no
-//! instrument gives) and `finite` (a document with a number that is not finite is not written; the number is located in the debug
-//! text of the types, which names all fields without a second serializer). Errors carry a JSON path; `program` adds file and line.
-//! `number` alone decides how digits and plurals are written in messages, tables of reports and errors.
+//! What every stage must respect is checked here: `check` (directions, sensitivities, covariances), `range`
+//! (readings that no instrument gives) and `finite` (a document with a number that is not finite is not
+//! written; the number is located in the debug text of the types, which names all fields without a second
+//! serializer). Errors carry a JSON path; `program` adds file and line. `number` alone decides how digits and
+//! plurals are written in messages, tables of reports and errors.
 //!
-//! The document is read and written with serde in this crate alone ([`Document::parse`], `to_text`, `to_line`; none is generic):
-//! that is some 600 000 lines of LLVM, which no other crate should compile again.
+//! The document is read and written with serde in this crate alone ([`Document::parse`], `to_text`,
+//! `to_line`; none is generic): that is some 600 000 lines of LLVM, which no other crate should compile
+//! again.
 
 mod axes;
 mod axis;

@@ -47,7 +47,8 @@ pub struct SeriesOfSpectrum {
     pub recording: String,
     /// Samples per second.
     pub rate_hz: f64,
-    /// How far its times are from even ones, s, where they are not: it was interpolated, which lowers its white noise.
+    /// How far its times are from even ones, s, where they are not: it was interpolated, which lowers its
+    /// white noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uneven_s: Option<f64>,
     /// `hann`.
@@ -79,7 +80,8 @@ pub struct MergedSpectrum {
     pub high_nt2_per_hz: Vec<f64>,
 }
 
-/// Expected rms error of a measurement: √∫ P df from one over its length to the instrument's Nyquist frequency (NASA).
+/// Expected rms error of a measurement: √∫ P df from one over its length to the instrument's Nyquist
+/// frequency (NASA).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]

@@ -1,6 +1,7 @@
-//! Numbers as people read them, in words, tables and messages alike: a value and its uncertainty end at the same decimal, the
-//! uncertainty has two digits, a minus is `−`, and powers of ten are written, as `5.2·10⁻¹⁵`, only below 0.0001 and from ten
-//! million on. What machines read, and what a message quotes of a file, stays as it is.
+//! Numbers as people read them, in words, tables and messages alike: a value and its uncertainty end at the
+//! same decimal, the uncertainty has two digits, a minus is `−`, and powers of ten are written, as
+//! `5.2·10⁻¹⁵`, only below 0.0001 and from ten million on. What machines read, and what a message quotes of a
+//! file, stays as it is.
 
 /// A number without an uncertainty, to six significant digits.
 pub fn bare(value: f64) -> String {
@@ -61,7 +62,8 @@ pub fn signed(text: &str) -> String {
     format!("{open}{}{number}", if above_zero { "+" } else { "" })
 }
 
-/// The components of a vector, signed, to the decimal of the uncertainty that they share: `(+0.99975, −0.01000, +0.02001)`.
+/// The components of a vector, signed, to the decimal of the uncertainty that they share: `(+0.99975,
+/// −0.01000, +0.02001)`.
 pub fn vector(components: [f64; 3], std: f64) -> String {
     format!("({})", components.map(|one| signed(&as_known(one, std))).join(", "))
 }

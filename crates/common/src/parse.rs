@@ -51,7 +51,8 @@ impl Versioned for Value {
 ///
 /// # Errors
 ///
-/// What is no JSON, with line and column; what is not of the type, with its path, what was found and what was expected.
+/// What is no JSON, with line and column; what is not of the type, with its path, what was found and what was
+/// expected.
 pub fn at_path<T: DeserializeOwned>(text: &str) -> Result<T, Error> {
     let text = unmarked(text);
     let mut deserializer = serde_json::Deserializer::from_str(text);
@@ -98,7 +99,8 @@ fn check_version(text: &str) -> Result<(), Error> {
 /// Between path, found and expected of an error that goes through serde, which knows only text.
 const CARRIED: char = '\u{1f}';
 
-/// An error of a part that was read by itself, for the one who reads the whole; [`explain`] takes it apart again.
+/// An error of a part that was read by itself, for the one who reads the whole; [`explain`] takes it apart
+/// again.
 pub(crate) fn carried<E: de::Error>(error: Error) -> E {
     match error {
         Error::Document { path, found, expected } => {

@@ -8,7 +8,8 @@ use crate::{Axis, Extra, PerAxis, number};
 /// A 3×3 matrix as JSON writes it: a list of rows.
 pub type Matrix3x3 = [[f64; 3]; 3];
 
-/// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated uncertainty.
+/// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated
+/// uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number that is not negative}")]
@@ -27,10 +28,12 @@ pub enum Quantity {
         #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         coverage_factor_95: Option<f64>,
-        /// The 95 % interval, where it is not as far to either side: of time constants and levels that are known roughly.
+        /// The 95 % interval, where it is not as far to either side: of time constants and levels that are
+        /// known roughly.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         interval_95: Option<[f64; 2]>,
-        /// Whether the standard uncertainty is a lower bound: intervals made of it hold less often than they say.
+        /// Whether the standard uncertainty is a lower bound: intervals made of it hold less often than they
+        /// say.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         at_least: bool,
         /// Keys that this version does not know.
@@ -130,8 +133,8 @@ impl Quantity {
     }
 }
 
-/// As people read it: `0.3085 ± 0.0043`, with `{:+}` `+0.3085 ± 0.0043`; without an uncertainty, or with one of zero, the value alone; one that
-/// is a lower bound as `0.3085 ± 0.0043 (at least)`.
+/// As people read it: `0.3085 ± 0.0043`, with `{:+}` `+0.3085 ± 0.0043`; without an uncertainty, or with one
+/// of zero, the value alone; one that is a lower bound as `0.3085 ± 0.0043 (at least)`.
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = match self.std() {

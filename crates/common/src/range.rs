@@ -3,18 +3,20 @@
 use crate::Error;
 use crate::number::{bare, quoted};
 
-/// The unit at the end of a column's name, with the lowest and the highest value that a reading in it may have. The strongest
-/// steady magnets make 45 T; a magnetometer of 1 T has little to do with the field of the Earth.
+/// The unit at the end of a column's name, with the lowest and the highest value that a reading in it may
+/// have. The strongest steady magnets make 45 T; a magnetometer of 1 T has little to do with the field of the
+/// Earth.
 const BOUNDS: [(&str, [f64; 2]); 4] =
     [("_nt", [-1e9, 1e9]), ("_v", [-1e6, 1e6]), ("_a", [-1e6, 1e6]), ("_c", [-273.15, 1e4])];
 
 /// The range of a proton magnetometer, the scalar reference where the facility states no range, nT (NASA).
 pub const SCALAR_NT: [f64; 2] = [20_000.0, 60_000.0];
-/// How far beyond the scalar reference's range a reading may lie, as a share: a step to its end does not land on it exactly.
+/// How far beyond the scalar reference's range a reading may lie, as a share: a step to its end does not land
+/// on it exactly.
 pub const SCALAR_MARGIN: f64 = 0.005;
 
-/// The lowest and the highest value that a column of this name may have, by the unit at its end; any number where that is none
-/// of these.
+/// The lowest and the highest value that a column of this name may have, by the unit at its end; any number
+/// where that is none of these.
 pub fn bounds(column: &str) -> [f64; 2] {
     BOUNDS.iter().find(|(unit, _)| column.ends_with(unit)).map_or([f64::MIN, f64::MAX], |(_, bounds)| *bounds)
 }

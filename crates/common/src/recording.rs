@@ -72,7 +72,8 @@ pub struct Recording {
     /// Instead of `columns`: a file beside the document, as a relative path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
-    /// What the readings were before a stage left them out (`--drop-recordings`). Readings that are put back are held to it.
+    /// What the readings were before a stage left them out (`--drop-recordings`). Readings that are put back
+    /// are held to it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dropped: Option<Dropped>,
     /// Keys that this version does not know.
@@ -86,8 +87,9 @@ pub struct Recording {
 pub struct Dropped {
     /// How many rows there were.
     pub rows: usize,
-    /// SHA-256 of the columns in the order of their names, in hexadecimal: of each its name in UTF-8, a zero byte, and its values as IEEE
-    /// 754 doubles, the lowest byte first; a missing reading is the NaN 7ff8000000000000.
+    /// SHA-256 of the columns in the order of their names, in hexadecimal: of each its name in UTF-8, a zero
+    /// byte, and its values as IEEE 754 doubles, the lowest byte first; a missing reading is the NaN
+    /// 7ff8000000000000.
     pub sha256: String,
     /// Keys that this version does not know.
     #[serde(flatten)]
@@ -225,8 +227,8 @@ pub struct Conditions {
     /// The theodolites' readings, from which R is made.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub theodolite: Option<Theodolite>,
-    /// Name of the setting of the block. Recordings of one orientation share a setting, and with it the errors of the
-    /// theodolites; give names where the same orientation was set anew.
+    /// Name of the setting of the block. Recordings of one orientation share a setting, and with it the
+    /// errors of the theodolites; give names where the same orientation was set anew.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub setting: Option<String>,
     /// Frequency of an AC drive, one for all coils, Hz.
@@ -235,12 +237,14 @@ pub struct Conditions {
     /// Time over which one sample is averaged, s. Absent: samples are instantaneous.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integration_s: Option<f64>,
-    /// Whether the sensors are mounted on the body whose iron turns with them (a satellite, a vehicle), or away from it. Absent: it is not said.
+    /// Whether the sensors are mounted on the body whose iron turns with them (a satellite, a vehicle), or
+    /// away from it. Absent: it is not said.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mounted: Option<bool>,
-    /// Noise of the reference magnetometer of a differential recording, as its makers or an earlier comparison state it: the
-    /// same for its three axes, or keyed by axis. It is taken from the difference, and what it pulls off the matrix is put
-    /// back; absent, it is sought in the readings. (`instrument.noise` is that of the test instrument.)
+    /// Noise of the reference magnetometer of a differential recording, as its makers or an earlier
+    /// comparison state it: the same for its three axes, or keyed by axis. It is taken from the difference,
+    /// and what it pulls off the matrix is put back; absent, it is sought in the readings.
+    /// (`instrument.noise` is that of the test instrument.)
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_noise: Option<NoiseOfSensors>,
     /// Keys that this version does not know.

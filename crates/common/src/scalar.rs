@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Noise, PerAxis, Quantity};
 
-/// How the sensors were calibrated by the magnitude of the field, by scalarcal. The calibration itself stands under `sensors` and
-/// `axes.sensors`.
+/// How the sensors were calibrated by the magnitude of the field, by scalarcal. The calibration itself stands
+/// under `sensors` and `axes.sensors`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -33,7 +33,8 @@ pub struct ScalarCalibration {
     pub rms_before_nt: Option<f64>,
     /// Noise of the residual.
     pub noise: Noise,
-    /// Whose memory that is, where the noise has one: `sensors`, or `magnitude`, which changed while nobody measured it.
+    /// Whose memory that is, where the noise has one: `sensors`, or `magnitude`, which changed while nobody
+    /// measured it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub memory_of: Option<String>,
     /// Noise of a sensor that was allowed for, nT rms.
@@ -59,8 +60,8 @@ pub struct ScalarCalibration {
     /// Directions of the field in SEN with the residual there, for plots.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directions: Option<FieldDirections>,
-    /// Whether offsets, sensitivities and directions include what iron that turns with the sensors adds: true but for sensors away from their body
-    /// (`conditions.mounted: false`).
+    /// Whether offsets, sensitivities and directions include what iron that turns with the sensors adds: true
+    /// but for sensors away from their body (`conditions.mounted: false`).
     pub includes_body: bool,
     /// The iron of the body by itself, where the recordings show it.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -91,12 +92,14 @@ pub struct VectorFit {
     /// Noise of these residuals, where it was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub noise: Option<Noise>,
-    /// What the noise with memory belongs to, where there is some: `sensors`, or `field`, the components of the known field in GEO.
+    /// What the noise with memory belongs to, where there is some: `sensors`, or `field`, the components of
+    /// the known field in GEO.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_of: Option<String>,
 }
 
-/// Iron that turns with the sensors: it makes HB + h of the field B. The magnitude does not show a turn within H, of which the symmetric part is given.
+/// Iron that turns with the sensors: it makes HB + h of the field B. The magnitude does not show a turn
+/// within H, of which the symmetric part is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -126,7 +129,8 @@ pub struct ScalarParameter {
     pub value: f64,
     /// Its standard uncertainty.
     pub std: f64,
-    /// The same by the readings alone, without what is known beforehand; absent: the readings do not determine it.
+    /// The same by the readings alone, without what is known beforehand; absent: the readings do not
+    /// determine it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub std_alone: Option<f64>,
     /// The same with what is known beforehand, where something is.
@@ -139,7 +143,8 @@ pub struct ScalarParameter {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct WeakestDirection {
-    /// Share of each parameter, largest one; sensitivities and cosines as they are, offsets over the magnitude.
+    /// Share of each parameter, largest one; sensitivities and cosines as they are, offsets over the
+    /// magnitude.
     pub shares: IndexMap<String, f64>,
     /// Standard uncertainty of the combination by the readings alone, as field, nT.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -64,7 +64,8 @@ pub struct SensitivityFit {
     pub readings: usize,
     /// `line`, or what was fitted beside it.
     pub model: String,
-    /// Standard uncertainties from scatter (type A), and from coil and temperatures, common to all points (type B), by key.
+    /// Standard uncertainties from scatter (type A), and from coil and temperatures, common to all points
+    /// (type B), by key.
     pub uncertainty: IndexMap<String, Budget>,
     /// The offset that this fit gives, nT; `offset_nt` joins it with the reversals'.
     pub offset_nt: Quantity,

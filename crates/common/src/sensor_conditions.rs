@@ -20,7 +20,8 @@ pub struct TemperatureFit {
     /// What follows the electronics' temperature.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub electronics: Option<TemperatureOfPart>,
-    /// What was looked for besides: cubic terms, differences of the branches, the product of both temperatures.
+    /// What was looked for besides: cubic terms, differences of the branches, the product of both
+    /// temperatures.
     pub departures: Vec<Departure>,
     /// The temperatures that were held, as columns.
     pub levels: TemperatureLevels,
@@ -38,7 +39,8 @@ pub struct TemperatureFit {
     pub extra: Extra,
 }
 
-/// What one temperature does: k(T) and O(T) are those at the reference with these changes of the reading's field.
+/// What one temperature does: k(T) and O(T) are those at the reference with these changes of the reading's
+/// field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -190,8 +192,8 @@ pub struct HeldOut {
     pub before_nt: f64,
     /// Corrected for the field across as it was applied.
     pub after_nt: f64,
-    /// Corrected in the report's first pass, for the field across as the sensors read it with their constants alone; absent
-    /// where a recording does not have the readings of all three.
+    /// Corrected in the report's first pass, for the field across as the sensors read it with their constants
+    /// alone; absent where a recording does not have the readings of all three.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub first_pass_nt: Option<f64>,
     /// Corrected in the second pass, for the field across as the readings corrected in the first one give it.

@@ -9,12 +9,13 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct FitNoise {
-    /// `measured` (this document's `sensor_noise`), `declared` (`instrument.noise`), either `with that of the field`,
-    /// `residuals` (white and flicker in every proportion, averaged by likelihood).
+    /// `measured` (this document's `sensor_noise`), `declared` (`instrument.noise`), either `with that of the
+    /// field`, `residuals` (white and flicker in every proportion, averaged by likelihood).
     pub source: String,
     /// Rms of the residuals, nT.
     pub rms_nt: f64,
-    /// Variance of the residuals over what the sensor's own noise promises, where that is measured or declared.
+    /// Variance of the residuals over what the sensor's own noise promises, where that is measured or
+    /// declared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variance_factor: Option<f64>,
     /// Share of flicker noise and random walk in the variance of a reading.

@@ -23,10 +23,11 @@ pub struct SensorNoise {
     /// Upper 95 % bound of the white noise where none was found.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_below_nt: Option<f64>,
-    /// How the white noise of the series compares: `per_reading` (one rms for all), `density` (one density for all), `each`.
+    /// How the white noise of the series compares: `per_reading` (one rms for all), `density` (one density
+    /// for all), `each`.
     pub white: String,
-    /// Covariance of A, α and the rms of a reading of the fastest series, which move together: where the density is lower at one
-    /// end it is higher at the other. Empty where one of them was not found.
+    /// Covariance of A, α and the rms of a reading of the fastest series, which move together: where the
+    /// density is lower at one end it is higher at the other. Empty where one of them was not found.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub covariance: Vec<Vec<f64>>,
     /// What it runs over: `flicker_nt2_per_hz_at_1hz`, `flicker_exponent`, `series.white_rms_nt`.
@@ -90,8 +91,8 @@ pub struct NoiseSeriesResult {
     pub rounding_nt2_per_hz: Option<f64>,
     /// `sensor`, `both` or `quantiser`: what the fast end of this series shows.
     pub measured: String,
-    /// Amplification before the converter that would bring rounding to a tenth of the density at the fast end; a lower bound
-    /// where codes are larger than the noise.
+    /// Amplification before the converter that would bring rounding to a tenth of the density at the fast
+    /// end; a lower bound where codes are larger than the noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub amplification_needed: Option<f64>,
 }

@@ -94,7 +94,8 @@ pub struct OffsetDrift {
     /// Probability of such a trend by chance, under correlated noise.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trend_p: Option<f64>,
-    /// From the standard uncertainty of the trend to an interval that holds it in at least 95 %; other quantities have their own.
+    /// From the standard uncertainty of the trend to an interval that holds it in at least 95 %; other
+    /// quantities have their own.
     pub coverage_factor_95: f64,
     /// The same under each noise alone, `white`, `flicker`, `random_walk`; and by least squares
     /// with the uncertainty of Newey and West, `newey_west`.

@@ -1,7 +1,7 @@
 //! Series, as spectra need them.
 
-/// A series with each missing sample filled by the mean of its neighbours that are there; more than one in a hundred missing
-/// is refused with their number.
+/// A series with each missing sample filled by the mean of its neighbours that are there; more than one in a
+/// hundred missing is refused with their number.
 pub fn filled(column: &[f64]) -> Result<Vec<f64>, usize> {
     let missing = column.iter().filter(|value| !value.is_finite()).count();
     if missing * 100 > column.len() {

@@ -1,5 +1,5 @@
-//! Documents as instruments write them: times printed to a thousandth or to a millionth of a second, gaps and lost rows, noise declared wrongly
-//! or not at all, columns that have nothing to do with it.
+//! Documents as instruments write them: times printed to a thousandth or to a millionth of a second, gaps and
+//! lost rows, noise declared wrongly or not at all, columns that have nothing to do with it.
 
 use serde_json::{Map, Value, json};
 
@@ -7,10 +7,11 @@ use crate::case::Case;
 use crate::draw::Draw;
 use crate::signal::wandering;
 
-/// Shortest step whose times may be printed to a thousandth of a second where they are not on it: below it, and in coils whose field goes by
-/// hundreds of nT in a second, the rounding would be an error of its own.
+/// Shortest step whose times may be printed to a thousandth of a second where they are not on it: below it,
+/// and in coils whose field goes by hundreds of nT in a second, the rounding would be an error of its own.
 const COARSE_S: f64 = 0.5;
-/// What cannot lose rows: what happens at one reading must stay, and turns that are not read cannot be counted.
+/// What cannot lose rows: what happens at one reading must stay, and turns that are not read cannot be
+/// counted.
 const WHOLE: [&str; 3] = ["spike", "reaction_wheel", "reaction_wheel_harmonic"];
 /// Stretches that are missing from a recording, at most, and the share of its rows that each may have.
 const GAPS: usize = 3;

@@ -7,14 +7,15 @@ use crate::scene::{Campaign, Readings, World};
 /// Least singular value that counts, over the largest.
 const LEAST: f64 = 1e-9;
 
-/// What is left of an effect when all constants of the basic model are fitted to it by least squares: for coils
+/// What is left of an effect when all constants of the basic model are fitted to it by least squares: for
+/// coils
 ///
 /// ```text
 /// δM_i = Σ_j a_ij B_j + o_i + (R (C I + e))_i
 /// ```
 ///
-/// with the nine a (sensitivities and axes), three offsets o, nine C (coil constants and axes) and three e (coil offsets) free, B in SEN;
-/// without coils the a and o alone.
+/// with the nine a (sensitivities and axes), three offsets o, nine C (coil constants and axes) and three e
+/// (coil offsets) free, B in SEN; without coils the a and o alone.
 pub fn left(campaign: &Campaign, effect: &Readings) -> Readings {
     let coils = campaign.runs.iter().any(|run| matches!(run.world, World::Coils(_)));
     let width = if coils { 24 } else { 12 };

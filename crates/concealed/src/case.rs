@@ -41,7 +41,8 @@ fn exact(form_error: &f64) -> bool {
 pub struct Truth {
     /// The case.
     pub case: String,
-    /// `clean`, `old`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm`, `pillar`, or one of the long sets.
+    /// `clean`, `old`, `single`, `pairs`, `triples`, `ambiguous`, `outside`, `swarm`, `pillar`, or one of the
+    /// long sets.
     pub set: String,
     /// The seed of the set.
     pub seed: u64,
@@ -72,7 +73,8 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// The same with the names that would be right taken out of the finder's catalogue: right is then no name at all.
+    /// The same with the names that would be right taken out of the finder's catalogue: right is then no name
+    /// at all.
     pub fn take_names(&mut self) {
         let names = self.effects.iter_mut().flat_map(|effect| std::mem::take(&mut effect.accepted));
         let kinds: BTreeSet<String> =
@@ -133,13 +135,15 @@ pub fn noise_of(draw: &mut Draw, step_s: f64) -> Noise {
     }
 }
 
-/// White noise with flicker noise of f^−1: of some hundred readings it has the variance A ln n, about 6 A, whatever the step.
+/// White noise with flicker noise of f^−1: of some hundred readings it has the variance A ln n, about 6 A,
+/// whatever the step.
 pub fn flicker(draw: &mut Draw) -> Noise {
     let size = draw.between(0.2, 0.4);
     Noise { white_nt: 0.85 * size, flicker_nt2_per_hz: 0.03 * size * size, exponent: 1.0, old: false }
 }
 
-/// The size at which so many nT are left of an effect after the basic model is fitted; `left` says how many are left of a size.
+/// The size at which so many nT are left of an effect after the basic model is fitted; `left` says how many
+/// are left of a size.
 pub fn sized(left: impl Fn(f64) -> f64, wanted_nt: f64) -> f64 {
     let mut size = 1.0_f64;
     for _ in 0..12 {

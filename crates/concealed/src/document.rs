@@ -8,13 +8,14 @@ use crate::noise::Noise;
 use crate::scene::{AXES, Bench, Campaign, Readings, Run, World};
 use crate::scenes::quaternion;
 
-/// Standard uncertainties of the earlier calibration: relative ones of constants, nT of offsets, arcsec of axes.
+/// Standard uncertainties of the earlier calibration: relative ones of constants, nT of offsets, arcsec of
+/// axes.
 const CONSTANT: f64 = 1e-5;
 const OFFSET_NT: f64 = 0.3;
 const AXIS_ARCSEC: f64 = 2.0;
 
-/// The document of a campaign: what an earlier, honest calibration found (the truth and an error of the stated size), the declared noise,
-/// and the recordings.
+/// The document of a campaign: what an earlier, honest calibration found (the truth and an error of the
+/// stated size), the declared noise, and the recordings.
 pub fn of(campaign: &Campaign, noise: Noise, readings: &Readings, title: &str, draw: &mut Draw) -> Value {
     let recordings: Vec<Value> = campaign
         .runs

@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use crate::scene::{AXES, Campaign, Readings, Run};
 
-/// What an effect adds to the readings, nT: of the campaign, of what the converters get without it (B − O, nT), and of a size.
+/// What an effect adds to the readings, nT: of the campaign, of what the converters get without it (B − O,
+/// nT), and of a size.
 pub type Act = Arc<dyn Fn(&Campaign, &Readings, f64) -> Readings + Send + Sync>;
 
 /// Parameters in the catalogue's names at a size.
@@ -16,7 +17,8 @@ pub type Parameters = Arc<dyn Fn(f64) -> Vec<(&'static str, f64)> + Send + Sync>
 pub struct Effect {
     /// The finer physics in words.
     pub physics: &'static str,
-    /// The catalogue's names for it, with what it acts on: each of them is right. Empty where the catalogue has none.
+    /// The catalogue's names for it, with what it acts on: each of them is right. Empty where the catalogue
+    /// has none.
     pub accepted: Vec<String>,
     /// The sensors that show it; empty where it is in the field and all may.
     pub sensors: Vec<usize>,
@@ -65,7 +67,8 @@ pub fn named(effect: &str, axis: usize) -> String {
     format!("{effect} {}", AXES[axis])
 }
 
-/// Something that one sensor's readings get: of the run, the sensor's plain readings and the size, for each row.
+/// Something that one sensor's readings get: of the run, the sensor's plain readings and the size, for each
+/// row.
 pub fn on_sensor(
     sensor: usize,
     of: impl Fn(&Campaign, &Run, &[f64], f64) -> Vec<f64> + Send + Sync + 'static,

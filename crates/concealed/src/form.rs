@@ -1,4 +1,5 @@
-//! Effects whose form is not quite what any formula has: the size of a contribution wanders with time or with the field.
+//! Effects whose form is not quite what any formula has: the size of a contribution wanders with time or with
+//! the field.
 
 use std::sync::Arc;
 
@@ -25,8 +26,9 @@ const WITHOUT: [&str; 9] = [
 
 /// The effect with its contribution c made c (1 + ε w), and ε, uniform between 0 and [`MOST`].
 ///
-/// w has mean 0 and rms 1 over the campaign: three sines of random periods between a third and three times what time, or the field along
-/// the sensor, goes through. What is in the field, or read while the coils are held, wanders with time alone.
+/// w has mean 0 and rms 1 over the campaign: three sines of random periods between a third and three times
+/// what time, or the field along the sensor, goes through. What is in the field, or read while the coils are
+/// held, wanders with time alone.
 pub fn inexact(name: &str, effect: Effect, campaign: &Campaign, draw: &mut Draw) -> (Effect, f64) {
     if WITHOUT.contains(&name) {
         return (effect, 0.0);

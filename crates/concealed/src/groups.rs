@@ -8,9 +8,10 @@ use crate::{kinds, outside};
 
 /// A group of what is concealed.
 ///
-/// The rule: everything in [`kinds::ALL`] and [`outside::ALL`] is `Develop`, and so is everything that a published proof has scored and
-/// printed (`groups/scored.rs`). Of everything else the first byte of the SHA-256 of `name/form` decides: an even one is `Choose`, an odd one is
-/// `Score`. Nobody chooses a group by hand, and a new entry does not move the others.
+/// The rule: everything in [`kinds::ALL`] and [`outside::ALL`] is `Develop`, and so is everything that a
+/// published proof has scored and printed (`groups/scored.rs`). Of everything else the first byte of the
+/// SHA-256 of `name/form` decides: an even one is `Choose`, an odd one is `Score`. Nobody chooses a group by
+/// hand, and a new entry does not move the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Group {
     /// Looked at case by case while the finder is worked on.
@@ -62,8 +63,8 @@ mod tests {
         }
     }
 
-    /// Both of the other groups have enough entries for a score, inside the catalogue and outside it, and names that the first thirty kinds do
-    /// not have.
+    /// Both of the other groups have enough entries for a score, inside the catalogue and outside it, and
+    /// names that the first thirty kinds do not have.
     #[test]
     fn neither_of_the_others_is_short() {
         for group in [Group::Choose, Group::Score] {

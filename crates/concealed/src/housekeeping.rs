@@ -1,4 +1,5 @@
-//! Columns that an instrument writes beside what matters: one that follows what drives the effect, and one that looks like the effect by chance.
+//! Columns that an instrument writes beside what matters: one that follows what drives the effect, and one
+//! that looks like the effect by chance.
 
 use serde_json::{Map, Value, json};
 
@@ -15,8 +16,8 @@ const FOLLOWS: [f64; 2] = [0.6, 0.95];
 /// Courses at random of which the other is the one that looks most like the effect.
 const CANDIDATES: usize = 60;
 
-/// Adds both, each with a chance of its own, and tells them in the truth. `left` is what a fresh calibration leaves of the effects; where nothing
-/// is concealed there is nothing to look like.
+/// Adds both, each with a chance of its own, and tells them in the truth. `left` is what a fresh calibration
+/// leaves of the effects; where nothing is concealed there is nothing to look like.
 pub fn add(case: &mut Case, left: &Readings, draw: &mut Draw) {
     let [follows, looks] = [0; 2].map(|_| draw.between(0.0, 1.0) < SHARE);
     if follows {
@@ -61,7 +62,8 @@ fn values(columns: &Map<String, Value>, name: &str) -> Option<Vec<f64>> {
     Some(columns.get(name)?.as_array()?.iter().filter_map(Value::as_f64).collect())
 }
 
-/// What an effect of a name follows in a recording; the sensor's temperature where it is nothing that is recorded.
+/// What an effect of a name follows in a recording; the sensor's temperature where it is nothing that is
+/// recorded.
 fn driver(columns: &Map<String, Value>, name: &str) -> Vec<f64> {
     let has = |word: &str| name.contains(word);
     let column = match () {

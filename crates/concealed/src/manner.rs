@@ -7,7 +7,8 @@ use crate::scene::{Campaign, SceneKind};
 use crate::scenes;
 use crate::storm;
 
-/// Share of campaigns whose readings come at uneven times, in whose field there is a storm, and which have a coarse converter.
+/// Share of campaigns whose readings come at uneven times, in whose field there is a storm, and which have a
+/// coarse converter.
 const UNEVEN: f64 = 0.35;
 const STORM: f64 = 0.4;
 const COARSE: f64 = 0.3;
@@ -28,9 +29,9 @@ pub fn rows(draw: &mut Draw) -> usize {
 
 /// Time from one row to the next, s, where a kind does not say it: 0.07 to 44 Hz.
 ///
-/// No campaign is shorter than its physics: an hour in coils, whose chamber has to warm, two at a site, an orbit on board, six hours of a pair.
-/// Drives, lags and variations are made in steps and spans, so that they are resolved at each rate. Coils that are held show the mains and are
-/// read as fast as that takes.
+/// No campaign is shorter than its physics: an hour in coils, whose chamber has to warm, two at a site, an
+/// orbit on board, six hours of a pair. Drives, lags and variations are made in steps and spans, so that they
+/// are resolved at each rate. Coils that are held show the mains and are read as fast as that takes.
 fn step_s(kind: SceneKind, rows: usize, draw: &mut Draw) -> Option<f64> {
     let least = |span: f64, step: f64| (span / rows as f64).max(step);
     let step = match kind {
@@ -69,8 +70,9 @@ fn two_digits(rate: f64) -> String {
     format!("{rate:.digits$}")
 }
 
-/// Moves each moment from its even place, but for the first two of a run, between which its step is read. What is recorded is what was at these
-/// moments, all columns of a row at one. A logger of some seconds takes its readings at whole milliseconds, another at whole microseconds.
+/// Moves each moment from its even place, but for the first two of a run, between which its step is read.
+/// What is recorded is what was at these moments, all columns of a row at one. A logger of some seconds takes
+/// its readings at whole milliseconds, another at whole microseconds.
 pub fn uneven(campaign: &mut Campaign, draw: &mut Draw) {
     let off = draw.octaves(OFF[0], OFF[1]);
     let tick = if campaign.runs[0].step_s() >= 1.0 && draw.sign() > 0.0 { 1e3 } else { 1e6 };
@@ -82,8 +84,8 @@ pub fn uneven(campaign: &mut Campaign, draw: &mut Draw) {
     }
 }
 
-/// Gives a campaign a converter with codes of a third to three times the white noise, which its document declares; not where the effect is one
-/// of the converter's own.
+/// Gives a campaign a converter with codes of a third to three times the white noise, which its document
+/// declares; not where the effect is one of the converter's own.
 pub fn converter(
     campaign: &mut Campaign,
     noise: &Noise,
@@ -113,7 +115,8 @@ mod tests {
         assert!((share(5_000) - 0.24).abs() < 0.04 && (share(12_000) - 0.04).abs() < 0.02);
     }
 
-    /// Each kind at rates of its own, from less than 0.2 Hz to 44 Hz, and none in a shorter time than its physics takes.
+    /// Each kind at rates of its own, from less than 0.2 Hz to 44 Hz, and none in a shorter time than its
+    /// physics takes.
     #[test]
     fn rates_go_from_a_fifth_of_a_hertz_to_forty_four() {
         let mut draw = Draw::new("rates", 1);

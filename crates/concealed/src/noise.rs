@@ -34,8 +34,8 @@ impl Noise {
 
     /// As documents declare noise: P(f) = A f^−α down to one over the record's length, and nothing below.
     ///
-    /// A sum of sines of normal amplitudes, [`FINER`] times as dense as the record's Fourier series and not on it: the noise neither repeats
-    /// nor closes on itself.
+    /// A sum of sines of normal amplitudes, [`FINER`] times as dense as the record's Fourier series and not
+    /// on it: the noise neither repeats nor closes on itself.
     fn of_record(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
         let mut series = self.white(rows, draw);
         if self.flicker_nt2_per_hz <= 0.0 {
@@ -63,8 +63,8 @@ impl Noise {
         })
     }
 
-    /// [`Self::of_record`] by one transform: lines that all lie by the same shift beside a series of [`FINER`] records, and the shift's own
-    /// turn after it.
+    /// [`Self::of_record`] by one transform: lines that all lie by the same shift beside a series of
+    /// [`FINER`] records, and the shift's own turn after it.
     fn long_of_record(&self, rows: usize, step_s: f64, draw: &mut Draw) -> Vec<f64> {
         let mut series = self.white(rows, draw);
         if self.flicker_nt2_per_hz <= 0.0 {
@@ -85,8 +85,9 @@ impl Noise {
         series
     }
 
-    /// The same noise of an instrument that has been running for long: its slow part does not end at one over the record's length, so that
-    /// levels of recordings differ and drift. White noise integrated α/2 times over a past of [`FINER`] records,
+    /// The same noise of an instrument that has been running for long: its slow part does not end at one over
+    /// the record's length, so that levels of recordings differ and drift. White noise integrated α/2 times
+    /// over a past of [`FINER`] records,
     ///
     /// ```text
     /// x_n = Σ_j h_j w_(n−j),   h_0 = 1,   h_j = h_(j−1) (j − 1 + α/2) / j,   var w = A (2π Δt)^α / (2 Δt)
@@ -145,7 +146,8 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// The mean of many periodograms has the stated density in the middle of the band, whichever way it is made.
+    /// The mean of many periodograms has the stated density in the middle of the band, whichever way it is
+    /// made.
     #[test]
     fn the_density_is_the_stated_one() {
         let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.0, old: false };
@@ -185,7 +187,8 @@ mod tests {
         }
     }
 
-    /// Below one over the record's length there is nothing in the one, and much in the other: the means of records tell.
+    /// Below one over the record's length there is nothing in the one, and much in the other: the means of
+    /// records tell.
     #[test]
     fn levels_wander_in_old_noise_alone() {
         let noise = Noise { white_nt: 0.0, flicker_nt2_per_hz: 0.02, exponent: 1.5, old: false };

@@ -288,8 +288,8 @@ mod tests {
         assert_eq!(names.len(), ALL.len() + FURTHER.len());
     }
 
-    /// What the further ones add is finite, in proportion to the size, the same each time, without a name, and a fresh calibration does
-    /// not take it up.
+    /// What the further ones add is finite, in proportion to the size, the same each time, without a name,
+    /// and a fresh calibration does not take it up.
     #[test]
     fn further_ones_add_what_no_calibration_takes_up() {
         for (number, (name, make)) in FURTHER.into_iter().enumerate() {

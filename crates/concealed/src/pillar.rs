@@ -24,8 +24,9 @@ const DAYS: usize = 30;
 /// dB_y = c (√((T − T_1)² + w²) − w)
 /// ```
 ///
-/// its clock is some seconds late, and its z steps once. Sizes as Jankowski and Sucksdorff 1996 (IAGA Guide for Magnetic Measurements and
-/// Observatory Practice) have them for paired variometers: 1.5 to 3 nT apart over a day.
+/// its clock is some seconds late, and its z steps once. Sizes as Jankowski and Sucksdorff 1996 (IAGA Guide
+/// for Magnetic Measurements and Observatory Practice) have them for paired variometers: 1.5 to 3 nT apart
+/// over a day.
 pub fn month(seed: u64) -> Case {
     let mut draw = Draw::new("pillar", seed);
     let count = DAYS * 1440;

@@ -1,4 +1,5 @@
-//! What is recorded: an instrument, its facility, and runs whose drives, temperatures and fields are known at every instant.
+//! What is recorded: an instrument, its facility, and runs whose drives, temperatures and fields are known at
+//! every instant.
 
 use nalgebra::{Matrix3, Vector3};
 use std::sync::Arc;

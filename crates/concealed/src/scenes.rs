@@ -65,7 +65,8 @@ impl Length {
     }
 }
 
-/// Speed of a spacecraft's wheel, and the longest step at which it is told: its turns could not be counted at longer ones.
+/// Speed of a spacecraft's wheel, and the longest step at which it is told: its turns could not be counted at
+/// longer ones.
 pub const WHEEL: &str = "wheel_1_hz";
 const WHEEL_STEP_S: f64 = 2.0;
 
@@ -135,8 +136,8 @@ fn standing(matrix: Matrix3<f64>) -> Attitude {
     Arc::new(move |_| matrix)
 }
 
-/// The temperatures of a campaign: a chamber that is driven up and down, or the room's course; those of the electronics and of the coil
-/// have courses of their own, or follow that of the sensor for the greater part.
+/// The temperatures of a campaign: a chamber that is driven up and down, or the room's course; those of the
+/// electronics and of the coil have courses of their own, or follow that of the sensor for the greater part.
 fn temperatures(apart: bool, rows: usize, step: f64, draw: &mut Draw) -> [Signal; 3] {
     let span = rows as f64 * step;
     let chamber = draw.between(0.0, 1.0) < 0.5;
@@ -250,7 +251,8 @@ fn site(rows: usize, step: f64, apart: bool, draw: &mut Draw) -> Run {
     run
 }
 
-/// An orbit of 94 minutes in the field of a tilted dipole, seen from a body that looks down and is yawed and rolled on the way.
+/// An orbit of 94 minutes in the field of a tilted dipole, seen from a body that looks down and is yawed and
+/// rolled on the way.
 fn craft(rows: usize, step: f64, apart: bool, draw: &mut Draw) -> Run {
     let period = 5640.0;
     let phase = draw.between(0.0, TAU);

@@ -33,7 +33,8 @@ pub fn quiet_before(signal: Signal, from: f64) -> Signal {
     Arc::new(move |t| signal(t.max(from)))
 }
 
-/// Up, held, down and held below, with rounded corners: how a chamber is driven. Sizes of the two levels, s of the whole cycle.
+/// Up, held, down and held below, with rounded corners: how a chamber is driven. Sizes of the two levels, s
+/// of the whole cycle.
 pub fn cycle(up: f64, down: f64, period: f64, phase: f64) -> Signal {
     Arc::new(move |t| {
         let x = (t / period + phase).rem_euclid(1.0);

@@ -40,8 +40,8 @@ impl Storm {
         commenced - depth * (u * u * (2.0 - 2.0 * u).exp()) + pulses
     }
 
-    /// One that commences in the first half of a run: 20 to 60 nT in some minutes, then 100 to 400 nT down within hours, with pulsations of 40 s
-    /// to 10 minutes, or eight readings where that is longer.
+    /// One that commences in the first half of a run: 20 to 60 nT in some minutes, then 100 to 400 nT down
+    /// within hours, with pulsations of 40 s to 10 minutes, or eight readings where that is longer.
     fn of(run: &Run, draw: &mut Draw) -> Storm {
         let (step, span) = (run.step_s(), run.step_s() * run.times.len() as f64);
         let begin = run.times.first().copied().unwrap_or(0.0);
@@ -57,7 +57,8 @@ impl Storm {
     }
 }
 
-/// Adds a storm to the natural field of each run: whole in the northern component, a share of it in the others.
+/// Adds a storm to the natural field of each run: whole in the northern component, a share of it in the
+/// others.
 pub fn over(campaign: &mut Campaign, draw: &mut Draw) {
     let shares = [1.0, draw.sign() * draw.between(0.1, 0.4), draw.sign() * draw.between(0.2, 0.5)];
     for run in &mut campaign.runs {
@@ -83,7 +84,8 @@ mod tests {
     use crate::scene::SceneKind;
     use crate::scenes;
 
-    /// Before it nothing, right after it its commencement, at the deepest its depth, and in the end the commencement alone.
+    /// Before it nothing, right after it its commencement, at the deepest its depth, and in the end the
+    /// commencement alone.
     #[test]
     fn a_storm_goes_through_its_phases() {
         let storm =

@@ -1,4 +1,5 @@
-//! An orbit: a vector magnetometer beside a scalar one for thirty days, and a disturbance that depends on the Sun's direction in the body.
+//! An orbit: a vector magnetometer beside a scalar one for thirty days, and a disturbance that depends on the
+//! Sun's direction in the body.
 
 mod earth;
 
@@ -22,7 +23,8 @@ const SCALAR_NT: f64 = 0.05;
 /// Rms of the disturbance along the field, over sunlit rows and eclipse alike, nT.
 const SIZE_NT: f64 = 1.0;
 
-/// Terms of a smooth function of the Sun's direction s: all products of its components up to the third degree, the constant first.
+/// Terms of a smooth function of the Sun's direction s: all products of its components up to the third
+/// degree, the constant first.
 const TERMS: usize = 16;
 
 fn terms(s: &Vector3<f64>) -> [f64; TERMS] {
@@ -61,15 +63,17 @@ pub struct Flight {
 
 /// The flight of a seed.
 ///
-/// Near-polar at 460 km, the body looking down and along the velocity, the local time drifting by 2.7 min a day as Swarm's does; the
-/// field is the International Geomagnetic Reference Field to degree 3. The disturbance is a vector fixed in the body,
+/// Near-polar at 460 km, the body looking down and along the velocity, the local time drifting by 2.7 min a
+/// day as Swarm's does; the field is the International Geomagnetic Reference Field to degree 3. The
+/// disturbance is a vector fixed in the body,
 ///
 /// ```text
 /// d(s) = Σ_k c_k Y_k(s) in the Sun, 0 in the Earth's shadow
 /// ```
 ///
-/// s the Sun's direction in the body, Y_k the spherical harmonics to degree 3. Source: Tøffner-Clausen et al. 2016, In-flight scalar
-/// calibration and characterisation of the Swarm magnetometry package, Earth Planets Space 68, 129.
+/// s the Sun's direction in the body, Y_k the spherical harmonics to degree 3. Source: Tøffner-Clausen et al.
+/// 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth Planets
+/// Space 68, 129.
 pub fn flight(seed: u64) -> Flight {
     let mut draw = Draw::new("swarm", seed);
     let count = (DAYS * 86_400.0 / STEP_S) as usize;

@@ -19,15 +19,18 @@ use sensor::{Case, Sensor};
 /// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
 const DIRECTIONS: usize = 2000;
 
-/// Error of a component of the corrected field in SEN, nT, at the field, the temperatures and the time where |e| + k u is largest.
+/// Error of a component of the corrected field in SEN, nT, at the field, the temperatures and the time where
+/// |e| + k u is largest.
 ///
-/// With W = (μᵀ)⁻¹ and b_i = m_i · B, the field is W b, and what it errs by is Σ_i W_ji δb_i − Σ_i W_ji (δm_i · B). e is what is known and
-/// not corrected (the drift of the offsets since the calibration); u² = gᵀ C g + Σ_i W_ji² t_i², with g the derivatives by all parameters of
-/// the three sensors and their directions, C their joint covariance (`calibration.uncertainty`), and t_i the terms of [`sensor::Sensor`] that
-/// rest on no parameter; JCGM 100.
+/// With W = (μᵀ)⁻¹ and b_i = m_i · B, the field is W b, and what it errs by is Σ_i W_ji δb_i − Σ_i W_ji (δm_i
+/// · B). e is what is known and not corrected (the drift of the offsets since the calibration); u² = gᵀ C g +
+/// Σ_i W_ji² t_i², with g the derivatives by all parameters of the three sensors and their directions, C
+/// their joint covariance (`calibration.uncertainty`), and t_i the terms of [`sensor::Sensor`] that rest on
+/// no parameter; JCGM 100.
 ///
-/// Along each diameter of the sphere every term is largest at one of its ends (a cubic bend less its line: over the whole sphere), so
-/// that the surface is enough. Fields beyond those that the sensors were calibrated in are left out, and named.
+/// Along each diameter of the sphere every term is largest at one of its ends (a cubic bend less its line:
+/// over the whole sphere), so that the surface is enough. Fields beyond those that the sensors were
+/// calibrated in are left out, and named.
 pub fn accuracy(of: (&Document, &Joint), requirement: &Requirement, rule: Rule) -> Vec<Shown> {
     let budget = match Budget::of(of, requirement) {
         Ok(budget) => budget,
@@ -48,7 +51,8 @@ struct Budget {
     /// Largest field, and the largest along each sensor, nT.
     range_nt: f64,
     along_nt: [f64; 3],
-    /// Temperatures less the reference, K, for sensor and electronics: the ends of the ranges, half the way to them, and none.
+    /// Temperatures less the reference, K, for sensor and electronics: the ends of the ranges, half the way
+    /// to them, and none.
     warmer: Vec<[f64; 2]>,
     gaps: Vec<String>,
 }

@@ -12,8 +12,8 @@ use crate::{Requirement, each_sensor, sensor_name};
 
 const PAIRS: [(Axis, Axis); 3] = [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)];
 
-/// 90° less the angle between two sensors, deg: δ = asin(m_i · m_j). u(δ) = √(gᵀ C g)/cos δ, where g is m_j for the elements
-/// of m_i and m_i for those of m_j.
+/// 90° less the angle between two sensors, deg: δ = asin(m_i · m_j). u(δ) = √(gᵀ C g)/cos δ, where g is m_j
+/// for the elements of m_i and m_i for those of m_j.
 pub fn orthogonality(document: &Document, joint: &Joint) -> Vec<Shown> {
     let directions = match Directions::of(document, joint) {
         Ok(directions) => directions,
@@ -36,8 +36,8 @@ pub fn orthogonality(document: &Document, joint: &Joint) -> Vec<Shown> {
     PAIRS.map(one).into()
 }
 
-/// Largest standard uncertainty σ of a direction, arcsec, over all ways that it may turn. σ itself is uncertain by σ/√(2ν), ν
-/// the degrees of freedom of the fit (JCGM 100, E.4.3).
+/// Largest standard uncertainty σ of a direction, arcsec, over all ways that it may turn. σ itself is
+/// uncertain by σ/√(2ν), ν the degrees of freedom of the fit (JCGM 100, E.4.3).
 pub fn known(document: &Document, joint: &Joint) -> Vec<Shown> {
     each_direction(document, joint, |directions, axis| {
         let value = directions.largest_std(axis) / ARCSEC;
@@ -50,8 +50,8 @@ pub fn known(document: &Document, joint: &Joint) -> Vec<Shown> {
     })
 }
 
-/// Angle between a sensor and its direction in `nominal_matrix`, arcsec. u² = the largest variance of the direction over all
-/// ways that it may turn, and that of the nominal direction.
+/// Angle between a sensor and its direction in `nominal_matrix`, arcsec. u² = the largest variance of the
+/// direction over all ways that it may turn, and that of the nominal direction.
 pub fn from_nominal(document: &Document, joint: &Joint, requirement: &Requirement) -> Vec<Shown> {
     let Some(rows) = &requirement.nominal_matrix else {
         let why = "the specification gives no `nominal_matrix`; put in the directions that were found before, and this document \
@@ -83,8 +83,8 @@ fn each_direction(
     Axis::ALL.map(found).into()
 }
 
-/// How far a sensor turns between the reference and the farther end of the temperatures, arcsec: √(a² + b²) |ΔT|, with a and b
-/// of `axis_temperature` in the model. u is the larger of u(a) and u(b), times |ΔT|.
+/// How far a sensor turns between the reference and the farther end of the temperatures, arcsec: √(a² + b²)
+/// |ΔT|, with a and b of `axis_temperature` in the model. u is the larger of u(a) and u(b), times |ΔT|.
 pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<Shown> {
     each_sensor(document, |axis: Axis| {
         let missing = |why: String| Missing { of: sensor_name(axis), why };

@@ -9,7 +9,8 @@ use crate::joint::Joint;
 pub struct Directions {
     /// Columns = unit vectors of the sensors in SEN.
     pub mu: Matrix3<f64>,
-    /// Covariance of the nine cosines, column by column, rad², scaled so that standard uncertainties are normal.
+    /// Covariance of the nine cosines, column by column, rad², scaled so that standard uncertainties are
+    /// normal.
     covariance: Vec<Vec<f64>>,
     /// Degrees of freedom behind it, where they are known.
     pub freedom: Option<f64>,

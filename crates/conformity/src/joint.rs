@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 use crate::verdict::normal_std;
 
-/// The sources of a document, with what stands beside values that no source moves: what was found and is not in the model, and the
-/// covariances of documents without `calibration.uncertainty`.
+/// The sources of a document, with what stands beside values that no source moves: what was found and is not
+/// in the model, and the covariances of documents without `calibration.uncertainty`.
 pub struct Joint {
     sources: Uncertainty,
     /// From standard uncertainty to 95 % interval, where the sources do not say it.
@@ -44,7 +44,8 @@ impl Joint {
         Ok(Self { sources: Uncertainty::of(&stated)?, factors })
     }
 
-    /// Covariance of parameters, each standard uncertainty that of the normal distribution with the same 95 % interval.
+    /// Covariance of parameters, each standard uncertainty that of the normal distribution with the same 95 %
+    /// interval.
     pub fn covariance(&self, parameters: &[String]) -> Vec<Vec<f64>> {
         let wider: Vec<f64> = parameters.iter().map(|path| normal_std(1.0, self.factor(path))).collect();
         let mut covariance = self.sources.covariance(parameters);
@@ -125,7 +126,8 @@ fn temperatures(sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)>
     Some((block(name, paths, fit.covariance.clone()), fit.noise.coverage_factor_95))
 }
 
-/// The parameters of fields across. One that could not be seen, and that the model does not state, is zero, give or take the largest that was.
+/// The parameters of fields across. One that could not be seen, and that the model does not state, is zero,
+/// give or take the largest that was.
 fn across(document: &Document, sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)> {
     let fit = found.cross_field.as_ref()?;
     let modelled = |name: &str| {
@@ -151,7 +153,8 @@ fn across(document: &Document, sensor: Axis, found: &SensorCalibration) -> Optio
     Some((block(name, paths, covariance), fit.noise.coverage_factor_95))
 }
 
-/// Fields across: the group in sensorcal's lists, the effect and its parameter, in the order of the catalogue's shapes.
+/// Fields across: the group in sensorcal's lists, the effect and its parameter, in the order of the
+/// catalogue's shapes.
 pub const ACROSS: [(&str, &str, &str); 5] = [
     ("offset", "cross_field", "first_nt"),
     ("offset", "cross_field", "second_nt"),
@@ -160,7 +163,8 @@ pub const ACROSS: [(&str, &str, &str); 5] = [
     ("sensitivity", "cross_field_sensitivity", "second_nt"),
 ];
 
-/// The directions of the sensors, where their covariance is whole; what is not is refused where stated covariances are read.
+/// The directions of the sensors, where their covariance is whole; what is not is refused where stated
+/// covariances are read.
 fn directions(calibration: &Calibration) -> Option<(Block, f64)> {
     let axes = calibration.axes.as_ref()?;
     let sensors = axes.sensors.as_ref()?;

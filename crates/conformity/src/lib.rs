@@ -1,7 +1,8 @@
 //! The document against a specification: each requirement with its value, uncertainty, margin and verdict.
 //!
-//! A value comes from what the stages wrote to `calibration` and `model`; nothing is fitted here. Each kind of requirement has a function
-//! whose docstring gives the equation. What the document does not hold is *not shown*, with the procedure that would show it.
+//! A value comes from what the stages wrote to `calibration` and `model`; nothing is fitted here. Each kind
+//! of requirement has a function whose docstring gives the equation. What the document does not hold is *not
+//! shown*, with the procedure that would show it.
 
 mod accuracy;
 mod axes;
@@ -34,7 +35,8 @@ pub struct Judged<'a> {
     pub shown: Vec<Shown>,
     /// The worst of their verdicts.
     pub verdict: Verdict,
-    /// Which of them decides: of those with this verdict the one with the smallest margin; None where nothing is shown.
+    /// Which of them decides: of those with this verdict the one with the smallest margin; None where nothing
+    /// is shown.
     pub decisive: Option<usize>,
 }
 

@@ -12,10 +12,11 @@ const BOUND: f64 = 1.645;
 
 /// Zero to peak of the noise in a band, nT: σ g, σ the rms in the band and g = [`peak`] of n = 2 ν₀ T.
 ///
-/// σ² = ∫ P df and ν₀² = ∫ f² P df / σ² over the band, P(f) = A f^-α + 2 w² Δt one-sided, w the white noise of one reading
-/// (rounding included) of the fastest series and Δt its step. ν₀ is how often the noise crosses zero upwards in a second (Rice 1944,
-/// Bell Syst. Tech. J. 23, 282). u²(σ g) = Σ d_i ρ_ij d_j, d_i the changes by u(A), u(α) and u(w) and ρ their correlations. Where the document
-/// does not state these, it is the square of the sum of their sizes: no correlation makes it larger.
+/// σ² = ∫ P df and ν₀² = ∫ f² P df / σ² over the band, P(f) = A f^-α + 2 w² Δt one-sided, w the white noise
+/// of one reading (rounding included) of the fastest series and Δt its step. ν₀ is how often the noise
+/// crosses zero upwards in a second (Rice 1944, Bell Syst. Tech. J. 23, 282). u²(σ g) = Σ d_i ρ_ij d_j, d_i
+/// the changes by u(A), u(α) and u(w) and ρ their correlations. Where the document does not state these, it
+/// is the square of the sum of their sizes: no correlation makes it larger.
 pub fn zero_to_peak(document: &Document, requirement: &Requirement) -> Vec<Shown> {
     let (Some(band), Some(over_s)) = (requirement.band_hz, requirement.over_s) else { return Vec::new() };
     each_sensor(document, |axis| one(document, axis, band, over_s))
@@ -104,8 +105,9 @@ fn together(changes: [f64; 3], correlation: Option<[[f64; 3]; 3]>) -> f64 {
     (0..3).map(row).sum::<f64>().max(0.0).sqrt()
 }
 
-/// Expected largest departure from zero, in either direction, of Gaussian noise of unit rms with n independent chances to
-/// exceed: g = ∫ (1 − exp(−n exp(−m²/2))) dm from 0 (Davenport 1964, Proc. Inst. Civ. Eng. 28, 187, without his expansion).
+/// Expected largest departure from zero, in either direction, of Gaussian noise of unit rms with n
+/// independent chances to exceed: g = ∫ (1 − exp(−n exp(−m²/2))) dm from 0 (Davenport 1964, Proc. Inst. Civ.
+/// Eng. 28, 187, without his expansion).
 fn peak(chances: f64) -> f64 {
     let (top, steps) = (12.0, 1200);
     let width = top / steps as f64;
@@ -209,7 +211,8 @@ mod tests {
         for (spectrum, band, over_s, case) in cases() {
             let number = |key: &str| case[key].as_f64().expect("a number");
             assert!((spectrum.rms(band) / number("rms_nt") - 1.0).abs() < 1e-10, "{case}");
-            // Peaks come in clumps where low frequencies are strong; the formula takes them one by one and is a little high.
+            // Peaks come in clumps where low frequencies are strong; the formula takes them one by one and is
+            // a little high.
             let by = spectrum.zero_to_peak(band, over_s) / number("zero_to_peak_nt") - 1.0;
             let chance = 3.0 * number("error_of_mean_nt") / number("zero_to_peak_nt");
             println!("{by:+.4} ± {:.4}", chance / 3.0);
@@ -233,7 +236,8 @@ mod tests {
         assert_eq!(correlation(&noise), None);
     }
 
-    /// Over parameters that move together in any sense, the figure moves by no more than u, and in one sense by u.
+    /// Over parameters that move together in any sense, the figure moves by no more than u, and in one sense
+    /// by u.
     #[test]
     fn the_uncertainty_bounds_every_correlation() {
         for (spectrum, band, over_s, case) in cases() {

@@ -13,8 +13,9 @@ const YEARLY_BELOW: f64 = 0.01;
 const SPAN: f64 = 0.9;
 const YEAR_D: f64 = 365.25;
 
-/// Largest change of an offset, nT: over the temperatures |Σ_parts c ΔT + q ΔT²| at the worst of their ends and
-/// turning points; over the years what [`drift`] gives; both added, with u² the sum of both squares (JCGM 100).
+/// Largest change of an offset, nT: over the temperatures |Σ_parts c ΔT + q ΔT²| at the worst of their ends
+/// and turning points; over the years what [`drift`] gives; both added, with u² the sum of both squares (JCGM
+/// 100).
 pub fn stability(document: &Document, joint: &Joint, requirement: &Requirement) -> Vec<Shown> {
     each_sensor(document, |axis| one((document, joint), requirement, axis))
 }
@@ -102,8 +103,9 @@ pub struct Drift {
     pub how: String,
 }
 
-/// The change of an offset in some years, nT: |trend| · years, and where a yearly term is more than chance twice its amplitude,
-/// which it may add at most. u² = u²(trend) years² + 4 u²(amplitude), the latter the larger of its two components'.
+/// The change of an offset in some years, nT: |trend| · years, and where a yearly term is more than chance
+/// twice its amplitude, which it may add at most. u² = u²(trend) years² + 4 u²(amplitude), the latter the
+/// larger of its two components'.
 pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
     let trend = drift
         .trend_nt_per_year

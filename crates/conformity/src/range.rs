@@ -8,8 +8,8 @@ use crate::{each_sensor, sensor_name};
 /// Declared and found widths of a code that differ by more than this share are told.
 const UNLIKE: f64 = 0.05;
 
-/// The largest field that a sensor was seen to follow in either direction, nT; where its output stands, the field at which that
-/// begins. u = B u(k)/k, the coil's constant included.
+/// The largest field that a sensor was seen to follow in either direction, nT; where its output stands, the
+/// field at which that begins. u = B u(k)/k, the coil's constant included.
 pub fn range(document: &Document) -> Vec<Shown> {
     let ends = [(0, "below zero"), (1, "above zero")];
     ends.into_iter().flat_map(|end| each_sensor(document, |axis| one_range(document, axis, end))).collect()
@@ -53,8 +53,8 @@ pub fn calibrated_nt(sensor: &SensorCalibration) -> Option<f64> {
     followed(sensor.sensitivity.as_ref()?).map(|[below, above]| below.min(above))
 }
 
-/// Width of a code, nT: the larger of the declared one (times k) and of those that the noise recordings show. u = width u(k)/k;
-/// the number of volts of a code is taken as it is.
+/// Width of a code, nT: the larger of the declared one (times k) and of those that the noise recordings show.
+/// u = width u(k)/k; the number of volts of a code is taken as it is.
 pub fn resolution(document: &Document) -> Vec<Shown> {
     each_sensor(document, |axis| one_resolution(document, axis))
 }
@@ -98,8 +98,8 @@ pub fn codes_nt(document: &Document, axis: Axis) -> [Option<f64>; 2] {
     [declared, seen]
 }
 
-/// The frequency up to which a sensor follows the field, Hz: 1/(2π τ) with τ of `loop_bandwidth` in the model,
-/// u = f u(τ)/τ; else the highest drive of an AC run that it was seen to follow.
+/// The frequency up to which a sensor follows the field, Hz: 1/(2π τ) with τ of `loop_bandwidth` in the
+/// model, u = f u(τ)/τ; else the highest drive of an AC run that it was seen to follow.
 pub fn bandwidth(document: &Document) -> Vec<Shown> {
     each_sensor(document, |axis| one_bandwidth(document, axis))
 }

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use common::{Error, Matrix3x3, Versioned};
 
-/// Largest factor of the guard band. Beyond it the probability that a verdict is wrong is no number of double precision.
+/// Largest factor of the guard band. Beyond it the probability that a verdict is wrong is no number of double
+/// precision.
 const LARGEST_FACTOR: f64 = 30.0;
 
 /// What an instrument must do, and how it is decided whether it does.
@@ -94,7 +95,8 @@ pub enum RequirementKind {
     NoiseZeroToPeakNt,
     /// How far an offset may change over temperatures, `years`, or both.
     OffsetStabilityNt,
-    /// Error of a component of the corrected field in SEN, up to `range_nt`, over temperatures and `years` where they are given.
+    /// Error of a component of the corrected field in SEN, up to `range_nt`, over temperatures and `years`
+    /// where they are given.
     AbsoluteAccuracyNt,
 }
 

@@ -21,7 +21,8 @@ impl Part {
         }
     }
 
-    /// The beginnings of the names of its parameters in `temperature.covariance_order`: of the sensitivity, of the offset.
+    /// The beginnings of the names of its parameters in `temperature.covariance_order`: of the sensitivity,
+    /// of the offset.
     pub fn effects(self) -> [&'static str; 2] {
         match self {
             Part::Sensor => ["sensitivity_temperature", "offset_temperature"],
@@ -57,8 +58,8 @@ fn run(document: &Document, axis: Axis, part: Part) -> Option<&TemperatureOfPart
     }
 }
 
-/// The temperatures that are asked for, cut to those of the sensor's temperature run where there is one. What is missing
-/// otherwise, in words.
+/// The temperatures that are asked for, cut to those of the sensor's temperature run where there is one. What
+/// is missing otherwise, in words.
 pub fn asked(
     document: &Document,
     axis: Axis,
@@ -150,8 +151,8 @@ impl Coefficients {
         self.names.iter().map(|name| name.split_once('.').map_or(name.as_str(), |(effect, _)| effect))
     }
 
-    /// What reading `field_nt` changes by when the parts are so much warmer (K), with its standard uncertainty, nT:
-    /// ΔB = Σ_parts (B 10⁻⁶ (c ΔT + q ΔT²) + c' ΔT + q' ΔT²), u² = gᵀ C g.
+    /// What reading `field_nt` changes by when the parts are so much warmer (K), with its standard
+    /// uncertainty, nT: ΔB = Σ_parts (B 10⁻⁶ (c ΔT + q ΔT²) + c' ΔT + q' ΔT²), u² = gᵀ C g.
     pub fn change(&self, field_nt: f64, warmer: &[(Part, f64)]) -> (f64, f64) {
         let by = self.weights(field_nt, warmer);
         let value = by.iter().zip(&self.values).map(|(by, value)| by * value).sum();

@@ -75,8 +75,8 @@ pub struct Missing {
 /// A value or what is missing for it.
 pub type Shown = Result<ShownValue, Missing>;
 
-/// The decision rule (JCGM 106:2012, section 8.3; ILAC-G8:09/2019): a guard band of k standard uncertainties on either side of
-/// the limit.
+/// The decision rule (JCGM 106:2012, section 8.3; ILAC-G8:09/2019): a guard band of k standard uncertainties
+/// on either side of the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// k where a limit can be missed on one side.
@@ -89,8 +89,8 @@ impl Rule {
         Normal::standard().cdf(self.factor)
     }
 
-    /// k for a requirement. Where a limit can be missed on either side, Φ⁻¹((1 + Φ(k))/2): the same probability for both
-    /// sides together, 1.960 for 1.645.
+    /// k for a requirement. Where a limit can be missed on either side, Φ⁻¹((1 + Φ(k))/2): the same
+    /// probability for both sides together, 1.960 for 1.645.
     pub fn factor(self, side: Side) -> f64 {
         match side {
             // From the tail, which has digits where the probability has none left.
@@ -99,14 +99,14 @@ impl Rule {
         }
     }
 
-    /// What is left to the limit when the guard band is taken off: L − |v| − k u, and v − L − k u where the requirement is met
-    /// above its limit.
+    /// What is left to the limit when the guard band is taken off: L − |v| − k u, and v − L − k u where the
+    /// requirement is met above its limit.
     pub fn margin(self, side: Side, limit: f64, found: &ShownValue) -> f64 {
         room(side, limit, found) - self.factor(side) * found.std
     }
 
-    /// Pass where the margin is not negative: |v| + k u ≤ L. Fail where |v| − k u > L. Else not shown. A value that may be
-    /// larger than what was seen passes no limit from below, and fails none from above.
+    /// Pass where the margin is not negative: |v| + k u ≤ L. Fail where |v| − k u > L. Else not shown. A
+    /// value that may be larger than what was seen passes no limit from below, and fails none from above.
     pub fn verdict(self, side: Side, limit: f64, found: &ShownValue) -> Verdict {
         let guard = self.factor(side) * found.std;
         let room = room(side, limit, found);
@@ -128,8 +128,8 @@ fn room(side: Side, limit: f64, found: &ShownValue) -> f64 {
     }
 }
 
-/// A standard uncertainty with its 95 % factor as that of the normal distribution with the same 95 % interval: few degrees of
-/// freedom make it wider.
+/// A standard uncertainty with its 95 % factor as that of the normal distribution with the same 95 %
+/// interval: few degrees of freedom make it wider.
 pub fn normal_std(std: f64, coverage_factor_95: f64) -> f64 {
     let normal = 1.959_963_984_540_054;
     std * (coverage_factor_95 / normal).max(1.0)
@@ -189,7 +189,8 @@ mod tests {
         assert!((RULE.probability() - 0.95).abs() < 2e-5);
         assert!((RULE.factor(Side::Within) - 1.960).abs() < 2e-4);
         assert_eq!(RULE.factor(Side::Above), 1.645);
-        // Where Φ(k) is one to all digits, there is still a k for both sides: half the tail of k = 10 is that of 10.068.
+        // Where Φ(k) is one to all digits, there is still a k for both sides: half the tail of k = 10 is that
+        // of 10.068.
         assert!((Rule { factor: 10.0 }.factor(Side::Within) - 10.068).abs() < 1e-3);
         assert!(Rule { factor: 30.0 }.factor(Side::Within) > 30.0);
         assert_eq!(normal_std(2.0, 1.959_963_984_540_054), 2.0);

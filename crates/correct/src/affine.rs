@@ -5,7 +5,8 @@ use physics::{Error, Inverter};
 
 use crate::known::UncertainParameters;
 
-/// B = M y + o and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of the recording.
+/// B = M y + o and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of
+/// the recording.
 pub struct Affine {
     matrix: SMatrix<f64, 3, 4>,
     /// For the elements xx, yy, zz, xy, yz, zx.
@@ -16,8 +17,8 @@ pub struct Affine {
 const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 impl Affine {
-    /// From the field of four readings and its derivatives, which determine all others. `noise_nt2` is the variance of one reading
-    /// of each sensor.
+    /// From the field of four readings and its derivatives, which determine all others. `noise_nt2` is the
+    /// variance of one reading of each sensor.
     pub fn of(
         inverter: Inverter<'_>,
         known: &UncertainParameters,

@@ -1,4 +1,5 @@
-//! What is to be known of a corrected row besides its uncertainty, as a sum of bits in the column `field_flags`.
+//! What is to be known of a corrected row besides its uncertainty, as a sum of bits in the column
+//! `field_flags`.
 
 use common::{Axis, Document};
 use nalgebra::Vector3;
@@ -24,8 +25,8 @@ pub const MEANINGS: [(u32, &str); 5] = [
     (EFFECT_LEFT, "an effect of the model could not be corrected"),
 ];
 
-/// Without a temperature run a calibration is taken to hold so far around its reference temperature, K: the smallest step of
-/// NASA's temperature runs.
+/// Without a temperature run a calibration is taken to hold so far around its reference temperature, K: the
+/// smallest step of NASA's temperature runs.
 const WITHOUT_RUN_K: f64 = 5.0;
 /// What a span of calibrated fields may be exceeded by, as a share of it.
 const RANGE_MARGIN: f64 = 0.01;
@@ -42,8 +43,8 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// As a document says: the fields of each sensor's `sensitivity`, in their absence `instrument.range_nt`; the temperatures of
-    /// their `temperature`, in their absence those around the reference.
+    /// As a document says: the fields of each sensor's `sensitivity`, in their absence `instrument.range_nt`;
+    /// the temperatures of their `temperature`, in their absence those around the reference.
     pub fn of(document: &Document, references: &References) -> Self {
         let sensor = |axis| document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
         let nominal = document.instrument.as_ref().and_then(|i| i.range_nt).map(|range| [-range, range]);

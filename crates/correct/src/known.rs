@@ -1,5 +1,5 @@
-//! What the correction rests on: every parameter of the chain behind the field that is known with an uncertainty, and the joint
-//! uncertainty of all of them.
+//! What the correction rests on: every parameter of the chain behind the field that is known with an
+//! uncertainty, and the joint uncertainty of all of them.
 
 use common::uncertainty::{self, By, root};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
@@ -11,7 +11,8 @@ use physics::{EffectInstance, Parameter, Role, Unit};
 pub struct UncertainParameters {
     /// The parameters that have an uncertainty.
     pub parameters: Vec<Parameter>,
-    /// Independent sources, by how each moves the parameters: those that it moves, by their number. Their outer products add up to the covariance.
+    /// Independent sources, by how each moves the parameters: those that it moves, by their number. Their
+    /// outer products add up to the covariance.
     pub sources: Vec<Vec<(usize, f64)>>,
 }
 
@@ -22,8 +23,9 @@ struct Stated {
 }
 
 impl UncertainParameters {
-    /// As a document states them with their joint uncertainty, for readings in `unit`: k and O of each sensor, the directions of the sensors, and the
-    /// parameters of `effects`, which stand at these `places` of `model.effects`.
+    /// As a document states them with their joint uncertainty, for readings in `unit`: k and O of each
+    /// sensor, the directions of the sensors, and the parameters of `effects`, which stand at these `places`
+    /// of `model.effects`.
     pub fn of(
         document: &Document,
         joint: &Uncertainty,
@@ -64,8 +66,8 @@ fn by(stated: &[Stated]) -> By {
         .collect()
 }
 
-/// k and O of one sensor. What axescal found to be added to O has O's own uncertainty in it as what was known before: its
-/// uncertainty is that of their sum.
+/// k and O of one sensor. What axescal found to be added to O has O's own uncertainty in it as what was known
+/// before: its uncertainty is that of their sum.
 fn constants(document: &Document, axis: Axis, unit: Unit) -> [Stated; 2] {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let added = axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)).and_then(Quantity::std);

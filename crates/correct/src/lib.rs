@@ -1,12 +1,13 @@
 //! Raw readings, a calibration and a model: the field, with the uncertainty of each sample.
 //!
-//! The forward chain of `physics` is run backwards, and its derivatives by everything that is known with an uncertainty carry the
-//! covariances of the document to each row.
+//! The forward chain of `physics` is run backwards, and its derivatives by everything that is known with an
+//! uncertainty carry the covariances of the document to each row.
 //!
-//! `known` has every parameter behind the field with its uncertainty and the root of their covariance; `recording` gives the field with its
-//! derivatives by each of them. Without effects behind the field both are affine in the reading: `affine` takes them from four readings, and a
-//! row costs a matrix and six quadratic forms. `table` goes through files in batches if every effect acts row by row (`Kind::row_by_row`);
-//! otherwise it takes them whole.
+//! `known` has every parameter behind the field with its uncertainty and the root of their covariance;
+//! `recording` gives the field with its derivatives by each of them. Without effects behind the field both
+//! are affine in the reading: `affine` takes them from four readings, and a row costs a matrix and six
+//! quadratic forms. `table` goes through files in batches if every effect acts row by row
+//! (`Kind::row_by_row`); otherwise it takes them whole.
 
 mod affine;
 mod error;

@@ -6,8 +6,9 @@ use physics::Unit;
 /// Length of a table of which it is not known beforehand, s: flicker noise counts down to one over it.
 pub const DAY_S: f64 = 86_400.0;
 
-/// Variance of one reading of a sensor as field, nT²: white noise, flicker noise from one over the series' length to half the
-/// rate, and the width of a code squared over 12. The noise is that which sensorcal found, in its absence what the makers state.
+/// Variance of one reading of a sensor as field, nT²: white noise, flicker noise from one over the series'
+/// length to half the rate, and the width of a code squared over 12. The noise is that which sensorcal found,
+/// in its absence what the makers state.
 pub fn variance_nt2(
     document: &Document,
     axis: Axis,

@@ -83,7 +83,8 @@ impl<'a> Corrector<'a> {
         self.effects.iter().all(|effect| effect.kind.row_by_row())
     }
 
-    /// Corrects a recording that stands at `path`. `length_and_step_s` is of the whole series where this is a piece of it.
+    /// Corrects a recording that stands at `path`. `length_and_step_s` is of the whole series where this is a
+    /// piece of it.
     pub fn correct(
         &self,
         recording: &Recording,
@@ -211,7 +212,8 @@ fn readings(recording: &Recording, unit: Unit, rows: usize) -> Vec<Vector3<f64>>
         .collect()
 }
 
-/// B_geo = Rᵀ B_sen. A small turn ρ of the block, R → exp([ρ]×) R, moves it by −Rᵀ (ρ × B_sen) = Rᵀ [B_sen]× ρ.
+/// B_geo = Rᵀ B_sen. A small turn ρ of the block, R → exp([ρ]×) R, moves it by −Rᵀ (ρ × B_sen) = Rᵀ [B_sen]×
+/// ρ.
 fn in_geo(
     context: &Context<'_>,
     row: usize,

@@ -13,7 +13,8 @@ use crate::{Corrected, Corrector, Error, Frame};
 
 /// Rows that are written at once of a series that is corrected as a whole.
 const PIECE_ROWS: usize = 1 << 16;
-/// Rows that are corrected at once where each stands for itself: as many as a processor's cache holds with all their derivatives.
+/// Rows that are corrected at once where each stands for itself: as many as a processor's cache holds with
+/// all their derivatives.
 const ROWS_AT_ONCE: usize = 1 << 10;
 
 /// A table to be corrected.
@@ -25,7 +26,8 @@ pub struct Request<'a> {
     pub recording: Option<&'a str>,
     /// The frame of the field.
     pub frame: Frame,
-    /// Readings that were read already, in place of the table. When they were taken counts before what `recording` says.
+    /// Readings that were read already, in place of the table. When they were taken counts before what
+    /// `recording` says.
     pub readings: Option<&'a Recording>,
     /// The table; None: standard input.
     pub input: Option<&'a Path>,
@@ -45,8 +47,9 @@ enum Sheet {
     Iaga(IagaWriter),
 }
 
-/// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all its columns with those of
-/// [`Frame::columns`]. Where every effect goes row by row, it holds no more than a few batches at a time.
+/// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all
+/// its columns with those of [`Frame::columns`]. Where every effect goes row by row, it holds no more than a
+/// few batches at a time.
 ///
 /// # Errors
 ///
@@ -90,7 +93,8 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     output.finish(&template)
 }
 
-/// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves nothing behind.
+/// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves
+/// nothing behind.
 struct Output<'a> {
     request: &'a Request<'a>,
     /// That of the input.
@@ -163,7 +167,8 @@ impl Output<'_> {
         Ok(true)
     }
 
-    /// Writes what is left, and of a table without rows its header. A reader of standard output that has gone is no error.
+    /// Writes what is left, and of a table without rows its header. A reader of standard output that has gone
+    /// is no error.
     fn finish(mut self, template: &Recording) -> Result<Tally, Error> {
         let sheet = match self.sheet.take() {
             Some(sheet) => sheet,

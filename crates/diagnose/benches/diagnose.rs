@@ -1,10 +1,11 @@
-//! Speed of a whole diagnosis, through the library, the document in memory: an offset that follows the temperature with a lag is
-//! concealed in three runs, the noise is white and flicker.
+//! Speed of a whole diagnosis, through the library, the document in memory: an offset that follows the
+//! temperature with a lag is concealed in three runs, the noise is white and flicker.
 //!
-//! Each way runs in a process of its own, so that its peak of memory can be told. The peer is the products of 400 columns of as many
-//! readings, once and in one piece on one thread. The search needs such products of all its columns in every look, for it projects the base
-//! model out of them; all else (prediction, whitening, bootstrap, refits with every rival, readings left out) comes on top.
-//! FLUXCAL_BENCH_ROWS asks for other rows than the requirement's.
+//! Each way runs in a process of its own, so that its peak of memory can be told. The peer is the products of
+//! 400 columns of as many readings, once and in one piece on one thread. The search needs such products of
+//! all its columns in every look, for it projects the base model out of them; all else (prediction,
+//! whitening, bootstrap, refits with every rival, readings left out) comes on top. FLUXCAL_BENCH_ROWS asks
+//! for other rows than the requirement's.
 
 #[path = "../tests/it/bench.rs"]
 #[allow(dead_code, reason = "the tests need more of this than the bench")]

@@ -12,7 +12,8 @@ use crate::model::{Column, Follows, Model, State};
 use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 
-/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the fit.
+/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the
+/// fit.
 pub fn at_shapes(
     model: &Model<'_>,
     state: &State,
@@ -38,7 +39,8 @@ pub fn at_shapes(
     Ok((stacked(columns), stacked(by_shape)))
 }
 
-/// The columns of something found at moments, and whether they are what it does rather than derivatives by its amplitudes.
+/// The columns of something found at moments, and whether they are what it does rather than derivatives by
+/// its amplitudes.
 pub fn columns_of(
     model: &Model<'_>,
     state: &State,
@@ -76,7 +78,8 @@ pub fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> R
     Ok(state)
 }
 
-/// A state without things that came in, which stand in it from a number of effects and of columns on, and the numbers behind them.
+/// A state without things that came in, which stand in it from a number of effects and of columns on, and the
+/// numbers behind them.
 pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State, (usize, usize)) {
     let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
     let to = (from.0 + effects, from.1 + gone.len() - effects);

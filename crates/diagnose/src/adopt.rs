@@ -35,7 +35,8 @@ pub fn calibration(document: &mut Document, model: &Model<'_>, fit: (&Fit, &Rest
     write(document, model, fit, before, known)
 }
 
-/// Writes the constants of a fit, and the joint uncertainty of all that it moved; `before` is that of the document as it came.
+/// Writes the constants of a fit, and the joint uncertainty of all that it moved; `before` is that of the
+/// document as it came.
 fn write(
     document: &mut Document,
     model: &Model<'_>,
@@ -152,7 +153,8 @@ fn constants(document: &mut Document, model: &Model<'_>, fit: &Fit) {
             [(turned[0], &mut axes.sensors, basic.mu), (turned[1], &mut axes.coils, basic.eta)]
         {
             if turned {
-                // What else was stated of the old ones is not of these; keys that this version does not know stay.
+                // What else was stated of the old ones is not of these; keys that this version does not know
+                // stay.
                 let extra = place.take().unwrap_or_default().extra;
                 *place = Some(AxesDirections {
                     matrix: Some(frames::rows(&matrix)),

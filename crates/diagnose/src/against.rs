@@ -7,8 +7,8 @@ use crate::Error;
 use crate::model::Model;
 use crate::observed::Observed;
 
-/// The document whose readings are off from its own prediction as they are from a simulation's readings, matched by the
-/// recording's `id` and by column. Recordings that the simulation does not have are left out.
+/// The document whose readings are off from its own prediction as they are from a simulation's readings,
+/// matched by the recording's `id` and by column. Recordings that the simulation does not have are left out.
 ///
 /// # Errors
 ///

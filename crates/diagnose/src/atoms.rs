@@ -1,5 +1,5 @@
-//! What a set may hold: effects, dependences, events and smooth structure, each with its columns and with what is known of their sizes
-//! beforehand.
+//! What a set may hold: effects, dependences, events and smooth structure, each with its columns and with
+//! what is known of their sizes beforehand.
 
 use common::Axis;
 use common::number::counted as plural;
@@ -142,7 +142,8 @@ pub struct Atoms<'p> {
 /// What sizes are measured by.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
-    /// What a reading resolves over what the catalogue's sizes are for: of a coarser instrument they are larger in proportion.
+    /// What a reading resolves over what the catalogue's sizes are for: of a coarser instrument they are
+    /// larger in proportion.
     pub coarse: f64,
     /// Standard deviation of a reading, nT.
     pub noise_nt: f64,
@@ -155,7 +156,8 @@ impl<'p> Atoms<'p> {
     pub fn of(pool: &'p Pool, measure: &Sizes) -> Self {
         let mut all: Vec<Atom> =
             pool.candidates.iter().map(|candidate| atom(pool, candidate, measure)).collect();
-        // Each family of names is as probable as any other, and so is each of its targets; structure has as much together as names.
+        // Each family of names is as probable as any other, and so is each of its targets; structure has as
+        // much together as names.
         let mut families: BTreeMap<String, usize> = BTreeMap::new();
         for atom in &all {
             *families.entry(family(atom)).or_default() += 1;
@@ -188,7 +190,8 @@ impl<'p> Atoms<'p> {
         (from..from + count).collect()
     }
 
-    /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives by the shapes.
+    /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives
+    /// by the shapes.
     pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
         let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if (own.kind, own.axis, &own.column) == (effect.kind, effect.axis, &effect.column));
         let Some(number) = self.all.iter().position(is_it) else { return };

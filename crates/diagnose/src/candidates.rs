@@ -1,4 +1,5 @@
-//! What could have been left out: every effect of the catalogue on everything that it can act on, with its shapes.
+//! What could have been left out: every effect of the catalogue on everything that it can act on, with its
+//! shapes.
 
 use common::Axis;
 use physics::{Acts, EffectInstance, KELVIN, Kind, ParameterInfo, Role, Thermometer};
@@ -15,8 +16,8 @@ use crate::what::What;
 
 /// Shapes that are tried: each so many times the one before, at most.
 const RATIO: f64 = 2.5;
-/// The same for effects without amplitude, whose size is their shape, to the power of nine for saturation: from one trial to the next it
-/// grows by less than the range in which a coefficient is about one.
+/// The same for effects without amplitude, whose size is their shape, to the power of nine for saturation:
+/// from one trial to the next it grows by less than the range in which a coefficient is about one.
 const FINE_RATIO: f64 = 1.25;
 /// Most shapes of a candidate.
 const SHAPES: usize = 16;

@@ -1,4 +1,5 @@
-//! A recording, and the readings of one sensor, of the scalar magnetometer, or of the corrected vector's length in it.
+//! A recording, and the readings of one sensor, of the scalar magnetometer, or of the corrected vector's
+//! length in it.
 
 use common::{Axis, Recording, procedure};
 use nalgebra::Vector3;

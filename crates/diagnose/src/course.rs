@@ -1,5 +1,5 @@
-//! The course of a diagnosis: a look, the sets of effects that explain what stands out, the best of them fitted together with the
-//! calibration, and what stands out then.
+//! The course of a diagnosis: a look, the sets of effects that explain what stands out, the best of them
+//! fitted together with the calibration, and what stands out then.
 
 use common::{Document, Verdict};
 use physics::{EffectInstance, Kind, Role, Stage};
@@ -28,7 +28,8 @@ use crate::{Error, NamedEffect, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;
-/// Rounds that find the same kinds of things go on as long as the sum of squares falls by more than this share.
+/// Rounds that find the same kinds of things go on as long as the sum of squares falls by more than this
+/// share.
 const SETTLED: f64 = 0.02;
 /// What names must do together with the calibration, over what they do where all is linear.
 const MET: f64 = 0.5;
@@ -245,7 +246,8 @@ pub fn weighed(
     let named = |member: &&Member| atoms.all[member.atom].is_named();
     let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();
     let best = answer.members.clone();
-    // What stands out of all that was found; and beside the names alone, for structure without a name passes for what happened at a moment.
+    // What stands out of all that was found; and beside the names alone, for structure without a name passes
+    // for what happened at a moment.
     let beside = named.len() < best.len();
     answer.left = (!named.is_empty()).then(|| fitter.in_nt(&sets.residual(&named, &ground.fit.white)));
     for members in if beside { vec![best, named] } else { vec![best] } {
@@ -289,7 +291,8 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// The ground with additions, at its minimum, the noise that it leaves, and the sum of squares at the minimum under the noise of the ground.
+/// The ground with additions, at its minimum, the noise that it leaves, and the sum of squares at the minimum
+/// under the noise of the ground.
 fn beside(
     document: &Document,
     model: &Model<'_>,

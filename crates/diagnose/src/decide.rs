@@ -1,40 +1,46 @@
-//! The numbers that decide, each with what it is and where a larger one leads. They were set on the sealed cases of seeds 1 and 5001; what a
-//! factor of two does to a score on other seeds was not measured.
+//! The numbers that decide, each with what it is and where a larger one leads. They were set on the sealed
+//! cases of seeds 1 and 5001; what a factor of two does to a score on other seeds was not measured.
 
 /// Sets of effects that are carried on at each step of the search. More of them take more time.
 pub const BEAM: usize = 6;
 /// Most effects and structures of a set.
 pub const DEPTH: usize = 6;
-/// From one prior size to the next: the evidence is a mean over a logarithmic grid of sizes, so that a finer one changes little.
+/// From one prior size to the next: the evidence is a mean over a logarithmic grid of sizes, so that a finer
+/// one changes little.
 pub const SIZE_STEP: f64 = 4.0;
-/// Log odds against a size one step beyond the catalogue's plausible range. Larger: large effects of the right form are left
-/// unnamed rather than named with an odd size.
+/// Log odds against a size one step beyond the catalogue's plausible range. Larger: large effects of the
+/// right form are left unnamed rather than named with an odd size.
 pub const BEYOND: f64 = 3.5;
 /// Steps beyond that range that are tried at all.
 pub const STEPS_BEYOND: usize = 2;
-/// How far an effect may be off its equation, as a share of its size. The catalogue's forms are good to some per cent, and sealed cases
-/// hold up to a fifth.
+/// How far an effect may be off its equation, as a share of its size. The catalogue's forms are good to some
+/// per cent, and sealed cases hold up to a fifth.
 pub const FORM: [f64; 3] = [0.02, 0.06, 0.2];
-/// Share of an effect's energy that its departure from its form may have. Larger: wrong names whose form does the work.
+/// Share of an effect's energy that its departure from its form may have. Larger: wrong names whose form does
+/// the work.
 pub const FORM_ENERGY: f64 = 0.15;
-/// Temperature of the weights of sets: evidence counts half, for true forms are in no dictionary. Smaller: probabilities that are too sure.
+/// Temperature of the weights of sets: evidence counts half, for true forms are in no dictionary. Smaller:
+/// probabilities that are too sure.
 pub const TEMPERATURE: f64 = 2.0;
 /// Probability from which one name is given.
 pub const SURE: f64 = 0.9;
-/// Log odds against structure without a name beforehand. Larger: wrong names for physics outside the catalogue.
+/// Log odds against structure without a name beforehand. Larger: wrong names for physics outside the
+/// catalogue.
 pub const NAMELESS: f64 = 5.0;
-/// Relative standard uncertainty of the size of declared noise, where the document does not state one (`relative_std`). Larger: more scatter
-/// beyond a declaration passes for noise. Concealed recordings have declarations a tenth off; 0.1 was chosen knowing that.
+/// Relative standard uncertainty of the size of declared noise, where the document does not state one
+/// (`relative_std`). Larger: more scatter beyond a declaration passes for noise. Concealed recordings have
+/// declarations a tenth off; 0.1 was chosen knowing that.
 pub const DECLARED: f64 = 0.1;
-/// Share of the explicable energy above which names explain a difference, and above which they explain a part.
+/// Share of the explicable energy above which names explain a difference, and above which they explain a
+/// part.
 pub const EXPLAINED: f64 = 0.95;
 /// See [`EXPLAINED`].
 pub const PARTLY: f64 = 0.8;
-/// Share of what the names explain together, in the readings in which one acts, below which it is taken for a departure from the form
-/// of the others. Larger: small effects beside large ones are left unnamed.
+/// Share of what the names explain together, in the readings in which one acts, below which it is taken for a
+/// departure from the form of the others. Larger: small effects beside large ones are left unnamed.
 pub const NEGLIGIBLE: f64 = 0.02;
-/// Share of what would be left without it from which an event is held against what others do in its own readings, and not against all
-/// that they do in the channel.
+/// Share of what would be left without it from which an event is held against what others do in its own
+/// readings, and not against all that they do in the channel.
 pub const EVENT_SHARE: f64 = 0.2;
 /// What two names of one sensor do together, over the sum of what each does, below which they cancel.
 pub const CANCEL: f64 = 0.25;

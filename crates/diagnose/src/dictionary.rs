@@ -1,17 +1,20 @@
-//! What diagnose weighs, as the columns of a linear model: for other methods that choose among the same explanations.
+//! What diagnose weighs, as the columns of a linear model: for other methods that choose among the same
+//! explanations.
 //!
-//! With r the residual of the calibration fitted again, J the derivatives by its constants and xₖ what a candidate does for a unit of its
-//! size, all whitened by the noise, a choice among candidates is a choice among the columns of
+//! With r the residual of the calibration fitted again, J the derivatives by its constants and xₖ what a
+//! candidate does for a unit of its size, all whitened by the noise, a choice among candidates is a choice
+//! among the columns of
 //!
 //! ```text
 //! r = J a + Σ xₖ cₖ + e,  e independent with variance one where the noise is as told
 //! ```
 //!
-//! What diagnose searches along a grid (time constants, levels, inflections, lags of a dependence) stands here at each value of the grid.
-//! What it finds by a search of its own (a line's frequency, single readings, steps, frozen stretches, passes, the period and the width of
-//! codes) stands here where that search finds it in r, if it stands out of all that was looked at. Left out is what diagnose does beyond a
-//! linear model: shapes between the values of the grid, searches again in what is left when something came in, a second linearisation about
-//! the constants that go with what was found, and what is known of sizes beforehand.
+//! What diagnose searches along a grid (time constants, levels, inflections, lags of a dependence) stands
+//! here at each value of the grid. What it finds by a search of its own (a line's frequency, single readings,
+//! steps, frozen stretches, passes, the period and the width of codes) stands here where that search finds it
+//! in r, if it stands out of all that was looked at. Left out is what diagnose does beyond a linear model:
+//! shapes between the values of the grid, searches again in what is left when something came in, a second
+//! linearisation about the constants that go with what was found, and what is known of sizes beforehand.
 
 use common::{Axis, Document, ExplainedEffect};
 use estimate::screen::Screen;
@@ -59,7 +62,8 @@ pub struct Dictionary {
 pub struct Readings {
     /// Their rows in the residual.
     pub rows: Range<usize>,
-    /// For each the number of its moment, which the sensors of a recording share: recordings one after the other, rows in time order.
+    /// For each the number of its moment, which the sensors of a recording share: recordings one after the
+    /// other, rows in time order.
     pub moments: Vec<usize>,
 }
 

@@ -1,7 +1,7 @@
 //! What happens at one moment: single readings, steps, readings that freeze, passes of vehicles.
 //!
-//! Matched filters go over all rows by Fourier transform, with the noise's response as it is in the middle of a recording; what they
-//! find is then held against the residual exactly.
+//! Matched filters go over all rows by Fourier transform, with the noise's response as it is in the middle of
+//! a recording; what they find is then held against the residual exactly.
 
 mod freeze;
 mod pass;
@@ -27,7 +27,8 @@ use crate::what::named;
 /// Jumps are no more than this share of the rows.
 const RARE: f64 = 0.05;
 
-/// Single readings are looked at together with the strongest from this share of its gain on, and no more of them than that.
+/// Single readings are looked at together with the strongest from this share of its gain on, and no more of
+/// them than that.
 const AS_STRONG: f64 = 0.1;
 const MOST_SINGLES: usize = 60;
 /// Rows to either side of a single reading that belong to it.
@@ -134,7 +135,8 @@ fn isolated(mut all: Vec<Best>, strongest: Best) -> Vec<Best> {
     kept
 }
 
-/// Rows beside which what effects add jumps, far more than elsewhere in the channel: a reading there tells the moment of the jump.
+/// Rows beside which what effects add jumps, far more than elsewhere in the channel: a reading there tells
+/// the moment of the jump.
 fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> {
     let mut found = vec![false; fitter.model.observed.rows];
     let mut without = fit.state.clone();

@@ -1,15 +1,16 @@
 //! The evidence for a set of columns with normal priors: a determinant and a quadratic form.
 //!
-//! With S the products of the columns and g those with the residual, all that the base model can take up projected out, and V the prior
-//! variances, the marginal likelihood over that of no column is, at noise of variance one,
+//! With S the products of the columns and g those with the residual, all that the base model can take up
+//! projected out, and V the prior variances, the marginal likelihood over that of no column is, at noise of
+//! variance one,
 //!
 //! ```text
 //! ln B = −½ ln |I + V^½ S V^½| + ½ gᵀ (S + V⁻¹)⁻¹ g
 //! ```
 //!
-//! Where the size of the noise is known with ν degrees of freedom only, Student's form takes the place of the exponential:
-//! −½ (ν + n) ln((ν + Q)/(ν + R)), Q = R − gᵀ (S + V⁻¹)⁻¹ g. Source: O'Hagan and Forster 2004, Kendall's Advanced Theory of Statistics
-//! 2B, chapter 11.
+//! Where the size of the noise is known with ν degrees of freedom only, Student's form takes the place of the
+//! exponential: −½ (ν + n) ln((ν + Q)/(ν + R)), Q = R − gᵀ (S + V⁻¹)⁻¹ g. Source: O'Hagan and Forster 2004,
+//! Kendall's Advanced Theory of Statistics 2B, chapter 11.
 
 use estimate::screen::Screen;
 
@@ -211,7 +212,8 @@ mod tests {
         Rest { sum_of_squares: screen.sum_of_squares(), freedom: 12.0, known }
     }
 
-    /// ∫∫ exp(−½ |y − X c|²) N(c; 0, V) dc over exp(−½ |y|²), by the trapezoidal rule, which is exact to rounding for such integrands.
+    /// ∫∫ exp(−½ |y − X c|²) N(c; 0, V) dc over exp(−½ |y|²), by the trapezoidal rule, which is exact to
+    /// rounding for such integrands.
     #[test]
     fn the_marginal_likelihood_is_the_integral() {
         let (rows, screen) = screen();
@@ -238,7 +240,8 @@ mod tests {
         assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
     }
 
-    /// Terms that come in later say what they say together, their coefficients included; and Student's form tends to the normal one.
+    /// Terms that come in later say what they say together, their coefficients included; and Student's form
+    /// tends to the normal one.
     #[test]
     fn further_terms_are_those_of_the_whole() {
         let (_, screen) = screen();

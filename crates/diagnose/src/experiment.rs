@@ -1,5 +1,5 @@
-//! The recording that would decide between names: of the recordings that the site can make, the one in which they predict what is
-//! most unlike.
+//! The recording that would decide between names: of the recordings that the site can make, the one in which
+//! they predict what is most unlike.
 
 mod variants;
 
@@ -85,8 +85,9 @@ fn thinned(recording: &Recording) -> Recording {
     thinned
 }
 
-/// Expected log odds between the two of the names that the recording parts least: half of what of one's prediction the other, with its
-/// sizes and shapes and the calibration free, cannot follow, in squares of the noise; as if nothing else were known.
+/// Expected log odds between the two of the names that the recording parts least: half of what of one's
+/// prediction the other, with its sizes and shapes and the calibration free, cannot follow, in squares of the
+/// noise; as if nothing else were known.
 fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<f64, Error> {
     let document = Document { recordings: vec![variant.recording.clone()], ..bare.clone() };
     // What cannot be predicted there decides nothing.

@@ -13,8 +13,9 @@ use crate::channel::Channel;
 use crate::model::{Model, State};
 use crate::whitening::{NoiseModel, neighbours_std};
 
-/// The iteration. It begins damped: where a field hardly changes, whole steps along directions that hardly show turn sensors by radians, and end
-/// in a minimum that is none. The last step is one that lowers the sum of squares by less than [`TOLERANCE`].
+/// The iteration. It begins damped: where a field hardly changes, whole steps along directions that hardly
+/// show turn sensors by radians, and end in a minimum that is none. The last step is one that lowers the sum
+/// of squares by less than [`TOLERANCE`].
 const ITERATION: Control = Control {
     most: 100,
     tolerance: 0.031_622_776_6,
@@ -40,7 +41,8 @@ pub struct Fit {
     pub jacobian: Mat<f64>,
     /// Covariance of the unknowns if the noise is as told; infinite variances for what is not determined.
     pub covariance: Mat<f64>,
-    /// What comes on top of the readings' own errors in that: what forms leave, and by how much two ways to fit are apart.
+    /// What comes on top of the readings' own errors in that: what forms leave, and by how much two ways to
+    /// fit are apart.
     pub beyond: Mat<f64>,
     /// Rank.
     pub rank: usize,
@@ -71,7 +73,8 @@ impl Fitter<'_, '_> {
         Ok(self.noise.whiten_all(&self.model.observed, &self.model.base_columns(state)?))
     }
 
-    /// Whitened derivatives at a state, with the rows of prior knowledge, those by the unknowns of the base model given.
+    /// Whitened derivatives at a state, with the rows of prior knowledge, those by the unknowns of the base
+    /// model given.
     fn jacobian<'c>(&self, state: &State, base: impl Iterator<Item = &'c [f64]>) -> Result<Mat<f64>, Error> {
         let others = self.noise.whiten_all(&self.model.observed, &self.model.other_columns(state)?);
         let mut columns: Vec<&[f64]> = base.collect();
@@ -91,8 +94,8 @@ impl Fitter<'_, '_> {
         channels.flat_map(|(channel, std)| white[channel.range()].iter().map(move |w| w * std)).collect()
     }
 
-    /// What a reading resolves, nT: the largest noise of a channel as it is declared; where it is not, as a fit's neighbouring residuals
-    /// differ (by the median of the distances).
+    /// What a reading resolves, nT: the largest noise of a channel as it is declared; where it is not, as a
+    /// fit's neighbouring residuals differ (by the median of the distances).
     pub fn resolution_nt(&self, fit: &Fit) -> f64 {
         if self.noise.known > 0.0 {
             return self.noise.std_nt.iter().copied().fold(0.0, f64::max);
@@ -101,20 +104,22 @@ impl Fitter<'_, '_> {
         self.model.observed.channels.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// The minimum from a state: the calibration's turns and scales leave directions that hardly show, along which a whole step goes too far.
+    /// The minimum from a state: the calibration's turns and scales leave directions that hardly show, along
+    /// which a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
         self.minimum(start, None, &ITERATION)
     }
 
-    /// The minimum near another fit, whose derivatives by the unknowns of the base model serve to begin with (effects change them by no
-    /// more than their own size). Not for effects that hide the field, which take rows out of them.
+    /// The minimum near another fit, whose derivatives by the unknowns of the base model serve to begin with
+    /// (effects change them by no more than their own size). Not for effects that hide the field, which take
+    /// rows out of them.
     pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
         let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
         self.minimum(start, Some(&fit.jacobian), &Control { damping, ..ITERATION })
     }
 
-    /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model, which change little: they are
-    /// those that are kept.
+    /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model,
+    /// which change little: they are those that are kept.
     fn minimum(&self, start: &State, kept: Option<&Mat<f64>>, control: &Control) -> Result<Fit, Error> {
         let at = At::of(self, start.clone())?;
         let begin = kept.map(|jacobian| self.linear_with(&at, self.base_of(jacobian))).transpose()?;
@@ -160,7 +165,8 @@ impl Fitter<'_, '_> {
         Ok(2.0 * along - square(&white))
     }
 
-    /// Columns (nT, stacked) beside what a fit has left, the fit's own derivatives projected out, and where they begin.
+    /// Columns (nT, stacked) beside what a fit has left, the fit's own derivatives projected out, and where
+    /// they begin.
     pub fn screen_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<(Screen, usize), Error> {
         let white = self.noise.whiten_all(&self.model.observed, columns);
         let base = fit.jacobian.ncols();
@@ -175,8 +181,8 @@ impl Fitter<'_, '_> {
         Ok(screen.gain(&group)?)
     }
 
-    /// Products of whitened derivatives, further whitened columns, which prior knowledge does not touch, and residual: by blocks of
-    /// rows on all threads, without a copy of the whole.
+    /// Products of whitened derivatives, further whitened columns, which prior knowledge does not touch, and
+    /// residual: by blocks of rows on all threads, without a copy of the whole.
     pub fn products(&self, jacobian: &Mat<f64>, more: &[Vec<f64>], white: &[f64]) -> Products {
         let base = jacobian.ncols();
         let width = base + more.len();
@@ -207,8 +213,8 @@ impl Fit {
         Self { covariance: &self.covariance + added, beyond: &self.beyond + added, ..self }
     }
 
-    /// ln of the likelihood of its residual up to a constant, under the noise by which it is whitened: −½ (Σ of squares, whitened, and ln of
-    /// the covariance's determinant).
+    /// ln of the likelihood of its residual up to a constant, under the noise by which it is whitened: −½ (Σ
+    /// of squares, whitened, and ln of the covariance's determinant).
     pub fn log_likelihood(&self, noise: &NoiseModel) -> f64 {
         -0.5 * (square(&self.white[..self.residual.len()]) + noise.log_determinant())
     }
@@ -256,8 +262,8 @@ const ESTIMATES: usize = 8;
 /// Change of its variance below which it is as it was.
 const ESTIMATED: f64 = 0.02;
 
-/// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it as white. (Of the residual
-/// of a calibration that is far off, most would pass for slow noise.)
+/// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it
+/// as white. (Of the residual of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
     let first = NoiseModel::of(document, &model.observed, start, &residual, None)?;
@@ -265,8 +271,8 @@ pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<
     if first.known > 0.0 {
         return Ok((fit, first));
     }
-    // Beside the scatter of a calibration that is far off, what is stated of it weighs too much, and slow noise takes what is left of it: the
-    // size of white noise settles before its spectrum.
+    // Beside the scatter of a calibration that is far off, what is stated of it weighs too much, and slow
+    // noise takes what is left of it: the size of white noise settles before its spectrum.
     let white = estimated(document, model, (fit, first), false)?;
     let coloured = estimated(document, model, white.clone(), true)?;
     // A spectrum by its periodogram need not be one of the residual: what turns by hand has lines.

@@ -1,5 +1,5 @@
-//! How an effect may depart from its equation: its contribution times smooth functions of what it follows and of time, and what it does at
-//! neighbouring shapes.
+//! How an effect may depart from its equation: its contribution times smooth functions of what it follows and
+//! of time, and what it does at neighbouring shapes.
 
 use common::Axis;
 use physics::EffectInstance;
@@ -25,8 +25,8 @@ pub struct Form {
     pub neighbours: Vec<Stacked>,
 }
 
-/// The highest order that could show: where departures of the largest share of a contribution, less with each order, have half a unit of
-/// the noise's variance. `energy` is the contribution's, whitened.
+/// The highest order that could show: where departures of the largest share of a contribution, less with each
+/// order, have half a unit of the noise's variance. `energy` is the contribution's, whitened.
 pub fn orders(energy: f64) -> usize {
     let largest = FORM[FORM.len() - 1];
     ((largest * (2.0 * energy).sqrt()) as usize).min(ORDERS)
@@ -140,7 +140,8 @@ mod tests {
 
     #[test]
     fn what_could_not_show_is_left_out() {
-        // A fifth of 3 standard deviations in a whole contribution shows nothing, of a thousand all orders do.
+        // A fifth of 3 standard deviations in a whole contribution shows nothing, of a thousand all orders
+        // do.
         assert_eq!([9.0, 25.0, 1e6].map(orders), [0, 1, ORDERS]);
     }
 }

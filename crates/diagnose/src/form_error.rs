@@ -1,14 +1,15 @@
 //! What departures from their equations add to the uncertainty of all that is fitted.
 //!
-//! The fit has each effect exactly as its equation has it. Departures are shares of what the effect does beside the calibration. With J the
-//! whitened derivatives of the fit's unknowns, C their covariance and F the departures, each of prior standard deviation ψ, what the
-//! residual w says of the departures is
+//! The fit has each effect exactly as its equation has it. Departures are shares of what the effect does
+//! beside the calibration. With J the whitened derivatives of the fit's unknowns, C their covariance and F
+//! the departures, each of prior standard deviation ψ, what the residual w says of the departures is
 //!
 //! ```text
 //! c = K Fᵀw,  K = (Fᵀ(1 − JCJᵀ)F + ψ⁻²)⁻¹
 //! ```
 //!
-//! The fit is biased by CJᵀF times the true departures, whose mean square is K + ccᵀ; the covariance of that bias is added to C.
+//! The fit is biased by CJᵀF times the true departures, whose mean square is K + ccᵀ; the covariance of that
+//! bias is added to C.
 
 use estimate::linear;
 use faer::Mat;
@@ -29,8 +30,8 @@ use crate::whitening::NoiseModel;
 /// From one time constant of a mixture to the next.
 const APART: f64 = 2.5;
 
-/// What comes on top of the covariance of a fit whose effects, from a number on in the order of these additions, may depart from their
-/// equations by these shares, group by group.
+/// What comes on top of the covariance of a fit whose effects, from a number on in the order of these
+/// additions, may depart from their equations by these shares, group by group.
 pub fn added<'n>(
     model: &Model<'_>,
     (fit, noise): (&Fit, &NoiseModel),
@@ -40,7 +41,8 @@ pub fn added<'n>(
     let followed = Followed::of(model, &fit.state)?;
     let base = model.base_columns(&fit.state)?;
     let design = fit.jacobian.as_ref().submatrix(0, 0, model.observed.rows, base.len());
-    // The part that the calibration cannot absorb, so that an effect's reference temperature makes no difference.
+    // The part that the calibration cannot absorb, so that an effect's reference temperature makes no
+    // difference.
     let seen = |mut own: Vec<f64>| -> Result<Vec<f64>, Error> {
         let along = linear::fit(design, &noise.whiten(&model.observed, &own), None)?.coefficients;
         for (column, along) in base.iter().zip(along) {
@@ -83,7 +85,8 @@ pub fn added<'n>(
     beyond(fit, &noise.whiten_all(&model.observed, &dense), &shares)
 }
 
-/// The state of a fit with the time constant of an effect longer and shorter: a real relaxation is a mixture of several.
+/// The state of a fit with the time constant of an effect longer and shorter: a real relaxation is a mixture
+/// of several.
 fn mixture(fit: &Fit, number: usize) -> Vec<State> {
     let effect = &fit.state.effects[number];
     let infos = effect.kind.parameters();
@@ -135,7 +138,8 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
 mod tests {
     use super::*;
 
-    /// A line through the origin, of rows that may curve: the variance of its slope with the curve's posterior variance, by hand.
+    /// A line through the origin, of rows that may curve: the variance of its slope with the curve's
+    /// posterior variance, by hand.
     #[test]
     fn a_departure_adds_the_variance_of_the_bias_that_it_makes() {
         let rows = 40;

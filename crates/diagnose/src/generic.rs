@@ -1,4 +1,5 @@
-//! Smooth functions of what was recorded, and columns that no effect knows: they find structure and describe it.
+//! Smooth functions of what was recorded, and columns that no effect knows: they find structure and describe
+//! it.
 
 use common::Axis;
 use nalgebra::Vector3;
@@ -154,8 +155,8 @@ fn with_time(
     Some((what, vec![(None, waves.collect())]))
 }
 
-/// What the field along or across a sensor was before: by how much it is off its own past, a first-order lag of some rows, that times the field, its
-/// size and its cube.
+/// What the field along or across a sensor was before: by how much it is off its own past, a first-order lag
+/// of some rows, that times the field, its size and its cube.
 fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]) -> Option<Generic> {
     model.observed.runs.iter().find(|run| run.time_s.is_some())?;
     let largest = fields.iter().flatten().map(|field| field[of.index()].abs()).fold(0.0, f64::max);
@@ -281,7 +282,8 @@ fn thresholds(
     (!trials.is_empty()).then_some((What::Smooth { covariate, axis }, trials))
 }
 
-/// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all others.
+/// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all
+/// others.
 fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Stacked {
     let observed = &model.observed;
     let part = |channel: &Channel| match channel.reader {

@@ -25,9 +25,9 @@ pub struct HeldOut {
 }
 
 impl Fitter<'_, '_> {
-    /// The part in which each whitened row is left out. What is known beforehand is never left out, nor are rows of a single
-    /// moment that the state explains by themselves, nor the first row of noise with memory, which has its level: without them nothing is
-    /// known of it.
+    /// The part in which each whitened row is left out. What is known beforehand is never left out, nor are
+    /// rows of a single moment that the state explains by themselves, nor the first row of noise with memory,
+    /// which has its level: without them nothing is known of it.
     fn folds(&self, state: &State, rows: usize) -> Vec<usize> {
         let mut folds = vec![FOLDS; rows];
         let observed = &self.model.observed;

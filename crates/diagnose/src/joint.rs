@@ -1,15 +1,17 @@
 //! What was fitted, with all that it has in common with what was known before: `calibration.uncertainty`.
 //!
-//! With J the whitened derivatives of the readings by the unknowns, N = JᵀJ with what is known beforehand, and N⁺ its inverse along the
-//! directions that the recordings show, a fit moves the unknowns by N⁺Jᵀ times what the document leaves. Where a parameter of the document errs
-//! by one unit, the unknowns err by a, and after the fit by
+//! With J the whitened derivatives of the readings by the unknowns, N = JᵀJ with what is known beforehand,
+//! and N⁺ its inverse along the directions that the recordings show, a fit moves the unknowns by N⁺Jᵀ times
+//! what the document leaves. Where a parameter of the document errs by one unit, the unknowns err by a, and
+//! after the fit by
 //!
 //! ```text
 //! a − N⁺JᵀJ a
 //! ```
 //!
-//! which is nothing of what the recordings show, and all of the rest. What is wrong with the drive is no unknown, and acts like an error b of the coils'
-//! constants: the fit takes it up as −N⁺JᵀJ b. The readings' own errors are N⁺JᵀJN⁺, and what forms leave comes on top.
+//! which is nothing of what the recordings show, and all of the rest. What is wrong with the drive is no
+//! unknown, and acts like an error b of the coils' constants: the fit takes it up as −N⁺JᵀJ b. The readings'
+//! own errors are N⁺JᵀJN⁺, and what forms leave comes on top.
 
 use common::uncertainty::{self, Block, By};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
@@ -46,8 +48,8 @@ struct Place {
     own: f64,
 }
 
-/// Takes the constants of a fit and its effects, which stand in `model.effects`, into the joint uncertainty: `joint` is that of the document as
-/// it came. Gives that with the paths of what was fitted.
+/// Takes the constants of a fit and its effects, which stand in `model.effects`, into the joint uncertainty:
+/// `joint` is that of the document as it came. Gives that with the paths of what was fitted.
 pub fn adopted(
     document: &Document,
     model: &Model<'_>,
@@ -59,12 +61,14 @@ pub fn adopted(
     let readings = fit.jacobian.as_ref().submatrix(0, 0, rows, fit.jacobian.ncols());
     let inverse = inverse(&fit.jacobian)?;
     let met = &inverse * (readings.transpose() * readings);
-    // Where the document states nothing, what the recordings do not show has no uncertainty that could be told.
+    // Where the document states nothing, what the recordings do not show has no uncertainty that could be
+    // told.
     let shown = &inverse * (fit.jacobian.transpose() * &fit.jacobian);
     let unknown =
         |k: usize| k < model.unknowns.len() && joint.sources.is_empty() && 1.0 - shown[(k, k)] > SHOWN;
     let places = places(document, model, fit, (&joint, known), &unknown);
-    // What is known beforehand counts with the readings, a theodolite's setting of the block for one, unless the document states it: then its sources bring it in.
+    // What is known beforehand counts with the readings, a theodolite's setting of the block for one, unless
+    // the document states it: then its sources bring it in.
     let own = |k: usize| {
         let states = |place: &Place| place.error.iter().any(|(i, _)| *i == k) && joint.std(&place.path) > 0.0;
         !places.iter().any(states)
@@ -176,8 +180,9 @@ impl Stated<'_, '_> {
         self.model.unknowns.iter().position(of)
     }
 
-    /// Sensitivities, offsets, coils' constants and the field without drive. The uncertainty of what was found to be added to an offset is that of the sum; that
-    /// of a component of the field without drive, of the sum with the coils' offsets.
+    /// Sensitivities, offsets, coils' constants and the field without drive. The uncertainty of what was
+    /// found to be added to an offset is that of the sum; that of a component of the field without drive, of
+    /// the sum with the coils' offsets.
     fn constants(&self) -> Vec<Place> {
         let fields = Axis::ALL.map(|axis| self.unknown(Unknown::Field(axis)));
         let is_sum = |axis: Axis| self.joint.std(&uncertainty::residual_field(axis)) > 0.0;
@@ -227,7 +232,8 @@ impl Stated<'_, '_> {
         places
     }
 
-    /// The nine cosines of the sensors, or of the coils, by their turns. A turn that the fit leaves out is an unknown behind all others, which nothing moves.
+    /// The nine cosines of the sensors, or of the coils, by their turns. A turn that the fit leaves out is an
+    /// unknown behind all others, which nothing moves.
     fn directions(&self, fit: &Fit, coils: bool) -> Vec<Place> {
         let run = self.model.observed.runs.iter().find(|run| !run.differential());
         let Some(basic) = run.map(|run| &run.setting.basic) else { return Vec::new() };
@@ -266,7 +272,8 @@ impl Stated<'_, '_> {
         places
     }
 
-    /// The width of a sensor's codes, which is known in units of its readings: in nT it goes with the sensitivity.
+    /// The width of a sensor's codes, which is known in units of its readings: in nT it goes with the
+    /// sensitivity.
     fn codes(&self, fit: &Fit, codes: &EffectInstance, adopted: &AdoptedEffect) -> Option<Place> {
         let (axis, width) = (codes.axis?, *codes.parameters.first()?);
         let run =

@@ -1,7 +1,7 @@
 //! Coarse codes, from the readings themselves: all of a sensor's are whole numbers of one width.
 //!
-//! Such codes are no part of what is predicted, which would jump with every error of the field, but of the noise: width²/12 of each
-//! reading.
+//! Such codes are no part of what is predicted, which would jump with every error of the field, but of the
+//! noise: width²/12 of each reading.
 
 use common::{Axis, Document};
 use estimate::sine::{power_along, power_at, sharpened};
@@ -74,8 +74,8 @@ fn of_sensor(
     Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false })
 }
 
-/// Standard uncertainty of a sensor's width of codes, nT, that of its sensitivity apart: of n readings x whose phases 2πx/q scatter by σ, that of
-/// the frequency 1/q is σ/(2π √(n var x)).
+/// Standard uncertainty of a sensor's width of codes, nT, that of its sensitivity apart: of n readings x
+/// whose phases 2πx/q scatter by σ, that of the frequency 1/q is σ/(2π √(n var x)).
 pub fn width_std(model: &Model<'_>, state: &State, codes: &EffectInstance) -> f64 {
     let (Some(axis), [width]) = (codes.axis, &codes.parameters[..]) else { return 0.0 };
     let mut x = Vec::new();
@@ -94,8 +94,9 @@ pub fn width_std(model: &Model<'_>, state: &State, codes: &EffectInstance) -> f6
 
 /// The width of which all readings are whole numbers, nT, and the probability of such a one by chance.
 ///
-/// Of n readings x the power R² = |Σ exp(2πi x/q)|²/n² is one. Noise of the standard deviation σ alone leaves exp(−4π²σ²/q²) at most,
-/// wherever the field is held; where it is spread, exp(−n R²) is the probability of as much.
+/// Of n readings x the power R² = |Σ exp(2πi x/q)|²/n² is one. Noise of the standard deviation σ alone leaves
+/// exp(−4π²σ²/q²) at most, wherever the field is held; where it is spread, exp(−n R²) is the probability of
+/// as much.
 fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
     let range = high - low;
@@ -114,8 +115,9 @@ fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
     let striking = (from..=to.min(power.len() - 1)).filter(|k| power[*k] > STRIKING * count * count);
     let share = |frequency: f64| power_at(x, &ones, frequency) / (count * count);
     let slope = slope(x);
-    // Readings that are mostly alike, as in a shield, are striking at every frequency and close to whole numbers of none: what the
-    // share can be at most about four places tells most of those without looking at all between.
+    // Readings that are mostly alike, as in a shield, are striking at every frequency and close to whole
+    // numbers of none: what the share can be at most about four places tells most of those without looking at
+    // all between.
     let could_be = |k: &usize| {
         let least = 1.0 - CLOSER * (1.0 - (-(TAU * std * (*k as f64 + 1.0) * grid).powi(2)).exp());
         [-0.75, -0.25, 0.25, 0.75].into_iter().any(|off| {
@@ -136,7 +138,8 @@ fn width(x: &[f64], std: f64, declared: f64) -> Option<(f64, f64)> {
         })
 }
 
-/// How fast |Σ exp(2πi ν x)|/n changes with ν at most: 2π times the mean distance from any place, here from the median.
+/// How fast |Σ exp(2πi ν x)|/n changes with ν at most: 2π times the mean distance from any place, here from
+/// the median.
 fn slope(x: &[f64]) -> f64 {
     let mut sorted = x.to_vec();
     sorted.sort_by(f64::total_cmp);

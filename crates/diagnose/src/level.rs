@@ -17,8 +17,8 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// Probability of such a gain of a group of this rank by chance: χ² where the noise is known, F with what is left and what was
-    /// known beforehand where it is not.
+    /// Probability of such a gain of a group of this rank by chance: χ² where the noise is known, F with what
+    /// is left and what was known beforehand where it is not.
     pub fn p(&self, gain: f64, rank: usize) -> f64 {
         let rank = rank as f64;
         if rank == 0.0 || !gain.is_finite() || gain <= 0.0 {
@@ -35,7 +35,8 @@ impl Rest {
         f_p(gain / rank / (left / freedom), rank, freedom)
     }
 
-    /// ln of the likelihood at a sum of squares over that at another, the size of the noise averaged out where it is not known.
+    /// ln of the likelihood at a sum of squares over that at another, the size of the noise averaged out
+    /// where it is not known.
     pub fn log_likelihood(&self, whole: f64, left: f64) -> f64 {
         if self.known.is_infinite() {
             return 0.5 * (whole - left);
@@ -43,8 +44,8 @@ impl Rest {
         -0.5 * (self.known + self.freedom) * ((self.known + left) / (self.known + whole)).ln()
     }
 
-    /// By how much a sum of squares is beyond what the noise makes of it, its own scatter and what is known of its size allowed for. None
-    /// where the size of the noise is what the residual shows.
+    /// By how much a sum of squares is beyond what the noise makes of it, its own scatter and what is known
+    /// of its size allowed for. None where the size of the noise is what the residual shows.
     pub fn excess(&self, left: f64) -> f64 {
         if self.known == 0.0 {
             return 0.0;
@@ -53,7 +54,8 @@ impl Rest {
         (left - self.freedom - BEYOND_CHANCE * spread).max(0.0)
     }
 
-    /// Whether the scatter is larger than the declaration by more than chance, its own uncertainty left aside.
+    /// Whether the scatter is larger than the declaration by more than chance, its own uncertainty left
+    /// aside.
     pub fn is_larger(&self, level: f64) -> bool {
         self.known > 0.0 && chi_squared_p(self.sum_of_squares, self.freedom) < level
     }
@@ -82,11 +84,13 @@ pub fn at_least_one(p: f64, count: f64) -> f64 {
     if p >= 1.0 { 1.0 } else { -(count * (-p).ln_1p()).exp_m1() }
 }
 
-/// As how many independent looks a search over all frequencies of a band counts, where the strongest gains so much: the expected
-/// upcrossings of χ² along the frequency, per probability of one look. `x` is what the waves run along.
+/// As how many independent looks a search over all frequencies of a band counts, where the strongest gains so
+/// much: the expected upcrossings of χ² along the frequency, per probability of one look. `x` is what the
+/// waves run along.
 ///
-/// √(4π var x) Δν √(gain/2). Source: Davies 1987, Hypothesis testing when a nuisance parameter is present only under the alternative,
-/// Biometrika 74, 33; Baluev 2008, Assessing the statistical significance of periodogram peaks, MNRAS 385, 1279, eq. 8.
+/// √(4π var x) Δν √(gain/2). Source: Davies 1987, Hypothesis testing when a nuisance parameter is present
+/// only under the alternative, Biometrika 74, 33; Baluev 2008, Assessing the statistical significance of
+/// periodogram peaks, MNRAS 385, 1279, eq. 8.
 pub fn looks_along(x: &[f64], band: f64, gain: f64) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     let variance = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / x.len() as f64;

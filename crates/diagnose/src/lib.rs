@@ -1,10 +1,11 @@
-//! What physics did the model leave out? Predicts every recording from `calibration` and `model` and names what explains the
-//! difference.
+//! What physics did the model leave out? Predicts every recording from `calibration` and `model` and names
+//! what explains the difference.
 //!
-//! Residuals are whitened by the noise as declared. Of every candidate and of the residual the base model's columns are projected out,
-//! for the calibration has swallowed a part of every effect. A claim counts all that was searched, shapes and moments
-//! included; it must predict readings that were left out, with plausible sizes; and it is a name only where no rival fits as
-//! well. What is accepted is fitted together with the calibration and goes to `model.effects`.
+//! Residuals are whitened by the noise as declared. Of every candidate and of the residual the base model's
+//! columns are projected out, for the calibration has swallowed a part of every effect. A claim counts all
+//! that was searched, shapes and moments included; it must predict readings that were left out, with
+//! plausible sizes; and it is a name only where no rival fits as well. What is accepted is fitted together
+//! with the calibration and goes to `model.effects`.
 //!
 //! - `observed` makes channels (`channel`) of the recordings. `model` has the unknowns (chain, levels, turns, effects, columns) with residual
 //!   and derivatives from `predict_with_jacobian` (`model/step`: steps along which readings are linear). `whitening` is the noise, in one pass
@@ -168,7 +169,8 @@ struct Outcome {
     parameters: Vec<IndexMap<String, Quantity>>,
 }
 
-/// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add up.
+/// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add
+/// up.
 const LARGE: f64 = 30.0;
 
 impl Outcome {
@@ -186,7 +188,8 @@ impl Outcome {
     }
 }
 
-/// The plan of the recording that would decide between the names of an ambiguous answer, as text for `simulate campaign`.
+/// The plan of the recording that would decide between the names of an ambiguous answer, as text for
+/// `simulate campaign`.
 pub fn plan(document: &Document) -> Option<String> {
     let entries = document.diagnosis.iter().flatten();
     let plan =
@@ -194,8 +197,8 @@ pub fn plan(document: &Document) -> Option<String> {
     Some(common::to_text(plan))
 }
 
-/// Holds the recordings against the model and writes what is found to `diagnosis`, accepted effects to `model.effects` and the
-/// calibration that goes with them to `calibration`.
+/// Holds the recordings against the model and writes what is found to `diagnosis`, accepted effects to
+/// `model.effects` and the calibration that goes with them to `calibration`.
 pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
     run_told(document, options, &|_| ())
 }
@@ -226,8 +229,8 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
     let mut outcome = undeclared::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
-    // Where what was left out is large, the calibration fitted without it is off by so much that effects do not add up about it: the sets
-    // are weighed again about the calibration that goes with the best names.
+    // Where what was left out is large, the calibration fitted without it is off by so much that effects do
+    // not add up about it: the sets are weighed again about the calibration that goes with the best names.
     let nearer = if outcome.is_large() {
         let state = State { base: outcome.near.clone(), ..outcome.base.state.clone() };
         Some((Pool::of(&model, &state, &options.without)?, state))

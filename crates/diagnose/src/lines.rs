@@ -1,7 +1,7 @@
 //! Lines of unknown frequency: the periodogram of the whitened residual, all sensors of a recording together.
 //!
-//! `estimate::periodogram` takes lines out of one series whose noise it does not know; here the noise is known, and the sensors count
-//! together. Uneven times go to the nearest half step.
+//! `estimate::periodogram` takes lines out of one series whose noise it does not know; here the noise is
+//! known, and the sensors count together. Uneven times go to the nearest half step.
 
 use estimate::sine::{Series, Strongest, strongest};
 use physics::{EffectInstance, Kind};

@@ -1,9 +1,10 @@
-//! Recordings in a field of which nothing is known but its length: what the sensors read, corrected, is held against a scalar
-//! magnetometer beside them.
+//! Recordings in a field of which nothing is known but its length: what the sensors read, corrected, is held
+//! against a scalar magnetometer beside them.
 //!
-//! The residual is |B| − F, B the corrected vector in SEN and F the scalar reading. The chain is run forwards in a field S that is close to B:
-//! the smooth readings, corrected by the basic chain. It predicts p, and B = S + (μᵀ)⁻¹ k (y − p), y the readings and k the sensitivities:
-//! exact for the basic chain, and with effects one Newton step from a field that is off by what they do. Whatever moves the readings moves
+//! The residual is |B| − F, B the corrected vector in SEN and F the scalar reading. The chain is run forwards
+//! in a field S that is close to B: the smooth readings, corrected by the basic chain. It predicts p, and B =
+//! S + (μᵀ)⁻¹ k (y − p), y the readings and k the sensitivities: exact for the basic chain, and with effects
+//! one Newton step from a field that is off by what they do. Whatever moves the readings moves
 //! |B| by its projection on S. A turn of all sensors together does not move it, nor, in first order, does anything across the field.
 //! S is smooth so that what follows the field's rate does not follow the noise of the readings themselves.
 
@@ -38,8 +39,8 @@ pub fn unseen(recording: &str) -> String {
     )
 }
 
-/// The magnitude of run number `run`, whose rows begin at `at` in the stack; the run then has its smooth readings. None where a sensor
-/// was not read.
+/// The magnitude of run number `run`, whose rows begin at `at` in the stack; the run then has its smooth
+/// readings. None where a sensor was not read.
 pub fn channel(of: &mut Run<'_>, run: usize, at: usize) -> Result<Option<Channel>, Error> {
     let unit = of.setting.context.unit.suffix();
     let columns = Axis::ALL.map(|axis| of.recording.axis_column("sensor", axis, unit));
@@ -103,7 +104,8 @@ fn corrected(channel: &Channel, basic: &Basic, prediction: &Prediction) -> Vec<V
     channel.rows.iter().zip(&channel.vectors).map(of).collect()
 }
 
-/// The length of the field that readings mean by a whole chain, solved for it as `correct` does, less the scalar reading; none where they do not determine it.
+/// The length of the field that readings mean by a whole chain, solved for it as `correct` does, less the
+/// scalar reading; none where they do not determine it.
 pub fn solved(
     channel: &Channel,
     (basic, context): (&Basic, &Context<'_>),
@@ -116,8 +118,9 @@ pub fn solved(
     Some(channel.rows.iter().zip(&channel.readings).map(of).collect())
 }
 
-/// How far along readings a length along b moves, in those units that the document's sensitivities make nT: |k₀/k μᵀ b|, which is one with
-/// the document's calibration. Errors are those of readings: a residual in the fitted nT would be least with sensors that feel nothing.
+/// How far along readings a length along b moves, in those units that the document's sensitivities make nT:
+/// |k₀/k μᵀ b|, which is one with the document's calibration. Errors are those of readings: a residual in the
+/// fitted nT would be least with sensors that feel nothing.
 fn measure(channel: &Channel, basic: &Basic, field: &Vector3<f64>) -> f64 {
     let along = basic.mu.transpose() * field.normalize();
     Vector3::from_fn(|i, _| channel.nominal[i] / basic.sensors[i].sensitivity * along[i]).norm()

@@ -161,14 +161,16 @@ impl<'a> Model<'a> {
         state.effects.iter().enumerate().flat_map(of).collect()
     }
 
-    /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its standard uncertainty.
+    /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its
+    /// standard uncertainty.
     pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
         let base = self.priors.iter().zip(&self.centres).zip(&state.base).enumerate();
         let base = base.filter_map(|(k, ((prior, centre), value))| prior.map(|std| (k, value - centre, std)));
         base.chain(self.known_of_effects(state)).collect()
     }
 
-    /// The same of effects. Of a series of harmonics recordings determine only sums; each term is known to be of a plausible size.
+    /// The same of effects. Of a series of harmonics recordings determine only sums; each term is known to be
+    /// of a plausible size.
     pub fn known_of_effects(&self, state: &State) -> Vec<(usize, f64, f64)> {
         let series = |(k, (effect, parameter)): (usize, (usize, usize))| {
             let effect = &state.effects[effect];
@@ -207,8 +209,8 @@ impl<'a> Model<'a> {
         Ok(residual)
     }
 
-    /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects, columns. Shapes count by their
-    /// logarithm.
+    /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects,
+    /// columns. Shapes count by their logarithm.
     pub fn other_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
@@ -274,8 +276,8 @@ impl<'a> Model<'a> {
             .collect())
     }
 
-    /// Columns of the last effect of a state: the derivatives by its amplitudes, or, of an effect that has none, by how much it changes
-    /// what a state without it predicts, and whether it is that.
+    /// Columns of the last effect of a state: the derivatives by its amplitudes, or, of an effect that has
+    /// none, by how much it changes what a state without it predicts, and whether it is that.
     pub fn columns_of_last(&self, without: &State, with: &State) -> Result<(Vec<Vec<f64>>, bool), Error> {
         let number = with.effects.len() - 1;
         let infos = with.effects[number].kind.parameters().iter().enumerate();

@@ -1,4 +1,5 @@
-//! What happened at moments, at frequencies or in codes: which of it is new, which pays for its search, and what is told as one.
+//! What happened at moments, at frequencies or in codes: which of it is new, which pays for its search, and
+//! what is told as one.
 
 use physics::{EffectInstance, Kind, Role};
 
@@ -7,9 +8,10 @@ use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::whitening::NoiseModel;
 
-/// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln (looks) times its variance,
-/// and those that last for less than the step from reading to reading: they have more unknowns than readings in which they act. The
-/// additions stand in the fit from a number of effects and of columns on.
+/// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln
+/// (looks) times its variance, and those that last for less than the step from reading to reading: they have
+/// more unknowns than readings in which they act. The additions stand in the fit from a number of effects and
+/// of columns on.
 pub fn insignificant(
     model: &Model<'_>,
     from: (usize, usize),
@@ -73,8 +75,8 @@ fn step_s(model: &Model<'_>, effect: &EffectInstance) -> f64 {
     time.map_or(0.0, |time| (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64)
 }
 
-/// Brings lines and codes to the frequencies and periods that a fit has of them, its effects in the order of the additions; whether any
-/// moved.
+/// Brings lines and codes to the frequencies and periods that a fit has of them, its effects in the order of
+/// the additions; whether any moved.
 pub fn follow(events: &mut [Proposal], additions: &[Addition], fitted: &[EffectInstance]) -> bool {
     let effects = additions.iter().filter(|addition| matches!(addition, Addition::Effect(_)));
     let mut any = false;

@@ -14,7 +14,8 @@ use crate::reach;
 const RIDGE: f64 = 1e-12;
 /// Eigenvalues of the stated constants below this are rounding.
 const ROUNDING: f64 = 1e-9;
-/// Another constant could have moved in the place of one if χ² falls by no more than this less without its statement: odds of twenty.
+/// Another constant could have moved in the place of one if χ² falls by no more than this less without its
+/// statement: odds of twenty.
 const AS_GOOD: f64 = 6.0;
 
 /// Shifts of all constants that the final fit determines.
@@ -43,8 +44,8 @@ pub fn held(model: &Model<'_>, outcome: &Outcome) -> Option<String> {
     })
 }
 
-/// The constants that moved farther than the calibration states. Nothing is said beside an answer that leaves open what the fit's
-/// constants are.
+/// The constants that moved farther than the calibration states. Nothing is said beside an answer that leaves
+/// open what the fit's constants are.
 pub fn moved(document: &Document, model: &Model<'_>, outcome: &Outcome, level: f64) -> Vec<MovedConstant> {
     let open = matches!(outcome.verdict, Verdict::Unexplained | Verdict::Ambiguous);
     let Some(calibration) = document.calibration.as_ref().filter(|_| !open) else { return Vec::new() };
@@ -68,10 +69,11 @@ pub fn moved(document: &Document, model: &Model<'_>, outcome: &Outcome, level: f
 
 /// What recordings say of the unknowns, with constants held where they are stated.
 ///
-/// With b the unknowns of the fit, H their precision, and P that of what is stated (diagonal), both together are best met at
-/// β = (H + P)⁻¹ H b, and χ² = (β − b)ᵀH(β − b) + βᵀPβ. Where the calibration holds, that has as many degrees of freedom as stated
-/// constants are seen, and χ² falls by χ²(1) when the statement of one of them is let go: the test by which geodesists find gross
-/// errors (Baarda 1968, A testing procedure for use in geodetic networks).
+/// With b the unknowns of the fit, H their precision, and P that of what is stated (diagonal), both together
+/// are best met at β = (H + P)⁻¹ H b, and χ² = (β − b)ᵀH(β − b) + βᵀPβ. Where the calibration holds, that has
+/// as many degrees of freedom as stated constants are seen, and χ² falls by χ²(1) when the statement of one
+/// of them is let go: the test by which geodesists find gross errors (Baarda 1968, A testing procedure for
+/// use in geodetic networks).
 struct Held {
     precision: DMatrix<f64>,
     fitted: DVector<f64>,
@@ -150,8 +152,8 @@ impl Held {
         (best[constant], inverse[(constant, constant)].sqrt())
     }
 
-    /// The constant that has moved, where chance does not allow at a level that all are where they are stated: by the fall of χ² of one
-    /// among all, or by χ² as a whole.
+    /// The constant that has moved, where chance does not allow at a level that all are where they are
+    /// stated: by the fall of χ² of one among all, or by χ² as a whole.
     fn most_moved(&self, level: f64) -> Option<Moved> {
         let all: Vec<usize> = (0..self.stated.len()).filter(|k| self.stated[*k] > 0.0).collect();
         let whole = self.chi_squared(&self.stated);
@@ -203,7 +205,8 @@ mod tests {
     use super::*;
     use noise::Stream;
 
-    /// Stated constants (the last two unknowns are not) drawn with their uncertainty, and fitted with that of recordings.
+    /// Stated constants (the last two unknowns are not) drawn with their uncertainty, and fitted with that of
+    /// recordings.
     fn drawn(seed: u64) -> Held {
         let unknowns = 8;
         let mut stream = Stream::new(seed, "held");

@@ -38,7 +38,8 @@ impl Site {
         }
     }
 
-    /// What to record where no variation of a recording that was made decides; `local` is whether all names are of single moments.
+    /// What to record where no variation of a recording that was made decides; `local` is whether all names
+    /// are of single moments.
     pub fn ambiguous(self, local: bool) -> String {
         match (self, local) {
             (Site::Scalar, true) => "take an absolute measurement, or set another vector magnetometer beside it: the magnitude of the field does not show in which axis a step or a spike was"

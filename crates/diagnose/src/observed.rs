@@ -1,4 +1,5 @@
-//! What was read, as channels: one sensor, the scalar magnetometer, or the length of the corrected vector, in one recording.
+//! What was read, as channels: one sensor, the scalar magnetometer, or the length of the corrected vector, in
+//! one recording.
 
 use common::number::counted;
 use common::{Axis, Document, Recording, procedure};

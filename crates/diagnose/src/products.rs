@@ -1,4 +1,5 @@
-//! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the number of columns alone.
+//! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the
+//! number of columns alone.
 
 use estimate::screen::{Column, Screen};
 use faer::Mat;
@@ -106,7 +107,8 @@ impl Products {
         block
     }
 
-    /// The products of columns from `from` on with the orthonormal columns of `onto`, one row of the answer a column.
+    /// The products of columns from `from` on with the orthonormal columns of `onto`, one row of the answer a
+    /// column.
     fn along(&self, onto: &Mat<f64>, from: usize) -> Vec<Vec<f64>> {
         let mut along = vec![vec![0.0; onto.ncols()]; self.columns.len() - from];
         let found: Vec<(Vec<usize>, Mat<f64>)> = (0..self.ranges.len())

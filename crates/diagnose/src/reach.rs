@@ -1,14 +1,17 @@
-//! How far the constants of the sensors may be from where the calibration has them, as far as magnitudes tell.
+//! How far the constants of the sensors may be from where the calibration has them, as far as magnitudes
+//! tell.
 //!
-//! A field that points one way tells of nine constants a level and three slopes; along all else a fit to magnitudes goes where noise takes
-//! it. So each constant is known beforehand: a sensitivity k within ±s k, a turn within ±s rad, an offset, about its part in the level of the difference as it came,
-//! within the scatter of that and ±s of the field; each together with the uncertainty that the calibration states of it. The share s is the one with which the
-//! readings are likeliest, all constants integrated out:
+//! A field that points one way tells of nine constants a level and three slopes; along all else a fit to
+//! magnitudes goes where noise takes it. So each constant is known beforehand: a sensitivity k within ±s k, a
+//! turn within ±s rad, an offset, about its part in the level of the difference as it came, within the
+//! scatter of that and ±s of the field; each together with the uncertainty that the calibration states of it.
+//! The share s is the one with which the readings are likeliest, all constants integrated out:
 //!
 //! ln p(y | s) = −½ (χ² + Σ (β/σ)² + ln det C + Σ ln σ² + ln det(JᵀC⁻¹J + Σ⁻¹)),
 //!
-//! β the shifts, σ their standard uncertainties beforehand, C the covariance of the noise, with each s as it is declared or as the fit leaves it. Where the best s is not twenty times likelier than
-//! none, it is none: slopes that noise with memory explains nearly as well are not fitted.
+//! β the shifts, σ their standard uncertainties beforehand, C the covariance of the noise, with each s as it
+//! is declared or as the fit leaves it. Where the best s is not twenty times likelier than none, it is none:
+//! slopes that noise with memory explains nearly as well are not fitted.
 //!
 //! Source: D. J. C. MacKay, Bayesian interpolation, Neural Computation 4 (1992) 415–447.
 
@@ -30,7 +33,8 @@ const DETERMINED: f64 = 0.5;
 /// Eigenvalues of products of columns of length one below this are rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// The fit and the noise it rests on, the constants within reach of the calibration where only magnitudes were recorded.
+/// The fit and the noise it rests on, the constants within reach of the calibration where only magnitudes
+/// were recorded.
 pub fn within(document: &Document, model: &mut Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     if !model.only_magnitudes() {
         return settled(document, model, start);

@@ -197,7 +197,8 @@ impl<'p> Searcher<'p> {
                     structures.push(Structure { what, p_adjusted, gain, unknowns: rank as f64 });
                 }
                 what => {
-                    // What an effect without amplitude does at a shape must be what is seen, and not its opposite.
+                    // What an effect without amplitude does at a shape must be what is seen, and not its
+                    // opposite.
                     let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
                     let seen = |(gain, size): &(f64, f64)| *size > 0.0 && *gain > 0.5 * most;
                     if !candidate.finite || sizes.iter().any(seen) {

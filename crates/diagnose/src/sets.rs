@@ -19,8 +19,8 @@ const NAMES: usize = 8;
 const STRUCTURES: usize = 3;
 /// What lowers the log evidence by more is not tried with its form.
 const IDLE: f64 = 2.0;
-/// A finite effect's column must have a coefficient between these: it is what the effect does at a shape, and shapes are this far apart. At
-/// the ends of its grid it may be smaller: an effect of a smaller one.
+/// A finite effect's column must have a coefficient between these: it is what the effect does at a shape, and
+/// shapes are this far apart. At the ends of its grid it may be smaller: an effect of a smaller one.
 const ABOUT_ONE: [f64; 2] = [0.3, 3.0];
 /// A column of which the base model leaves less than this share is not looked for.
 const VISIBLE: f64 = 1e-6;
@@ -305,7 +305,8 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         terms
     }
 
-    /// A set with how far its last member, or all, may depart from their forms at its best; None where none is admissible.
+    /// A set with how far its last member, or all, may depart from their forms at its best; None where none
+    /// is admissible.
     fn weighed(&self, members: Vec<Member>, all: bool) -> Option<Set> {
         let mut set = Set { members, log: f64::NEG_INFINITY };
         let last = set.members.len();
@@ -358,8 +359,8 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         Some(given.log_evidence(&self.rest, None) + prior - orders)
     }
 
-    /// Forms, and structure along what an effect itself follows, do no more than a part of what their effects do; names of one sensor do not
-    /// cancel each other.
+    /// Forms, and structure along what an effect itself follows, do no more than a part of what their effects
+    /// do; names of one sensor do not cancel each other.
     fn admissible(&self, members: &[Member], coefficients: &[f64]) -> Option<()> {
         let mut own: Vec<(&Atom, Vec<(usize, f64)>)> = Vec::new();
         for (member, [sizes, departs]) in members.iter().zip(self.split(members, coefficients)) {
@@ -376,7 +377,8 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         self.apart(&own)
     }
 
-    /// Share of a member's energy by which it departs from its form, its own coefficients and those of its departures being these.
+    /// Share of a member's energy by which it departs from its form, its own coefficients and those of its
+    /// departures being these.
     fn departure(&self, member: &Member, [sizes, departs]: [&[f64]; 2]) -> f64 {
         let Some(form) = self.form(member) else { return 0.0 };
         // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.

@@ -7,8 +7,8 @@ use physics::{ParameterInfo, Role};
 /// Intervals of shapes that go farther than this share of the value are not as far to either side.
 const FAR: f64 = 0.05;
 
-/// A parameter with its standard uncertainty, known with so many degrees of freedom. A fit knows a time constant or a level by its logarithm, and so
-/// its interval is one of the logarithm.
+/// A parameter with its standard uncertainty, known with so many degrees of freedom. A fit knows a time
+/// constant or a level by its logarithm, and so its interval is one of the logarithm.
 pub fn quantity(value: f64, std: f64, freedom: f64, info: Option<&ParameterInfo>) -> Quantity {
     if !(std.is_finite() && std > 0.0) {
         return Quantity::Bare(value);

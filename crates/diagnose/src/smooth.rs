@@ -6,11 +6,13 @@ use rayon::prelude::*;
 
 /// Rows to either side of one, tried in turn.
 const REACHES: [usize; 5] = [2, 4, 8, 16, 32];
-/// A signal that its neighbours do not tell to this share of its length is too fast: it stays as it was sampled.
+/// A signal that its neighbours do not tell to this share of its length is too fast: it stays as it was
+/// sampled.
 const TOLD: f64 = 1e-3;
 
-/// The signal at times that rise; missing samples are filled from their neighbours. Of several widths the one from which left-out samples
-/// are told best is taken (by the median, so that a few wild samples count no more than others).
+/// The signal at times that rise; missing samples are filled from their neighbours. Of several widths the one
+/// from which left-out samples are told best is taken (by the median, so that a few wild samples count no
+/// more than others).
 pub fn smooth(time_s: &[f64], samples: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
     let there: Vec<usize> =
         (0..samples.len()).filter(|row| samples[*row].iter().all(|value| value.is_finite())).collect();
@@ -43,8 +45,8 @@ impl Local {
     }
 }
 
-/// The parabola through the samples that are there up to `reach` rows to either side, at a row; fewer towards the ends, for beside its middle
-/// a parabola is off by the signal's third derivative.
+/// The parabola through the samples that are there up to `reach` rows to either side, at a row; fewer towards
+/// the ends, for beside its middle a parabola is off by the signal's third derivative.
 fn local(time_s: &[f64], samples: &[Vector3<f64>], there: &[usize], row: usize, reach: usize) -> Local {
     let middle = there.partition_point(|other| *other < row);
     let reach = reach.min(middle).min(there.len() - 1 - middle.min(there.len() - 1)).max(REACHES[0]);
@@ -71,8 +73,8 @@ fn local(time_s: &[f64], samples: &[Vector3<f64>], there: &[usize], row: usize, 
 mod tests {
     use super::*;
 
-    /// A wave of 40 samples a period with errors that alternate: half of them are gone, gaps are filled, and a signal of three samples a
-    /// period is left alone.
+    /// A wave of 40 samples a period with errors that alternate: half of them are gone, gaps are filled, and
+    /// a signal of three samples a period is left alone.
     #[test]
     fn slow_signals_lose_their_noise_and_fast_ones_stay() {
         let time: Vec<f64> = (0..200).map(f64::from).collect();

@@ -59,8 +59,8 @@ impl Stacked {
         })
     }
 
-    /// Share of the sum of squares of another column that lies where this one is present, row by row or channel by channel: where its mean
-    /// square is more than some share of that of the whole.
+    /// Share of the sum of squares of another column that lies where this one is present, row by row or
+    /// channel by channel: where its mean square is more than some share of that of the whole.
     pub fn share_beside(&self, other: &Self, present: f64, by_row: bool) -> f64 {
         let (sum, count) = self.squares();
         let least = present * sum / count.max(1) as f64;
@@ -104,7 +104,8 @@ impl Stacked {
         Self::new(self.0.iter().enumerate().map(part).collect())
     }
 
-    /// The column times Chebyshev polynomials of something between −1 and 1 in each channel, each over its order, from the first order on.
+    /// The column times Chebyshev polynomials of something between −1 and 1 in each channel, each over its
+    /// order, from the first order on.
     pub fn times_polynomials(&self, orders: usize, of: impl Fn(usize) -> Option<Vec<f64>>) -> Vec<Self> {
         let channels = self.0.len();
         let mut all = vec![vec![None; channels]; orders];

@@ -1,9 +1,11 @@
 //! Which fit stands: the weighted one, or least squares.
 //!
-//! Weights rest on where noise is small. Where two instruments are held against each other, the noise that is estimated from what is left is small at short periods
-//! because the field is, and what weighs most there is what they do not share: filters, local noise, iron that only one feels. Least squares rest on what is strong, which
-//! is slow, and no weight makes them leave more than came. So where the noise of a pair, or of a magnitude, is not declared, the weights say what is determined and how
-//! well, and least squares say what the constants are. By how much the two are apart is part of the uncertainty.
+//! Weights rest on where noise is small. Where two instruments are held against each other, the noise that is
+//! estimated from what is left is small at short periods because the field is, and what weighs most there is
+//! what they do not share: filters, local noise, iron that only one feels. Least squares rest on what is
+//! strong, which is slow, and no weight makes them leave more than came. So where the noise of a pair, or of
+//! a magnitude, is not declared, the weights say what is determined and how well, and least squares say what
+//! the constants are. By how much the two are apart is part of the uncertainty.
 
 use common::Document;
 use faer::Mat;
@@ -18,10 +20,12 @@ use crate::magnitude;
 use crate::model::{Model, State};
 use crate::whitening::NoiseModel;
 
-/// A sum of squares that is larger by no more than this share is as large: the rms of weighted fits is met to half of that.
+/// A sum of squares that is larger by no more than this share is as large: the rms of weighted fits is met to
+/// half of that.
 const AS_LARGE: f64 = 1e-4;
 
-/// Gives an outcome the fits that stand; the calibration stays as it came where one fitted again would leave more.
+/// Gives an outcome the fits that stand; the calibration stays as it came where one fitted again would leave
+/// more.
 pub fn standing(
     document: &Document,
     model: &Model<'_>,
@@ -46,8 +50,9 @@ pub fn standing(
     Ok(())
 }
 
-/// Whether the readings of vectors, corrected by the effects that were found, are farther from the scalar magnetometer than corrected
-/// without them: an effect enters the fit by its part along the field, and one that is no small part of the field need not be met where the chain is solved for the field.
+/// Whether the readings of vectors, corrected by the effects that were found, are farther from the scalar
+/// magnetometer than corrected without them: an effect enters the fit by its part along the field, and one
+/// that is no small part of the field need not be met where the chain is solved for the field.
 fn worse_corrected(model: &Model<'_>, outcome: &Outcome) -> bool {
     if outcome.fit.state.effects.len() == outcome.base.state.effects.len() {
         return false;
@@ -73,7 +78,8 @@ fn of_two(model: &Model<'_>, channel: &Channel) -> bool {
     channel.reader == Reader::Magnitude || model.observed.runs[channel.run].differential()
 }
 
-/// The fit by least squares where two instruments are held against each other and their noise is not declared; else the weighted one.
+/// The fit by least squares where two instruments are held against each other and their noise is not
+/// declared; else the weighted one.
 fn least(
     document: &Document,
     model: &Model<'_>,

@@ -1,6 +1,7 @@
-//! Noise that nobody declared is estimated from a residual that has in it what is to be found: slow effects pass for slow noise. Where
-//! nothing is named, the noise is estimated again from what the best names leave when all noise is taken for white; what is found then
-//! counts where it makes the readings that much more likely, each answer with its own noise.
+//! Noise that nobody declared is estimated from a residual that has in it what is to be found: slow effects
+//! pass for slow noise. Where nothing is named, the noise is estimated again from what the best names leave
+//! when all noise is taken for white; what is found then counts where it makes the readings that much more
+//! likely, each answer with its own noise.
 
 use common::Document;
 
@@ -57,8 +58,8 @@ fn beside_names(
     answer.left.as_deref().map(noise).transpose()
 }
 
-/// The log likelihood that names must gain: for the number of candidates or rows that were searched, ½ ln(readings) for each unknown (the
-/// Bayesian information criterion), and the odds of a false claim.
+/// The log likelihood that names must gain: for the number of candidates or rows that were searched, ½
+/// ln(readings) for each unknown (the Bayesian information criterion), and the odds of a false claim.
 fn cost(searcher: &Searcher<'_>, model: &Model<'_>, outcome: &Outcome) -> f64 {
     let rows = (model.observed.rows as f64).ln();
     let candidates = (searcher.pool().candidates.len() as f64).ln();

@@ -18,10 +18,12 @@ use crate::stacked::Stacked;
 const UNDECIDED: usize = 6;
 /// Probability by chance at which a further unknown of a fuller form is needed.
 const NEEDED: f64 = 0.01;
-/// Sets whose log probability is behind the best by no more may be fitted again with the calibration, and so many of them at most.
+/// Sets whose log probability is behind the best by no more may be fitted again with the calibration, and so
+/// many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
-/// A member acts in the channels in which its mean square is more than this share of that of all, an event in such readings.
+/// A member acts in the channels in which its mean square is more than this share of that of all, an event in
+/// such readings.
 const PRESENT: f64 = 0.05;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
@@ -67,7 +69,8 @@ pub struct Unnamed {
     pub covariate: String,
     /// The sensor.
     pub axis: Axis,
-    /// A threshold of what it follows, or how far back it goes, in rows, where it follows the past of something.
+    /// A threshold of what it follows, or how far back it goes, in rows, where it follows the past of
+    /// something.
     pub shape: Option<f64>,
     /// What it makes of each reading, nT.
     pub values: Stacked,
@@ -239,8 +242,8 @@ pub fn answer(
     }
 }
 
-/// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further unknown would by chance, none
-/// departing from its equation.
+/// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further
+/// unknown would by chance, none departing from its equation.
 fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], best: &'r Set) -> &'r Set {
     let mut chosen = best;
     loop {
@@ -263,9 +266,9 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
     }
 }
 
-/// The members whose gain beside the others chance does not have too, and which explain more than a negligible share of what others
-/// explain in the same readings; and the names of the rest: the one that explains least goes first, and the others are looked at again
-/// without it.
+/// The members whose gain beside the others chance does not have too, and which explain more than a
+/// negligible share of what others explain in the same readings; and the names of the rest: the one that
+/// explains least goes first, and the others are looked at again without it.
 fn core(
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
@@ -342,8 +345,8 @@ fn alternative(
     Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
 }
 
-/// The names of sets nearly as probable as the best, and sets of names alone that explain nearly as much: they may do better at the
-/// shapes that they come to.
+/// The names of sets nearly as probable as the best, and sets of names alone that explain nearly as much:
+/// they may do better at the shapes that they come to.
 fn rivals(
     model: &Model<'_>,
     atoms: &Atoms<'_>,
@@ -410,7 +413,8 @@ fn is_local(atom: &Atom) -> bool {
 /// What may stand in the place of a name.
 struct Slot<'r> {
     probability: f64,
-    /// Names that together with it have the probability asked for, each with the best set that has it; None where they have not.
+    /// Names that together with it have the probability asked for, each with the best set that has it; None
+    /// where they have not.
     equal: Option<Vec<(usize, &'r Set)>>,
 }
 

@@ -22,7 +22,8 @@ pub fn polynomial(order: usize, value: f64, range: [f64; 2]) -> f64 {
     place(value, range).map_or(0.0, |x| (order as f64 * x.acos()).cos())
 }
 
-/// So many half waves over the span of the campaign's clock, at a row; None without times. They are the Chebyshev polynomials of the first.
+/// So many half waves over the span of the campaign's clock, at a row; None without times. They are the
+/// Chebyshev polynomials of the first.
 pub fn half_waves(order: usize, run: &Run<'_>, row: usize, (from, length): (f64, f64)) -> Option<f64> {
     let time = run.time_s?[row] + run.setting.context.clock_s;
     Some((PI * order as f64 * (time - from) / length).cos())

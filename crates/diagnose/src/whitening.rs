@@ -35,16 +35,17 @@ pub struct NoiseModel {
     whitenings: Vec<Whitening>,
     /// Standard deviation of a reading of each channel about its mean, nT.
     pub std_nt: Vec<f64>,
-    /// Degrees of freedom with which the size of the noise is known beforehand: infinite where it is declared, zero where it is
-    /// estimated from the residual.
+    /// Degrees of freedom with which the size of the noise is known beforehand: infinite where it is
+    /// declared, zero where it is estimated from the residual.
     pub known: f64,
     /// `declared` or `residuals`.
     pub source: &'static str,
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it, through the converters of a state; where it does not, as `residual` (nT, stacked, with
-    /// `used` degrees of freedom taken by the fit) shows it: white, before there was a fit.
+    /// The noise as the document declares it, through the converters of a state; where it does not, as
+    /// `residual` (nT, stacked, with `used` degrees of freedom taken by the fit) shows it: white, before
+    /// there was a fit.
     pub fn of(
         document: &Document,
         observed: &Observed<'_>,
@@ -85,7 +86,8 @@ impl NoiseModel {
         Ok(Self { whitenings, std_nt, known, source: if declared { "declared" } else { "residuals" } })
     }
 
-    /// White noise as neighbouring readings of a residual differ, in each channel by itself: by the median of the distances.
+    /// White noise as neighbouring readings of a residual differ, in each channel by itself: by the median of
+    /// the distances.
     pub fn white(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
         let of = |channel: &Channel| -> Result<Whitening, Error> {
             let values = &residual[channel.range()];
@@ -165,11 +167,12 @@ impl NoiseModel {
     }
 }
 
-/// The whitening of a channel. A declaration ends at one over the recording's length, but such noise did not begin with it: levels and
-/// trends of a recording are part of it, and what is slower than the whole campaign is one level throughout. Where the noise was estimated
-/// from a residual, nothing is known of it below one over the recording's length: there it is level, and a recording's mean is known as
-/// well as if its readings were independent. Otherwise steep noise would take the level for noise, and with it the calibration that was
-/// to explain it.
+/// The whitening of a channel. A declaration ends at one over the recording's length, but such noise did not
+/// begin with it: levels and trends of a recording are part of it, and what is slower than the whole campaign
+/// is one level throughout. Where the noise was estimated from a residual, nothing is known of it below one
+/// over the recording's length: there it is level, and a recording's mean is known as well as if its readings
+/// were independent. Otherwise steep noise would take the level for noise, and with it the calibration that
+/// was to explain it.
 fn whitening(
     observed: &Observed<'_>,
     channel: &Channel,

@@ -1,11 +1,12 @@
 //! Speed of long series.
 //!
-//! On one core, in memory: one pass over a day at 16 Hz of both instruments in batches of 65 536 rows. The peer reads the same
-//! columns and adds them up. Time per row is the time shown over 1 382 400.
+//! On one core, in memory: one pass over a day at 16 Hz of both instruments in batches of 65 536 rows. The
+//! peer reads the same columns and adds them up. Time per row is the time shown over 1 382 400.
 //!
-//! From files, on all cores: ten million rows of a time and six readings as CSV and as Parquet, each way in a process of its own,
-//! so that its peak of memory can be told. The peers: the file read and parsed alone, its bytes alone, and pandas with NumPy's
-//! `lstsq`, which find η only (FLUXCAL_PYTHON names another interpreter than python3, FLUXCAL_BENCH_ROWS fewer rows).
+//! From files, on all cores: ten million rows of a time and six readings as CSV and as Parquet, each way in a
+//! process of its own, so that its peak of memory can be told. The peers: the file read and parsed alone, its
+//! bytes alone, and pandas with NumPy's `lstsq`, which find η only (FLUXCAL_PYTHON names another interpreter
+//! than python3, FLUXCAL_BENCH_ROWS fewer rows).
 
 use diffmag::stream::{Batch, Partial, Statistics, answer};
 use divan::{Bencher, black_box};
@@ -90,8 +91,8 @@ fn the_answer(bencher: Bencher) {
     bencher.bench_local(|| answer(black_box(&partial)).expect("an answer"));
 }
 
-/// Writes the same rows in every format: a field that wanders by hundreds of nT, the test instrument turned by some degrees, with
-/// three decimals as instruments write them.
+/// Writes the same rows in every format: a field that wanders by hundreds of nT, the test instrument turned
+/// by some degrees, with three decimals as instruments write them.
 fn write(folder: &Path, count: usize) {
     let mut writers = FORMATS
         .map(|format| Writer::create(&folder.join(format!("pair.{format}")), &NAMES).expect("created"));

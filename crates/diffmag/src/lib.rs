@@ -1,8 +1,9 @@
 //! Two magnetometers side by side (the differential method): T = R η + d, rows are samples.
 //!
-//! η says how the test instrument is turned and scaled against the reference, d is the difference that no turn explains. Its
-//! spectrum is fitted, and with it the intervals of η that hold for errors with memory. Before that the instruments are put on one
-//! grid of times, their clocks compared, and steps and spikes kept out.
+//! η says how the test instrument is turned and scaled against the reference, d is the difference that no
+//! turn explains. Its spectrum is fitted, and with it the intervals of η that hold for errors with memory.
+//! Before that the instruments are put on one grid of times, their clocks compared, and steps and spikes kept
+//! out.
 //!
 //! - `segments` finds an offset of the clock for each stretch between jumps of the times. `prepare` alternates between clocks and events,
 //!   each with the other removed; events are sought in the test instrument's own rows, with the reference moved to its moments. Rows that

@@ -1,4 +1,5 @@
-//! η and what is made of it: the regression, whether it holds still and at which periods, the fourteen parameters.
+//! η and what is made of it: the regression, whether it holds still and at which periods, the fourteen
+//! parameters.
 
 pub mod across;
 pub mod alike;

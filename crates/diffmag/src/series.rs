@@ -1,4 +1,5 @@
-//! The series that are compared: what is recorded beside them, steps and spikes, what columns leave, points for plots.
+//! The series that are compared: what is recorded beside them, steps and spikes, what columns leave, points
+//! for plots.
 
 pub mod axes;
 pub mod events;

@@ -1,4 +1,5 @@
-//! Two magnetometers over very long series: one pass in bounded memory, and pieces that are joined later to the same answer.
+//! Two magnetometers over very long series: one pass in bounded memory, and pieces that are joined later to
+//! the same answer.
 //!
 //! T = R η + d as everywhere in this crate. Kept are
 //!
@@ -73,12 +74,13 @@ impl Statistics {
         Self { begun: Some((grid, Partial::on(grid))), ..Self::default() }
     }
 
-    /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap. What comes out does
-    /// not depend on how the rows are cut into batches, once the grid is known.
+    /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap.
+    /// What comes out does not depend on how the rows are cut into batches, once the grid is known.
     ///
     /// # Errors
     ///
-    /// Columns of unlike length, a time that is missing, off the grid or does not rise, a first batch without an even step.
+    /// Columns of unlike length, a time that is missing, off the grid or does not rise, a first batch without
+    /// an even step.
     pub fn push(&mut self, batch: &Batch<'_>) -> Result<(), Error> {
         let columns = [batch.reference_nt, batch.test_nt].concat();
         let expected = batch.time_s.len();

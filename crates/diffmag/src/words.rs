@@ -16,7 +16,8 @@ use crate::{delays, reference_noise, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
-/// A drift of more than this weight that is not demanded is told: three to one, from where on Kass and Raftery call evidence positive.
+/// A drift of more than this weight that is not demanded is told: three to one, from where on Kass and
+/// Raftery call evidence positive.
 const UNDECIDED: f64 = 0.75;
 /// Tests of whether the matrix holds still are told below this probability.
 pub const TOLD_BELOW: f64 = 0.01;
@@ -117,7 +118,8 @@ pub fn drifts(fit: &DifferentialFit) -> Option<String> {
     (!all.is_empty()).then(|| format!("the difference drifts: {}", all.join("; ")))
 }
 
-/// Of each housekeeping column that an axis follows its name, and by how much the axes follow it: those of which two standard uncertainties know it.
+/// Of each housekeeping column that an axis follows its name, and by how much the axes follow it: those of
+/// which two standard uncertainties know it.
 pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
     let known = |one: &&Followed| one.nt_per_unit.value().abs() > 2.0 * one.nt_per_unit.std().unwrap_or(0.0);
     let all = || {
@@ -207,8 +209,8 @@ pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
     })
 }
 
-/// What looks wrong, or is worth knowing: what can be taken off first, the largest before the others. `wider`: of each axis, how many times as wide
-/// its intervals are by what is left itself.
+/// What looks wrong, or is worth knowing: what can be taken off first, the largest before the others.
+/// `wider`: of each axis, how many times as wide its intervals are by what is left itself.
 pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     let mut findings: Vec<String> = fit.axes.iter().filter_map(|(axis, of)| exceeded(axis, of)).collect();
     findings.extend(fit.contributions.iter().map(contribution));
@@ -315,7 +317,8 @@ fn drift(of: &Drift) -> Option<String> {
     }
 }
 
-/// Probability of estimates so far apart, by the axes together or by one of them: twice and six times the least.
+/// Probability of estimates so far apart, by the axes together or by one of them: twice and six times the
+/// least.
 pub fn p_of_one(test: &OneMatrix) -> f64 {
     let axes = test.axes.iter().map(|(_, axis)| 6.0 * axis.p);
     axes.fold(2.0 * test.p, f64::min).min(1.0)

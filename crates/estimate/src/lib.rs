@@ -3,30 +3,34 @@
 //! Residuals are always observed less predicted, each divided by its standard deviation, so that a
 //! sum of squares is a χ². Prior knowledge enters as further rows of the same kind.
 //!
-//! *Nonlinear fits* are one damped Gauss-Newton iteration, [`minimise`]. Its problem (`Descent`) has points with residuals, which may
-//! live on a curved space (unit vectors in axescal), a linear problem about a point, and a way to move along a step. A prior is a
-//! further row with the residual (value − known)/σ; a common error stays common because it is one unknown. [`solve`] is the iteration
-//! for dense rows: steps are the minimum-norm ones of faer's SVD (Σσ² = ‖A‖² is checked at each call), damped only where a whole step
-//! does not descend. diagnose has many rows and costly derivatives: it takes its steps from products of rows and keeps derivatives from
-//! step to step. sensorcal steps to the mean under several covariances, which minimises no single sum of squares; its steps are
-//! shortened instead.
+//! *Nonlinear fits* are one damped Gauss-Newton iteration, [`minimise`]. Its problem (`Descent`) has points
+//! with residuals, which may live on a curved space (unit vectors in axescal), a linear problem about a
+//! point, and a way to move along a step. A prior is a further row with the residual (value − known)/σ; a
+//! common error stays common because it is one unknown. [`solve`] is the iteration for dense rows: steps are
+//! the minimum-norm ones of faer's SVD (Σσ² = ‖A‖² is checked at each call), damped only where a whole step
+//! does not descend. diagnose has many rows and costly derivatives: it takes its steps from products of rows
+//! and keeps derivatives from step to step. sensorcal steps to the mean under several covariances, which
+//! minimises no single sum of squares; its steps are shortened instead.
 //!
-//! Other iterations solve other problems: `scoring` and the fit of diffmag's `stream` maximise a likelihood whose variances are the
-//! unknowns, within limits; the time constant of an exponential drift is one unknown, for `line_search::climb`; `physics::Inverter` solves
-//! equations row by row.
+//! Other iterations solve other problems: `scoring` and the fit of diffmag's `stream` maximise a likelihood
+//! whose variances are the unknowns, within limits; the time constant of an exponential drift is one unknown,
+//! for `line_search::climb`; `physics::Inverter` solves equations row by row.
 //!
-//! *Sines* of known frequency are fitted by least squares; unknown frequencies, along time or codes, are found by one transform and golden
-//! sections (`sine`). Those of `periodogram` stay on the Fourier ordinates, the only place where the noise beside a line is known.
+//! *Sines* of known frequency are fitted by least squares; unknown frequencies, along time or codes, are
+//! found by one transform and golden sections (`sine`). Those of `periodogram` stay on the Fourier ordinates,
+//! the only place where the noise beside a line is known.
 //!
-//! *Events* are found by two matched filters for steps and spikes (`events`): `Search` knows the spectrum of the noise of one long even
-//! series, `Departures` takes a whitened residual at any times beside all else that is fitted. diffmag decides in rounds which instrument
-//! has an event and whether it lasts; diagnose lets each compete for the evidence.
+//! *Events* are found by two matched filters for steps and spikes (`events`): `Search` knows the spectrum of
+//! the noise of one long even series, `Departures` takes a whitened residual at any times beside all else
+//! that is fitted. diffmag decides in rounds which instrument has an event and whether it lasts; diagnose
+//! lets each compete for the evidence.
 //!
-//! *Memory.* `correlated` makes generalised least-squares steps under a covariance, `mixture` combines several noise
-//! models by the quantiles of the mixture, `wander` rotates once so that every size of the wander is diagonal. `cosine` transforms whiten
-//! long series without a matrix of their length: a Fourier transform would take drift and noise as periodic, and for flicker noise, which
-//! is not, the variance of a straight drift would be far too small. The first 64 coefficients have the exact covariance of power-law noise
-//! that did not begin with the recording.
+//! *Memory.* `correlated` makes generalised least-squares steps under a covariance, `mixture` combines
+//! several noise models by the quantiles of the mixture, `wander` rotates once so that every size of the
+//! wander is diagonal. `cosine` transforms whiten long series without a matrix of their length: a Fourier
+//! transform would take drift and noise as periodic, and for flicker noise, which is not, the variance of a
+//! straight drift would be far too small. The first 64 coefficients have the exact covariance of power-law
+//! noise that did not begin with the recording.
 
 pub mod linear;
 pub mod nonlinear;

@@ -2,7 +2,8 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
-/// Beyond so many degrees of freedom Student's t is the normal to five digits, and its series no longer converge.
+/// Beyond so many degrees of freedom Student's t is the normal to five digits, and its series no longer
+/// converge.
 pub(crate) const NORMAL_FROM: f64 = 1e6;
 
 /// P(|t| ≥ `t`) for Student's t with `freedom` degrees of freedom; infinite freedom is the normal.
@@ -33,9 +34,9 @@ pub fn chi_squared_quantile(p: f64, freedom: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |law| law.inverse_cdf(p))
 }
 
-/// The factors by which an estimate of a variance with `freedom` degrees of freedom is to be multiplied for the band that
-/// holds the true one with `probability`, half of the rest on either side: ν/χ²((1 + p)/2; ν) and ν/χ²((1 − p)/2; ν),
-/// χ²(q; ν) the quantile of χ².
+/// The factors by which an estimate of a variance with `freedom` degrees of freedom is to be multiplied for
+/// the band that holds the true one with `probability`, half of the rest on either side: ν/χ²((1 + p)/2; ν)
+/// and ν/χ²((1 − p)/2; ν), χ²(q; ν) the quantile of χ².
 ///
 /// NaN if `probability` is not in 0 … 1.
 pub fn variance_interval(freedom: f64, probability: f64) -> (f64, f64) {

@@ -1,8 +1,8 @@
 //! Files that are there whole or not at all.
 //!
-//! What is written goes to a file without a name, which gets one when all is written. So nothing is left behind however the
-//! program ends, a signal included. Where a file system knows no such files, it goes to a hidden neighbour, which is removed
-//! when writing fails, but not when a signal ends the program.
+//! What is written goes to a file without a name, which gets one when all is written. So nothing is left
+//! behind however the program ends, a signal included. Where a file system knows no such files, it goes to a
+//! hidden neighbour, which is removed when writing fails, but not when a signal ends the program.
 
 mod unnamed;
 
@@ -27,8 +27,8 @@ enum WrittenTo {
     Neighbour(TempPath, PathBuf),
 }
 
-/// Opens a file to be written. A link stays a link, and what is no file is written to and not replaced. The permissions are
-/// those of the file that is replaced, else those that a new file has.
+/// Opens a file to be written. A link stays a link, and what is no file is written to and not replaced. The
+/// permissions are those of the file that is replaced, else those that a new file has.
 ///
 /// # Errors
 ///

@@ -1,8 +1,10 @@
-//! Completions that go on with those of the program that is named: its options are its own, and are asked of it.
+//! Completions that go on with those of the program that is named: its options are its own, and are asked of
+//! it.
 
 use super::PROGRAMS;
 
-/// The script for a shell; None where the shell has none of its own, and the names of the programs are all that is completed.
+/// The script for a shell; None where the shell has none of its own, and the names of the programs are all
+/// that is completed.
 pub fn script(shell: &str) -> Option<String> {
     let script = match shell {
         "bash" => include_str!("completions/bash"),

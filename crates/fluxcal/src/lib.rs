@@ -73,7 +73,8 @@ pub fn nearest(name: &str) -> Option<Program> {
 }
 
 impl Program {
-    /// Where it is: beside the running executable; its bare name, which is looked for on the PATH, where it is not.
+    /// Where it is: beside the running executable; its bare name, which is looked for on the PATH, where it
+    /// is not.
     pub fn path(&self) -> PathBuf {
         let file = format!("{}{EXE_SUFFIX}", self.name);
         let own = env::current_exe().and_then(|own| own.canonicalize()).ok();

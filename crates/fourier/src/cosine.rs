@@ -22,7 +22,8 @@ impl Cosine {
     }
 }
 
-/// c_k = √(2/N) Σ (x_i − m) cos(π k (i + ½)/N), k = 1 … N − 1; the constant m, which is in none of them, is to be near the mean.
+/// c_k = √(2/N) Σ (x_i − m) cos(π k (i + ½)/N), k = 1 … N − 1; the constant m, which is in none of them, is
+/// to be near the mean.
 ///
 /// Source: J. Makhoul, A fast cosine transform in one and two dimensions, IEEE Trans. ASSP 28 (1980) 27–34.
 pub fn cosine(values: &[f64], middle: f64) -> Vec<f64> {

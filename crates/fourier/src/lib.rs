@@ -1,5 +1,6 @@
-//! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in each crate that
-//! uses it. Neither direction is scaled: x → X → x gives N x. And the cosine transform, which is made of it.
+//! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in
+//! each crate that uses it. Neither direction is scaled: x → X → x gives N x. And the cosine transform, which
+//! is made of it.
 
 mod cosine;
 
@@ -36,7 +37,8 @@ impl Planner {
     }
 }
 
-/// Transforms of a length are asked for again and again, and making one takes as long as using it: so many of those used last are kept.
+/// Transforms of a length are asked for again and again, and making one takes as long as using it: so many of
+/// those used last are kept.
 const KEPT: usize = 4;
 
 static FORWARD: Mutex<Vec<Forward>> = Mutex::new(Vec::new());

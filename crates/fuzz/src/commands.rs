@@ -1,7 +1,8 @@
 //! The command lines that read each kind of file.
 //!
-//! `IN` stands for the changed file, `-` for the same on standard input, `OUT.csv` for a file to write; what begins with `fixtures/`
-//! is read as it is. `AROUND` is a document whose readings are the changed file beside it.
+//! `IN` stands for the changed file, `-` for the same on standard input, `OUT.csv` for a file to write; what
+//! begins with `fixtures/` is read as it is. `AROUND` is a document whose readings are the changed file
+//! beside it.
 
 use crate::kind::FileKind;
 
@@ -167,7 +168,8 @@ pub const LINES: [Line; 81] = {
     ]
 };
 
-/// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the command line.
+/// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the
+/// command line.
 pub const OPTIONS: [(&str, &[&str]); 15] = [
     ("coilcal", &["--off-centre-m #", "--nyquist-hz #"]),
     ("sensorcal", &["--turn-deg #", "--axes-std-deg #", "--budget-field-nt #", "--budget-warmer-k #"]),

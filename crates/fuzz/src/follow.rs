@@ -7,9 +7,9 @@ use crate::run::{End, Ended};
 
 /// A refusal as a fault of the program before, unless what is refused was there before it.
 ///
-/// `read` is what the program before read, with how the refusing one ended on that, where it reads such files; `written` what it
-/// wrote, with what is said of it. That something is missing, and that there is nothing to do, is no fault of what was written,
-/// unless there was something to do before.
+/// `read` is what the program before read, with how the refusing one ended on that, where it reads such
+/// files; `written` what it wrote, with what is said of it. That something is missing, and that there is
+/// nothing to do, is no fault of what was written, unless there was something to do before.
 pub fn refused(read: (&[u8], Option<&Ended>), written: (&[u8], &str)) -> Option<Fault> {
     let now = said(written.1);
     let then = read.1.filter(|then| then.end != End::Code(0)).map(|then| said(&then.stderr));

@@ -56,7 +56,8 @@ pub fn run(
         .arg(program)
         .args(arguments)
         .current_dir(folder)
-        // As many cases as there are cores run side by side; two threads each leave nothing of the parallel code out.
+        // As many cases as there are cores run side by side; two threads each leave nothing of the parallel
+        // code out.
         .env("RAYON_NUM_THREADS", "2")
         .stdin(stdin)
         .stdout(create(&stdout)?)

@@ -25,7 +25,8 @@ use crate::run::{self, End, Ended};
 
 /// How many further programs may read what one wrote.
 const FURTHER: usize = 3;
-/// The largest document that goes on, bytes: what a campaign of minutes writes, not one of a million readings.
+/// The largest document that goes on, bytes: what a campaign of minutes writes, not one of a million
+/// readings.
 const LARGEST: usize = 8_000_000;
 /// Stack of each worker: values are nested up to 3000 deep, and are dropped one within the other.
 const STACK: usize = 1 << 26;

@@ -1,9 +1,11 @@
 //! Speed of IAGA-2002 and CSV.
 //!
-//! In memory: a day of seconds of IAGA-2002 and as many rows of CSV, without words and tables. The peers: the bytes alone.
+//! In memory: a day of seconds of IAGA-2002 and as many rows of CSV, without words and tables. The peers: the
+//! bytes alone.
 //!
-//! From files, each way in a process of its own and the fastest of some runs: a million rows read, and read and written as Parquet,
-//! against pandas on the same file (FLUXCAL_PYTHON names another interpreter than python3, FLUXCAL_BENCH_ROWS another number of rows).
+//! From files, each way in a process of its own and the fastest of some runs: a million rows read, and read
+//! and written as Parquet, against pandas on the same file (FLUXCAL_PYTHON names another interpreter than
+//! python3, FLUXCAL_BENCH_ROWS another number of rows).
 
 use common::Document;
 use divan::{Bencher, black_box};

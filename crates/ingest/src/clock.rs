@@ -1,4 +1,5 @@
-//! Moments as files write them, in nanoseconds since 1970-01-01T00:00:00Z (1677 to 2262), so that none is rounded on its way.
+//! Moments as files write them, in nanoseconds since 1970-01-01T00:00:00Z (1677 to 2262), so that none is
+//! rounded on its way.
 
 use jiff::tz::TimeZone;
 use jiff::{SignedDuration, Timestamp};
@@ -171,7 +172,8 @@ pub fn iso(text: &[u8]) -> Option<Stamp> {
     Some(Stamp { clock_ns: day * DAY_NS + clock_ns, ahead_s })
 }
 
-/// A decimal number of units of `unit_ns` (a power of ten), in ns and exact; digits below a nanosecond are dropped.
+/// A decimal number of units of `unit_ns` (a power of ten), in ns and exact; digits below a nanosecond are
+/// dropped.
 #[inline]
 pub fn decimal(text: &[u8], unit_ns: i64, point: u8) -> Option<i64> {
     let (negative, rest) = match text {
@@ -207,7 +209,8 @@ fn float(text: &[u8], unit_ns: i64, point: u8) -> Option<i64> {
     (ns.abs() < i64::MAX as f64).then_some(ns.round() as i64)
 }
 
-/// Days and their parts since a day that is `epoch` days from 1970, ns, to the microsecond: a day's part has no finer digits.
+/// Days and their parts since a day that is `epoch` days from 1970, ns, to the microsecond: a day's part has
+/// no finer digits.
 pub fn days(value: f64, epoch: f64) -> Option<i64> {
     let micros = (value - epoch) * 86_400e6;
     (micros.abs() < 9e15).then(|| micros.round() as i64 * 1000)

@@ -20,8 +20,8 @@ use parser::Parser;
 ///
 /// # Errors
 ///
-/// A header without a column that the mapping names; with line and column, a value that is no number in the mapping's notation or no
-/// time, a row with more or fewer values than the header has names.
+/// A header without a column that the mapping names; with line and column, a value that is no number in the
+/// mapping's notation or no time, a row with more or fewer values than the header has names.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), mapping.decimal)?;
     let (names, first_line, data) = header(source, mapping)?;
@@ -68,7 +68,8 @@ pub fn too_many(source: &Source, line: u32, width: usize) -> Error {
     source.fault(Place::Line(line.into()), counted(width, "column"), expected)
 }
 
-/// Names of the columns where a line has them, the number of the line of the first row, and the text from there.
+/// Names of the columns where a line has them, the number of the line of the first row, and the text from
+/// there.
 type Header<'a> = (Option<Vec<String>>, u32, &'a [u8]);
 
 fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error> {

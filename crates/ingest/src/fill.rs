@@ -9,8 +9,8 @@ pub struct Fill {
     pub not_observed: usize,
 }
 
-/// Makes 99999 (missing) and 88888 (not observed) of a field in nT missing, whatever the decimals: files write .00, .90 and .99, and
-/// no field on Earth is so strong; and ±1e31, CDF's, of any column.
+/// Makes 99999 (missing) and 88888 (not observed) of a field in nT missing, whatever the decimals: files
+/// write .00, .90 and .99, and no field on Earth is so strong; and ±1e31, CDF's, of any column.
 pub fn without(values: &mut [f64], is_field: bool) -> Fill {
     let mut fill = Fill::default();
     for value in values {

@@ -1,4 +1,5 @@
-//! A mapping guessed from a file: its notation, where the time is, what the columns are. What the file does not say stays open.
+//! A mapping guessed from a file: its notation, where the time is, what the columns are. What the file does
+//! not say stays open.
 
 mod columns;
 mod content;

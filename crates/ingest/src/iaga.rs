@@ -1,6 +1,8 @@
-//! IAGA-2002, the exchange format of observatories (IAGA Division V, working group V-DAT, 2001 with additions to 2015;
-//! <https://www.ncei.noaa.gov/services/world-data-system/v-dat-working-group/iaga-2002-data-exchange-format>), as it is met: labels in
-//! capitals or not, lines with and without their bar, fewer or more components than four, times with or without milliseconds.
+//! IAGA-2002, the exchange format of observatories (IAGA Division V, working group V-DAT, 2001 with additions
+//! to 2015;
+//! <https://www.ncei.noaa.gov/services/world-data-system/v-dat-working-group/iaga-2002-data-exchange-format>),
+//! as it is met: labels in capitals or not, lines with and without their bar, fewer or more components than
+//! four, times with or without milliseconds.
 
 mod components;
 mod header;
@@ -19,7 +21,8 @@ use header::Header;
 ///
 /// # Errors
 ///
-/// A header that is not one, or says something else than the titles or rows; with line and column, a row that is none.
+/// A header that is not one, or says something else than the titles or rows; with line and column, a row that
+/// is none.
 pub fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     let header = Header::read(source)?;
     let mut piece = Piece::of(source, "IAGA-2002");

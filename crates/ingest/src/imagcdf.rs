@@ -1,4 +1,5 @@
-//! INTERMAGNET's ImagCDF (Technical Note TN8, version 1.2): components of the field, each with its times, and temperatures.
+//! INTERMAGNET's ImagCDF (Technical Note TN8, version 1.2): components of the field, each with its times, and
+//! temperatures.
 
 use common::Extra;
 use indexmap::IndexMap;

@@ -1,17 +1,19 @@
 //! Files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON and Parquet.
 //!
-//! [`run`] reads files of one series, brings their times to UTC and their values to the document's units, joins them in the order of
-//! time and adds them as one recording. A long series goes beside the document as a [`Table`]. Nothing is written here.
+//! [`run`] reads files of one series, brings their times to UTC and their values to the document's units,
+//! joins them in the order of time and adds them as one recording. A long series goes beside the document as
+//! a [`Table`]. Nothing is written here.
 //!
-//! The content of a file decides what it is (`tables::Content`). `iaga`, `imagcdf`, `cdf`, `usgs`, `delimited`, `ndjson` and
-//! `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the document's units, and the line of each row, so that
-//! every later fault can name its place. Text is parsed in parts of a megabyte on all cores; the first fault by line counts.
-//! `raw` applies what a mapping says of values before they are converted (fill values, two's complement, valid range), for all
-//! formats alike. `series` joins pieces, sorting only where they overlap; `recording` makes the document's part of them.
+//! The content of a file decides what it is (`tables::Content`). `iaga`, `imagcdf`, `cdf`, `usgs`,
+//! `delimited`, `ndjson` and `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the
+//! document's units, and the line of each row, so that every later fault can name its place. Text is parsed
+//! in parts of a megabyte on all cores; the first fault by line counts. `raw` applies what a mapping says of
+//! values before they are converted (fill values, two's complement, valid range), for all formats alike.
+//! `series` joins pieces, sorting only where they overlap; `recording` makes the document's part of them.
 //!
-//! A mapping is data (`mapping`, with a schema). `guess` writes one, and also reads a file that has none: what it would have to
-//! guess is then an error. A series is held in memory, since it may have to be sorted. `program::beside::write` writes the text of
-//! the document, gives the table its name, and then the document.
+//! A mapping is data (`mapping`, with a schema). `guess` writes one, and also reads a file that has none:
+//! what it would have to guess is then an error. A series is held in memory, since it may have to be sorted.
+//! `program::beside::write` writes the text of the document, gives the table its name, and then the document.
 
 mod cdf;
 mod clock;
@@ -113,7 +115,8 @@ pub enum Readings {
 ///
 /// # Errors
 ///
-/// What cannot be read, with file, line and column; files that do not belong together; readings whose unit is not stated.
+/// What cannot be read, with file, line and column; files that do not belong together; readings whose unit is
+/// not stated.
 pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<Ingested, Error> {
     let mut pieces = Vec::with_capacity(files.len());
     for file in files {

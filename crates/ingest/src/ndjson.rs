@@ -14,8 +14,8 @@ use crate::times::Times;
 ///
 /// # Errors
 ///
-/// A line that is no JSON object, a value that is no number, a time that is none, each with line and key; a key of the mapping that no
-/// line has.
+/// A line that is no JSON object, a value that is no number, a time that is none, each with line and key; a
+/// key of the mapping that no line has.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
     let parser = Parser { mapping, times: &times, missing: numbers(mapping) };

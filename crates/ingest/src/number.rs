@@ -4,9 +4,9 @@
 const POWERS: [f64; 16] =
     [1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15];
 
-/// The number that the text begins with, and its length: digits, perhaps a mark and digits, perhaps a minus, 15 digits at most. Both the
-/// digits as a whole number and the power of ten are then exact, and their quotient is the nearest double (Clinger 1990). None for
-/// whatever else; that is for `fast_float2`.
+/// The number that the text begins with, and its length: digits, perhaps a mark and digits, perhaps a minus,
+/// 15 digits at most. Both the digits as a whole number and the power of ten are then exact, and their
+/// quotient is the nearest double (Clinger 1990). None for whatever else; that is for `fast_float2`.
 #[inline]
 pub fn plain(text: &[u8], point: u8) -> Option<(f64, usize)> {
     let negative = text.first() == Some(&b'-');

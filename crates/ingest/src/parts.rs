@@ -69,8 +69,9 @@ impl Room<'_> {
 /// Bytes that a thread takes at once.
 const PART: usize = 1 << 20;
 
-/// Parses lines on all cores, rows of so many columns and so many bytes at least; `parse` gets a part of the text, the number of its
-/// first line, and room for its rows. The first fault by the order of lines counts, whatever the threads do.
+/// Parses lines on all cores, rows of so many columns and so many bytes at least; `parse` gets a part of the
+/// text, the number of its first line, and room for its rows. The first fault by the order of lines counts,
+/// whatever the threads do.
 pub fn in_parts(
     bytes: &[u8],
     first_line: u32,

@@ -1,4 +1,5 @@
-//! What a mapping says of a column's values before they are converted: which stand for none, how whole numbers are coded, what is a reading.
+//! What a mapping says of a column's values before they are converted: which stand for none, how whole
+//! numbers are coded, what is a reading.
 
 use common::number::{bare, counted};
 
@@ -14,7 +15,8 @@ pub struct Raw<'a> {
 }
 
 impl<'a> Raw<'a> {
-    /// Makes fill values missing, whole numbers in two's complement signed, and values outside the valid range missing.
+    /// Makes fill values missing, whole numbers in two's complement signed, and values outside the valid
+    /// range missing.
     pub fn of(column: &'a ColumnMapping, values: &mut [f64]) -> Self {
         let mut raw = Raw { column, missing: 0, invalid: 0, no_integer: None };
         if !column.missing.is_empty() {
@@ -54,7 +56,8 @@ fn without(values: &mut [f64], is_missing: impl Fn(f64) -> bool) -> usize {
     found.map(|value| *value = f64::NAN).count()
 }
 
-/// Two's complement, written without sign, to signed numbers; numbers with their sign stay. The first row that is neither, if any.
+/// Two's complement, written without sign, to signed numbers; numbers with their sign stay. The first row
+/// that is neither, if any.
 fn signed(values: &mut [f64], bits: u8) -> Option<usize> {
     let (half, all) = (f64::from(bits - 1).exp2(), f64::from(bits).exp2());
     let wrong = |value: &f64| !value.is_nan() && (value.fract() != 0.0 || !(-half..all).contains(value));

@@ -50,8 +50,9 @@ pub struct Gap {
     pub seconds: f64,
 }
 
-/// The usual step of rising times, s: the median, or where they were printed to the millisecond or microsecond and are even but for that,
-/// the step that they were printed of (62.5 ms, not 62 or 63); None for fewer than two rows.
+/// The usual step of rising times, s: the median, or where they were printed to the millisecond or
+/// microsecond and are even but for that, the step that they were printed of (62.5 ms, not 62 or 63); None
+/// for fewer than two rows.
 pub fn step_s(times_ns: &[i64]) -> Option<f64> {
     let first = times_ns.get(1)? - times_ns.first()?;
     if first > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == first) {
@@ -65,7 +66,8 @@ pub fn step_s(times_ns: &[i64]) -> Option<f64> {
     Some(printed(times_ns, &steps, step).unwrap_or(step as f64) / SECOND_NS as f64)
 }
 
-/// The step, ns, of times that are even but for the last digit in which they were printed: the mean between gaps, with as few digits as say it.
+/// The step, ns, of times that are even but for the last digit in which they were printed: the mean between
+/// gaps, with as few digits as say it.
 fn printed(times_ns: &[i64], steps: &[i64], usual: i64) -> Option<f64> {
     let first = times_ns[0];
     let unit =
@@ -106,8 +108,8 @@ pub fn gaps(times_ns: &[i64], first_ns: i64, step_s: f64) -> Gaps {
 ///
 /// # Errors
 ///
-/// Files of different stations or clocks; times that fall within a file (unless `sort`); rows of one time that disagree (unless `keep`
-/// says which counts), each with files and lines.
+/// Files of different stations or clocks; times that fall within a file (unless `sort`); rows of one time
+/// that disagree (unless `keep` says which counts), each with files and lines.
 pub fn join(mut pieces: Vec<Piece>, keep: Option<Keep>, sort: bool) -> Result<(Series, Vec<Piece>), Error> {
     check_alike(&pieces)?;
     let mut sorted = 0;
@@ -348,7 +350,8 @@ mod tests {
     }
 
     proptest! {
-        /// However a series is cut into overlapping files, and in whatever order they are given, it comes back.
+        /// However a series is cut into overlapping files, and in whatever order they are given, it comes
+        /// back.
         #[test]
         fn a_series_comes_back_from_its_parts(
             cuts in prop::collection::vec((0_usize..60, 1_usize..40), 1..6),

@@ -36,7 +36,8 @@ impl Source {
     ///
     /// # Errors
     ///
-    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet nor CDF.
+    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet nor
+    /// CDF.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let failed = |source| Error::Table(tables::Error::File { path: path.into(), action: "read", source });
         let (bytes, shown) = if path == Path::new("-") {
@@ -80,7 +81,8 @@ fn is_plain(bytes: &[u8]) -> bool {
         && memchr_iter(b'\r', bytes).all(|at| bytes.get(at + 1) == Some(&b'\n'))
 }
 
-/// Without byte-order mark; a carriage return that stands alone (or two before a line feed) becomes one line's end.
+/// Without byte-order mark; a carriage return that stands alone (or two before a line feed) becomes one
+/// line's end.
 fn plain(mut bytes: Vec<u8>) -> Vec<u8> {
     if bytes.starts_with(b"\xEF\xBB\xBF") {
         bytes.drain(..3);

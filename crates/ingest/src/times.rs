@@ -227,7 +227,8 @@ impl Times {
         }
     }
 
-    /// What can be said of times only when all rows are there: rows that are counted, and days of rows that hold the time of day alone.
+    /// What can be said of times only when all rows are there: rows that are counted, and days of rows that
+    /// hold the time of day alone.
     pub fn settle(&self, source: &Source, rows: &mut Rows, notes: &mut Vec<String>) -> Result<(), Error> {
         let count = rows.lines.len();
         match &self.form {

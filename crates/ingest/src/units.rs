@@ -141,7 +141,8 @@ pub fn is_known(name: &str) -> bool {
     unit(name).is_some()
 }
 
-/// The unit that a column's name ends in, as a file would write it (`nT` of `sensor_x_nt`); None where it ends in none.
+/// The unit that a column's name ends in, as a file would write it (`nT` of `sensor_x_nt`); None where it
+/// ends in none.
 pub fn of_column(column: &str) -> Option<&'static str> {
     let (quantity, ending) = column.rsplit_once('_')?;
     // The w of a quaternion.
@@ -151,7 +152,8 @@ pub fn of_column(column: &str) -> Option<&'static str> {
     ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, unit)| *unit)
 }
 
-/// The ending of column names in the document for values in `name`, of the same kind: `nt` for `G`, `c` for `F`.
+/// The ending of column names in the document for values in `name`, of the same kind: `nt` for `G`, `c` for
+/// `F`.
 pub fn ending_for(name: &str) -> Option<&'static str> {
     Some(match unit(name)?.0 {
         QuantityKind::Field => "nt",

@@ -1,4 +1,5 @@
-//! Formats of the USGS geomagnetism program: PCDCP and the JSON of its web service (as its geomag-algorithms write them).
+//! Formats of the USGS geomagnetism program: PCDCP and the JSON of its web service (as its geomag-algorithms
+//! write them).
 
 mod json;
 mod pcdcp;

@@ -3,8 +3,8 @@
 use concealed::signal::Signal;
 use std::sync::Arc;
 
-/// The cubic through each two neighbours whose slopes are those of their neighbours (Catmull and Rom), for uneven times too; before the
-/// first reading and after the last one it is held.
+/// The cubic through each two neighbours whose slopes are those of their neighbours (Catmull and Rom), for
+/// uneven times too; before the first reading and after the last one it is held.
 pub fn signal(times: &[f64], values: &[f64]) -> Signal {
     let (times, values) = (times.to_vec(), values.to_vec());
     Arc::new(move |t| {

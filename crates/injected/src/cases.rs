@@ -33,8 +33,8 @@ pub fn untouched(host: &Host, seed: u64) -> Case {
     Case { document, truth }
 }
 
-/// Each kind that a host can carry once, the first `most` of an order that is drawn; strengths take turns. Kinds that do not show in
-/// the host, or do not reach their strength, are left out by the rule of [`suits`].
+/// Each kind that a host can carry once, the first `most` of an order that is drawn; strengths take turns.
+/// Kinds that do not show in the host, or do not reach their strength, are left out by the rule of [`suits`].
 pub fn injected(host: &Host, seed: u64, round: usize, most: usize) -> Vec<Case> {
     let name = host.candidate.name;
     let mut order = Draw::new(&format!("real/{name}/order/{round}"), seed);
@@ -83,8 +83,8 @@ fn with(
     Some(Case { document: document(host, &added, &truth.case), truth })
 }
 
-/// The names that are right. The length of a vector that points one way does not tell in which sensor something is: there the same name is
-/// right on any of them and without one.
+/// The names that are right. The length of a vector that points one way does not tell in which sensor
+/// something is: there the same name is right on any of them and without one.
 fn accepted(host: &Host, effect: &Effect) -> Vec<String> {
     if host.watched == Watched::Vectors {
         return effect.accepted.clone();
@@ -103,8 +103,8 @@ fn sensors(host: &Host, effect: &Effect) -> Vec<String> {
     own.map(|sensor| AXES[*sensor].to_string()).collect()
 }
 
-/// What the parameters should come out as; beside a scalar magnetometer those alone that say nothing of a sensor's share of the field,
-/// which are those that do not grow with the size.
+/// What the parameters should come out as; beside a scalar magnetometer those alone that say nothing of a
+/// sensor's share of the field, which are those that do not grow with the size.
 fn parameters(host: &Host, effect: &Effect, size: f64) -> serde_json::Map<String, serde_json::Value> {
     let (own, twice) = ((effect.parameters)(size), (effect.parameters)(2.0 * size));
     let fixed = |(own, twice): &(&(&str, f64), &(&str, f64))| own.1 == twice.1;
@@ -112,7 +112,8 @@ fn parameters(host: &Host, effect: &Effect, size: f64) -> serde_json::Map<String
     all.map(|((name, value), _)| (name.to_string(), json!(value))).collect()
 }
 
-/// The host's document with something added to its readings; those of an instrument that was read code by code are codes again.
+/// The host's document with something added to its readings; those of an instrument that was read code by
+/// code are codes again.
 fn document(host: &Host, added: &Readings, title: &str) -> serde_json::Value {
     let code = if host.candidate.code_nt > 0.0 { host.candidate.code_nt } else { PRINTED_NT };
     let mut document = host.document.clone();
@@ -163,7 +164,8 @@ mod tests {
         Host::of(&CANDIDATE, &series(beside)).expect("a host")
     }
 
-    /// Every case has its strength by the measure of the others, and a document that differs from the host's in the readings alone.
+    /// Every case has its strength by the measure of the others, and a document that differs from the host's
+    /// in the readings alone.
     #[test]
     fn an_effect_is_added_to_what_was_recorded() {
         for beside in [Beside::Vector, Beside::Scalar, Beside::Thermometer] {

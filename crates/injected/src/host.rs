@@ -35,7 +35,8 @@ pub struct Host {
     pub document: Value,
     /// What an effect acts in: fields and temperatures are interpolants of what was recorded.
     pub campaign: Campaign,
-    /// The same with the field's mean taken off: what is left by a fit is the same, and its sums keep their digits.
+    /// The same with the field's mean taken off: what is left by a fit is the same, and its sums keep their
+    /// digits.
     pub centred: Campaign,
     /// What was recorded, nT.
     pub plain: Readings,
@@ -48,8 +49,8 @@ pub struct Host {
 }
 
 impl Host {
-    /// A host of columns: `reference_*_nt` with `test_*_nt`, or `sensor_*_nt` with `ambient_*_nt`, with `reference_nt` or alone; None where
-    /// there are no readings, or too few rows for the constants.
+    /// A host of columns: `reference_*_nt` with `test_*_nt`, or `sensor_*_nt` with `ambient_*_nt`, with
+    /// `reference_nt` or alone; None where there are no readings, or too few rows for the constants.
     pub fn of(candidate: &'static Candidate, series: &Series) -> Option<Self> {
         let pair = series.holds("test_x_nt");
         let length = !pair && series.holds("reference_nt");
@@ -128,9 +129,10 @@ impl Host {
         }
     }
 
-    /// What is left of `added` when all constants of the basic model are fitted to it, nT, sensor by sensor; of what is held against a scalar
-    /// magnetometer one column, the change of the vector's length less a level and slopes along the three readings, which is all that nine
-    /// constants do where the field points one way.
+    /// What is left of `added` when all constants of the basic model are fitted to it, nT, sensor by sensor;
+    /// of what is held against a scalar magnetometer one column, the change of the vector's length less a
+    /// level and slopes along the three readings, which is all that nine constants do where the field points
+    /// one way.
     pub fn left(&self, added: &Readings) -> Vec<Vec<f64>> {
         match self.watched {
             Watched::Vectors => base::left(&self.centred, added).into_iter().flatten().collect(),
@@ -222,7 +224,8 @@ mod tests {
     use super::*;
     use crate::made_up::{Beside, CANDIDATE, series};
 
-    /// Noise even over a tenth of a nT has 0.1/√12 rms; of a pair both have it, of a length the field's direction weighs it.
+    /// Noise even over a tenth of a nT has 0.1/√12 rms; of a pair both have it, of a length the field's
+    /// direction weighs it.
     #[test]
     fn the_scatter_is_what_the_basic_model_leaves() {
         let one = 0.1 / 12.0_f64.sqrt();

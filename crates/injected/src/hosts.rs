@@ -1,7 +1,8 @@
 //! Which real recordings are tried as hosts, and how they are cut.
 //!
-//! Nobody chooses by what is found in them later: of each instrument that lay still the quiet stretches that its notes name, whole days or
-//! nights. Those of which diagnose says anything but `agrees` are told and not used.
+//! Nobody chooses by what is found in them later: of each instrument that lay still the quiet stretches that
+//! its notes name, whole days or nights. Those of which diagnose says anything but `agrees` are told and not
+//! used.
 
 use recorded::{Error, Series, Stages};
 
@@ -14,7 +15,8 @@ const MARG_TEMPERATURE: &str = include_str!("../../../fixtures/real/marg-tempera
 const MESON_HALL: &str = include_str!("../../../fixtures/real/meson-hall-pair.json");
 const DAY_S: f64 = 86_400.0;
 const HOUR_S: f64 = 3600.0;
-/// What the LEMI-025 of Cobenzl stamps its minutes too early by, s: `diffmag --correct-clock` over twelve days.
+/// What the LEMI-025 of Cobenzl stamps its minutes too early by, s: `diffmag --correct-clock` over twelve
+/// days.
 const COBENZL_EARLY_S: f64 = 18.38;
 
 /// A recording that may become a host.

@@ -46,7 +46,8 @@ const IN_NO_HOST: [&str; 10] = [
     "traction_power",
 ];
 
-/// What asks nothing of the field: an offset of a channel, or a field that is added. Offsets that follow a temperature are besides.
+/// What asks nothing of the field: an offset of a channel, or a field that is added. Offsets that follow a
+/// temperature are besides.
 const WITHOUT_FIELD: [&str; 8] = [
     "ageing",
     "warm_up",

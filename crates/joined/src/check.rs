@@ -16,8 +16,8 @@ const OUT_OF_PLANE: f64 = 1e-7;
 pub const IN_A_PLANE: &str = "the reference's x, y and z depend on each other: the field changed in a plane only, which leaves the matrix \
                               open across it; record longer, or while the field changes more";
 
-/// Refuses a test instrument that is the reference or is in other units, and instruments of which two axes are one. `paths` are
-/// those of their first recordings.
+/// Refuses a test instrument that is the reference or is in other units, and instruments of which two axes
+/// are one. `paths` are those of their first recordings.
 pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -> Result<(), Error> {
     for (path, instrument, columns) in [(&paths[0], "reference", reference), (&paths[1], "test", test)] {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {

@@ -1,4 +1,5 @@
-//! Instruments in recordings of their own, as one recording: what looks at one recording at a time then finds them together.
+//! Instruments in recordings of their own, as one recording: what looks at one recording at a time then finds
+//! them together.
 
 use common::number::counted;
 use common::{Axis, Column, Columns, Document, Error as Fault, Recording, procedure};
@@ -19,8 +20,8 @@ pub struct Gathered {
     pub told: Vec<String>,
 }
 
-/// Joins reference and test instrument in recordings of their own, and vector and scalar magnetometer in recordings of their own; None where
-/// nothing is apart.
+/// Joins reference and test instrument in recordings of their own, and vector and scalar magnetometer in
+/// recordings of their own; None where nothing is apart.
 ///
 /// # Errors
 ///

@@ -38,8 +38,8 @@ impl OnGrid {
 }
 
 impl Grid {
-    /// The times of the slower of two instruments, of the test instrument where they are as fast, while both record; None where
-    /// they never do.
+    /// The times of the slower of two instruments, of the test instrument where they are as fast, while both
+    /// record; None where they never do.
     pub fn of(reference: &Instrument, test: &Instrument) -> Option<Self> {
         let slower = if reference.step_s() > test.step_s() * (1.0 + SAME_RATE) { reference } else { test };
         let piece = slower.longest();

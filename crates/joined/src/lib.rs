@@ -1,11 +1,13 @@
-//! Several instruments, each in recordings of its own or all in one, on one even grid of times; what cannot be joined is told by its place.
+//! Several instruments, each in recordings of its own or all in one, on one even grid of times; what cannot
+//! be joined is told by its place.
 //!
-//! Times are never spread: a series is cut where its times jump, and where they are uneven it is read at its own times. The clocks of two
-//! instruments may differ, in each [`Segment`] by another offset; that is for those to find who hold the readings against each other.
+//! Times are never spread: a series is cut where its times jump, and where they are uneven it is read at its
+//! own times. The clocks of two instruments may differ, in each [`Segment`] by another offset; that is for
+//! those to find who hold the readings against each other.
 //!
-//! diffmag (`read`), diagnose (`gathered`) and series (`onto`, `read_at`) use this crate. Series are cut where their times jump
-//! (`estimate::cadence`; `estimate::even` decides for all stages which times are even) and put on the grid of the slower instrument, by
-//! `estimate::resample` where times differ.
+//! diffmag (`read`), diagnose (`gathered`) and series (`onto`, `read_at`) use this crate. Series are cut
+//! where their times jump (`estimate::cadence`; `estimate::even` decides for all stages which times are even)
+//! and put on the grid of the slower instrument, by `estimate::resample` where times differ.
 
 use common::number::{counted, duration};
 use common::time::Start;
@@ -34,7 +36,8 @@ pub use segments::{Boundary, Segment};
 const LEAST: usize = 5;
 /// Names of the instruments, as their columns begin.
 const NAMES: [&str; 3] = ["reference", "test", "third"];
-/// Readings that are missing stand on straight lines; with more than one in so many missing these would be most of what is fitted.
+/// Readings that are missing stand on straight lines; with more than one in so many missing these would be
+/// most of what is fitted.
 const WHOLE: usize = 2;
 
 /// What one instrument recorded.
@@ -102,7 +105,8 @@ pub struct Pair {
     pub reference_noise: Option<NoiseOfSensors>,
     /// Rows in which neither reference nor test misses a reading.
     pub whole: Vec<bool>,
-    /// Where an instrument went through a filter: above this frequency the difference is not what was recorded, Hz.
+    /// Where an instrument went through a filter: above this frequency the difference is not what was
+    /// recorded, Hz.
     pub highest_hz: Option<f64>,
     /// First rows after the steps that are to be fitted to each test axis.
     pub steps: [Vec<usize>; 3],
@@ -110,7 +114,8 @@ pub struct Pair {
     pub segments: Vec<Segment>,
     /// Where times jump.
     pub boundaries: Vec<Boundary>,
-    /// Where the times of one instrument leave rows out, or go on in another recording: a clock may have been set there.
+    /// Where the times of one instrument leave rows out, or go on in another recording: a clock may have been
+    /// set there.
     pub pauses: Vec<Boundary>,
     /// Standard uncertainties of the sizes that were taken off in their places, nT.
     pub step_stds: [Vec<f64>; 3],
@@ -228,7 +233,8 @@ impl Pair {
     }
 }
 
-/// Reads the differential recordings of a document: both instruments in one, each in its own, several pieces of each.
+/// Reads the differential recordings of a document: both instruments in one, each in its own, several pieces
+/// of each.
 pub fn read(document: &Document) -> Result<Pair, Error> {
     let found: Vec<(usize, &Recording)> = document
         .recordings

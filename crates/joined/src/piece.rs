@@ -1,4 +1,5 @@
-//! Readings of one instrument that are even in time: one piece of what its logger recorded, from one jump of its times to the next.
+//! Readings of one instrument that are even in time: one piece of what its logger recorded, from one jump of
+//! its times to the next.
 
 use std::ops::Range;
 
@@ -52,8 +53,8 @@ impl Piece {
         self.start_s + self.step_s * (self.columns[0].len() - 1) as f64
     }
 
-    /// Its readings at rising times that are `step_s` apart: as they are where they were taken at these, else through the filter of the
-    /// slower of both rates. None where no such time lies within it.
+    /// Its readings at rising times that are `step_s` apart: as they are where they were taken at these, else
+    /// through the filter of the slower of both rates. None where no such time lies within it.
     pub fn read(&self, at: &[f64], step_s: f64) -> Option<Read> {
         let place = |t: &f64| (t - self.start_s) / self.step_s;
         let last = self.columns[0].len() as f64 - 1.0;
@@ -77,7 +78,8 @@ impl Piece {
         Some(Read { rows: from..to, columns, white_share: Some(white_share) })
     }
 
-    /// The columns of these names (each with what is expected where it is missing) of a recording at its times, cut where these jump.
+    /// The columns of these names (each with what is expected where it is missing) of a recording at its
+    /// times, cut where these jump.
     pub fn of(
         recording: &Recording,
         path: &str,

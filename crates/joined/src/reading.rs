@@ -38,8 +38,9 @@ pub fn usual_step_s(time: &[f64]) -> Option<f64> {
     (!steps.is_empty()).then(|| median(&steps))
 }
 
-/// Values of a recording at rising `time`, read at rising times `at` that are `step_s` apart. A series that is no slower than `at` is cut where its times
-/// jump and read band-limited, so that nothing folds, after it was made even where it is not; a slower one by cubic pieces.
+/// Values of a recording at rising `time`, read at rising times `at` that are `step_s` apart. A series that
+/// is no slower than `at` is cut where its times jump and read band-limited, so that nothing folds, after it
+/// was made even where it is not; a slower one by cubic pieces.
 ///
 /// # Errors
 ///
@@ -105,7 +106,8 @@ pub struct Onto {
     pub there: usize,
 }
 
-/// The columns of the second of two recordings (each with its place in the document) that are `wanted`, at times of the clock of the first.
+/// The columns of the second of two recordings (each with its place in the document) that are `wanted`, at
+/// times of the clock of the first.
 ///
 /// # Errors
 ///

@@ -13,7 +13,8 @@ use super::piece::Jump;
 pub struct Segment {
     /// The rows.
     pub rows: Range<usize>,
-    /// How much later the test instrument's times are here than in the segment that all are compared with, s; zero until somebody finds it.
+    /// How much later the test instrument's times are here than in the segment that all are compared with, s;
+    /// zero until somebody finds it.
     pub late_s: f64,
 }
 
@@ -36,8 +37,8 @@ pub fn boundaries(grid: &Grid, reference: &Instrument, test: &Instrument) -> Vec
     on_grid(grid, [reference, test], [jumps(reference), jumps(test)])
 }
 
-/// Where the times of reference or test instrument leave rows out, or go on in another recording: whether rows are missing or a clock was set the times
-/// do not say.
+/// Where the times of reference or test instrument leave rows out, or go on in another recording: whether
+/// rows are missing or a clock was set the times do not say.
 pub fn pauses(grid: &Grid, reference: &Instrument, test: &Instrument) -> Vec<Boundary> {
     let pauses = |instrument: &Instrument| -> Vec<Jump> {
         let next = instrument.pieces.windows(2).filter(|pair| pair[1].jump.is_none());

@@ -4,12 +4,12 @@ use fourier::Complex;
 
 use crate::{Grid, NoiseError};
 
-/// Covariance of readings at given times under a declared noise: of exactly the process that [`crate::series`] draws from.
-/// Rows of rows, nT².
+/// Covariance of readings at given times under a declared noise: of exactly the process that
+/// [`crate::series`] draws from. Rows of rows, nT².
 ///
-/// White noise stands on the diagonal. Flicker noise has K(m Δt) = Σ P(f_k)/(nΔt) cos(2π k m/n) over the Fourier frequencies of
-/// its grid, read off by the same straight lines between its points. The random walk has r² min(t_i, t_j), counted from the
-/// first row. Without times only white noise counts.
+/// White noise stands on the diagonal. Flicker noise has K(m Δt) = Σ P(f_k)/(nΔt) cos(2π k m/n) over the
+/// Fourier frequencies of its grid, read off by the same straight lines between its points. The random walk
+/// has r² min(t_i, t_j), counted from the first row. Without times only white noise counts.
 pub fn covariance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<Vec<f64>, NoiseError> {
     let mut all = vec![0.0; rows * rows];
     let white = noise.white_rms_nt.unwrap_or(0.0);
@@ -72,8 +72,8 @@ fn autocovariance(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> 
     lags
 }
 
-/// The variance at each Fourier frequency of an even grid, on one side of the spectrum: a transform counts each frequency twice but the
-/// Nyquist frequency once, which stands for half a cell. None at zero.
+/// The variance at each Fourier frequency of an even grid, on one side of the spectrum: a transform counts
+/// each frequency twice but the Nyquist frequency once, which stands for half a cell. None at zero.
 pub(crate) fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
     let resolution = 1.0 / (points as f64 * step_s);
     let power = |k: usize| match k {
@@ -90,7 +90,8 @@ mod tests {
 
     #[test]
     fn it_is_the_covariance_of_what_is_drawn() {
-        // White, flicker and walk together at uneven times: 40 000 draws against the covariance, five standard errors.
+        // White, flicker and walk together at uneven times: 40 000 draws against the covariance, five
+        // standard errors.
         let noise: Noise = serde_json::from_str(
             r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
         )

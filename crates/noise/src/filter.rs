@@ -7,7 +7,8 @@ pub const EVEN: f64 = 1e-3;
 /// Gains that change by less than this part of the largest from row to row are steady.
 const STEADY: f64 = 1e-13;
 
-/// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard deviation 1/`inverse`.
+/// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard
+/// deviation 1/`inverse`.
 #[derive(Debug)]
 pub struct Gain {
     /// φ and g of each process, for the step to the next row.
@@ -59,11 +60,12 @@ impl Gains {
     }
 }
 
-/// The Kalman filter of the model, as far as it does not depend on the readings (Durbin and Koopman 2012, Time Series Analysis
-/// by State Space Methods, chapter 4): the covariance P of the predicted states.
+/// The Kalman filter of the model, as far as it does not depend on the readings (Durbin and Koopman 2012,
+/// Time Series Analysis by State Space Methods, chapter 4): the covariance P of the predicted states.
 ///
-/// With M = P z, z all ones: F = zᵀM + σ² is the variance of the innovation, g = φ M/F and P ← φ (P − M Mᵀ/F) φ + s² (1 − φ²).
-/// For equal steps P tends to a constant; as soon as the gains are steady, they are kept until the step changes.
+/// With M = P z, z all ones: F = zᵀM + σ² is the variance of the innovation, g = φ M/F and P ← φ (P − M Mᵀ/F)
+/// φ + s² (1 − φ²). For equal steps P tends to a constant; as soon as the gains are steady, they are kept
+/// until the step changes.
 pub struct Filter<'a> {
     processes: &'a [Process],
     /// Variance of the step of a random walk, nT²/s, whose state is the last one.
@@ -101,7 +103,8 @@ impl<'a> Filter<'a> {
         self.moves.len()
     }
 
-    /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row before.
+    /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row
+    /// before.
     pub fn row(&mut self, step_s: f64) -> bool {
         let same = step_s == self.step_s;
         if same && self.steady {

@@ -22,8 +22,8 @@ impl Process {
         4.0 * self.variance_nt2 * rate / (rate * rate + (2.0 * PI * frequency_hz).powi(2))
     }
 
-    /// One-sided density of its readings `step_s` apart (with what is folded down from above the Nyquist frequency), nT²/Hz:
-    /// 2 Δt s² (1 − φ²)/(1 − 2 φ cos 2πfΔt + φ²), φ = exp(−λΔt).
+    /// One-sided density of its readings `step_s` apart (with what is folded down from above the Nyquist
+    /// frequency), nT²/Hz: 2 Δt s² (1 − φ²)/(1 − 2 φ cos 2πfΔt + φ²), φ = exp(−λΔt).
     pub fn sampled_density(&self, frequency_hz: f64, step_s: f64) -> f64 {
         let product = self.rate_per_s * step_s;
         let (left, kept) = (-(-product).exp_m1(), (-product).exp());
@@ -33,31 +33,35 @@ impl Process {
     }
 }
 
-/// Corner frequencies in cycles a step: five about the Nyquist frequency, from the first downwards, each a part of the one
-/// above; from there on two in each decade.
+/// Corner frequencies in cycles a step: five about the Nyquist frequency, from the first downwards, each a
+/// part of the one above; from there on two in each decade.
 const FASTEST: f64 = 2.0;
 const FAST: usize = 5;
 const FAST_RATIO: f64 = 1.7;
-/// The slowest corner of a whitening lies at this part of the lowest frequency that counts, or just below: there the density levels off.
+/// The slowest corner of a whitening lies at this part of the lowest frequency that counts, or just below:
+/// there the density levels off.
 pub const SLOWEST: f64 = 0.2;
-/// Weight of a relative error in the last octave below the Nyquist frequency, where a sum of few processes cannot follow the
-/// kink that a power law folded there has.
+/// Weight of a relative error in the last octave below the Nyquist frequency, where a sum of few processes
+/// cannot follow the kink that a power law folded there has.
 const LAST_OCTAVE: f64 = 0.1;
-/// The density of the sum is at least this part of the power law at every frequency (beyond the Nyquist frequency, of f⁻²).
+/// The density of the sum is at least this part of the power law at every frequency (beyond the Nyquist
+/// frequency, of f⁻²).
 const LEAST: f64 = 0.01;
 /// Pulls needless weights to zero.
 const RIDGE: f64 = 1e-5;
 /// Fewest steps that the lowest frequency may take.
 const FEWEST: f64 = 16.0;
 
-/// Power-law noise A f^-α (one-sided density, nT²/Hz) as a sum of Ornstein–Uhlenbeck processes and a white part (variance of a
-/// reading, nT²), for readings `step_s` apart and frequencies from 1/`oldest_s` to 1/(2 `step_s`).
+/// Power-law noise A f^-α (one-sided density, nT²/Hz) as a sum of Ornstein–Uhlenbeck processes and a white
+/// part (variance of a reading, nT²), for readings `step_s` apart and frequencies from 1/`oldest_s` to 1/(2
+/// `step_s`).
 ///
-/// An endless sum with s_j² = A sin(πα/2) h ν_j^(1−α), ν_j the corner frequencies and h the step of ln ν, has this density but
-/// for a ripple (van der Ziel 1950; Milotti 1995, Phys. Rev. E 51, 3087). Few processes, and what sampling folds down, spoil
-/// its ends. So the s_j² are those of the least squares of the relative errors of the *sampled* density over the logarithm of
-/// the frequency. They may be negative, but the density of the sum is positive at every frequency, and therefore its
-/// covariance is one at any times (Bochner), not only at even ones. Below the band the density levels off.
+/// An endless sum with s_j² = A sin(πα/2) h ν_j^(1−α), ν_j the corner frequencies and h the step of ln ν, has
+/// this density but for a ripple (van der Ziel 1950; Milotti 1995, Phys. Rev. E 51, 3087). Few processes, and
+/// what sampling folds down, spoil its ends. So the s_j² are those of the least squares of the relative
+/// errors of the *sampled* density over the logarithm of the frequency. They may be negative, but the density
+/// of the sum is positive at every frequency, and therefore its covariance is one at any times (Bochner), not
+/// only at even ones. Below the band the density levels off.
 pub fn sum(amplitude: f64, exponent: f64, step_s: f64, oldest_s: f64) -> (Vec<Process>, f64) {
     if amplitude <= 0.0 {
         return (Vec::new(), 0.0);

@@ -1,6 +1,7 @@
 use nalgebra::{DMatrix, DVector};
 
-/// The x ≥ 0 that minimises |A x − b|: Lawson and Hanson 1974, Solving Least Squares Problems, chapter 23 (NNLS).
+/// The x ≥ 0 that minimises |A x − b|: Lawson and Hanson 1974, Solving Least Squares Problems, chapter 23
+/// (NNLS).
 fn not_negative(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let columns = a.ncols();
     let mut x = DVector::zeros(columns);
@@ -50,8 +51,8 @@ fn solve(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     r.solve_upper_triangular(&q.tr_mul(b)).unwrap_or_else(|| DVector::zeros(a.ncols()))
 }
 
-/// The x that minimises |A x − b| with G x ≥ h, none where no x keeps them: Lawson and Hanson 1974, chapter 23 (LSI, by way
-/// of the least distance with inequalities).
+/// The x that minimises |A x − b| with G x ≥ h, none where no x keeps them: Lawson and Hanson 1974, chapter
+/// 23 (LSI, by way of the least distance with inequalities).
 pub fn above(
     a: &DMatrix<f64>,
     b: &DVector<f64>,

@@ -1,7 +1,7 @@
 //! Noise as an instrument declares it ([`common::Noise`]), made from a seed.
 //!
-//! Every channel draws from a stream of its own name, so that a channel more changes no other, and so does each kind
-//! of noise within it. The same seed and name give the same numbers on any number of threads.
+//! Every channel draws from a stream of its own name, so that a channel more changes no other, and so does
+//! each kind of noise within it. The same seed and name give the same numbers on any number of threads.
 //!
 //! [`Whitening`] turns readings with such noise into ones with white noise of variance one.
 
@@ -56,8 +56,8 @@ pub enum NoiseError {
 
 /// The declared noise of one channel, nT: white + flicker + random walk.
 ///
-/// Flicker noise and the random walk need the times; without them, or with one row, only white noise is made. At uneven
-/// times flicker noise is made on an even grid of the median step and read off by straight lines.
+/// Flicker noise and the random walk need the times; without them, or with one row, only white noise is made.
+/// At uneven times flicker noise is made on an even grid of the median step and read off by straight lines.
 pub fn series(
     noise: &Noise,
     seed: u64,

@@ -4,9 +4,9 @@ use crate::Stream;
 
 /// Noise with the one-sided spectrum P(f) = A f^-α (nT²/Hz) on an even grid of n points.
 ///
-/// Timmer and König 1995: each Fourier frequency f_k = k/(nΔt), k ≥ 1, gets a complex normal amplitude with the power
-/// P(f_k)/(nΔt), so that the expected periodogram is P at every f_k, from one over the length of the series to the Nyquist
-/// frequency; there is nothing below. One inverse FFT, n log n.
+/// Timmer and König 1995: each Fourier frequency f_k = k/(nΔt), k ≥ 1, gets a complex normal amplitude with
+/// the power P(f_k)/(nΔt), so that the expected periodogram is P at every f_k, from one over the length of
+/// the series to the Nyquist frequency; there is nothing below. One inverse FFT, n log n.
 pub fn power_law(stream: &mut Stream, points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
     if points < 2 {
         return vec![0.0; points];

@@ -13,18 +13,20 @@ const ROWS: usize = 64;
 const KEPT: usize = 1 << 22;
 /// Most steps that the longest period may have.
 const MOST_STEPS: f64 = 1e12;
-/// White variance of a reading at least, as a part of that of noise with the model's density at the Nyquist frequency: readings
-/// at equal times without white noise would be known exactly.
+/// White variance of a reading at least, as a part of that of noise with the model's density at the Nyquist
+/// frequency: readings at equal times without white noise would be known exactly.
 const LEAST_WHITE: f64 = 1e-9;
 
 /// Whitening of readings by their declared noise, in one pass over the rows, at any times in order.
 ///
-/// reading = Σ_j x_j(t) + w(t) + white: Ornstein–Uhlenbeck processes x_j whose sampled density at the typical (median) step is
-/// A f^-α within 1 % from one over the longest period to half the Nyquist frequency (in the last octave below that, within
-/// 15 %), a random walk w that is zero at the first row, and white noise. A Kalman filter gives each reading's departure from
-/// what all before it predict, over its standard deviation: L⁻¹ y, for the covariance L Lᵀ of the model. It takes O(rows).
+/// reading = Σ_j x_j(t) + w(t) + white: Ornstein–Uhlenbeck processes x_j whose sampled density at the typical
+/// (median) step is A f^-α within 1 % from one over the longest period to half the Nyquist frequency (in the
+/// last octave below that, within 15 %), a random walk w that is zero at the first row, and white noise. A
+/// Kalman filter gives each reading's departure from what all before it predict, over its standard deviation:
+/// L⁻¹ y, for the covariance L Lᵀ of the model. It takes O(rows).
 ///
-/// Missing readings are rows that are not there. Steps within a thousandth of the typical one count as equal to it.
+/// Missing readings are rows that are not there. Steps within a thousandth of the typical one count as equal
+/// to it.
 #[derive(Clone, Debug)]
 pub struct Whitening {
     rows: usize,
@@ -41,10 +43,11 @@ pub struct Whitening {
 }
 
 impl Whitening {
-    /// Of a declared noise at the times of the rows; flicker noise levels off at periods longer than `oldest_s`.
+    /// Of a declared noise at the times of the rows; flicker noise levels off at periods longer than
+    /// `oldest_s`.
     ///
-    /// Without times, or where all are one, only white noise counts. Refused are exponents outside 0 … 2, times out of order, a
-    /// longest period that is none or of more than 10¹² steps, and a noise of zero.
+    /// Without times, or where all are one, only white noise counts. Refused are exponents outside 0 … 2,
+    /// times out of order, a longest period that is none or of more than 10¹² steps, and a noise of zero.
     pub fn of(noise: &Noise, time_s: Option<&[f64]>, rows: usize, oldest_s: f64) -> Result<Self, NoiseError> {
         Self::of_sum(std::slice::from_ref(noise), time_s, rows, oldest_s)
     }
@@ -115,7 +118,8 @@ impl Whitening {
         self.rows
     }
 
-    /// The same noise where the mean of the readings is known besides: it is zero within a standard uncertainty.
+    /// The same noise where the mean of the readings is known besides: it is zero within a standard
+    /// uncertainty.
     pub fn with_level(mut self, std_nt: f64) -> Self {
         self.level = None;
         let weight = 1.0 / (self.rows as f64 * std_nt);
@@ -165,15 +169,15 @@ impl Whitening {
         self.white
     }
 
-    /// One-sided density of the processes and the random walk, nT²/Hz: Σ 4 s² λ/(λ² + (2πf)²) + r²/(2π²f²). White noise, which
-    /// readings have and not the time between them, is not in it.
+    /// One-sided density of the processes and the random walk, nT²/Hz: Σ 4 s² λ/(λ² + (2πf)²) + r²/(2π²f²).
+    /// White noise, which readings have and not the time between them, is not in it.
     pub fn density(&self, frequency_hz: f64) -> f64 {
         let walk = if self.walk > 0.0 { self.walk / (2.0 * (PI * frequency_hz).powi(2)) } else { 0.0 };
         self.processes.iter().map(|process| process.density(frequency_hz)).sum::<f64>() + walk
     }
 
-    /// One-sided density of readings `step_s` apart, nT²/Hz, with all noise: see [`Process::sampled_density`]; 2 σ² Δt of the
-    /// white part, and r² Δt²/(2 sin² πfΔt) of the random walk.
+    /// One-sided density of readings `step_s` apart, nT²/Hz, with all noise: see
+    /// [`Process::sampled_density`]; 2 σ² Δt of the white part, and r² Δt²/(2 sin² πfΔt) of the random walk.
     pub fn sampled_density(&self, frequency_hz: f64, step_s: f64) -> f64 {
         let sine = (PI * frequency_hz * step_s).sin();
         let walk = if self.walk > 0.0 { self.walk * (step_s / sine).powi(2) / 2.0 } else { 0.0 };
@@ -264,7 +268,8 @@ impl Whitening {
             .map(Vec::as_slice)
     }
 
-    /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations (nT²).
+    /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations
+    /// (nT²).
     pub fn log_determinant(&self) -> f64 {
         if self.is_white() {
             return self.rows as f64 * self.white.ln();
@@ -288,8 +293,9 @@ impl Whitening {
         self.whiten(&series).split_off(middle)
     }
 
-    /// Variance of a reading about the mean of its recording, nT²: that which the mean of (y_i − ȳ)² over the rows is expected
-    /// to be, (tr C − 1ᵀC1/n)/n of the covariance C, in one pass. What is slower than the recording hardly counts.
+    /// Variance of a reading about the mean of its recording, nT²: that which the mean of (y_i − ȳ)² over the
+    /// rows is expected to be, (tr C − 1ᵀC1/n)/n of the covariance C, in one pass. What is slower than the
+    /// recording hardly counts.
     pub fn variance_nt2(&self) -> f64 {
         let rows = self.rows as f64;
         let mut variance = self.white * (1.0 - 1.0 / rows.max(1.0));

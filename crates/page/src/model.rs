@@ -74,7 +74,8 @@ impl Effect {
         size.into().filter(|size| size.is_finite()).map_or(Self::NOT_HELD, |size| kind(size.abs()))
     }
 
-    /// Its place: fields, and turns by what they do in 50 000 nT, by their size; then standard uncertainties; then what has no number.
+    /// Its place: fields, and turns by what they do in 50 000 nT, by their size; then standard uncertainties;
+    /// then what has no number.
     pub fn rank(self) -> (u8, f64) {
         match self {
             Self::Nt(size) => (2, size),

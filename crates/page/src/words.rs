@@ -30,7 +30,8 @@ pub fn cells(each: Option<&PerAxis<Quantity>>) -> [Cell; 3] {
     Axis::ALL.map(|axis| each.and_then(|each| each.get(axis)).into())
 }
 
-/// A name whose last part is a unit (`offset_nt`, `flicker_nt2_per_hz_at_1hz`) as words and unit. Without a unit the words are all.
+/// A name whose last part is a unit (`offset_nt`, `flicker_nt2_per_hz_at_1hz`) as words and unit. Without a
+/// unit the words are all.
 pub fn key(name: &str) -> (String, String) {
     let parts: Vec<&str> = name.split('_').collect();
     let first = (1..parts.len())

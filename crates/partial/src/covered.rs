@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Stretches of time at most. Of more, the shortest hole between two is closed: what is missing there is missing for good.
+/// Stretches of time at most. Of more, the shortest hole between two is closed: what is missing there is
+/// missing for good.
 pub const MOST: usize = 512;
 
 /// A moment: a number of seconds, or the number of a place on a grid.
@@ -99,8 +100,8 @@ impl<T: Moment> Covered<T> {
         Ok(())
     }
 
-    /// Closes the shortest hole, the first of several, where there are more stretches than `most`. Gives the moments before and
-    /// after it.
+    /// Closes the shortest hole, the first of several, where there are more stretches than `most`. Gives the
+    /// moments before and after it.
     pub fn close(&mut self, most: usize) -> Option<[T; 2]> {
         if self.0.len() <= most {
             return None;

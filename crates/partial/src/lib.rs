@@ -1,14 +1,17 @@
 //! Statistics of pieces of a long series, merged in any order and grouping.
 //!
-//! A [`Partial`] is all that a stage keeps of some rows of a series. Partials form a commutative monoid: to join two is
-//! associative and commutative, to rounding, and a partial of no rows changes nothing. Its size has a limit, whatever the length
-//! of the series, and it is written as one line of JSON. `stream --partial` makes one, `merge` joins many of them, and
-//! `merge --partial` writes what was joined, so that merges can be grouped: by day, month and year, or by machine.
+//! A [`Partial`] is all that a stage keeps of some rows of a series. Partials form a commutative monoid: to
+//! join two is associative and commutative, to rounding, and a partial of no rows changes nothing. Its size
+//! has a limit, whatever the length of the series, and it is written as one line of JSON. `stream --partial`
+//! makes one, `merge` joins many of them, and `merge --partial` writes what was joined, so that merges can be
+//! grouped: by day, month and year, or by machine.
 //!
-//! A stage states its statistics as a [`Partial`], and how rows become them as a [`Series`]; reading files ([`take`]), text
-//! ([`to_line`], [`parse`], [`merge_lines`]) and the times that are covered ([`Covered`]) are the same for all.
+//! A stage states its statistics as a [`Partial`], and how rows become them as a [`Series`]; reading files
+//! ([`take`]), text ([`to_line`], [`parse`], [`merge_lines`]) and the times that are covered ([`Covered`])
+//! are the same for all.
 //!
-//! `testkit::partials_merge` tests every [`Partial`] for these laws; `program::pieces` is the command line of `stream --partial` and `merge`.
+//! `testkit::partials_merge` tests every [`Partial`] for these laws; `program::pieces` is the command line of
+//! `stream --partial` and `merge`.
 
 mod covered;
 mod error;
@@ -42,7 +45,8 @@ pub trait Partial: Serialize + DeserializeOwned + Send {
     ///
     /// # Errors
     ///
-    /// [`Error::Unlike`] for what cannot be of the same series, [`Error::Overlap`] where both cover the same time.
+    /// [`Error::Unlike`] for what cannot be of the same series, [`Error::Overlap`] where both cover the same
+    /// time.
     fn join(&mut self, other: Self) -> Result<(), Self::Error>;
 }
 

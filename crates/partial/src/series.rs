@@ -48,8 +48,8 @@ pub trait Take {
     fn finish(self) -> Result<Self::Partial, <Self::Partial as Partial>::Error>;
 }
 
-/// Takes a file in one pass and bounded memory: CSV, NDJSON or Parquet by its extension, `.json` a document, of which the recordings
-/// of the procedure are taken, with times since 1970 where they say when they began.
+/// Takes a file in one pass and bounded memory: CSV, NDJSON or Parquet by its extension, `.json` a document,
+/// of which the recordings of the procedure are taken, with times since 1970 where they say when they began.
 ///
 /// # Errors
 ///
@@ -62,7 +62,8 @@ pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
     table(series, path, 0.0)
 }
 
-/// Takes what comes from a stream, in one pass: CSV, NDJSON or a document, told by how it begins. `shown` stands for it in messages.
+/// Takes what comes from a stream, in one pass: CSV, NDJSON or a document, told by how it begins. `shown`
+/// stands for it in messages.
 ///
 /// # Errors
 ///

@@ -56,12 +56,13 @@ pub fn parse<P: Partial>(text: &str) -> Result<P, Error> {
     Ok(piece)
 }
 
-/// Merges the pieces of several sources, one a line, in memory for a few of them. What comes out does not depend on the number of threads.
+/// Merges the pieces of several sources, one a line, in memory for a few of them. What comes out does not
+/// depend on the number of threads.
 ///
 /// # Errors
 ///
-/// A source that cannot be read, a line that is no piece, with source and line; [`Error::Empty`] where there is none;
-/// pieces that cannot be joined, with the source up to which they were.
+/// A source that cannot be read, a line that is no piece, with source and line; [`Error::Empty`] where there
+/// is none; pieces that cannot be joined, with the source up to which they were.
 pub fn merge_lines<P: Partial>(
     sources: impl IntoIterator<Item = (String, Box<dyn BufRead>)>,
 ) -> Result<P, common::Error> {

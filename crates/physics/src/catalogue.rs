@@ -116,8 +116,8 @@ impl Kind {
         self.about().place
     }
 
-    /// Whether it can act in recordings of a procedure: two sites in differential ones only, nothing of the facility there,
-    /// and neither facility nor environment in a shield.
+    /// Whether it can act in recordings of a procedure: two sites in differential ones only, nothing of the
+    /// facility there, and neither facility nor environment in a shield.
     pub fn acts_in(self, recorded: &str) -> bool {
         let shield = [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT]
             .contains(&recorded);
@@ -130,7 +130,8 @@ impl Kind {
         }
     }
 
-    /// Whether what it does to a row follows from that row alone, so that a long series may be cut into pieces.
+    /// Whether what it does to a row follows from that row alone, so that a long series may be cut into
+    /// pieces.
     pub fn row_by_row(self) -> bool {
         let by_time = [Kind::Ageing, Kind::SensitivityAgeing, Kind::WarmUp, Kind::ReadingStep];
         let ordered = |need: &&str| ["time_s", "rows in the order taken"].contains(need);

@@ -16,11 +16,13 @@ use crate::{
 /// What the chain predicts for a recording.
 #[derive(Clone, Debug)]
 pub struct Prediction<T: Real = f64> {
-    /// The field in GEO, nT; a scalar magnetometer there reads its length. Differential recordings: as `field_sen`.
+    /// The field in GEO, nT; a scalar magnetometer there reads its length. Differential recordings: as
+    /// `field_sen`.
     pub field_geo: Vec<Vector3<T>>,
     /// The field in SEN at the sensors, nT.
     pub field_sen: Vec<Vector3<T>>,
-    /// The readings of the sensors x, y, z, in the unit of the recording; those of the test instrument where it is differential.
+    /// The readings of the sensors x, y, z, in the unit of the recording; those of the test instrument where
+    /// it is differential.
     pub readings: Vec<Vector3<T>>,
 }
 
@@ -209,7 +211,8 @@ impl<T: Real> Chain<'_, T> {
         coil_nt: &[Vector3<T>],
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
-        // What the effects of one kind that act at times of their own begin with: none of them reads what another made beside its times.
+        // What the effects of one kind that act at times of their own begin with: none of them reads what
+        // another made beside its times.
         let mut limited: Option<(Kind, Vec<Vector3<T>>)> = None;
         for (effect, values) in self.effects.iter().zip(self.values) {
             if effect.kind.about().stage != stage || !effect.acts(self.context.recording) {

@@ -64,7 +64,8 @@ impl Thermometer {
     }
 }
 
-/// What a whole document has in common: the temperatures at which the constants hold, degC, and its zero of time.
+/// What a whole document has in common: the temperatures at which the constants hold, degC, and its zero of
+/// time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct References {
     /// Of the sensors.
@@ -89,8 +90,8 @@ impl References {
         }
     }
 
-    /// As stated, else the mean of all recordings: for a stage that finds constants and coefficients, which hold there. It
-    /// writes them down then ([`crate::state_references`]).
+    /// As stated, else the mean of all recordings: for a stage that finds constants and coefficients, which
+    /// hold there. It writes them down then ([`crate::state_references`]).
     pub fn of(document: &Document) -> Self {
         let stated = Self::stated(document);
         let mean = |which: Thermometer| {
@@ -128,9 +129,11 @@ pub struct Context<'a> {
     pub recording: &'a Recording,
     /// Number of rows.
     pub rows: usize,
-    /// Current in the coils x, y, z for each row, A; zero where a coil has no column, NaN where a reading is missing.
+    /// Current in the coils x, y, z for each row, A; zero where a coil has no column, NaN where a reading is
+    /// missing.
     pub current_a: Vec<Vector3<f64>>,
-    /// Whether it is made in the coils, so that their offsets act: it has a column of drive, or is a nulling residual.
+    /// Whether it is made in the coils, so that their offsets act: it has a column of drive, or is a nulling
+    /// residual.
     pub in_coils: bool,
     /// Rows in which the drive is held; see [`held`].
     pub held: Vec<bool>,
@@ -213,8 +216,8 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// The times on the campaign's clock, s. Zero is the earliest `start` of the document; recordings without `start` are on
-    /// that clock already.
+    /// The times on the campaign's clock, s. Zero is the earliest `start` of the document; recordings without
+    /// `start` are on that clock already.
     pub fn clock(&self, who: &str) -> Result<Vec<f64>, Error> {
         Ok(self.times(who)?.iter().map(|t| t + self.clock_s).collect())
     }
@@ -231,8 +234,8 @@ impl<'a> Context<'a> {
         self.optional(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
     }
 
-    /// A column, or the condition of that name, where there is one. Missing samples are bridged by straight lines where
-    /// the times are known.
+    /// A column, or the condition of that name, where there is one. Missing samples are bridged by straight
+    /// lines where the times are known.
     pub fn optional(&self, name: &str) -> Option<Cow<'a, [f64]>> {
         let series = series(self.recording, name)?;
         match self.recording.column("time_s") {
@@ -264,7 +267,8 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// What is left of a wave of a frequency in samples that are means over `conditions.integration_s`: sin(πfw)/(πfw).
+    /// What is left of a wave of a frequency in samples that are means over `conditions.integration_s`:
+    /// sin(πfw)/(πfw).
     pub(crate) fn averaged<T: Real>(&self, frequency_hz: T) -> T {
         match self.recording.conditions.integration_s {
             Some(width) if width > 0.0 && frequency_hz.re() != 0.0 => {
@@ -367,8 +371,8 @@ fn resistor(document: &Document, recording: &Recording, axis: Axis) -> Result<f6
     })
 }
 
-/// `ambient_*_nt` (GEO) as columns, or as conditions that hold throughout. In a reversal the field that holds in position
-/// +1 is −1 times itself in position −1: turning the sensor is turning the field.
+/// `ambient_*_nt` (GEO) as columns, or as conditions that hold throughout. In a reversal the field that holds
+/// in position +1 is −1 times itself in position −1: turning the sensor is turning the field.
 fn ambient(recording: &Recording, rows: usize) -> Vec<Vector3<f64>> {
     let columns = Axis::ALL.map(|axis| recording.axis_column("ambient", axis, "nt"));
     let constant = Axis::ALL.map(|axis| {

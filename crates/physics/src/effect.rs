@@ -88,11 +88,13 @@ pub enum Acts {
 /// How a parameter enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// A size: the contribution is proportional to it (or, for a level, monotonic in it), and may have either sign.
+    /// A size: the contribution is proportional to it (or, for a level, monotonic in it), and may have either
+    /// sign.
     Amplitude,
     /// A time constant, a level, a period: positive, and not linear.
     Shape,
-    /// A moment or a span of `time_s` of one recording: the contribution jumps there, so that its derivative says nothing.
+    /// A moment or a span of `time_s` of one recording: the contribution jumps there, so that its derivative
+    /// says nothing.
     Epoch,
 }
 

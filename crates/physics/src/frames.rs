@@ -20,7 +20,8 @@ const LIMIT_SIGMAS: f64 = 5.0;
 pub struct Orientation {
     /// GEO -> SEN, rows = SEN axes in GEO.
     pub rotation: Matrix3<f64>,
-    /// L with L Lᵀ = covariance of the small rotation about the SEN axes, rad; zero where nothing is declared.
+    /// L with L Lᵀ = covariance of the small rotation about the SEN axes, rad; zero where nothing is
+    /// declared.
     pub uncertainty: Matrix3<f64>,
     /// How far the given matrix was from a rotation, rad.
     pub moved_rad: f64,
@@ -34,12 +35,12 @@ impl Orientation {
         Ok(Self { rotation, uncertainty, moved_rad })
     }
 
-    /// From the theodolites' angles (NASA eq. 7 to 11): R = N F, the rows of F being
-    /// X_s = (cos φx sin θx, sin φx sin θx, cos θx), Y_s = (−sin φy sin θy, cos φy sin θy, cos θy), X_s × Y_s,
-    /// projected to the nearest rotation. An angle that was read several times counts as its mean.
+    /// From the theodolites' angles (NASA eq. 7 to 11): R = N F, the rows of F being X_s = (cos φx sin θx,
+    /// sin φx sin θx, cos θx), Y_s = (−sin φy sin θy, cos φy sin θy, cos θy), X_s × Y_s, projected to the
+    /// nearest rotation. An angle that was read several times counts as its mean.
     ///
-    /// `theodolite_rad` gives the standard uncertainty of the mean of so many readings. A turn about the faces' x axis is seen in θy, one
-    /// about y in θx, and the one about z twice, in φx and φy.
+    /// `theodolite_rad` gives the standard uncertainty of the mean of so many readings. A turn about the
+    /// faces' x axis is seen in θy, one about y in θx, and the one about z twice, in φx and φy.
     pub fn from_theodolite(
         angles: &Theodolite,
         nominal: Option<&Matrix3x3>,
@@ -72,7 +73,8 @@ impl Orientation {
     }
 }
 
-/// L with L Lᵀ = covariance of the small rotation about the faces' axes, by the standard uncertainties of φx, θx, φy, θy (rad).
+/// L with L Lᵀ = covariance of the small rotation about the faces' axes, by the standard uncertainties of φx,
+/// θx, φy, θy (rad).
 pub fn face_uncertainty([phi_x, theta_x, phi_y, theta_y]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(theta_y, theta_x, 0.5 * phi_x.hypot(phi_y)))
 }
@@ -291,7 +293,8 @@ mod tests {
         assert_eq!(cube_rotations()[0], Matrix3::identity());
     }
 
-    /// A column of the matrix between two magnetometers turns without growing, and its derivatives are those of what it is.
+    /// A column of the matrix between two magnetometers turns without growing, and its derivatives are those
+    /// of what it is.
     #[test]
     fn a_turned_column_keeps_its_length() {
         let column = Vector3::new(0.3, -1.1, 0.7);

@@ -74,7 +74,8 @@ impl fmt::Display for EffectInstance {
 ///
 /// # Errors
 ///
-/// An effect that is not as the catalogue says, or that is relative to a temperature which the document does not state.
+/// An effect that is not as the catalogue says, or that is relative to a temperature which the document does
+/// not state.
 pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
     let references = References::stated(document);
     let adopted = document.model.iter().flat_map(|model| &model.effects);
@@ -96,8 +97,8 @@ pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
     adopted.enumerate().map(one).collect()
 }
 
-/// Writes to `calibration.reference_conditions` what the effects of the document's model are relative to and it does not state
-/// yet: what was found from recordings no longer depends on them then.
+/// Writes to `calibration.reference_conditions` what the effects of the document's model are relative to and
+/// it does not state yet: what was found from recordings no longer depends on them then.
 pub fn state_references(document: &mut Document, references: &References) {
     let listed = document.model.iter().flat_map(|model| &model.effects);
     let followed: Vec<Thermometer> =

@@ -11,22 +11,24 @@
 //! the coils' unit vectors in GEO, columns of μ the sensors' in SEN, rows of R the SEN axes in GEO.
 //! Fields in nT, currents in A, outputs in V, times in s, angles in rad.
 //!
-//! Chain and effects are written once, generic in the number type. With `f64` they simulate; with dual numbers (`num-dual`) the
-//! same lines give derivatives, eight in a pass (`lanes`). In a differential recording the reference's reading stands for the
-//! field in SEN, and η for μ.
+//! Chain and effects are written once, generic in the number type. With `f64` they simulate; with dual
+//! numbers (`num-dual`) the same lines give derivatives, eight in a pass (`lanes`). In a differential
+//! recording the reference's reading stands for the field in SEN, and η for μ.
 //!
-//! [`Inverter`] runs the chain backwards for all rows at once: B ← B + S (y − F(B)). S is (μᵀ)⁻¹ at first. Where a reading depends
-//! on other rows, or the iteration does not settle, S is the inverse of ∂F/∂B over neighbouring rows, from the same effects in dual
-//! numbers; rows far enough apart share a pass. That system is solved as least squares with a small damping: with a delay, the last
-//! rows are not observed and the first are observed twice, so that no square system has a stable solution. What is not observed is
-//! reported row by row. Derivatives of the corrected field take the same passes with a dual number.
+//! [`Inverter`] runs the chain backwards for all rows at once: B ← B + S (y − F(B)). S is (μᵀ)⁻¹ at first.
+//! Where a reading depends on other rows, or the iteration does not settle, S is the inverse of ∂F/∂B over
+//! neighbouring rows, from the same effects in dual numbers; rows far enough apart share a pass. That system
+//! is solved as least squares with a small damping: with a delay, the last rows are not observed and the
+//! first are observed twice, so that no square system has a stable solution. What is not observed is reported
+//! row by row. Derivatives of the corrected field take the same passes with a dual number.
 //!
-//! Effects with memory are state equations on `memory::Signal`: a cubic between samples, straight across a gap. Lags are exact for
-//! that signal whatever the step. A signal that is straight throughout would turn τ dB/dt into a backward difference, wrong by half
-//! a step for every lag that is shorter than the sampling interval.
+//! Effects with memory are state equations on `memory::Signal`: a cubic between samples, straight across a
+//! gap. Lags are exact for that signal whatever the step. A signal that is straight throughout would turn τ
+//! dB/dt into a backward difference, wrong by half a step for every lag that is shorter than the sampling
+//! interval.
 //!
-//! `reading` gives one reading of the basic chain with analytic derivatives, for `axescal`, which needs thousands of
-//! solves a second. A property test compares it with differences.
+//! `reading` gives one reading of the basic chain with analytic derivatives, for `axescal`, which needs
+//! thousands of solves a second. A property test compares it with differences.
 
 mod catalogue;
 mod chain;

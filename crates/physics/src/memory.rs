@@ -1,11 +1,13 @@
 //! State equations of effects with memory, over the recording's own times, whatever the steps.
 //!
 //! Between its samples a signal is the cubic through them whose slopes are the central differences (those of
-//! `numpy.gradient`), with two exceptions. A step more than four times as long as a neighbour is a gap: there the line is
-//! straight. Where the drive is held, before and after a jump, the slope of a field is zero, so that nothing answers to a jump
-//! before it comes. Beyond its ends a signal goes on straight for one step and is constant from there.
+//! `numpy.gradient`), with two exceptions. A step more than four times as long as a neighbour is a gap: there
+//! the line is straight. Where the drive is held, before and after a jump, the slope of a field is zero, so
+//! that nothing answers to a jump before it comes. Beyond its ends a signal goes on straight for one step and
+//! is constant from there.
 //!
-//! All of this is linear in the signal: which steps are gaps and where the drive is held depends on what was set alone.
+//! All of this is linear in the signal: which steps are gaps and where the drive is held depends on what was
+//! set alone.
 
 use crate::Real;
 
@@ -41,8 +43,8 @@ struct Cubic<T> {
 }
 
 impl<'a, T: Real> Signal<'a, T> {
-    /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by the
-    /// straight line between its neighbours.
+    /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by
+    /// the straight line between its neighbours.
     pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
         Self { time_s, x: bridged(time_s, x), held: &[] }
     }
@@ -56,7 +58,8 @@ impl<'a, T: Real> Signal<'a, T> {
         self.time_s[row + 1] - self.time_s[row]
     }
 
-    /// Central difference at a row, one-sided at the ends and beside a step of no length; zero where the signal is held.
+    /// Central difference at a row, one-sided at the ends and beside a step of no length; zero where the
+    /// signal is held.
     fn slope(&self, row: usize) -> T {
         if self.held.get(row) == Some(&true) {
             return T::from(0.0);
@@ -177,7 +180,8 @@ impl Signal<'_, f64> {
     }
 }
 
-/// w_k(u) = u ∫₀¹ e^(−u(1−s)) s^k ds for k = 0..3; w_k = 1 − k w_(k−1)/u, backwards from a series where u is small.
+/// w_k(u) = u ∫₀¹ e^(−u(1−s)) s^k ds for k = 0..3; w_k = 1 − k w_(k−1)/u, backwards from a series where u is
+/// small.
 fn moments<T: Real>(u: T) -> [T; 4] {
     let one = T::from(1.0);
     if u.re() > 1.0 {
@@ -197,8 +201,9 @@ fn moments<T: Real>(u: T) -> [T; 4] {
     [(one - w1) * u, w1, w2, w3]
 }
 
-/// The rows at an end of a step in which every series of a drive is held: it is [`FLAT`] times less steep than beside it, where
-/// at least one jumps. A crest between two equal samples is not held. Empty where no row is.
+/// The rows at an end of a step in which every series of a drive is held: it is [`FLAT`] times less steep
+/// than beside it, where at least one jumps. A crest between two equal samples is not held. Empty where no
+/// row is.
 pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     let rate = |step: usize, k: usize| match time_s[step + 1] - time_s[step] {
         length if length > 0.0 => (drive[step + 1][k] - drive[step][k]) / length,
@@ -222,7 +227,8 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     if rows.contains(&true) { rows } else { Vec::new() }
 }
 
-/// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are missing.
+/// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are
+/// missing.
 pub fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
     if x.iter().all(|x| x.re().is_finite()) {
         return x;

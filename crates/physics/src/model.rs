@@ -38,7 +38,8 @@ pub struct Basic<T: Real = f64> {
 }
 
 impl<T: Real> Basic<T> {
-    /// Where a constant of a coil or a sensor stands; None for turns, which are of η and μ, and for parameters of effects.
+    /// Where a constant of a coil or a sensor stands; None for turns, which are of η and μ, and for
+    /// parameters of effects.
     pub fn constant_mut(&mut self, parameter: Parameter) -> Option<&mut T> {
         match parameter {
             Parameter::Sensitivity(axis) => Some(&mut self.sensors[axis.index()].sensitivity),
@@ -52,8 +53,9 @@ impl<T: Real> Basic<T> {
 
 impl Basic<f64> {
     /// The chain that a document's calibration describes, for readings in `unit`. What is not stated is
-    /// nominal: axes along their frame, offsets zero, sensitivity the instrument's nominal one. A coil of unknown
-    /// constant makes no field, and a sensor of unknown sensitivity reads nT; a stage that needs them asks first.
+    /// nominal: axes along their frame, offsets zero, sensitivity the instrument's nominal one. A coil of
+    /// unknown constant makes no field, and a sensor of unknown sensitivity reads nT; a stage that needs them
+    /// asks first.
     pub fn of(document: &Document, unit: Unit) -> Self {
         let empty = Calibration::default();
         let calibration = document.calibration.as_ref().unwrap_or(&empty);
@@ -88,8 +90,8 @@ impl Basic<f64> {
         basic
     }
 
-    /// As `of`, with what axescal found that is to be added to the sensors' offsets (`axes.offsets_nt`): the chain for
-    /// predicting recordings.
+    /// As `of`, with what axescal found that is to be added to the sensors' offsets (`axes.offsets_nt`): the
+    /// chain for predicting recordings.
     pub fn found(document: &Document, unit: Unit) -> Self {
         let mut basic = Basic::of(document, unit);
         let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
@@ -100,8 +102,9 @@ impl Basic<f64> {
         basic
     }
 
-    /// The chain of a differential recording, T = R η + d: the reference's reading stands in place of the field, the columns
-    /// of η in place of the sensors' directions, and −d in place of the offsets. Not stated: η = 1, d = 0.
+    /// The chain of a differential recording, T = R η + d: the reference's reading stands in place of the
+    /// field, the columns of η in place of the sensors' directions, and −d in place of the offsets. Not
+    /// stated: η = 1, d = 0.
     pub fn differential(document: &Document) -> Self {
         let mut basic = Basic::of(&Document::default(), Unit::Nanotesla);
         let calibration =

@@ -4,7 +4,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::Real;
 
-/// B_geo = η b + ambient: the field of the coils (b in nT along each coil's axis) and what is there besides, GEO, nT.
+/// B_geo = η b + ambient: the field of the coils (b in nT along each coil's axis) and what is there besides,
+/// GEO, nT.
 pub fn field_geo<T: Real>(eta: &Matrix3<T>, coil_nt: &Vector3<T>, ambient_nt: &Vector3<T>) -> Vector3<T> {
     eta * coil_nt + ambient_nt
 }

@@ -1,8 +1,9 @@
-//! What quick builds cost at run time: whole programs of the release profile against the same of the profile `dist`, which
-//! optimises across crates.
+//! What quick builds cost at run time: whole programs of the release profile against the same of the profile
+//! `dist`, which optimises across crates.
 //!
-//! Each pair runs one after the other, in turn the one and the other first; the median of the ratios of a program's pairs is told. The programs are those
-//! in `target/release` and `target/dist`: `cargo build --release && cargo build --profile dist`.
+//! Each pair runs one after the other, in turn the one and the other first; the median of the ratios of a
+//! program's pairs is told. The programs are those in `target/release` and `target/dist`: `cargo build
+//! --release && cargo build --profile dist`.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

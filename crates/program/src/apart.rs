@@ -6,7 +6,8 @@ use std::path::Path;
 
 use crate::sink::named;
 
-/// Refuses an output that is one of the inputs, by whatever name. `-` and files that are not there yet are none.
+/// Refuses an output that is one of the inputs, by whatever name. `-` and files that are not there yet are
+/// none.
 ///
 /// # Errors
 ///

@@ -52,8 +52,8 @@ pub fn file_name(id: &str) -> String {
     }
 }
 
-/// Writes a document and the tables beside it, to a file or to standard output, with tables in the present folder. The document is
-/// written to its end before a table gets its name, and gets its own after that.
+/// Writes a document and the tables beside it, to a file or to standard output, with tables in the present
+/// folder. The document is written to its end before a table gets its name, and gets its own after that.
 ///
 /// # Errors
 ///
@@ -79,7 +79,8 @@ fn refused(error: tables::Error) -> Error {
     }
 }
 
-/// Reads the tables of the recordings that follow one of these procedures into their columns. `folder` is that of the document.
+/// Reads the tables of the recordings that follow one of these procedures into their columns. `folder` is
+/// that of the document.
 ///
 /// # Errors
 ///

@@ -1,11 +1,13 @@
-//! Readings that a stage leaves out of the document it writes, with their digest, so that they can be checked when they come back.
+//! Readings that a stage leaves out of the document it writes, with their digest, so that they can be checked
+//! when they come back.
 
 use common::{Document, Dropped, Error, Recording};
 use sha2::{Digest, Sha256};
 
 use crate::hexadecimal;
 
-/// Takes the readings of the recordings that follow one of these procedures out of the document. Tables beside it stay where they are.
+/// Takes the readings of the recordings that follow one of these procedures out of the document. Tables
+/// beside it stay where they are.
 pub fn drop(document: &mut Document, procedures: &[&str]) {
     for recording in &mut document.recordings {
         let has = recording.table.is_none() && !recording.columns.is_empty();
@@ -76,7 +78,9 @@ mod tests {
         drop(&mut after, &["free_run"]);
         assert_eq!(after.recordings[1..], before.recordings[1..]);
         let left = &after.recordings[0];
-        // printf 'sensor_x_nt\0\0\0\0\0\0\0\xf8\x3f\0\0\0\0\0\0\xf8\x7ftime_s\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xf0\x3f' | sha256sum
+        // printf
+        // 'sensor_x_nt\0\0\0\0\0\0\0\xf8\x3f\0\0\0\0\0\0\xf8\x7ftime_s\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\xf0\x3f'
+        // | sha256sum
         let expected = "14267f7776cf12ba0742257f8d3c56676ee9804b7efcb7a13969b880d4166b86";
         let dropped = left.dropped.as_ref().expect("a digest");
         assert_eq!((dropped.rows, dropped.sha256.as_str()), (2, expected));
@@ -88,7 +92,7 @@ mod tests {
         back.columns.insert("time_s".into(), vec![0.0, 2.0].into());
         let said = check(&back, "recordings[0]").expect_err("others").to_string();
         assert!(
-            said.contains("recordings[0].dropped.sha256: found") && said.contains("put those back"),
+            said.contains("recordings[0].dropped.sha256: found") && said.contains("restore those"),
             "{said}"
         );
     }

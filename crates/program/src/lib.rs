@@ -1,13 +1,14 @@
-//! How every fluxcal program behaves: its command line with completions and man pages, the document's way through
-//! standard streams and files, tables beside the document, and the exit code. Types are `common`'s.
+//! How every fluxcal program behaves: its command line with completions and man pages, the document's way
+//! through standard streams and files, tables beside the document, and the exit code. Types are `common`'s.
 //!
-//! Every option's value may begin with a minus sign. Every help text and man page begins with what the program does and an
-//! example. Long work is shown on a terminal ([`progress`]) without a line in the programs. Where a document is expected and a file of
-//! readings is given, the message names the command that reads it (`readings`). The allocator is mimalloc: with the
-//! system's, a month of seconds takes half as much memory again.
+//! Every option's value may begin with a minus sign. Every help text and man page begins with what the
+//! program does and an example. Long work is shown on a terminal ([`progress`]) without a line in the
+//! programs. Where a document is expected and a file of readings is given, the message names the command that
+//! reads it (`readings`). The allocator is mimalloc: with the system's, a month of seconds takes half as much
+//! memory again.
 //!
-//! Only `main.rs` and what writes files use this crate, so that `physics`, `noise` and the libraries of the stages are not
-//! compiled again when it changes.
+//! Only `main.rs` and what writes files use this crate, so that `physics`, `noise` and the libraries of the
+//! stages are not compiled again when it changes.
 
 pub mod apart;
 pub mod beside;

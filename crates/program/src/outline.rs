@@ -1,6 +1,7 @@
 //! What of a document's text tells where something stands.
 
-/// JSON text with 0 for each number and without spaces outside strings: every value is on its line. Of long columns it is a tenth.
+/// JSON text with 0 for each number and without spaces outside strings: every value is on its line. Of long
+/// columns it is a tenth.
 pub fn outline(text: &str) -> String {
     let mut kept = Vec::with_capacity(text.len() / 8);
     let mut rest = text.as_bytes();

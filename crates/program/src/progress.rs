@@ -1,6 +1,7 @@
 //! What a program is doing, on standard error, where that is a terminal and it takes more than two seconds.
 //!
-//! A process has one line for it. Without a terminal, or with `--quiet`, nothing is shown and all of this does nothing.
+//! A process has one line for it. Without a terminal, or with `--quiet`, nothing is shown and all of this
+//! does nothing.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};

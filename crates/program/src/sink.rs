@@ -21,7 +21,8 @@ pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
     sink.finish()
 }
 
-/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a device.
+/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a
+/// device.
 pub struct Sink {
     /// As it is named in errors.
     path: PathBuf,
@@ -45,7 +46,8 @@ impl Sink {
         Ok(Self { path: path.into(), target: Target::File(file, unfinished) })
     }
 
-    /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is wanted.
+    /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is
+    /// wanted.
     pub fn write(&mut self, text: &str) -> Result<bool, Error> {
         let result = match &mut self.target {
             Target::Stdout => {

@@ -1,4 +1,5 @@
-//! T = R η + d by hand: the difference of two instruments, and least squares on columns, without any code of the stages.
+//! T = R η + d by hand: the difference of two instruments, and least squares on columns, without any code of
+//! the stages.
 
 use nalgebra::{DMatrix, DVector};
 use serde_json::Value;
@@ -64,8 +65,8 @@ pub fn mean_of_each(vectors: &[[f64; 3]]) -> [f64; 3] {
     [0, 1, 2].map(|k| mean(vectors.iter().map(|vector| vector[k])))
 }
 
-/// Least squares: the coefficients c of y = Σ c_k column_k. None where the columns are not independent (rank by SVD, 10⁻¹² of the
-/// greatest singular value, columns of unit length).
+/// Least squares: the coefficients c of y = Σ c_k column_k. None where the columns are not independent (rank
+/// by SVD, 10⁻¹² of the greatest singular value, columns of unit length).
 pub fn least_squares(columns: &[Vec<f64>], y: &[f64]) -> Option<Vec<f64>> {
     let lengths: Vec<f64> = columns.iter().map(|c| c.iter().map(|v| v * v).sum::<f64>().sqrt()).collect();
     let design = DMatrix::from_fn(y.len(), columns.len(), |row, k| columns[k][row] / lengths[k]);

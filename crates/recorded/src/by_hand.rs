@@ -19,7 +19,8 @@ fn sum(columns: &[Vec<f64>], coefficients: &[f64]) -> Vec<f64> {
     (0..rows).map(|row| columns.iter().zip(coefficients).map(|(column, c)| c * column[row]).sum()).collect()
 }
 
-/// A level and slopes along the three readings: all that nine constants do to |B|, to first order, where the field points one way.
+/// A level and slopes along the three readings: all that nine constants do to |B|, to first order, where the
+/// field points one way.
 pub fn plane(fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<Vec<f64>> {
     let columns = |series: &Series| -> Vec<Vec<f64>> {
         let readings = ["x", "y", "z"].map(|axis| series.column(&format!("sensor_{axis}_nt")).to_vec());
@@ -68,8 +69,9 @@ pub fn ellipsoid(fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<
     Some(magnitudes.into_iter().map(|magnitude| size * (magnitude - 1.0)).collect())
 }
 
-/// Magnitudes of a part, over the one of the field, by an ellipsoid of another: (v + o)ᵀ Q (v + o) = F², solved as vᵀ Q' v + 2 b'ᵀ v = 1 with
-/// nine coefficients at most; a magnitude is √(vᵀ Q' v + 2 b'ᵀ v + c) / √(1 + c) with c = b'ᵀ Q'⁻¹ b'. None where the form is that of no ellipsoid.
+/// Magnitudes of a part, over the one of the field, by an ellipsoid of another: (v + o)ᵀ Q (v + o) = F²,
+/// solved as vᵀ Q' v + 2 b'ᵀ v = 1 with nine coefficients at most; a magnitude is √(vᵀ Q' v + 2 b'ᵀ v + c) /
+/// √(1 + c) with c = b'ᵀ Q'⁻¹ b'. None where the form is that of no ellipsoid.
 pub fn magnitudes(shape: Shape, fitted: &Series, part: &Series, offset_nt: [f64; 3]) -> Option<Vec<f64>> {
     let moved = |v: [f64; 3]| [0, 1, 2].map(|k| v[k] + offset_nt[k]);
     let size = fitted.vectors("sensor").into_iter().map(|v| length(moved(v))).fold(0.0, f64::max);

@@ -1,10 +1,12 @@
-//! A pair of vector magnetometers by a few lines of least squares, without any code of the stages: what the programs are held against.
+//! A pair of vector magnetometers by a few lines of least squares, without any code of the stages: what the
+//! programs are held against.
 
 use crate::affine::least_squares;
 use crate::series::{Series, mean, rms};
 use crate::split::Split;
 
-/// Steps of the coarse and of the fine search of a lag, in steps of the reference; the coarse one goes this far on both sides.
+/// Steps of the coarse and of the fine search of a lag, in steps of the reference; the coarse one goes this
+/// far on both sides.
 const COARSE: f64 = 0.5;
 const FINE: f64 = 0.05;
 const FARTHEST: f64 = 3.0;
@@ -64,8 +66,8 @@ pub struct Best {
     pub level_nt: [f64; 3],
 }
 
-/// Fits all ways to the first two thirds of what is fitted, takes of each axis the one that predicts the rest of it best, fits that to all of it, and
-/// predicts what was left out, which has no part in the choice.
+/// Fits all ways to the first two thirds of what is fitted, takes of each axis the one that predicts the rest
+/// of it best, fits that to all of it, and predicts what was left out, which has no part in the choice.
 pub fn best(fitted: &SideBySide<'_>, left_out: &SideBySide<'_>) -> Best {
     let late_s = lag(fitted);
     let has_temperature = fitted(0.0).holds(TEMPERATURE);
@@ -100,7 +102,8 @@ pub fn best(fitted: &SideBySide<'_>, left_out: &SideBySide<'_>) -> Best {
     }
 }
 
-/// What is left of an axis of one part by constants that are fitted to another; None where columns are dependent.
+/// What is left of an axis of one part by constants that are fitted to another; None where columns are
+/// dependent.
 fn left(way: Way, axis: usize, fitted: &Series, part: &Series) -> Option<Vec<f64>> {
     let name = AXES[axis];
     let test = |series: &Series| series.column(&format!("test_{name}_nt")).to_vec();
@@ -118,7 +121,8 @@ fn left(way: Way, axis: usize, fitted: &Series, part: &Series) -> Option<Vec<f64
     Some(test(part).iter().enumerate().map(|(row, test)| test - predicted(row)).collect())
 }
 
-/// The lag of least scatter of what a 3×3 matrix with an offset leaves, each axis over its scatter without a lag, s.
+/// The lag of least scatter of what a 3×3 matrix with an offset leaves, each axis over its scatter without a
+/// lag, s.
 fn lag(fitted: &SideBySide<'_>) -> f64 {
     let series = fitted(0.0);
     let time = series.column("time_s");
@@ -157,7 +161,8 @@ mod tests {
     use super::*;
     use crate::affine::scatter_of_each;
 
-    /// Both instruments in one field, the test instrument turned by a little, in noise of 0.1 nT; `further` is added to test x.
+    /// Both instruments in one field, the test instrument turned by a little, in noise of 0.1 nT; `further`
+    /// is added to test x.
     fn pair(rows: std::ops::Range<u32>, late_s: f64, further: fn(f64) -> f64) -> Series {
         let times: Vec<f64> = rows.map(|row| f64::from(row) * 60.0).collect();
         let field = |t: f64| [40.0 * (t / 900.0).sin(), 30.0 * (t / 1300.0).cos(), 20.0 * (t / 700.0).sin()];

@@ -29,7 +29,8 @@ pub struct Panel {
     pub lines: Vec<Line>,
 }
 
-/// The least and the greatest of the values in each of `bins` equal parts of x, in the order in which they come: peaks survive.
+/// The least and the greatest of the values in each of `bins` equal parts of x, in the order in which they
+/// come: peaks survive.
 pub fn thin(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
     let points: Vec<(f64, f64)> =
         points.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
@@ -60,7 +61,8 @@ fn range(share: f64, values: impl Iterator<Item = f64>) -> (f64, f64) {
     (low - margin, high + margin)
 }
 
-/// A plot: `x` says what x is, with its unit; `from_x` marks where the part begins that was left out of the fit.
+/// A plot: `x` says what x is, with its unit; `from_x` marks where the part begins that was left out of the
+/// fit.
 pub fn svg(title: &str, x: &str, panels: &[Panel], from_x: Option<f64>) -> String {
     let all = || panels.iter().flat_map(|panel| &panel.lines);
     let (left, right) = range(0.0, all().flat_map(|line| line.points.iter().map(|point| point.0)));

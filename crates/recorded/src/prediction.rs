@@ -2,7 +2,8 @@
 
 use common::number;
 
-/// The programs predict as well as a careful person by hand if what they leave is larger by no more than this factor.
+/// The programs predict as well as a careful person by hand if what they leave is larger by no more than this
+/// factor.
 const WITHIN: f64 = 1.05;
 
 /// What is left of a part that was left out, about its own mean, by hand and by the programs.
@@ -32,7 +33,8 @@ impl Prediction {
         self.ratios().is_some_and(|ratios| ratios.iter().all(|ratio| *ratio <= WITHIN))
     }
 
-    /// A row of a table: the part, the way by hand, what is left by it and by the programs, the ratio, the verdict.
+    /// A row of a table: the part, the way by hand, what is left by it and by the programs, the ratio, the
+    /// verdict.
     fn row(&self, set: &str) -> Vec<String> {
         let each =
             |values: &[f64]| values.iter().map(|nt| number::figures(*nt, 3)).collect::<Vec<_>>().join("; ");

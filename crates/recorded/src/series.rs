@@ -94,8 +94,8 @@ impl Series {
         self.filter(|row| self.columns.values().all(|values| values[row].is_finite()))
     }
 
-    /// Means over blocks of `step_s` of the clock, at the middle of the block; blocks that have less than 0.9 of the usual rows are left
-    /// out, and so is a mean with a reading missing.
+    /// Means over blocks of `step_s` of the clock, at the middle of the block; blocks that have less than 0.9
+    /// of the usual rows are left out, and so is a mean with a reading missing.
     pub fn means(&self, step_s: f64) -> Self {
         self.blocks(step_s, 0.9)
     }
@@ -148,8 +148,8 @@ impl Series {
         joined
     }
 
-    /// The readings at other times, by straight lines between neighbours; NaN outside, and where neighbours are more than 1.5 of the usual
-    /// step apart.
+    /// The readings at other times, by straight lines between neighbours; NaN outside, and where neighbours
+    /// are more than 1.5 of the usual step apart.
     pub fn at(&self, times: &[f64]) -> Self {
         let own = self.column("time_s");
         let mut steps: Vec<f64> = own.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -30,7 +30,8 @@ impl Stages {
         Ok(Self { programs, data: data.into(), place, documents: AtomicUsize::new(0) })
     }
 
-    /// Files of one series through `ingest`; `mapping` is the text of one. Refusals are errors: the files are known to be readable.
+    /// Files of one series through `ingest`; `mapping` is the text of one. Refusals are errors: the files are
+    /// known to be readable.
     pub fn ingest(&self, files: &[PathBuf], mapping: Option<&str>) -> Result<Series, Error> {
         self.ingest_with(files, mapping, &[])
     }
@@ -80,7 +81,8 @@ impl Stages {
         Ok(files)
     }
 
-    /// A stage on a document of these recordings, with calibration and instrument beside them as `given` has it.
+    /// A stage on a document of these recordings, with calibration and instrument beside them as `given` has
+    /// it.
     pub fn stage(
         &self,
         program: &str,

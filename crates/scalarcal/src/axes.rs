@@ -8,7 +8,8 @@ use crate::model::AXES;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([(usize, f64); 3]);
 
-/// The axes nearest to directions that were found, each taken once: the assignment with the largest sum of cosines.
+/// The axes nearest to directions that were found, each taken once: the assignment with the largest sum of
+/// cosines.
 pub fn nearest(mu: &Matrix3<f64>, stated: &Matrix3<f64>) -> Axes {
     let cosine = |sensor: usize, axis: usize| mu.column(sensor).dot(&stated.column(axis));
     let orders = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
@@ -75,7 +76,7 @@ mod tests {
         assert!(contains([y, z, -x], "left-handed"));
         assert!(contains(
             [y, -x, z],
-            "turned against the axes of the attitude (x along y, y along −x, z along z)"
+            "rotated relative to the axes of the attitude (x along y, y along −x, z along z)"
         ));
     }
 }

@@ -1,11 +1,13 @@
 //! The iron of the body on which the sensors are mounted, apart from the sensors' own calibration.
 //!
-//! Iron that turns with the sensors makes HB + h of the field B: h the field of what is magnetised, H − 1 of what the field magnetises. The sensors read
-//! kV + O = μᵀ(HB + h), so that by themselves the recordings show only both together: K = k/n, with n the lengths of the rows of μᵀH, offsets
-//! (O − μᵀh)/n, and the cosines of those rows. With the sensors' own k, O and μ known, h = μ⁻ᵀ(O − n O') and HHᵀ = μ⁻ᵀ n G' n μ⁻¹. The magnitude does not
-//! show a turn within H, of which the symmetric part is given.
+//! Iron that turns with the sensors makes HB + h of the field B: h the field of what is magnetised, H − 1 of
+//! what the field magnetises. The sensors read kV + O = μᵀ(HB + h), so that by themselves the recordings show
+//! only both together: K = k/n, with n the lengths of the rows of μᵀH, offsets (O − μᵀh)/n, and the cosines
+//! of those rows. With the sensors' own k, O and μ known, h = μ⁻ᵀ(O − n O') and HHᵀ = μ⁻ᵀ n G' n μ⁻¹. The
+//! magnitude does not show a turn within H, of which the symmetric part is given.
 //!
-//! Source: P. Leliak, Identification and evaluation of magnetic-field sources of magnetic airborne detector equipped aircraft, IRE Trans. ANE-8 (1961) 95.
+//! Source: P. Leliak, Identification and evaluation of magnetic-field sources of magnetic airborne detector
+//! equipped aircraft, IRE Trans. ANE-8 (1961) 95.
 
 use common::{Axis, BodyIron, Document, Error as Fault, PerAxis, Quantity, Recording};
 use estimate::{Svd, stats};

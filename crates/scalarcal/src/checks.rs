@@ -56,7 +56,8 @@ pub fn retain(series: &mut Series, keep: &[bool]) {
     series.magnitude_nt = of(&series.magnitude_nt);
 }
 
-/// Rows of a stream that repeat the one before in all three sensors, in a sentence; a logger that froze repeats many.
+/// Rows of a stream that repeat the one before in all three sensors, in a sentence; a logger that froze
+/// repeats many.
 pub fn repeats(count: u64, rows: u64) -> Option<String> {
     (count * 10 > rows && count > LEAST).then(|| {
         format!(
@@ -66,8 +67,9 @@ pub fn repeats(count: u64, rows: u64) -> Option<String> {
     })
 }
 
-/// Leaves out rows that repeat the one before in all three sensors, where there are many; gives how many. A logger that reads faster than the sensors
-/// repeats readings: they say nothing new, and are those of an earlier moment.
+/// Leaves out rows that repeat the one before in all three sensors, where there are many; gives how many. A
+/// logger that reads faster than the sensors repeats readings: they say nothing new, and are those of an
+/// earlier moment.
 pub fn without_repeated(series: &mut [Series]) -> usize {
     let fresh = |one: &Series| -> Vec<bool> {
         let same = |row: usize| one.readings.iter().all(|column| column[row] == column[row - 1]);

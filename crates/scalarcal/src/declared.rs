@@ -12,7 +12,8 @@ pub fn reference_variance(document: &Document, read: bool, scales: &Scales) -> f
     (std.unwrap_or(0.0) / scales.magnitude_nt).powi(2)
 }
 
-/// Variance of the declared noise along a sensor over the square of the magnitude, in the mean of the sensors.
+/// Variance of the declared noise along a sensor over the square of the magnitude, in the mean of the
+/// sensors.
 pub fn sensor_variance(document: &Document, unit: Unit, scales: &Scales) -> Option<f64> {
     let instrument = document.instrument.as_ref()?;
     let of = |axis: Axis| instrument.noise_of(axis)?.white_rms_nt.filter(|rms| *rms > 0.0);

@@ -8,7 +8,8 @@ use crate::model::{Model, State};
 use crate::read::Series;
 use crate::terms::{ONE, Terms};
 
-/// Rows that one thread takes at a time; a whole number of blocks, so that the factors do not depend on the threads.
+/// Rows that one thread takes at a time; a whole number of blocks, so that the factors do not depend on the
+/// threads.
 const CHUNK: usize = 64 * BLOCK;
 
 /// The units in which the columns z are of the order of one.
@@ -85,7 +86,8 @@ impl Rows<'_> {
         Factor::joined(terms.count(), &parts)
     }
 
-    /// What `row` makes of the columns z of some rows of a recording; of more rows than that has columns their factor, row by row.
+    /// What `row` makes of the columns z of some rows of a recording; of more rows than that has columns
+    /// their factor, row by row.
     pub fn compressed(
         &self,
         model: &Model,

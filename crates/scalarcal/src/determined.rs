@@ -15,9 +15,11 @@ use crate::solved::{Detail, Solved};
 use crate::weakest::{UNDETERMINED, frame};
 use crate::{Error, Options, weakest};
 
-/// A parameter more than this many times as uncertain as the mean residual counts as undetermined: small unmodelled effects would decide it.
+/// A parameter more than this many times as uncertain as the mean residual counts as undetermined: small
+/// unmodelled effects would decide it.
 const MOST_WEAK: f64 = 1000.0;
-/// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum without.
+/// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum
+/// without.
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
 
 /// The largest standard uncertainty of a parameter that is determined.
@@ -26,8 +28,8 @@ fn most(found: &FittedState, rows: u64) -> f64 {
     UNDETERMINED.min(MOST_WEAK * (found.variance / rows as f64).sqrt())
 }
 
-/// That the rotations determine every parameter, by what is left as if it were white: of an offset that wanders they say no more, but that is no
-/// fault of theirs.
+/// That the rotations determine every parameter, by what is left as if it were white: of an offset that
+/// wanders they say no more, but that is no fault of theirs.
 pub fn determined(
     solved: &Solved,
     by_rotations: &FittedState,
@@ -35,7 +37,8 @@ pub fn determined(
     options: &Options,
 ) -> Result<(), Error> {
     let (model, found) = (&solved.model, by_rotations);
-    // A scale of sensors and field together, where that of the field is a parameter, is as uncertain as what is known of it: the rest counts.
+    // A scale of sensors and field together, where that of the field is a parameter, is as uncertain as what
+    // is known of it: the rest counts.
     let scale = model.scale(&found.state);
     let apart = Mat::from_fn(NINE, model.parameters.len(), |i, j| {
         let own = if i == j { 1.0 } else { 0.0 };
@@ -72,8 +75,8 @@ pub fn wandering(solved: &Solved) -> Option<String> {
     })
 }
 
-/// What [`determined`] says, for a fit that found no minimum: with the parameters held loosely where they begin there is one, and it says what the
-/// readings do not.
+/// What [`determined`] says, for a fit that found no minimum: with the parameters held loosely where they
+/// begin there is one, and it says what the readings do not.
 pub fn short(
     model: &Model,
     sums: &Sums<'_>,
@@ -96,7 +99,8 @@ pub fn short(
     let found = LOOSELY.iter().find_map(|std| fit(model, sums, &held(std), starts).ok());
     let (state, jacobian, most) = match found {
         Some(found) => (found.state.clone(), found.jacobian.clone(), most(&found, sums.plain.rows())),
-        // Not even those are found: the derivatives where they begin, and what is left when they are followed.
+        // Not even those are found: the derivatives where they begin, and what is left when they are
+        // followed.
         None => linear(model, sums.plain, &starts[0])?,
     };
     let (least, _) = weakest::least(&(jacobian.transpose() * &jacobian))?;
@@ -104,8 +108,8 @@ pub fn short(
     (least < most.powi(-2)).then(|| message(model, &jacobian, rows, &state, &mu, beforehand, options))
 }
 
-/// Linear least squares at a state: the state, its derivatives over the standard deviation of what they leave, and the largest standard uncertainty of
-/// a parameter that is determined.
+/// Linear least squares at a state: the state, its derivatives over the standard deviation of what they
+/// leave, and the largest standard uncertainty of a parameter that is determined.
 fn linear(model: &Model, plain: &Factor, state: &State) -> Option<(State, Mat<f64>, f64)> {
     let (jacobian, squares) = explained(model, &plain.upper(), state)?;
     let rows = plain.rows() as f64;

@@ -1,4 +1,5 @@
-//! Effects of the catalogue that are fitted together with the sensors, and those of the model, which are taken off.
+//! Effects of the catalogue that are fitted together with the sensors, and those of the model, which are
+//! taken off.
 
 use common::{Axis, Document, Error as Fault};
 use nalgebra::{Matrix3, Vector3};
@@ -19,7 +20,8 @@ const SAME: f64 = 1e-9;
 ///
 /// # Errors
 ///
-/// An effect with a time constant, a level or a moment, or one that does not act on the sensors; no column for it to follow.
+/// An effect with a time constant, a level or a moment, or one that does not act on the sensors; no column
+/// for it to follow.
 pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstance>, Error> {
     let mut all = Vec::new();
     for kind in &options.with {
@@ -82,7 +84,8 @@ pub struct Following {
     pub columns: Vec<Vec<Vec<f64>>>,
 }
 
-/// What effects add, by how the chain's readings move with their parameters where the field is what the sensors read by `basic`.
+/// What effects add, by how the chain's readings move with their parameters where the field is what the
+/// sensors read by `basic`.
 pub fn following(
     document: &Document,
     series: &[Series],

@@ -1,9 +1,11 @@
-//! The ends of the sensors' ranges, by how often the largest and the smallest reading came. Of two sets of rows they are found from those of each.
+//! The ends of the sensors' ranges, by how often the largest and the smallest reading came. Of two sets of
+//! rows they are found from those of each.
 
 use common::Axis;
 use serde::{Deserialize, Serialize};
 
-/// The furthest reading of a sensor stands at the end of its range where it came this many times as often as the next.
+/// The furthest reading of a sensor stands at the end of its range where it came this many times as often as
+/// the next.
 const PILED_UP: u64 = 5;
 /// Rows of such a pile at least.
 const LEAST: u64 = 5;
@@ -89,7 +91,8 @@ impl Ends {
         (at, moved)
     }
 
-    /// Takes the ends of other rows; gives the ends that were moved here, and those that are not the furthest there.
+    /// Takes the ends of other rows; gives the ends that were moved here, and those that are not the furthest
+    /// there.
     pub fn merge(&mut self, other: &Self) -> (At, At) {
         let (mut here, mut there) = (0, 0);
         for axis in 0..3 {

@@ -14,12 +14,14 @@ const ROUNDS: usize = 4;
 const NOISE_ALONE: f64 = 1.0 - 1e-6;
 /// A direction of the products below this share of the largest is not there.
 const ABSENT: f64 = 1e-14;
-/// No magnetometer reads better than this share of the magnitude; less is rounding, in which no minimum would be found.
+/// No magnetometer reads better than this share of the magnitude; less is rounding, in which no minimum would
+/// be found.
 const FINEST: f64 = 1e-9;
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// The rows, and how they err. Variances are over the square of the typical magnitude; of what is found, over that times [`Model::scale`].
+/// The rows, and how they err. Variances are over the square of the typical magnitude; of what is found, over
+/// that times [`Model::scale`].
 pub struct Sums<'a> {
     /// Products of the rows as they are.
     pub plain: &'a Factor,
@@ -31,7 +33,8 @@ pub struct Sums<'a> {
     pub held: &'a PriorRows,
 }
 
-/// Independent combinations of the parameters that are known beforehand: weights over the standard deviation, and the value over it.
+/// Independent combinations of the parameters that are known beforehand: weights over the standard deviation,
+/// and the value over it.
 pub type PriorRows = Vec<(Vec<f64>, f64)>;
 
 /// A calibration with its covariance.
@@ -41,7 +44,8 @@ pub struct FittedState {
     pub state: State,
     /// Their covariance.
     pub covariance: Mat<f64>,
-    /// What the readings alone say: the whitened derivatives of the residuals as a factor of them, with what is held.
+    /// What the readings alone say: the whitened derivatives of the residuals as a factor of them, with what
+    /// is held.
     pub jacobian: Mat<f64>,
     /// The decomposition of that.
     pub seen: Svd,
@@ -55,8 +59,8 @@ pub struct FittedState {
     pub freedom: f64,
 }
 
-/// Fits from the best of the starts. The least squares of the products as they were read are biased by the noise in them, which
-/// [`added_by_noise`] gives and [`without`] takes off.
+/// Fits from the best of the starts. The least squares of the products as they were read are biased by the
+/// noise in them, which [`added_by_noise`] gives and [`without`] takes off.
 ///
 /// # Errors
 ///
@@ -76,8 +80,8 @@ pub fn fit(
         )));
     }
     let upper = sums.plain.upper();
-    // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger. Where no minimum is found so, they
-    // are taken to be as linear least squares leaves them.
+    // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger.
+    // Where no minimum is found so, they are taken to be as linear least squares leaves them.
     let begin = |explains: bool| -> Result<FittedState, Error> {
         let mut failed = Error::Undetermined("there is no calibration to begin with".into());
         let mut best: Option<FittedState> = None;
@@ -103,7 +107,8 @@ pub fn fit(
     begin(false).or_else(|error| begin(true).map_err(|_| error))
 }
 
-/// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long as a constant field, would leave no residual.
+/// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long
+/// as a constant field, would leave no residual.
 fn scatter(found: &FittedState) -> f64 {
     found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
 }
@@ -145,7 +150,8 @@ fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &
     without(upper, &added(model, state, (sensor, sums.reference), sums.plain))
 }
 
-/// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products of a factor.
+/// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products
+/// of a factor.
 fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Vec<Vec<f64>> {
     let mut noise = vec![0.0; model.terms.columns() + 1];
     let scale = model.scale(state);
@@ -156,8 +162,9 @@ fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &
     added_by_noise(&model.terms, &noise, moments)
 }
 
-/// Rows about a fit, as a factor of each of some factors of the products: what is to be explained, and its derivatives by the parameters. Of the
-/// derivatives is taken off what the noise that is to be explained makes of them: they would be correlated with it.
+/// Rows about a fit, as a factor of each of some factors of the products: what is to be explained, and its
+/// derivatives by the parameters. Of the derivatives is taken off what the noise that is to be explained
+/// makes of them: they would be correlated with it.
 pub fn about(model: &Model, found: &FittedState, plain: &[&Factor]) -> Option<Vec<Mat<f64>>> {
     let (coefficients, slopes) = (model.coefficients(&found.state)?, model.slopes(&found.state)?);
     let map = Mat::from_fn(slopes.nrows(), 1 + slopes.ncols(), |i, j| {
@@ -186,7 +193,8 @@ pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) ->
     squares.sum::<f64>() / freedom
 }
 
-/// The derivatives of the residuals at a state, and the sum of the squares that linear least squares leave of them.
+/// The derivatives of the residuals at a state, and the sum of the squares that linear least squares leave of
+/// them.
 pub fn explained(model: &Model, upper: &Mat<f64>, state: &State) -> Option<(Mat<f64>, f64)> {
     let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
     let jacobian = upper * slopes;

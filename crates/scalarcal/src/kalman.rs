@@ -1,4 +1,5 @@
-//! Kalman filter of rows that read noise with memory, that of three sensors by factors that change from row to row, or that of the magnitude.
+//! Kalman filter of rows that read noise with memory, that of three sensors by factors that change from row
+//! to row, or that of the magnitude.
 
 use common::Noise;
 use noise::{Process, Whitening};
@@ -188,8 +189,8 @@ mod tests {
         }
     }
 
-    /// The variance of the mean over a recording of T is that of A/f down to 1/216T (600 rows) to 1/333T (21 600 rows):
-    /// A (3/2 − γ − ln 2πfT) with Euler's γ.
+    /// The variance of the mean over a recording of T is that of A/f down to 1/216T (600 rows) to 1/333T (21
+    /// 600 rows): A (3/2 − γ − ln 2πfT) with Euler's γ.
     #[test]
     fn noise_is_older_than_the_recording() {
         for rows in [600_u32, 2400, 21_600] {

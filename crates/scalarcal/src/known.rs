@@ -11,7 +11,8 @@ use crate::fit::PriorRows;
 use crate::model::{Model, NINE, PAIRS};
 use crate::start;
 
-/// A combination of which the variance is less than this share of the largest is not known beforehand but fixed; it is left out.
+/// A combination of which the variance is less than this share of the largest is not known beforehand but
+/// fixed; it is left out.
 const FIXED: f64 = 1e-12;
 
 /// What a document states of the nine parameters with an uncertainty.

@@ -169,7 +169,8 @@ impl<'a> Vectors<'a> {
         Spread { along, across, attitude: ((across - along) / square).max(0.0), moments: moments as usize }
     }
 
-    /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the noise of the field in GEO.
+    /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the
+    /// noise of the field in GEO.
     pub fn groups(
         &self,
         rows: &Rows<'_>,

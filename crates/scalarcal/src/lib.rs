@@ -1,10 +1,13 @@
-//! Calibration of a vector magnetometer without a facility: by the magnitude of the field while the sensors are turned in it.
+//! Calibration of a vector magnetometer without a facility: by the magnitude of the field while the sensors
+//! are turned in it.
 //!
-//! Nine parameters make the output V_i of each sensor the field along its axis, B_i = k_i V_i + O_i, and give the angles between the axes.
-//! The magnitude of the vector, |B|² = bᵀ (μᵀμ)⁻¹ b, is held against a scalar magnetometer, a model of the field, or a
-//! constant. A turn of all sensors together does not change it: SEN is then the frame in which the sensors are nearest to where the document has them.
+//! Nine parameters make the output V_i of each sensor the field along its axis, B_i = k_i V_i + O_i, and give
+//! the angles between the axes. The magnitude of the vector, |B|² = bᵀ (μᵀμ)⁻¹ b, is held against a scalar
+//! magnetometer, a model of the field, or a constant. A turn of all sensors together does not change it: SEN
+//! is then the frame in which the sensors are nearest to where the document has them.
 //!
-//! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000) 120–132.
+//! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000)
+//! 120–132.
 //!
 //! - `read` takes the recordings, `design` makes rows of products of them (`terms`), `factor` a triangle of any number of rows. `model` gives
 //!   the coefficients of the products as a function of the parameters, with derivatives; `fit` is their least squares, corrected for the
@@ -63,13 +66,13 @@ pub use words::summary;
 use common::{Document, Error as Fault};
 use solved::{Detail, Solved};
 
-/// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what stands behind them to
-/// `calibration.scalar`, and effects that were fitted to `model.effects`.
+/// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what
+/// stands behind them to `calibration.scalar`, and effects that were fitted to `model.effects`.
 ///
 /// # Errors
 ///
-/// No recording that can be used; rotations that do not determine the calibration, in words; a second run with --known on recordings from which
-/// what is known was found.
+/// No recording that can be used; rotations that do not determine the calibration, in words; a second run
+/// with --known on recordings from which what is known was found.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let gathered = joined::gathered(&document)?;
     let ((mut solved, detail), told) = match gathered {
@@ -90,8 +93,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     Ok(document)
 }
 
-/// By the magnitude of the field, and where that is asked for by its direction. Sensors on a body, of which the calibration away from it is known, show
-/// the body's iron as well.
+/// By the magnitude of the field, and where that is asked for by its direction. Sensors on a body, of which
+/// the calibration away from it is known, show the body's iron as well.
 fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
     let [on_body, away] = body::mounted(document);
     let known = on_body && options.known;

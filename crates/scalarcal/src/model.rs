@@ -121,8 +121,9 @@ impl Model {
         along
     }
 
-    /// The coefficients p of the products in the residual; None where the cosines are none of three axes. Where the magnitude is a parameter m, all
-    /// are over m k, k the mean sensitivity: so the residual is in the unit of the readings, and no common scale of sensors and field makes it small.
+    /// The coefficients p of the products in the residual; None where the cosines are none of three axes.
+    /// Where the magnitude is a parameter m, all are over m k, k the mean sensitivity: so the residual is in
+    /// the unit of the readings, and no common scale of sensors and field makes it small.
     pub fn coefficients(&self, state: &State) -> Option<Vec<f64>> {
         let along = self.along(state);
         let inverse = cosines(state).try_inverse()?;
@@ -215,7 +216,8 @@ impl Model {
         self.place(&parameter).map_or(0.0, |place| state[place])
     }
 
-    /// The unit of a residual, over the typical magnitude: the mean sensitivity where the magnitude is a parameter, else one.
+    /// The unit of a residual, over the typical magnitude: the mean sensitivity where the magnitude is a
+    /// parameter, else one.
     pub fn scale(&self, state: &State) -> f64 {
         if self.place(&Parameter::Magnitude).is_some() { state[..3].iter().sum::<f64>() / 3.0 } else { 1.0 }
     }
@@ -257,7 +259,8 @@ pub struct Problem<'a> {
     pub model: &'a Model,
     /// U, over the standard deviation of a residual.
     pub upper: &'a Mat<f64>,
-    /// What is known beforehand: independent combinations of parameters, each with its value, over its standard deviation.
+    /// What is known beforehand: independent combinations of parameters, each with its value, over its
+    /// standard deviation.
     pub known: &'a [(Vec<f64>, f64)],
 }
 

@@ -41,7 +41,8 @@ pub struct About<'s> {
 }
 
 impl<'s> About<'s> {
-    /// About a state with its directions, by the share of the field in the noise and whether a scalar magnetometer reads beside.
+    /// About a state with its directions, by the share of the field in the noise and whether a scalar
+    /// magnetometer reads beside.
     pub fn new(
         model: &'s Model,
         state: &'s State,
@@ -53,8 +54,9 @@ impl<'s> About<'s> {
         Self { model, state, mu, inverse, by: directions_by(model, state, mu), share, scalar, spread }
     }
 
-    /// Along the field and twice across it: what is to be explained, its derivatives, and what the row reads of the noise of the field in GEO. The
-    /// derivatives are taken at the most likely field and reading: at what was read, they would be correlated with the residual.
+    /// Along the field and twice across it: what is to be explained, its derivatives, and what the row reads
+    /// of the noise of the field in GEO. The derivatives are taken at the most likely field and reading: at
+    /// what was read, they would be correlated with the residual.
     pub fn rows(&self, moment: &Moment) -> Vec<Vec<f64>> {
         let field = &moment.field;
         let off = Vector3::from(moment.own) - self.mu.transpose() * field;

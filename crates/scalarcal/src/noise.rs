@@ -1,16 +1,18 @@
 //! Noise with memory of the sensors.
 //!
-//! A sensor's noise e_i shows in the residual |B| − F as u_i e_i, u_i = ∂|B|/∂b_i, which changes as the sensors are turned. So noise that is slow in a
-//! sensor looks white in the residual, and still makes the sensor's offset uncertain. A Kalman filter whitens the rows under
+//! A sensor's noise e_i shows in the residual |B| − F as u_i e_i, u_i = ∂|B|/∂b_i, which changes as the
+//! sensors are turned. So noise that is slow in a sensor looks white in the residual, and still makes the
+//! sensor's offset uncertain. A Kalman filter whitens the rows under
 //!
 //! ```text
 //! residual(t) = Σ_i u_i(t) Σ_j x_ij(t) + white,
 //! ```
 //!
-//! x_ij Ornstein–Uhlenbeck processes whose sum has the density A f^-α, alike and independent for the three sensors. Where nothing measured the
-//! magnitude while the sensors were turned (it is stated, constant, or from a model), it may have changed: then one such sum with u = 1 is allowed for as well,
-//! about a mean over each recording that is the stated one.
-//! Which A and α, and whose, the readings say by restricted likelihood; the models that are allowed for are averaged by it, white noise among them.
+//! x_ij Ornstein–Uhlenbeck processes whose sum has the density A f^-α, alike and independent for the three
+//! sensors. Where nothing measured the magnitude while the sensors were turned (it is stated, constant, or
+//! from a model), it may have changed: then one such sum with u = 1 is allowed for as well, about a mean over
+//! each recording that is the stated one. Which A and α, and whose, the readings say by restricted
+//! likelihood; the models that are allowed for are averaged by it, white noise among them.
 
 use common::Noise;
 use estimate::Svd;
@@ -35,7 +37,8 @@ const EXPONENTS_OF_MAGNITUDE: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIO_STEP: f64 = 4.0;
 /// Steps of the ratio on either side of one.
 const RATIOS: i32 = 4;
-/// Rows that are filtered one by one; of longer recordings groups of rows are, over which noise with memory stands still.
+/// Rows that are filtered one by one; of longer recordings groups of rows are, over which noise with memory
+/// stands still.
 const FILTERED: usize = 8192;
 /// Fewer rows than these say nothing of memory.
 const LEAST: usize = 64;
@@ -92,11 +95,13 @@ pub struct Filtered {
 }
 
 impl Groups {
-    /// The rows of recordings about a fit; None for a few rows, and without times in order where there must be some.
+    /// The rows of recordings about a fit; None for a few rows, and without times in order where there must
+    /// be some.
     ///
-    /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) and F̂ = F + (1 − φ) r with φ the sensors' share of the noise: at
-    /// what was read, they would be correlated with the residual. What noise adds to the residual in second order, (σ² tr G⁻¹ − σ_F²)/2F, is taken off.
-    /// So the estimate is without bias in second order.
+    /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) and F̂ = F + (1 − φ) r with φ the
+    /// sensors' share of the noise: at what was read, they would be correlated with the residual. What noise
+    /// adds to the residual in second order, (σ² tr G⁻¹ − σ_F²)/2F, is taken off. So the estimate is without
+    /// bias in second order.
     ///
     /// Source: J. M. G. Merayo et al., Meas. Sci. Technol. 11 (2000) 120–132, for the second-order term.
     pub fn of(rows: &Rows<'_>, model: &Model, found: &FittedState, timed: bool) -> Option<Self> {
@@ -161,7 +166,8 @@ impl Groups {
         })
     }
 
-    /// Rows against a field that is known with its direction: behind so many columns, what each reads of the noise of the field.
+    /// Rows against a field that is known with its direction: behind so many columns, what each reads of the
+    /// noise of the field.
     pub fn of_rows(recordings: Vec<Vec<Group>>, columns: usize, rows: f64) -> Self {
         let memories = &[Memory::Sensors, Memory::Field];
         Self { recordings, columns, rows, each: 1.0, exponents: &EXPONENTS, memories }
@@ -205,8 +211,8 @@ impl Groups {
         (!steps.is_empty()).then(|| estimate::stats::median_of(&mut steps))
     }
 
-    /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of their covariance (σ = 1); `whole` where the
-    /// mean magnitude of each recording is known.
+    /// The rows whitened by a form of noise over σ, as a factor, and the logarithm of the determinant of
+    /// their covariance (σ = 1); `whole` where the mean magnitude of each recording is known.
     fn whitened(&self, form: Form, whole: bool) -> Option<(Mat<f64>, f64)> {
         let of = |groups: &Vec<Group>| {
             let mut filling = Filling::new(self.columns);
@@ -236,14 +242,15 @@ impl Groups {
         Some(all)
     }
 
-    /// The rows whitened by a form of noise with the variance σ² of its white part; `whole` where they are whole recordings and not parts.
+    /// The rows whitened by a form of noise with the variance σ² of its white part; `whole` where they are
+    /// whole recordings and not parts.
     pub fn linear(&self, form: Form, variance: f64, whole: bool) -> Option<Linear> {
         let (upper, _) = self.whitened(form, whole)?;
         Some(Linear::of(&upper, variance))
     }
 
-    /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is searched for, and their weights by restricted likelihood, which are one
-    /// together. None without times.
+    /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is
+    /// searched for, and their weights by restricted likelihood, which are one together. None without times.
     pub fn weighed(&self, held: &PriorRows, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
         let step = self.step_s()?;
         let mut forms = vec![base];
@@ -251,7 +258,8 @@ impl Groups {
         for of in self.memories.iter().filter(|_| searched) {
             let exponents = if *of == Memory::Magnitude { &EXPONENTS_OF_MAGNITUDE } else { self.exponents };
             for exponent in exponents.iter().copied() {
-                // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are the longer, and of the rows.
+                // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are
+                // the longer, and of the rows.
                 let equal = |step: f64| 2.0 * row * (0.1 / step).powf(exponent);
                 let more = ((equal(row) / equal(step)).ln() / RATIO_STEP.ln() - 1e-9).ceil() as i32;
                 let ratios = (-RATIOS..=RATIOS + more).map(|k| equal(step) * RATIO_STEP.powi(k));
@@ -277,8 +285,9 @@ impl Groups {
         (!all.is_empty()).then_some(all)
     }
 
-    /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is searched for: estimates by their weights, and the covariance within and between the forms. Gives the heaviest form with
-    /// its noise, nT; None where nothing was done.
+    /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is
+    /// searched for: estimates by their weights, and the covariance within and between the forms. Gives the
+    /// heaviest form with its noise, nT; None where nothing was done.
     ///
     /// # Errors
     ///
@@ -360,7 +369,8 @@ fn restricted(linear: &Linear, held: &PriorRows, rows: f64, logarithm: f64) -> O
     log_likelihood.is_finite().then_some((variance, log_likelihood))
 }
 
-/// Gives the rows of one recording, whitened, with the number of their group; the logarithm of the determinant of their covariance.
+/// Gives the rows of one recording, whitened, with the number of their group; the logarithm of the
+/// determinant of their covariance.
 fn innovations(
     groups: &[Group],
     columns: usize,

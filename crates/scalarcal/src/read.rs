@@ -94,7 +94,8 @@ impl Series {
 ///
 /// # Errors
 ///
-/// No recording with sensors and a magnitude; a sensor that does not move; a reference in another unit; readings in V and in nT.
+/// No recording with sensors and a magnitude; a sensor that does not move; a reference in another unit;
+/// readings in V and in nT.
 pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
     let mut all = Vec::new();
     let mut units = Vec::new();
@@ -288,7 +289,8 @@ pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
     scale.map(|scale| scale * length)
 }
 
-/// That a magnitude is in nT: it is like that of a field, and like that which the readings are of, nT, where that is known.
+/// That a magnitude is in nT: it is like that of a field, and like that which the readings are of, nT, where
+/// that is known.
 ///
 /// # Errors
 ///
@@ -312,9 +314,10 @@ pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(),
     Err(Fault::document(column, found, expected))
 }
 
-/// How large a field the readings along the axes are of, nT: offsets that are not stated can make them longer than the field, but not let them vary more
-/// than a field that is turned. So it is their length where that is less than the magnitude, else the root of the sum of the squares of their median
-/// deviations; between the two the readings fit the magnitude.
+/// How large a field the readings along the axes are of, nT: offsets that are not stated can make them longer
+/// than the field, but not let them vary more than a field that is turned. So it is their length where that
+/// is less than the magnitude, else the root of the sum of the squares of their median deviations; between
+/// the two the readings fit the magnitude.
 fn size_of(along: &[Vec<f64>; 3], magnitude_nt: f64) -> f64 {
     let rows = 0..along[0].len();
     let mut lengths: Vec<f64> =
@@ -327,7 +330,8 @@ fn size_of(along: &[Vec<f64>; 3], magnitude_nt: f64) -> f64 {
     magnitude_nt.clamp(varies.min(length), length)
 }
 
-/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading in nT is the field where it states none.
+/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading
+/// in nT is the field where it states none.
 pub fn sensitivity(document: &Document, unit: Unit, axis: Axis) -> Option<f64> {
     let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
     let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));

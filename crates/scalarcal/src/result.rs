@@ -185,8 +185,8 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     Ok(joint)
 }
 
-/// The positive part of a share of a covariance. An average over forms of noise is wider than each of them, and what is left of it without what was
-/// known may then be less than nothing in some direction.
+/// The positive part of a share of a covariance. An average over forms of noise is wider than each of them,
+/// and what is left of it without what was known may then be less than nothing in some direction.
 ///
 /// # Errors
 ///
@@ -274,7 +274,8 @@ fn describe(
     }
 }
 
-/// Whether the calibration of the document was found from some of the same recordings; those that are joined keep their ids.
+/// Whether the calibration of the document was found from some of the same recordings; those that are joined
+/// keep their ids.
 pub fn earlier(document: &Document, solved: &Solved) -> bool {
     let before = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
     let single =

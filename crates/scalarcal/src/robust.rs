@@ -12,8 +12,8 @@ const ROUNDS: usize = 30;
 /// Weights that change by less are settled.
 const SETTLED: f64 = 1e-6;
 
-/// Which rows of each recording count, after fits with weights until these settle. Of normal errors one in 350 000 is left out, so that the fit of the
-/// others is that of least squares.
+/// Which rows of each recording count, after fits with weights until these settle. Of normal errors one in
+/// 350 000 is left out, so that the fit of the others is that of least squares.
 ///
 /// # Errors
 ///

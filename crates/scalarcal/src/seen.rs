@@ -13,8 +13,8 @@ use crate::result::{Seen, earlier};
 use crate::solved::{Detail, Solved};
 use crate::{Error, Options, checks, stability, start};
 
-/// A constant error of the reference is asked for where the magnitude varies by so many times the residuals: less is noise of the reference in part,
-/// and biases what follows it.
+/// A constant error of the reference is asked for where the magnitude varies by so many times the residuals:
+/// less is noise of the reference in part, and biases what follows it.
 const VARIES: f64 = 10.0;
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -67,8 +67,8 @@ pub fn before(document: &Document, solved: &Solved) -> Option<State> {
     })
 }
 
-/// What the reference reads too much, as one more unknown beside all others. `varies_nt` is how far the magnitude varies, and `groups` makes the rows
-/// about a fit of a model.
+/// What the reference reads too much, as one more unknown beside all others. `varies_nt` is how far the
+/// magnitude varies, and `groups` makes the rows about a fit of a model.
 pub fn reference_offset(
     solved: &Solved,
     varies_nt: f64,

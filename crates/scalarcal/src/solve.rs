@@ -217,7 +217,8 @@ fn unlike(series: &mut Vec<Series>, told: &mut Vec<String>) {
 ///
 /// # Errors
 ///
-/// Magnitudes that are stated with an uncertainty beside another reference, or several: each would need a scale of its own.
+/// Magnitudes that are stated with an uncertainty beside another reference, or several: each would need a
+/// scale of its own.
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
         let stated = document.recordings[one.index].conditions.extra.get(crate::read::MAGNITUDE)?;
@@ -250,7 +251,8 @@ fn held(
                 weights[place] = 1.0 / std;
                 rows.push((weights, 1.0 / std));
             }
-            // Only the ratio of magnitude and sensitivities is seen: the mean sensitivity is held at what is known of it.
+            // Only the ratio of magnitude and sensitivities is seen: the mean sensitivity is held at what is
+            // known of it.
             None if constant && !options.known => {
                 let mean = beforehand.nine[..3].iter().sum::<f64>() / HELD;
                 weights[..3].fill(1.0 / HELD);

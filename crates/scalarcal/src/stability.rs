@@ -36,8 +36,9 @@ pub struct Part {
     pub groups: Option<Groups>,
 }
 
-/// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on the range of a part's
-/// derivatives, is what the parts gain by parameters of their own. None for fewer than two parts.
+/// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on
+/// the range of a part's derivatives, is what the parts gain by parameters of their own. None for fewer than
+/// two parts.
 pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
     // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
     let turned = solved.vector.is_some();

@@ -1,4 +1,5 @@
-//! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least squares.
+//! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least
+//! squares.
 
 use common::{Axis, Document};
 use estimate::Svd;
@@ -18,8 +19,8 @@ const RANK_TOLERANCE: f64 = 1e-10;
 /// The ellipsoid's axes differ by less than this factor.
 const MOST_UNLIKE: f64 = 1e3;
 
-/// The units: the mean magnitude, or the largest swing by the stated sensitivities where it is not known; and those sensitivities, or such that the
-/// largest swing of a sensor is one.
+/// The units: the mean magnitude, or the largest swing by the stated sensitivities where it is not known; and
+/// those sensitivities, or such that the largest swing of a sensor is one.
 pub fn scales(document: &Document, unit: Unit, series: &[Series]) -> Scales {
     let known = series.iter().filter(|one| one.source != Source::Constant);
     let (sum, count) = known
@@ -77,8 +78,9 @@ pub fn stated(document: &Document, unit: Unit, scales: &Scales) -> [f64; NINE] {
     nine
 }
 
-/// The ellipsoid vᵀAv + bᵀv + c = m² F² with trace A = 3 by linear least squares, in the nine parameters; None where the form is
-/// that of no ellipsoid. Where the magnitude does not vary c and m² are one unknown, which the solution of least norm shares out.
+/// The ellipsoid vᵀAv + bᵀv + c = m² F² with trace A = 3 by linear least squares, in the nine parameters;
+/// None where the form is that of no ellipsoid. Where the magnitude does not vary c and m² are one unknown,
+/// which the solution of least norm shares out.
 fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Error> {
     let upper = factor.upper();
     let place = |f: usize, g: usize| model.terms.place(f, g).expect("a product without F");
@@ -143,8 +145,8 @@ mod tests {
     use crate::design::Rows;
     use crate::{Options, read};
 
-    /// The meadow by numpy's `lstsq` (`fixtures/reference/scalar_scipy.py`): sensitivities over 6400 nT/V, offsets over the mean magnitude,
-    /// cosines.
+    /// The meadow by numpy's `lstsq` (`fixtures/reference/scalar_scipy.py`): sensitivities over 6400 nT/V,
+    /// offsets over the mean magnitude, cosines.
     #[test]
     fn the_ellipsoid_is_that_of_numpy() {
         let expected = [

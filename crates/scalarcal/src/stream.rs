@@ -1,8 +1,10 @@
 //! Long series of rows in one pass and bounded memory, and pieces that are joined later to the same answer.
 //!
-//! What white-noise rows say of the calibration is in the triangular factor of their products ([`crate::terms`]). Kept are such factors by windows of
-//! time that double in width as the series grows ([`windows`]), apart for rows at the ends of the sensors' ranges until it is known whether readings
-//! are piled up there ([`crate::ends`]), and a sample of rows ([`sample`]), which shows how the sensors were turned.
+//! What white-noise rows say of the calibration is in the triangular factor of their products
+//! ([`crate::terms`]). Kept are such factors by windows of time that double in width as the series grows
+//! ([`windows`]), apart for rows at the ends of the sensors' ranges until it is known whether readings are
+//! piled up there ([`crate::ends`]), and a sample of rows ([`sample`]), which shows how the sensors were
+//! turned.
 
 mod answer;
 mod error;

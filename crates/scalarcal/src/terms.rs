@@ -1,14 +1,15 @@
 //! The square of the magnitude as a linear function of products of what was read.
 //!
-//! Along its own axis sensor i reads the field b_i = Σ_f L_if z_f, where z holds the three outputs, one, and columns that effects follow.
-//! With G = μᵀμ, the cosines between the axes, |B|² = bᵀ G⁻¹ b = Σ_{f≤g} p_fg z_f z_g. So the residual
+//! Along its own axis sensor i reads the field b_i = Σ_f L_if z_f, where z holds the three outputs, one, and
+//! columns that effects follow. With G = μᵀμ, the cosines between the axes, |B|² = bᵀ G⁻¹ b = Σ_{f≤g} p_fg
+//! z_f z_g. So the residual
 //!
 //! ```text
 //! r = (|B|² − (F − β)²)/2F ≈ |B| − (F − β)
 //! ```
 //!
-//! of a row is linear in products of its columns, with the coefficients p: one triangular factor of these products holds all
-//! that any number of rows say of the calibration.
+//! of a row is linear in products of its columns, with the coefficients p: one triangular factor of these
+//! products holds all that any number of rows say of the calibration.
 
 /// Place of the constant one among the columns z.
 pub const ONE: usize = 3;
@@ -72,13 +73,15 @@ impl Terms {
 
 /// The mean of what noise adds to the products of products.
 ///
-/// With z + e in place of z, e of covariance S, E[(z_f+e_f)(z_g+e_g)(z_h+e_h)(z_k+e_k)] is z_f z_g z_h z_k plus this, written with the
-/// products that were read: Σ S_fg E[z_h z_k] over the six pairs less Σ S_fg S_hk over the three. Taken off the normal
-/// equations, it leaves an estimate without bias at any size of the noise.
+/// With z + e in place of z, e of covariance S, E[(z_f+e_f)(z_g+e_g)(z_h+e_h)(z_k+e_k)] is z_f z_g z_h z_k
+/// plus this, written with the products that were read: Σ S_fg E[z_h z_k] over the six pairs less Σ S_fg S_hk
+/// over the three. Taken off the normal equations, it leaves an estimate without bias at any size of the
+/// noise.
 ///
 /// `variance` is S, diagonal, over all columns and F; `moments(f, g)` is Σ z_f z_g/4F² over the rows.
 ///
-/// Source: I. Markovsky, A. Kukush, S. Van Huffel, Consistent least squares fitting of ellipsoids, Numer. Math. 98 (2004) 177–194.
+/// Source: I. Markovsky, A. Kukush, S. Van Huffel, Consistent least squares fitting of ellipsoids, Numer.
+/// Math. 98 (2004) 177–194.
 pub fn added_by_noise(
     terms: &Terms,
     variance: &[f64],

@@ -1,11 +1,14 @@
-//! Twelve parameters: the readings against a field that is known with its direction, by a model or an observatory, turned into SEN by the attitude.
+//! Twelve parameters: the readings against a field that is known with its direction, by a model or an
+//! observatory, turned into SEN by the attitude.
 //!
-//! The field B in GEO gives μᵢ·RB along each sensor, and ρᵢ = kᵢVᵢ + Oᵢ − μᵢ·RB is linear in all but the directions. Along the field μ⁻ᵀρ has the
-//! errors of the field model; across it those of the attitude as well, |B| times an angle, so that it weighs less (Holme and Bloxham 1996). Beside
-//! a scalar magnetometer, which is better along the field, what is across it alone is used, together with the calibration by the magnitude: noise of
-//! equal size in the sensors is independent between the two.
+//! The field B in GEO gives μᵢ·RB along each sensor, and ρᵢ = kᵢVᵢ + Oᵢ − μᵢ·RB is linear in all but the
+//! directions. Along the field μ⁻ᵀρ has the errors of the field model; across it those of the attitude as
+//! well, |B| times an angle, so that it weighs less (Holme and Bloxham 1996). Beside a scalar magnetometer,
+//! which is better along the field, what is across it alone is used, together with the calibration by the
+//! magnitude: noise of equal size in the sensors is independent between the two.
 //!
-//! Source: R. Holme, J. Bloxham, The treatment of attitude errors in satellite geomagnetic data, Phys. Earth Planet. Inter. 98 (1996) 221–233.
+//! Source: R. Holme, J. Bloxham, The treatment of attitude errors in satellite geomagnetic data, Phys. Earth
+//! Planet. Inter. 98 (1996) 221–233.
 
 use common::{Document, VectorFit};
 use estimate::Svd;
@@ -67,7 +70,8 @@ pub fn solve(
         known.iter().map(padded).collect()
     };
     solved.beforehand.rows = pad(&solved.beforehand.rows);
-    // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its covariance.
+    // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its
+    // covariance.
     let by_magnitude = solved.found.clone();
     (solved.held, solved.known) = if vectors.scalar {
         let held = pad(&held_by(&solved.found, before));
@@ -103,7 +107,8 @@ pub fn solve(
             let averaged = groups.average(
                 &mut solved.found,
                 (&solved.held, &apart),
-                // What the sensors declare of their memory may be too small beside the noise of the field to be found.
+                // What the sensors declare of their memory may be too small beside the noise of the field to
+                // be found.
                 (base.unwrap_or(WHITE), true, solved.scales.magnitude_nt),
             )?;
             noise = averaged;
@@ -138,8 +143,9 @@ pub fn solve(
     Ok(solved)
 }
 
-/// Keeps the parameters that the magnitude shows as they were found by it, and of the rest what is to be expected given those. What the
-/// direction says of them is not used: the noise with memory of the sensors, which the magnitude shows, is hidden there beside that of the field.
+/// Keeps the parameters that the magnitude shows as they were found by it, and of the rest what is to be
+/// expected given those. What the direction says of them is not used: the noise with memory of the sensors,
+/// which the magnitude shows, is hidden there beside that of the field.
 fn kept(found: &mut FittedState, by_magnitude: &FittedState, before: usize) {
     let count = found.state.len();
     let rows = held_by(found, before);

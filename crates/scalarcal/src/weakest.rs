@@ -14,7 +14,8 @@ use crate::terms::ONE;
 const SAMPLE: usize = 400;
 /// Parameters with a smaller share of the weakest combination, of the largest one, are not named.
 const NAMED: f64 = 0.3;
-/// A combination that is uncertain by more than this share of the magnitude is not determined: the fit is not linear over it.
+/// A combination that is uncertain by more than this share of the magnitude is not determined: the fit is not
+/// linear over it.
 pub const UNDETERMINED: f64 = 0.1;
 /// Directions lie on a cone where they scatter about it by less than this share of how they scatter along it.
 const ON_A_CONE: f64 = 0.02;
@@ -46,7 +47,8 @@ pub fn directions(
         .collect()
 }
 
-/// The weakest combination of the parameters by what the readings alone say; `jacobian` is a factor of the whitened derivatives.
+/// The weakest combination of the parameters by what the readings alone say; `jacobian` is a factor of the
+/// whitened derivatives.
 pub fn weakest(
     model: &Model,
     state: &State,
@@ -136,7 +138,8 @@ fn variance_along(information: &Mat<f64>, vector: &[f64]) -> f64 {
         .sum()
 }
 
-/// Derivatives of |B| by the parameters at some fields, unweighted, as their information; effects do not act there.
+/// Derivatives of |B| by the parameters at some fields, unweighted, as their information; effects do not act
+/// there.
 fn information_of(
     model: &Model,
     state: &State,
@@ -193,8 +196,8 @@ fn join(list: &[&str]) -> String {
     }
 }
 
-/// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude does not show, the one that is
-/// nearest to `like`, which may be left-handed.
+/// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude
+/// does not show, the one that is nearest to `like`, which may be left-handed.
 pub fn frame(state: &State, like: &Matrix3<f64>) -> Matrix3<f64> {
     let own = cosines(state);
     // Cholesky's factor has unit vectors with these cosines as its columns.

@@ -1,8 +1,8 @@
 //! Speed, as ratios against a peer in the same run.
 //!
-//! `noise` is a day at 100 Hz of one sensor, 8.64 million samples, the document in memory; its peer is one Fourier transform of
-//! the same samples. `rest` is all that the MAGSAT campaign holds for sensorcal but its noise recordings; its peer predicts the
-//! same recordings once by the chain.
+//! `noise` is a day at 100 Hz of one sensor, 8.64 million samples, the document in memory; its peer is one
+//! Fourier transform of the same samples. `rest` is all that the MAGSAT campaign holds for sensorcal but its
+//! noise recordings; its peer predicts the same recordings once by the chain.
 
 use common::{Axis, Column, Conditions, Document, Instrument, Recording, procedure};
 use divan::{Bencher, black_box};

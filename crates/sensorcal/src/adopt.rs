@@ -11,8 +11,8 @@ use crate::effects;
 /// Who put an effect into the model: on a second run it is replaced.
 const FOUND_BY: (&str, &str) = ("found_by", "sensorcal");
 
-/// Puts the effects of temperature, the nonlinearity and the effect of fields across into `model.effects`, in place of what an
-/// earlier run put there for this sensor, or of what was stated of the same effects.
+/// Puts the effects of temperature, the nonlinearity and the effect of fields across into `model.effects`, in
+/// place of what an earlier run put there for this sensor, or of what was stated of the same effects.
 pub fn adopt(document: &mut Document, sensor: Axis, found: &SensorFindings) {
     let mut effects: Vec<AdoptedEffect> = Vec::new();
     if found.calibration.temperature.is_some() {
@@ -71,7 +71,8 @@ pub fn across_matters(calibration: &SensorCalibration) -> bool {
     test.is_some_and(|test| test.p_value < FOUND_BELOW)
 }
 
-/// The effects of fields across; a parameter that was not seen is zero, give or take what the others make likely.
+/// The effects of fields across; a parameter that was not seen is zero, give or take what the others make
+/// likely.
 fn across(cross: &CrossFieldFit, sensor: Axis, likely: [f64; 2]) -> Vec<AdoptedEffect> {
     let [offset, sensitivity] = effects::KINDS;
     [(offset, &cross.offset, likely[0]), (sensitivity, &cross.sensitivity, likely[1])]

@@ -61,8 +61,8 @@ impl Allowed {
         Self { source, known, ..Self::default() }
     }
 
-    /// One more with its probability beforehand: a block for each recording by its number and rows, made sure of by a billionth of
-    /// its diagonal.
+    /// One more with its probability beforehand: a block for each recording by its number and rows, made sure
+    /// of by a billionth of its diagonal.
     pub fn add(
         &mut self,
         recordings: &[Rows],
@@ -83,8 +83,8 @@ impl Allowed {
         Ok(())
     }
 
-    /// One more for long recordings, in one pass over the readings: what is known, and white noise and flicker noise besides, each with its
-    /// variance over that of what is known.
+    /// One more for long recordings, in one pass over the readings: what is known, and white noise and
+    /// flicker noise besides, each with its variance over that of what is known.
     pub fn add_long(&mut self, recordings: &[Rows], known: &[Noise], more: More) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut groups: Vec<Arc<dyn Root>> = Vec::new();
@@ -112,7 +112,8 @@ impl Allowed {
                     Memory::Walk => walk = Some(slow),
                 }
             }
-            // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is slower belongs to the offset.
+            // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is
+            // slower belongs to the offset.
             let level: f64 = noises
                 .iter()
                 .map(|noise| noise::mean_variance(noise, *rows, time))

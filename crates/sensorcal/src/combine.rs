@@ -25,10 +25,11 @@ pub struct Seen<'a> {
 
 /// Writes what was found over what the document said; what was not recorded stays.
 ///
-/// O is seen twice: in the coil, where errors of the coil's own offset come in, and by reversals. Where the two agree they are
-/// joined by their uncertainties (and k with them, as far as it goes with O); where they do not, the reversals count. Errors of
-/// the coefficients of temperature are in both and weigh for neither: at another reference temperature they are others, and the
-/// offset has to be the same but for what it moves by.
+/// O is seen twice: in the coil, where errors of the coil's own offset come in, and by reversals. Where the
+/// two agree they are joined by their uncertainties (and k with them, as far as it goes with O); where they
+/// do not, the reversals count. Errors of the coefficients of temperature are in both and weigh for neither:
+/// at another reference temperature they are others, and the offset has to be the same but for what it moves
+/// by.
 pub fn into(
     entry: &mut SensorCalibration,
     mut found: SensorCalibration,
@@ -218,7 +219,8 @@ mod tests {
 
     #[test]
     fn what_both_owe_to_the_temperatures_does_not_average_down() {
-        // A coefficient known to 0.1 nT/K, both offsets taken 2 K from the reference: 0.2 nT in either, and in their mean.
+        // A coefficient known to 0.1 nT/K, both offsets taken 2 K from the reference: 0.2 nT in either, and
+        // in their mean.
         let coefficient = Block {
             name: "temperature".into(),
             degrees_of_freedom: f64::INFINITY,

@@ -40,7 +40,8 @@ impl Conditions {
             .collect()
     }
 
-    /// The effects for a fit, and what is uncertain about them; nothing where a recording lacks a temperature.
+    /// The effects for a fit, and what is uncertain about them; nothing where a recording lacks a
+    /// temperature.
     pub fn effects_in(&self, runs: &[Run<'_>]) -> (Vec<EffectInstance>, Option<KnownParameters>) {
         if self.effects.is_empty() || !runs.iter().all(|run| self.known_in(&run.context)) {
             return (Vec::new(), None);
@@ -65,8 +66,8 @@ impl Conditions {
         )]
     }
 
-    /// What they add to the field that is read without a field, nT by row, with the derivative by each parameter; None where
-    /// a temperature is not recorded.
+    /// What they add to the field that is read without a field, nT by row, with the derivative by each
+    /// parameter; None where a temperature is not recorded.
     pub fn contribution(
         &self,
         context: &Context<'_>,

@@ -1,8 +1,10 @@
-//! What fields across a sensor do to it ("Measurement of Orthogonal Field Effects on Sensitivity and Offset").
+//! What fields across a sensor do to it ("Measurement of Orthogonal Field Effects on Sensitivity and
+//! Offset").
 //!
-//! A sensor that is not quite along its coil reads a share of the field across, which is odd in that field and does not
-//! depend on the field along: it belongs to the axes and is kept apart. What is even in the field across (the catalogue's
-//! `cross_field`) or goes with the field along (`cross_field_sensitivity`) is the sensor's own.
+//! A sensor that is not quite along its coil reads a share of the field across, which is odd in that field
+//! and does not depend on the field along: it belongs to the axes and is kept apart. What is even in the
+//! field across (the catalogue's `cross_field`) or goes with the field along (`cross_field_sensitivity`) is
+//! the sensor's own.
 
 use common::number::p_value;
 use common::uncertainty::{self, Block};

@@ -58,8 +58,8 @@ impl Candidate {
     }
 }
 
-/// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside the unknowns and
-/// all candidates, it alone.
+/// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside
+/// the unknowns and all candidates, it alone.
 pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed, Error> {
     let Some(own) = problem.allowed.own() else { return Ok(problem.allowed.clone()) };
     let fit = Problem { allowed: &own, ..problem.with(problem.unknowns.clone()) }.solve()?;
@@ -96,8 +96,8 @@ pub struct Extended {
 
 /// Fits, looks for each candidate beside the fit, takes the most significant one in, and looks again.
 ///
-/// A candidate is one more column beside the derivatives at the minimum, under the covariances that the fit gave some
-/// weight.
+/// A candidate is one more column beside the derivatives at the minimum, under the covariances that the fit
+/// gave some weight.
 pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Extended, Error> {
     let mut fit = problem.solve()?;
     let visible: Vec<(&Candidate, Vec<f64>)> = candidates

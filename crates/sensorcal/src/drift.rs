@@ -1,5 +1,5 @@
-//! Offset drift: offsets from date to date ("Measurement of Sensor Noise in Low Field": what takes longer than a day to a week is
-//! offset).
+//! Offset drift: offsets from date to date ("Measurement of Sensor Noise in Low Field": what takes longer
+//! than a day to a week is offset).
 
 use common::number::{counted, plural};
 use common::{Axis, Document, DriftDates, Error as Fault, OffsetDrift, Quantity, procedure};
@@ -93,7 +93,8 @@ fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift, Error>
     Ok(found)
 }
 
-/// For each parameter of the temperatures, how it moves the offset of each date; empty where they were not taken off.
+/// For each parameter of the temperatures, how it moves the offset of each date; empty where they were not
+/// taken off.
 fn common(dates: &[Date], conditions: &Conditions) -> Vec<Vec<f64>> {
     let of = |parameter: usize| {
         dates.iter().map(move |date| date.by_temperature.as_ref().map_or(0.0, |by| by[parameter]))

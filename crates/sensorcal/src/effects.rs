@@ -1,4 +1,5 @@
-//! The catalogue's effects of fields across as columns beside a fit, and what errors of the directions do to them.
+//! The catalogue's effects of fields across as columns beside a fit, and what errors of the directions do to
+//! them.
 
 use common::Axis;
 use nalgebra::Matrix3;
@@ -11,8 +12,8 @@ use crate::readings::{FULL_NT, Run};
 use crate::sides::Directions;
 use faer::Mat;
 
-/// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside the others,
-/// cannot be told.
+/// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside
+/// the others, cannot be told.
 const VISIBLE: f64 = 0.2;
 /// The effects.
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
@@ -60,7 +61,8 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// The parameters of the catalogue's effects that these recordings can tell apart, and those that they cannot.
+/// The parameters of the catalogue's effects that these recordings can tell apart, and those that they
+/// cannot.
 pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>), Error> {
     let (mut seen, mut unseen): (Vec<Sought>, Vec<Sought>) = (Vec::new(), Vec::new());
     for kind in KINDS {
@@ -84,10 +86,11 @@ pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<S
     Ok((seen, unseen))
 }
 
-/// Prior standard deviation of a parameter that is not identifiable: from the squares of the others of its effect, each weighted by the probability
-/// that it is not zero, with the odds of the Bayesian information criterion, √n exp(−z²/2) against it. Their sum is divided by one
-/// less than their number, for so few say little of their common size: of two normal values the mean square is too small for
-/// a third one in more than half of all cases.
+/// Prior standard deviation of a parameter that is not identifiable: from the squares of the others of its
+/// effect, each weighted by the probability that it is not zero, with the odds of the Bayesian information
+/// criterion, √n exp(−z²/2) against it. Their sum is divided by one less than their number, for so few say
+/// little of their common size: of two normal values the mean square is too small for a third one in more
+/// than half of all cases.
 fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {
     let squares: Vec<f64> = others
         .map(|(value, std)| {
@@ -98,7 +101,8 @@ fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {
     (squares.iter().sum::<f64>() / squares.len().saturating_sub(1).max(1) as f64).sqrt()
 }
 
-/// That prior standard deviation for each of [`KINDS`], nT: by the parameters from `first` on of a fit, which belong to `seen`.
+/// That prior standard deviation for each of [`KINDS`], nT: by the parameters from `first` on of a fit, which
+/// belong to `seen`.
 pub fn likely(seen: &[Sought], fit: &Fit, first: usize) -> [f64; 2] {
     KINDS.map(|kind| {
         let of = seen.iter().enumerate().filter(|(_, one)| one.kind == kind);
@@ -106,11 +110,12 @@ pub fn likely(seen: &[Sought], fit: &Fit, first: usize) -> [f64; 2] {
     })
 }
 
-/// What errors of the directions, and parameters that cannot be told, do to the parameters that were found: each independent error of one
-/// standard deviation as the readings' departure, over the used rows of all runs.
+/// What errors of the directions, and parameters that cannot be told, do to the parameters that were found:
+/// each independent error of one standard deviation as the readings' departure, over the used rows of all
+/// runs.
 ///
-/// The parameters from `first` on of the fit belong to `seen`, which were calculated for `directions`; `likely` are the standard deviations of
-/// those that cannot be told.
+/// The parameters from `first` on of the fit belong to `seen`, which were calculated for `directions`;
+/// `likely` are the standard deviations of those that cannot be told.
 pub fn unknown(
     runs: &[Run<'_>],
     directions: &Directions,
@@ -151,8 +156,8 @@ pub fn unknown(
     Ok(errors)
 }
 
-/// The sensor's two sides in the catalogue's order and the field along it: what each parameter of the effects adds to a reading, nT for
-/// each nT; `sen` is the field in SEN, `along` that along the sensor, nT.
+/// The sensor's two sides in the catalogue's order and the field along it: what each parameter of the effects
+/// adds to a reading, nT for each nT; `sen` is the field in SEN, `along` that along the sensor, nT.
 pub fn shapes(sensor: Axis, sen: &[f64; 3], along: f64) -> [f64; 5] {
     let full = |value: f64| value / FULL_NT;
     let (u, v) = (full(sen[(sensor.index() + 1) % 3]), full(sen[(sensor.index() + 2) % 3]));

@@ -1,4 +1,5 @@
-//! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of `physics`.
+//! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of
+//! `physics`.
 
 use common::uncertainty::{self, By};
 use common::{Axis, FitNoise, Quantity, Uncertainty};
@@ -12,8 +13,8 @@ use crate::allowed::{Allowed, Rows};
 use crate::readings::Run;
 use crate::shape::{Place, Shape};
 
-/// The iteration: a step that moves no prediction by more than 1e-7 nT is the last one, and one may make the fit twice as bad under the first
-/// of the covariances, for it is the mean of those under all.
+/// The iteration: a step that moves no prediction by more than 1e-7 nT is the last one, and one may make the
+/// fit twice as bad under the first of the covariances, for it is the mean of those under all.
 const ITERATION: Control = Control {
     most: 30,
     tolerance: 1e-7,
@@ -148,7 +149,8 @@ pub struct State {
     columns: Vec<f64>,
 }
 
-/// A state with its residuals and the derivatives of the predicted field, nT, and its sum of squares under the first covariance.
+/// A state with its residuals and the derivatives of the predicted field, nT, and its sum of squares under
+/// the first covariance.
 pub struct At {
     state: State,
     residual: Vec<f64>,
@@ -287,7 +289,8 @@ impl Problem<'_, '_> {
         Ok((residual, design))
     }
 
-    /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the problem with other rows.
+    /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the
+    /// problem with other rows.
     pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>, Error> {
         let mut state = self.first();
         let step: Vec<f64> =

@@ -134,7 +134,8 @@ pub fn parts(
     Ok(parts)
 }
 
-/// How many temperatures there were, a kelvin apart: in all readings, or in those that show the sensitivity, with at least half the largest drive.
+/// How many temperatures there were, a kelvin apart: in all readings, or in those that show the sensitivity,
+/// with at least half the largest drive.
 pub fn distinct(heated: &Heated<'_>, part: Part, driven: bool) -> usize {
     let at = usize::from(part == Part::Electronics);
     let of_run = |(run, both): (&Run<'_>, &[Vec<f64>; 2])| {

@@ -1,8 +1,8 @@
-//! Which coils act across a sensor, and how far it leans towards each: what is odd in the field across and does not depend on the field
-//! along, which belongs to the axes.
+//! Which coils act across a sensor, and how far it leans towards each: what is odd in the field across and
+//! does not depend on the field along, which belongs to the axes.
 //!
-//! A recording in which the field across changes has its own k, O and leans. Recordings in which it is held show something
-//! only together: they share k and O, and, where the block stood alike, the leans.
+//! A recording in which the field across changes has its own k, O and leans. Recordings in which it is held
+//! show something only together: they share k and O, and, where the block stood alike, the leans.
 
 use common::{Axis, Error as Fault, Misalignment, Quantity};
 use faer::Mat;
@@ -153,8 +153,8 @@ fn size(runs: &[Run<'_>], of: &[usize], coil: Axis) -> f64 {
     span(f64::max, f64::NEG_INFINITY) - span(f64::min, f64::INFINITY)
 }
 
-/// The coils across the sensor whose fields change over some runs, and not in proportion to another's: a lean towards the one could not
-/// be told from one towards the other.
+/// The coils across the sensor whose fields change over some runs, and not in proportion to another's: a lean
+/// towards the one could not be told from one towards the other.
 fn coils(runs: &[Run<'_>], of: &[usize]) -> Vec<Axis> {
     let mut found: Vec<Axis> = Vec::new();
     for coil in Axis::ALL {

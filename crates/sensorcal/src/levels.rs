@@ -148,8 +148,8 @@ pub fn lines(runs: &[Run<'_>], groups: &[(usize, Vec<usize>)]) -> Vec<Unknown> {
     groups.iter().flat_map(both).collect()
 }
 
-/// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside the
-/// groups are left out.
+/// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside
+/// the groups are left out.
 pub fn constants(
     runs: &[Run<'_>],
     groups: &[(usize, Vec<usize>)],
@@ -202,8 +202,9 @@ pub fn columns(levels: &[Level], heated: &Heated<'_>) -> TemperatureLevels {
     columns
 }
 
-/// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on either side of
-/// it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is that of the levels.
+/// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on
+/// either side of it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is
+/// that of the levels.
 pub fn three_point(levels: &[Level], fit: &Fit, part: Part) -> IndexMap<String, Quantity> {
     let at = usize::from(part == Part::Electronics);
     let moved = |run: usize| {

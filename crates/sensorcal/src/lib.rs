@@ -1,17 +1,20 @@
-//! Each sensor by itself (NASA, "Calibration of Individual Sensors"): sensitivity and nonlinearity, offset by reversals, noise,
-//! offset drift, temperature, fields across.
+//! Each sensor by itself (NASA, "Calibration of Individual Sensors"): sensitivity and nonlinearity, offset by
+//! reversals, noise, offset drift, temperature, fields across.
 //!
-//! B = k V + O along the sensor's own axis. Predictions and derivatives are those of `physics`; what is found of temperatures,
-//! nonlinearity and fields across goes to `model.effects` under the catalogue's names, so that it can be simulated and
-//! corrected. Uncertainties from scatter (type A) rest on the noise as it was measured, declared, or left by the fit, with its
-//! memory; those of the coil's constant and of the temperature coefficients (type B) are common to all readings.
+//! B = k V + O along the sensor's own axis. Predictions and derivatives are those of `physics`; what is found
+//! of temperatures, nonlinearity and fields across goes to `model.effects` under the catalogue's names, so
+//! that it can be simulated and corrected. Uncertainties from scatter (type A) rest on the noise as it was
+//! measured, declared, or left by the fit, with its memory; those of the coil's constant and of the
+//! temperature coefficients (type B) are common to all readings.
 //!
-//! All fits are one mechanism (`fit`). The unknowns are parameters of `physics`, each own to a recording or common to all, and columns.
-//! Residuals and derivatives come from `predict_with_jacobian`; `estimate::correlated` makes the steps under the covariance that
-//! `noise::covariance` gives for exactly the process from which `noise::series` draws. Where the noise is not known, the allowed
-//! covariances are averaged by restricted likelihood, and `estimate::mixture` makes one interval of them by its quantiles. What is known
-//! with an uncertainty (a coil constant, a temperature coefficient) moves the unknowns through the same derivatives and is added as a
-//! common part. `trend` fits what offsets follow from date to date, `wander` the noise they may have.
+//! All fits are one mechanism (`fit`). The unknowns are parameters of `physics`, each own to a recording or
+//! common to all, and columns. Residuals and derivatives come from `predict_with_jacobian`;
+//! `estimate::correlated` makes the steps under the covariance that `noise::covariance` gives for exactly the
+//! process from which `noise::series` draws. Where the noise is not known, the allowed covariances are
+//! averaged by restricted likelihood, and `estimate::mixture` makes one interval of them by its quantiles.
+//! What is known with an uncertainty (a coil constant, a temperature coefficient) moves the unknowns through
+//! the same derivatives and is added as a common part. `trend` fits what offsets follow from date to date,
+//! `wander` the noise they may have.
 
 mod adopt;
 mod allowed;
@@ -67,7 +70,8 @@ pub struct Options {
     pub axes_std_deg: f64,
     /// Fields along the sensor for the error budget, nT; none: zero, half and the whole of what was applied.
     pub budget_field_nt: Vec<f64>,
-    /// Temperatures of the sensor less its reference for the error budget, K; none: zero, and 10 where coefficients are known.
+    /// Temperatures of the sensor less its reference for the error budget, K; none: zero, and 10 where
+    /// coefficients are known.
     pub budget_warmer_k: Vec<f64>,
 }
 
@@ -102,8 +106,8 @@ struct SensorFindings {
     left_out: Vec<LeftOut>,
 }
 
-/// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to `model.effects`; a
-/// sensor without a recording of a kind keeps what the document says of it.
+/// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to
+/// `model.effects`; a sensor without a recording of a kind keeps what the document says of it.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     if !document.recordings.iter().any(|recording| MINE.contains(&recording.procedure.as_str())) {
         return Err(Error::Nothing);
@@ -244,8 +248,8 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFinding
     Ok(SensorFindings { calibration, conditions, constants, turned, across, likely, left_out })
 }
 
-/// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through the recordings in a
-/// coil, else as the document states it, else nominal.
+/// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through
+/// the recordings in a coil, else as the document states it, else nominal.
 fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f64, f64)> {
     let runs = readings::runs(document, procedure::SENSOR_SENSITIVITY, sensor).unwrap_or_default();
     if runs.first().is_some_and(|run| run.context.unit == unit) {

@@ -2,9 +2,9 @@
 
 use common::Noise;
 
-/// Where no noise is known: the probability beforehand that it is white alone, and the variances of flicker noise over that of white
-/// noise otherwise, alike. What has memory makes the wider intervals: with so much for it they hold in 95 % under flicker noise, and more
-/// often under white noise.
+/// Where no noise is known: the probability beforehand that it is white alone, and the variances of flicker
+/// noise over that of white noise otherwise, alike. What has memory makes the wider intervals: with so much
+/// for it they hold in 95 % under flicker noise, and more often under white noise.
 const WHITE: f64 = 0.05;
 const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
 /// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
@@ -29,7 +29,8 @@ impl Memory {
     }
 }
 
-/// Noise that is allowed for beside what is known, by its variance over that: white noise, and slow noise with memory.
+/// Noise that is allowed for beside what is known, by its variance over that: white noise, and slow noise
+/// with memory.
 #[derive(Clone, Copy)]
 pub struct More {
     /// Of white noise.

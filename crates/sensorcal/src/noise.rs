@@ -15,13 +15,15 @@ use rayon::prelude::*;
 use crate::Error;
 use crate::readings::{code, output};
 
-/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one follows.
+/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one
+/// follows.
 const TRUSTED: f64 = 0.8;
 /// Bins of the merged spectrum in a decade.
 const BINS: f64 = 10.0;
 /// A bin counts as so many ordinates of a Fourier transform at least.
 const LEAST_COUNT: f64 = 1.0;
-/// Share of rounding in the density at the fast end below which the sensor was measured, and above which the quantiser was.
+/// Share of rounding in the density at the fast end below which the sensor was measured, and above which the
+/// quantiser was.
 const MEASURED: [f64; 2] = [0.1, 0.5];
 /// Below this probability the spectrum does not have the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
@@ -44,7 +46,8 @@ struct Series<'a> {
     uneven_s: Option<f64>,
 }
 
-/// The noise that was measured, in the form in which instruments declare theirs, no steeper than a covariance is made for.
+/// The noise that was measured, in the form in which instruments declare theirs, no steeper than a covariance
+/// is made for.
 pub fn as_noise(measured: &SensorNoise) -> Noise {
     let noise = measured.as_noise();
     Noise { flicker_exponent: noise.flicker_exponent.map(|exponent| exponent.min(STEEPEST)), ..noise }
@@ -270,7 +273,8 @@ fn series_result(one: &Series<'_>, white: Estimate, fit: &WhittleFit) -> NoiseSe
     }
 }
 
-/// The periodograms joined, the slowest first, in bins of a tenth of a decade, or more where these hold too little, with their 95 % bands.
+/// The periodograms joined, the slowest first, in bins of a tenth of a decade, or more where these hold too
+/// little, with their 95 % bands.
 fn merged(all: &[Series<'_>]) -> MergedSpectrum {
     let mut spectrum = MergedSpectrum::default();
     let first = |one: &Series<'_>| 1.0 / one.periodogram.length_s;

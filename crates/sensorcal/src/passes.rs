@@ -1,7 +1,8 @@
 //! The report's correction in two passes, held against readings that were left out of the fit.
 //!
-//! "Zero field constants" give the field along each of the three sensors; with these the fields across are calculated and taken off: the first
-//! pass. The second one calculates the fields across from the fields so corrected.
+//! "Zero field constants" give the field along each of the three sensors; with these the fields across are
+//! calculated and taken off: the first pass. The second one calculates the fields across from the fields so
+//! corrected.
 
 use common::{Axis, CrossFieldFit, Document, HeldOut, Quantity, procedure};
 use nalgebra::{Matrix3, Vector3};
@@ -24,7 +25,8 @@ pub struct LeftOut {
     pub run: usize,
     /// Its row.
     pub row: usize,
-    /// What the fit misses it by without any effect of fields across, nT; constants and leans are those found with them.
+    /// What the fit misses it by without any effect of fields across, nT; constants and leans are those found
+    /// with them.
     pub missed_nt: f64,
     /// The effects' parameters as the other readings give them, in the order of [`shapes`], nT.
     pub parameters: [f64; 5],
@@ -35,8 +37,9 @@ fn place(kind: Kind, number: usize) -> usize {
     if kind == Kind::CrossField { number } else { 3 + number }
 }
 
-/// Rms of readings that were left out, with the constants and the lean alone and corrected for the field across as it was applied, and
-/// the readings one by one; None where the others do not determine the unknowns.
+/// Rms of readings that were left out, with the constants and the lean alone and corrected for the field
+/// across as it was applied, and the readings one by one; None where the others do not determine the
+/// unknowns.
 pub fn left_out(
     problem: &Problem<'_, '_>,
     (sought, first): (&[Sought], usize),
@@ -94,7 +97,8 @@ pub fn left_out(
     Ok((!all.is_empty()).then_some((held_out, all)))
 }
 
-/// A sensor with what its corrections need: its constants without a field across, and its parameters in the order of [`shapes`].
+/// A sensor with what its corrections need: its constants without a field across, and its parameters in the
+/// order of [`shapes`].
 #[derive(Clone, Copy)]
 pub struct Corrected {
     /// k.
@@ -105,8 +109,8 @@ pub struct Corrected {
     pub parameters: [f64; 5],
 }
 
-/// Rms of the readings that were left out after the first and the second pass; None where a recording does not have the
-/// readings of all three sensors. `mu` holds the sensors' directions in SEN.
+/// Rms of the readings that were left out after the first and the second pass; None where a recording does
+/// not have the readings of all three sensors. `mu` holds the sensors' directions in SEN.
 pub fn score(
     document: &Document,
     sensor: Axis,

@@ -14,7 +14,8 @@ pub const FULL_NT: f64 = 50_000.0;
 const FOLLOWS: f64 = 0.9;
 /// A sensitivity may differ from what is stated by this factor before it is a mistake of columns or units.
 const STATED_WITHIN: f64 = 1.25;
-/// A sensor that is said to be turned along a coil points there by its stated orientation at least so far (cosine).
+/// A sensor that is said to be turned along a coil points there by its stated orientation at least so far
+/// (cosine).
 const ALONG: f64 = 0.7;
 
 /// So many readings show their codes.
@@ -67,8 +68,8 @@ pub fn times(recording: &Recording, rows: &[usize]) -> Option<Vec<f64>> {
     (times.iter().all(|t| t.is_finite()) && times.windows(2).all(|pair| pair[1] >= pair[0])).then_some(times)
 }
 
-/// The recordings of a procedure and a sensor, with their places, in the order in which they were taken: their order in the
-/// document means nothing.
+/// The recordings of a procedure and a sensor, with their places, in the order in which they were taken:
+/// their order in the document means nothing.
 pub fn recordings<'a>(
     document: &'a Document,
     procedure: &str,
@@ -185,7 +186,8 @@ fn run<'a>(
     Ok(run)
 }
 
-/// First constants, by a straight line through the readings; what does not follow the field at all is refused.
+/// First constants, by a straight line through the readings; what does not follow the field at all is
+/// refused.
 fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> Result<(), Error> {
     let sensor = run.sensor;
     let column = format!("{}.columns.sensor_{sensor}_{}", run.path, unit.suffix());
@@ -281,8 +283,8 @@ pub fn first_sensitivity(runs: &[Run<'_>]) -> f64 {
     runs.iter().map(|run| run.basic.sensors[run.sensor.index()].sensitivity).sum::<f64>() / runs.len() as f64
 }
 
-/// Width of a code as a series of readings shows it: the smallest step between different readings, where all steps are whole
-/// multiples of it; None where they are not.
+/// Width of a code as a series of readings shows it: the smallest step between different readings, where all
+/// steps are whole multiples of it; None where they are not.
 pub fn code(readings: &[f64]) -> Option<f64> {
     let mut sorted: Vec<f64> = readings.iter().copied().filter(|v| v.is_finite()).take(ENOUGH).collect();
     sorted.sort_by(f64::total_cmp);
@@ -296,7 +298,8 @@ pub fn code(readings: &[f64]) -> Option<f64> {
         .then_some(width)
 }
 
-/// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for codes.
+/// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for
+/// codes.
 pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
     run.context.unit.code_width(document.instrument.as_ref())
 }

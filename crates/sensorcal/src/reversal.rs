@@ -1,6 +1,7 @@
 //! Offset by turning the sensor through 180° ("Measurement of Sensor Offset in Low Field").
 //!
-//! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2: the report's eq. 26 has the sign wrong and k on the wrong side.
+//! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2: the report's eq. 26 has the sign wrong and k on
+//! the wrong side.
 
 use common::number::{counted, plural};
 use common::{
@@ -43,14 +44,14 @@ pub struct Turned {
     pub own_nt2: f64,
     /// From standard uncertainty to 95 % interval.
     pub coverage_factor_95: f64,
-    /// Derivative by each parameter of the temperatures, which is common to all recordings and to what a coil shows; empty where
-    /// none were taken off.
+    /// Derivative by each parameter of the temperatures, which is common to all recordings and to what a coil
+    /// shows; empty where none were taken off.
     pub by_temperature: Vec<f64>,
 }
 
 impl Turned {
-    /// The variance from scatter and sensitivity of a normal distribution with the same 95 % interval: few degrees of freedom count as a
-    /// wider normal.
+    /// The variance from scatter and sensitivity of a normal distribution with the same 95 % interval: few
+    /// degrees of freedom count as a wider normal.
     pub fn covered_nt2(&self) -> f64 {
         self.own_nt2 * (self.coverage_factor_95 / stats::coverage_factor(0.95, f64::INFINITY)).powi(2)
     }
@@ -100,8 +101,8 @@ pub fn offset(
     Ok(Some((found, turned)))
 }
 
-/// The mean over recordings, weighted by their own scatter: errors of the sensitivity and of the coefficients of temperature are
-/// common to all, weigh for none of them and do not average down.
+/// The mean over recordings, weighted by their own scatter: errors of the sensitivity and of the coefficients
+/// of temperature are common to all, weigh for none of them and do not average down.
 fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<String>) -> Turned {
     let sum: f64 = outcomes.iter().map(|outcome| outcome.scatter_nt2.recip()).sum();
     let weight = |outcome: &Outcome| outcome.scatter_nt2.recip() / sum;
@@ -246,8 +247,9 @@ pub fn one(
     Ok(Outcome { reversal, scatter_nt2, by_sensitivity_nt, by_temperature })
 }
 
-/// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and what the readings
-/// show, for they may have been amplified; of two different readings the step may be that of the positions.
+/// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and
+/// what the readings show, for they may have been amplified; of two different readings the step may be that
+/// of the positions.
 fn code_width(document: &Document, reading: &[f64], unit: Unit) -> f64 {
     let stated = unit.code_width(document.instrument.as_ref());
     match (stated, code(reading)) {
@@ -256,9 +258,9 @@ fn code_width(document: &Document, reading: &[f64], unit: Unit) -> f64 {
     }
 }
 
-/// Variance of the offset from scatter, nT². Where the noise is not known, no memory that is allowed for makes it smaller than
-/// independent readings would; and where the readings scatter by less than a code, rounding of either position does not
-/// average down: δ²/12 each, halved in their sum.
+/// Variance of the offset from scatter, nT². Where the noise is not known, no memory that is allowed for
+/// makes it smaller than independent readings would; and where the readings scatter by less than a code,
+/// rounding of either position does not average down: δ²/12 each, halved in their sum.
 fn scatter(
     series: &Series<'_>,
     rows: &[usize],
@@ -326,7 +328,8 @@ impl Series<'_> {
         Ok((fit, noise))
     }
 
-    /// Readings that follow each other in opposite positions, each used once, less a drift of the shield's field.
+    /// Readings that follow each other in opposite positions, each used once, less a drift of the shield's
+    /// field.
     fn pairs(&self, rows: &[usize], drift: f64) -> ReversalPairs {
         let time = self.centred(rows).unwrap_or_else(|| vec![0.0; rows.len()]);
         let mut pairs = ReversalPairs::default();
@@ -347,7 +350,8 @@ impl Series<'_> {
     }
 }
 
-/// The value that does not belong to the others, by more than a code, by Grubbs' test: t² = n (n − 2) g²/((n − 1)² − n g²).
+/// The value that does not belong to the others, by more than a code, by Grubbs' test: t² = n (n − 2) g²/((n
+/// − 1)² − n g²).
 fn outlier(values: &[f64], code_nt: f64) -> Option<usize> {
     let n = values.len() as f64;
     if n < 4.0 {

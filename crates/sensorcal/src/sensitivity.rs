@@ -1,4 +1,5 @@
-//! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and Nonlinearity").
+//! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and
+//! Nonlinearity").
 
 use common::number::{bare, counted, p_value, plural, significant};
 use common::uncertainty::{self, Block};
@@ -35,7 +36,8 @@ pub struct Constants {
     pub common: [[f64; 2]; 2],
     /// k, O and the nonlinearity as they were estimated.
     pub block: Block,
-    /// Derivatives of k and O by the parameters of the effects of temperature that were taken off, whose errors are part of it.
+    /// Derivatives of k and O by the parameters of the effects of temperature that were taken off, whose
+    /// errors are part of it.
     pub by_temperature: Vec<[f64; 2]>,
     /// Effects of the catalogue that were found, with their covariance.
     pub nonlinearity: Vec<(Kind, Quantity)>,
@@ -134,7 +136,8 @@ pub fn calibrate(
     }))
 }
 
-/// Derivatives of k and O by the parameters of the effects of temperature; empty where they were not taken off.
+/// Derivatives of k and O by the parameters of the effects of temperature; empty where they were not taken
+/// off.
 fn by_temperature(fit: &Fit, conditions: &Conditions) -> Vec<[f64; 2]> {
     let of = |path: &String| fit.by.iter().find(|(by, _)| by == path).map(|(_, moved)| [moved[0], moved[1]]);
     conditions.paths.iter().filter_map(of).collect()

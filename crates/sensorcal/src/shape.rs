@@ -8,11 +8,14 @@ use crate::more::{Memory, More};
 
 /// A recording longer than this sees the field in the coils drift, s.
 const DRIFTS_S: f64 = 7200.0;
-/// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of processes, in one pass.
+/// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of
+/// processes, in one pass.
 pub const FULL: usize = 2000;
-/// Variance of a recording's own level over that of its readings' noise, where several recordings share their constants.
+/// Variance of a recording's own level over that of its readings' noise, where several recordings share their
+/// constants.
 const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
-/// Powers of the size of a reading's noise with which slow noise scatters: with the fast noise, not at all, with its variance.
+/// Powers of the size of a reading's noise with which slow noise scatters: with the fast noise, not at all,
+/// with its variance.
 const POWERS: [f64; 3] = [1.0, 0.0, 2.0];
 /// Where the readings are taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,8 +42,9 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// As it was measured in this document; else as the instrument declares it; else from the residuals. Beside noise that is known counts
-    /// that of the field in the coils as the facility declares it. Rounding to codes of `code_nt` counts as white noise.
+    /// As it was measured in this document; else as the instrument declares it; else from the residuals.
+    /// Beside noise that is known counts that of the field in the coils as the facility declares it. Rounding
+    /// to codes of `code_nt` counts as white noise.
     pub fn of(document: &Document, sensor: Axis, measured: Option<&SensorNoise>, code_nt: f64) -> Self {
         let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
         let noisy = |noise: &Noise| noise.rms_nt(1e3, 1.0) > 0.0;
@@ -60,16 +64,18 @@ impl Shape {
         self.known.is_some()
     }
 
-    /// The covariances that are allowed for, over several recordings that share nothing: the times of each, or how many rows
-    /// it has. Where the sensor's noise is known and a coil makes the field, white and flicker noise of the field may come on
-    /// top, and in recordings of more than two hours a random walk; where it is not known, white noise alone or with flicker noise in every proportion.
+    /// The covariances that are allowed for, over several recordings that share nothing: the times of each,
+    /// or how many rows it has. Where the sensor's noise is known and a coil makes the field, white and
+    /// flicker noise of the field may come on top, and in recordings of more than two hours a random walk;
+    /// where it is not known, white noise alone or with flicker noise in every proportion.
     pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
         self.allowed_beyond(FULL, recordings, place, None)
     }
 
-    /// The same where the noise of each reading has a size of its own, by recording and row; in one pass, each recording. What is slower than the readings follow each
-    /// other scatters with a power of that, any of [`POWERS`]: traffic by day may add more to the slow noise than to the fast.
-    /// Only of what has some of the `weights`, which a fit gave to those without.
+    /// The same where the noise of each reading has a size of its own, by recording and row; in one pass,
+    /// each recording. What is slower than the readings follow each other scatters with a power of that, any
+    /// of [`POWERS`]: traffic by day may add more to the slow noise than to the fast. Only of what has some
+    /// of the `weights`, which a fit gave to those without.
     pub fn sized(
         &self,
         recordings: &[Rows],
@@ -188,7 +194,8 @@ fn about_mean(mut covariance: Vec<f64>, rows: usize) -> Vec<f64> {
     covariance
 }
 
-/// Whether a recording is so long that the daily variation, of which some thousandths leak through the nulling, drifts in it.
+/// Whether a recording is so long that the daily variation, of which some thousandths leak through the
+/// nulling, drifts in it.
 fn drifts((_, time): &Rows) -> bool {
     time.as_ref()
         .and_then(|time| Some(time.last()? - time.first()?))
@@ -226,7 +233,8 @@ mod tests {
         ] {
             for time in [&even, &uneven] {
                 let [full, pass] = both(noise, time);
-                // At uneven times the full matrix has flicker noise read off an even grid by straight lines, which is smaller.
+                // At uneven times the full matrix has flicker noise read off an even grid by straight lines,
+                // which is smaller.
                 let within = if time == &even { 0.01 } else { 0.2 };
                 for at in 0..3 {
                     let [a, b] = [&full, &pass].map(|fit| fit.variance(at).sqrt());

@@ -1,9 +1,9 @@
 //! Where the fields across a sensor come from: the directions of coils and sensors that nobody measured.
 //!
-//! A sensor that was turned along a coil to the largest reading points along its field: R η = μ, with the measured orientation R
-//! of the block. The same sensor along another coil, or along the same one with the block turned about it, determines both
-//! directions; so does what a sensor leans towards a coil across it, which is the cosine between two coils. What these do
-//! not show is known as far as axes may be from nominal.
+//! A sensor that was turned along a coil to the largest reading points along its field: R η = μ, with the
+//! measured orientation R of the block. The same sensor along another coil, or along the same one with the
+//! block turned about it, determines both directions; so does what a sensor leans towards a coil across it,
+//! which is the cosine between two coils. What these do not show is known as far as axes may be from nominal.
 
 use common::{AxesDirections, Axis, Document, Recording, procedure};
 use estimate::linear;
@@ -16,7 +16,8 @@ use crate::Error;
 
 /// Procedures in which a sensor is turned along a coil.
 const ALONG: [&str; 3] = [procedure::SENSOR_SENSITIVITY, procedure::TEMPERATURE_RUN, procedure::CROSS_FIELD];
-/// How well a sensor is turned to the largest reading before the recordings say so, rad: a reading falls by 1 in 650 000 at 0.1°.
+/// How well a sensor is turned to the largest reading before the recordings say so, rad: a reading falls by 1
+/// in 650 000 at 0.1°.
 const ALIGNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// That counts as much as so many observed angles.
 const ALIGNED_FREEDOM: f64 = 4.0;
@@ -69,8 +70,8 @@ pub struct Directions {
 }
 
 impl Sides {
-    /// Of all recordings whose orientation is stated; directions that the document does not give may be `axes_std_deg` from
-    /// nominal.
+    /// Of all recordings whose orientation is stated; directions that the document does not give may be
+    /// `axes_std_deg` from nominal.
     pub fn of(document: &Document, axes_std_deg: f64) -> Self {
         let basic = Basic::of(document, Unit::Volt);
         let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
@@ -111,8 +112,8 @@ impl Sides {
         }
     }
 
-    /// The likeliest directions, by Gauss-Newton steps in the tangents of the nominal ones. How well sensors were turned along
-    /// coils is taken from how the recordings agree.
+    /// The likeliest directions, by Gauss-Newton steps in the tangents of the nominal ones. How well sensors
+    /// were turned along coils is taken from how the recordings agree.
     pub fn solve(&self, leans: &[Lean]) -> Result<Directions, Error> {
         let mut unknowns = [0.0; UNKNOWNS];
         let mut aligned = ALIGNED;
@@ -160,8 +161,8 @@ impl Sides {
         unreachable!("the iteration returns after its last step")
     }
 
-    /// Design, right side and standard deviation of each row about the present unknowns: three components for each sensor that was turned,
-    /// the leans, what is known of each direction.
+    /// Design, right side and standard deviation of each row about the present unknowns: three components for
+    /// each sensor that was turned, the leans, what is known of each direction.
     fn linearise(
         &self,
         unknowns: &[f64; UNKNOWNS],

@@ -1,5 +1,5 @@
-//! A size of the noise for each stretch of a recording: one is made on a quiet night, another by day beside traffic, and a night ends while
-//! a temperature run goes on.
+//! A size of the noise for each stretch of a recording: one is made on a quiet night, another by day beside
+//! traffic, and a night ends while a temperature run goes on.
 
 use estimate::{linear, stats};
 use faer::Mat;
@@ -25,10 +25,12 @@ pub struct Sized {
 impl Sized {
     /// Of the readings of a fit, with the noise that it called for.
     ///
-    /// s² = r'r/d for each stretch, with the residuals r whitened by the likeliest covariance and their degrees of freedom d (readings
-    /// less the trace of their part of the projection on the design). The variances behind them scatter like σ₀² ν/χ²(ν), with σ₀ and ν
-    /// from the scatter of ln s² (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3), so that σ² = (ν σ₀² + d s²)/(ν + d). Where the
-    /// s² scatter no more than chance makes them, all have one size; so they do where the sensor's own noise explains the readings.
+    /// s² = r'r/d for each stretch, with the residuals r whitened by the likeliest covariance and their
+    /// degrees of freedom d (readings less the trace of their part of the projection on the design). The
+    /// variances behind them scatter like σ₀² ν/χ²(ν), with σ₀ and ν from the scatter of ln s² (Smyth 2004,
+    /// Stat. Appl. Genet. Mol. Biol. 3, 3), so that σ² = (ν σ₀² + d s²)/(ν + d). Where the s² scatter no more
+    /// than chance makes them, all have one size; so they do where the sensor's own noise explains the
+    /// readings.
     pub fn of(
         allowed: Allowed,
         fit: &Fit,
@@ -55,8 +57,8 @@ impl Sized {
         Ok(Self { allowed: shape.sized(&recordings, place, (&sizes, weights))?, stretches })
     }
 
-    /// The smallest of the effective degrees of freedom of some unknowns of a fit under this noise (Welch and Satterthwaite), and
-    /// the factor from standard uncertainty to 95 % interval.
+    /// The smallest of the effective degrees of freedom of some unknowns of a fit under this noise (Welch and
+    /// Satterthwaite), and the factor from standard uncertainty to 95 % interval.
     pub fn freedom(&self, fit: &Fit, unknowns: &[usize]) -> Result<(f64, f64), Error> {
         let white = &self.allowed.whitenings[self.allowed.best(&fit.linear)];
         let design = white.apply(fit.design.as_ref());
@@ -103,8 +105,8 @@ fn scatter(allowed: &Allowed, fit: &Fit, rows: &[usize]) -> Result<Vec<(f64, f64
     Ok(rows.iter().map(one).collect())
 }
 
-/// σ₀² and ν of variances that scatter like σ₀² ν/χ²(ν), from estimates of them with their degrees of freedom; None where the estimates
-/// scatter no more than their own freedom makes them.
+/// σ₀² and ν of variances that scatter like σ₀² ν/χ²(ν), from estimates of them with their degrees of
+/// freedom; None where the estimates scatter no more than their own freedom makes them.
 fn spread(own: &[(f64, f64)]) -> Option<(f64, f64)> {
     let known: Vec<(f64, f64)> =
         own.iter().filter(|(s2, freedom)| *s2 > 0.0 && *freedom >= 1.0).copied().collect();
@@ -128,7 +130,8 @@ fn spread(own: &[(f64, f64)]) -> Option<(f64, f64)> {
     Some(((mean + level(half)).exp(), 2.0 * half))
 }
 
-/// ψ'(x), x > 0: by ψ'(x) = ψ'(x + 1) + 1/x² up to where the asymptotic series is exact (Abramowitz and Stegun 6.4.12).
+/// ψ'(x), x > 0: by ψ'(x) = ψ'(x + 1) + 1/x² up to where the asymptotic series is exact (Abramowitz and
+/// Stegun 6.4.12).
 fn trigamma(x: f64) -> f64 {
     let steps = (10.0 - x).ceil().max(0.0) as usize;
     let below: f64 = (0..steps).map(|step| (x + step as f64).powi(-2)).sum();

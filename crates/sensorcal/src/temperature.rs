@@ -81,7 +81,8 @@ pub fn coefficients(
     Ok(Some((found, conditions)))
 }
 
-/// Effects of the parts that moved, and which of their parameters are sought: a curvature from three temperatures on.
+/// Effects of the parts that moved, and which of their parameters are sought: a curvature from three
+/// temperatures on.
 fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Parameter>) {
     let (mut effects, mut asked) = (Vec::new(), Vec::new());
     for part in &heated.parts {

@@ -33,7 +33,8 @@ pub struct Date {
     pub temperature_c: Option<f64>,
     /// Variance from scatter, nT².
     pub scatter_nt2: f64,
-    /// Derivative by each parameter of the known effects of temperature, which were taken off; None where none were.
+    /// Derivative by each parameter of the known effects of temperature, which were taken off; None where
+    /// none were.
     pub by_temperature: Option<Vec<f64>>,
 }
 
@@ -52,8 +53,8 @@ struct Columns {
 }
 
 impl Columns {
-    /// 1 and the time in years from its middle; a yearly term where the dates span one; the temperature where it moved and is
-    /// not known already.
+    /// 1 and the time in years from its middle; a yearly term where the dates span one; the temperature where
+    /// it moved and is not known already.
     fn of(dates: &[Date]) -> Self {
         let times: Vec<f64> = dates.iter().map(|date| date.days_from(&dates[0])).collect();
         let middle = times.iter().sum::<f64>() / times.len() as f64;
@@ -86,8 +87,8 @@ impl Columns {
     }
 }
 
-/// Trend, yearly term and temperature's part, under whatever noise with memory the offsets may have; and the trend under each
-/// noise alone.
+/// Trend, yearly term and temperature's part, under whatever noise with memory the offsets may have; and the
+/// trend under each noise alone.
 pub fn fit(
     dates: &[Date],
     (conditions, common): (&Conditions, &[Vec<f64>]),
@@ -165,7 +166,8 @@ pub fn fit(
     Ok(())
 }
 
-/// The least-squares trend with the standard uncertainty of Newey and West, which allows for short memory only.
+/// The least-squares trend with the standard uncertainty of Newey and West, which allows for short memory
+/// only.
 fn newey_west(columns: &Columns, y: &[f64]) -> Result<Quantity, Error> {
     let design = columns.design.as_ref();
     let fit = linear::fit(design, y, None)?;

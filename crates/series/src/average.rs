@@ -6,7 +6,8 @@ use common::{Column, Columns, Error, Recording};
 use crate::{phase_s, times};
 use joined::usual_step_s;
 
-/// What a time may be off by its last digit, s: a row that is due at a boundary belongs to the window that begins there.
+/// What a time may be off by its last digit, s: a row that is due at a boundary belongs to the window that
+/// begins there.
 const ROUNDING_S: f64 = 5e-7;
 /// The column with the number of samples of a row.
 const SAMPLES: &str = "samples";

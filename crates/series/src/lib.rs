@@ -1,5 +1,5 @@
-//! Recordings of a document as other recordings of it: cut, averaged over windows, resampled, joined to common times, columns renamed.
-//! Nothing is estimated here: times are taken as each recording states them.
+//! Recordings of a document as other recordings of it: cut, averaged over windows, resampled, joined to
+//! common times, columns renamed. Nothing is estimated here: times are taken as each recording states them.
 
 mod average;
 mod cut;
@@ -115,8 +115,8 @@ fn times<'a>(recording: &'a Recording, path: &str) -> Result<&'a [f64], Error> {
     }
 }
 
-/// Where the first window of this length begins before the recording's zero, so that windows begin at whole multiples in UTC; 0 for a
-/// recording that does not say when it began.
+/// Where the first window of this length begins before the recording's zero, so that windows begin at whole
+/// multiples in UTC; 0 for a recording that does not say when it began.
 fn phase_s(recording: &Recording, length_s: f64) -> f64 {
     recording.start().map_or(0.0, |start| start.unix_s.rem_euclid(length_s))
 }

@@ -1,8 +1,8 @@
 //! Speed, as ratios against a peer in the same run.
 //!
-//! `campaign` is 10⁷ samples of three channels with five effects and flicker noise; its peer writes 3 · 10⁷ normal numbers
-//! from one stream, which is the least that any noise costs. `text` is the JSON of a tenth of it, its peer the formatting of the same
-//! numbers one by one.
+//! `campaign` is 10⁷ samples of three channels with five effects and flicker noise; its peer writes 3 · 10⁷
+//! normal numbers from one stream, which is the least that any noise costs. `text` is the JSON of a tenth of
+//! it, its peer the formatting of the same numbers one by one.
 
 use divan::{Bencher, black_box};
 use serde_json::json;

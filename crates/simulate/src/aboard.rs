@@ -1,4 +1,5 @@
-//! What is written aboard beside the readings: a field model and the attitude of a star sensor, each with its errors.
+//! What is written aboard beside the readings: a field model and the attitude of a star sensor, each with its
+//! errors.
 
 use common::{Axis, Column, Noise, Recording};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -30,7 +31,8 @@ pub struct KnownField {
     pub attitude_std_arcsec: f64,
 }
 
-/// Puts the field model and the attitude, as they are known, in the place of the true ones; neither is written where none is known.
+/// Puts the field model and the attitude, as they are known, in the place of the true ones; neither is
+/// written where none is known.
 pub fn write(
     set: &mut Recording,
     known: Option<&KnownField>,

@@ -114,7 +114,8 @@ impl Bench<'_> {
         alignment_arcmin: f64,
         quarter_turns: f64,
     ) -> Aligned {
-        // The nominal turn takes the coil's axis to the sensor's; the fixture is then adjusted to the largest reading.
+        // The nominal turn takes the coil's axis to the sensor's; the fixture is then adjusted to the largest
+        // reading.
         let steps = (3 + sensor.index() - coil.index()) % 3;
         let mut nominal = Matrix3::from_fn(|row, column| f64::from(u8::from(row == (column + steps) % 3)));
         nominal = turn(sensor, quarter_turns) * nominal;

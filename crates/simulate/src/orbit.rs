@@ -72,8 +72,8 @@ impl Orbit {
     }
 }
 
-/// The main field at a place, north, east and down, nT: −∇V, V = a Σₙ (a/r)ⁿ⁺¹ Σₘ (gₙᵐ cos mλ + hₙᵐ sin mλ) Pₙᵐ(cos θ) with Schmidt's
-/// functions up to n = 2.
+/// The main field at a place, north, east and down, nT: −∇V, V = a Σₙ (a/r)ⁿ⁺¹ Σₘ (gₙᵐ cos mλ + hₙᵐ sin mλ)
+/// Pₙᵐ(cos θ) with Schmidt's functions up to n = 2.
 pub fn main_field_nt(place: &Place) -> Vector3<f64> {
     let (cos, sin) = place.latitude.sin_cos();
     let ((s1, c1), (s2, c2)) = (place.longitude.sin_cos(), (2.0 * place.longitude).sin_cos());

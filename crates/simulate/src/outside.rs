@@ -9,8 +9,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// The natural field, GEO, nT. Main field, daily variation and storm are functions of time alone; the background is drawn
-/// anew for each recording.
+/// The natural field, GEO, nT. Main field, daily variation and storm are functions of time alone; the
+/// background is drawn anew for each recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -30,7 +30,8 @@ pub struct OutsidePlan {
     pub station: Option<Noise>,
 }
 
-/// A magnetic storm: a sudden commencement, a main phase that deepens and recovers, and unrest while it lasts.
+/// A magnetic storm: a sudden commencement, a main phase that deepens and recovers, and unrest while it
+/// lasts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -206,8 +207,8 @@ impl OutsidePlan {
 }
 
 impl Storm {
-    /// Its field along one axis, t seconds after its beginning: s e^(−t/r) + d w(t), w = (1 − e^(−t/g)) e^(−t/r) over its
-    /// largest value; unrest grows and fades with w.
+    /// Its field along one axis, t seconds after its beginning: s e^(−t/r) + d w(t), w = (1 − e^(−t/g))
+    /// e^(−t/r) over its largest value; unrest grows and fades with w.
     fn at(&self, axis: Axis, t: f64, unrest: f64) -> f64 {
         if t < 0.0 {
             return 0.0;
@@ -220,9 +221,9 @@ impl Storm {
     }
 }
 
-/// The daily variation of x, y, z at an hour of local time, each between about −1 and 1: the first three harmonics of the
-/// quiet day at middle latitudes (Chapman and Bartels 1940): x and z lowest about noon, y high in the morning and low in
-/// the afternoon.
+/// The daily variation of x, y, z at an hour of local time, each between about −1 and 1: the first three
+/// harmonics of the quiet day at middle latitudes (Chapman and Bartels 1940): x and z lowest about noon, y
+/// high in the morning and low in the afternoon.
 fn daily(hour: f64) -> Vector3<f64> {
     let wave = |period: f64, peak: f64| (TAU * (hour - peak) / period).cos();
     let dip = -(0.6 * wave(24.0, 12.0) + 0.3 * wave(12.0, 12.0) + 0.1 * wave(8.0, 12.0));

@@ -22,12 +22,12 @@ pub struct Plan {
     /// Seed of all noise.
     #[serde(default)]
     pub seed: u64,
-    /// When the campaign begins (RFC 3339, with the local offset from UTC). Absent: recordings carry no `start` and share
-    /// the campaign's clock.
+    /// When the campaign begins (RFC 3339, with the local offset from UTC). Absent: recordings carry no
+    /// `start` and share the campaign's clock.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<String>,
-    /// The facility, as the document will state it. Its uncertainties are also what the simulated theodolites, resistors,
-    /// voltmeter and scalar reference err by.
+    /// The facility, as the document will state it. Its uncertainties are also what the simulated
+    /// theodolites, resistors, voltmeter and scalar reference err by.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub facility: Option<Facility>,
     /// The instrument, as the document will state it; its noise and quantisation are applied.
@@ -36,8 +36,8 @@ pub struct Plan {
     /// The calibration that the document will state.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "common::calibration_of")]
     pub calibration: Option<Calibration>,
-    /// What of `calibration` the stages are to find: it serves the operator for setting the drives and stays out of the
-    /// document (`coils`, `sensors`, `axes`, `differential`).
+    /// What of `calibration` the stages are to find: it serves the operator for setting the drives and stays
+    /// out of the document (`coils`, `sensors`, `axes`, `differential`).
     #[serde(default)]
     pub unstated: Vec<CalibrationPart>,
     /// How the drive is written: as current, or as the voltmeter reads it over the precision resistors.

@@ -14,11 +14,11 @@ pub struct Replayed {
     pub notes: Vec<String>,
 }
 
-/// Replaces the readings of every recording by what `calibration` and `model` predict for its drive, orientation,
-/// temperatures and times. Missing readings stay missing.
+/// Replaces the readings of every recording by what `calibration` and `model` predict for its drive,
+/// orientation, temperatures and times. Missing readings stay missing.
 ///
-/// With a seed the declared noise and the codes are added. What the document does not state is nominal, and said; a drive of
-/// a coil without a constant, or a reading in V without a sensitivity, is refused.
+/// With a seed the declared noise and the codes are added. What the document does not state is nominal, and
+/// said; a drive of a coil without a constant, or a reading in V without a sensitivity, is refused.
 pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let references = References::stated(document);

@@ -1,7 +1,7 @@
 //! Speed of reading, as ratios against peers in the same run.
 //!
-//! A million rows of seven columns (a time and two sensors of three axes), from CSV, NDJSON and Parquet. The peers: the bytes
-//! of each file alone, and the `csv` crate with `str::parse`.
+//! A million rows of seven columns (a time and two sensors of three axes), from CSV, NDJSON and Parquet. The
+//! peers: the bytes of each file alone, and the `csv` crate with `str::parse`.
 
 use divan::{Bencher, black_box};
 use std::fs;

@@ -5,13 +5,14 @@ const BATCH_NUMBERS: usize = 1 << 20;
 
 /// Some rows of a table.
 ///
-/// A [`Reader`](crate::Reader) of n columns yields min(65 536, ⌊2²⁰/n⌋) rows in each batch but the last, in every format, or
-/// fewer where their text is longer than 32 MiB.
+/// A [`Reader`](crate::Reader) of n columns yields min(65 536, ⌊2²⁰/n⌋) rows in each batch but the last, in
+/// every format, or fewer where their text is longer than 32 MiB.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
     /// Rows of the table before the first of this batch.
     pub first_row: u64,
-    /// The numbers, column by column, in the order of [`Reader::columns`](crate::Reader::columns); NaN where one is missing.
+    /// The numbers, column by column, in the order of [`Reader::columns`](crate::Reader::columns); NaN where
+    /// one is missing.
     pub columns: Vec<Vec<f64>>,
 }
 

@@ -7,8 +7,8 @@ use crate::Error;
 ///
 /// # Errors
 ///
-/// [`Error::Request`] for an absolute path, for one with `..`, and where a symbolic link leads out of the folder or
-/// nowhere; [`Error::File`] where the folder cannot be read.
+/// [`Error::Request`] for an absolute path, for one with `..`, and where a symbolic link leads out of the
+/// folder or nowhere; [`Error::File`] where the folder cannot be read.
 pub fn beside(document_folder: &Path, relative: &str) -> Result<PathBuf, Error> {
     let refused = |why: &str| {
         Err(Error::Request(format!(

@@ -24,7 +24,8 @@ impl Content {
     ///
     /// # Errors
     ///
-    /// [`Error::Data`] for nothing, archives, UTF-16, HDF5, and what is neither text nor a format that is read.
+    /// [`Error::Data`] for nothing, archives, UTF-16, HDF5, and what is neither text nor a format that is
+    /// read.
     pub fn of(shown: &str, bytes: &[u8]) -> Result<Self, Error> {
         let refused = |found: &str, expected: &str| Err(Error::data(shown, Place::Whole, found, expected));
         let archive = "a file of readings; unpack it first";

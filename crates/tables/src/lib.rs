@@ -1,10 +1,11 @@
-//! Named numeric columns of long series, read and written in batches of bounded size: CSV, NDJSON and Parquet.
+//! Named numeric columns of long series, read and written in batches of bounded size: CSV, NDJSON and
+//! Parquet.
 //!
-//! A table is a list of columns with distinct names and as many numbers in each. A missing number (an empty field, `null`,
-//! `nan`) is [`f64::NAN`]; an infinite one is refused, read or written. A [`Reader`] yields a table from its first row to its
-//! last, and the same batches on any number of threads. It reads and parses ahead of its caller, on threads of its own, and
-//! holds no more than a few batches. A [`Writer`] takes a table in batches of any size. What is written is read back bit by
-//! bit, negative zero included.
+//! A table is a list of columns with distinct names and as many numbers in each. A missing number (an empty
+//! field, `null`, `nan`) is [`f64::NAN`]; an infinite one is refused, read or written. A [`Reader`] yields a
+//! table from its first row to its last, and the same batches on any number of threads. It reads and parses
+//! ahead of its caller, on threads of its own, and holds no more than a few batches. A [`Writer`] takes a
+//! table in batches of any size. What is written is read back bit by bit, negative zero included.
 //!
 //! - CSV: a line of names, perhaps after comments (`#`), then a line a row, cut at commas. A field may stand in quotes, but does
 //!   not go over the end of its line. A value that is not wanted may be any text.

@@ -3,8 +3,8 @@ use std::fs;
 
 use crate::{fixture, run_in};
 
-/// A stage finds in a document whose recordings keep their readings in files beside it what it finds in the document that holds
-/// them (a fixture), and leaves the files alone.
+/// A stage finds in a document whose recordings keep their readings in files beside it what it finds in the
+/// document that holds them (a fixture), and leaves the files alone.
 pub fn beside(program: &str, input: &str) {
     let mut document: Value = serde_json::from_str(&crate::read_fixture(input)).expect("JSON");
     let folder = tempfile::tempdir().expect("a folder");

@@ -25,7 +25,8 @@ pub fn run(program: &str, arguments: &[&str], input: &str) -> Run {
         .unwrap_or_else(|error| panic!("{program}: {error}"));
     let mut stdin = child.stdin.take().expect("piped");
     let input = input.to_string();
-    // A program that refuses its arguments ends without reading: then the pipe is closed, and that is no error here.
+    // A program that refuses its arguments ends without reading: then the pipe is closed, and that is no
+    // error here.
     let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()).is_ok());
     let output = child.wait_with_output().expect("the program ended");
     writer.join().expect("the writer ended");
@@ -38,7 +39,8 @@ pub fn run_in(program: &str, folder: &Path, arguments: &[&str]) -> Run {
     Run::of(output.unwrap_or_else(|error| panic!("{program}: {error}")))
 }
 
-/// The document that programs make of another, one after the other; `beside` is a program in whose folder they are.
+/// The document that programs make of another, one after the other; `beside` is a program in whose folder
+/// they are.
 pub fn stages(beside: &str, programs: &[&str], document: &Document) -> Document {
     let folder = Path::new(beside).parent().expect("a folder");
     programs.iter().fold(document.clone(), |document, program| {

@@ -2,12 +2,14 @@
 
 use std::env;
 
-/// How many campaigns a test of coverage makes: FLUXCAL_CAMPAIGNS, or as many as `usual` in a run of all tests.
+/// How many campaigns a test of coverage makes: FLUXCAL_CAMPAIGNS, or as many as `usual` in a run of all
+/// tests.
 pub fn campaigns(usual: u64) -> u64 {
     number("FLUXCAL_CAMPAIGNS").unwrap_or(usual)
 }
 
-/// Every `step`-th of the cases, or all with FLUXCAL_CASES=all: a long test's small version in a run of all tests.
+/// Every `step`-th of the cases, or all with FLUXCAL_CASES=all: a long test's small version in a run of all
+/// tests.
 pub fn some<T>(cases: Vec<T>, step: usize) -> Vec<T> {
     let step = if env::var("FLUXCAL_CASES").is_ok_and(|which| which == "all") { 1 } else { step };
     cases.into_iter().step_by(step).collect()
@@ -22,8 +24,9 @@ pub fn number(variable: &str) -> Option<u64> {
 /// Tests that fail by chance do so in this share of their runs.
 const CHANCE: f64 = 0.01;
 
-/// Whether `inside` of `tried` agrees with a share within `band`, where `judged` shares are judged together: no less probable, by the
-/// binomial distribution of the nearest end of the band, than 1 % over both ends and all that are judged (Bonferroni).
+/// Whether `inside` of `tried` agrees with a share within `band`, where `judged` shares are judged together:
+/// no less probable, by the binomial distribution of the nearest end of the band, than 1 % over both ends and
+/// all that are judged (Bonferroni).
 pub fn agrees(inside: usize, tried: usize, band: [f64; 2], judged: usize) -> bool {
     let share = inside as f64 / tried as f64;
     let enough = CHANCE / (2.0 * judged as f64);

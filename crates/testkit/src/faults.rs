@@ -3,8 +3,9 @@ use std::path::Path;
 
 use crate::{bless, fixture, run, run_in};
 
-/// Every document of a folder of `fixtures` (`name.json`) brings its message and exit code (`name.txt`), and nothing on standard
-/// output. With BLESS=1 in the environment the messages are written anew. Gives the number of documents.
+/// Every document of a folder of `fixtures` (`name.json`) brings its message and exit code (`name.txt`), and
+/// nothing on standard output. With BLESS=1 in the environment the messages are written anew. Gives the
+/// number of documents.
 pub fn faults(folder: &str, program: &str) -> usize {
     let folder = fixture(folder);
     let mut names: Vec<String> = fs::read_dir(&folder)
@@ -41,8 +42,9 @@ pub fn copied(folder: &str) -> tempfile::TempDir {
     copy
 }
 
-/// Each of these command lines, run in a folder, brings its message and exit code (`name.txt` in a folder of `fixtures`), and nothing on
-/// standard output. With BLESS=1 in the environment the messages are written anew.
+/// Each of these command lines, run in a folder, brings its message and exit code (`name.txt` in a folder of
+/// `fixtures`), and nothing on standard output. With BLESS=1 in the environment the messages are written
+/// anew.
 pub fn faults_in(folder: &Path, messages: &str, program: &str, cases: &[(&str, Vec<&str>)]) {
     let mut wrong = Vec::new();
     for (name, arguments) in cases {

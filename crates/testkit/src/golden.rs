@@ -17,9 +17,9 @@ pub struct Tolerance {
 }
 
 /// Runs one golden case: the fixture `input` through `run`, against `<case>/expected.json` within the
-/// `tolerances.json` of its stage (`default`, and others by the beginning of a JSON path; the longest holds). Its words must be well written
-/// ([`crate::ill_written`]).
-/// With BLESS=1 in the environment the expected document is written anew: read the difference.
+/// `tolerances.json` of its stage (`default`, and others by the beginning of a JSON path; the longest holds).
+/// Its words must be well written ([`crate::ill_written`]). With BLESS=1 in the environment the expected
+/// document is written anew: read the difference.
 pub fn golden(case: &str, input: &str, run: impl FnOnce(&str) -> String) {
     let folder = fixture(case);
     let found = run(&crate::read_fixture(input));

@@ -5,8 +5,9 @@ use tempfile::TempDir;
 
 use crate::{Run, fixture, run, run_in};
 
-/// Runs the examples in the help text of a program, and of each of its subcommands, as they stand, in an empty folder where only the
-/// fixtures are; they find the workspace's programs beside it. Gives the folder with what they wrote.
+/// Runs the examples in the help text of a program, and of each of its subcommands, as they stand, in an
+/// empty folder where only the fixtures are; they find the workspace's programs beside it. Gives the folder
+/// with what they wrote.
 #[cfg(unix)]
 pub fn examples(program: &str, subcommands: &[&str]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");

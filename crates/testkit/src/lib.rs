@@ -1,5 +1,5 @@
-//! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences, shares of
-//! intervals that hold, laws that hold whatever was recorded, the stages' programs run one by one.
+//! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences,
+//! shares of intervals that hold, laws that hold whatever was recorded, the stages' programs run one by one.
 
 use std::path::{Path, PathBuf};
 
@@ -30,8 +30,9 @@ pub fn fixture(relative: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures").join(relative)
 }
 
-/// The folder of a set of real recordings, which are not in the repository: below `FLUXCAL_DATA`, else below `../shared/data` beside
-/// the repository. Tests that need one are ignored unless they are asked for (`just recordings`).
+/// The folder of a set of real recordings, which are not in the repository: below `FLUXCAL_DATA`, else below
+/// `../shared/data` beside the repository. Tests that need one are ignored unless they are asked for (`just
+/// recordings`).
 pub fn recordings(set: &str) -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var("FLUXCAL_DATA").map_or(beside, PathBuf::from).join(set);

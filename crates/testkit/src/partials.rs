@@ -6,9 +6,10 @@ use std::ops::Range;
 /// Pieces at most into which a series is cut.
 const PIECES: usize = 7;
 
-/// The contract of statistics that are merged ([`partial::Partial`]), for pieces of a series of so many rows: in any order and grouping, with a piece of
-/// no rows among them and each written and read again, they give what `same` holds to be that of one pass, which also judges two ways of
-/// merging. A piece of no rows changes no byte of another.
+/// The contract of statistics that are merged ([`partial::Partial`]), for pieces of a series of so many rows:
+/// in any order and grouping, with a piece of no rows among them and each written and read again, they give
+/// what `same` holds to be that of one pass, which also judges two ways of merging. A piece of no rows
+/// changes no byte of another.
 ///
 /// `piece` makes the statistics of some rows of the series of a seed.
 pub fn partials_merge<P: Partial>(
@@ -40,7 +41,8 @@ pub fn partials_merge<P: Partial>(
                 let changed = to_line(&joined(pair.into_iter().map(read).collect::<Result<_, _>>()?));
                 prop_assert_eq!(&changed, &lines[0], "a piece of no rows changes another");
             }
-            // Associative: two by two, neighbours of a random order, until one is left; commutative, since neighbours in time come in any order.
+            // Associative: two by two, neighbours of a random order, until one is left; commutative, since
+            // neighbours in time come in any order.
             let order = order.into_iter().filter(|at| *at <= lines.len());
             let mut left: Vec<String> = order.map(|at| lines.get(at).unwrap_or(&nothing).clone()).collect();
             for at in groups {

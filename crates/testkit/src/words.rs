@@ -20,8 +20,8 @@ const COUNTED: [&str; 16] = [
     "steps",
 ];
 
-/// The places where words for people do not have the form of `common::number`: `5.2e-15`, `-3`, `1 rows`, and uncertainties that
-/// have not two digits, or not the decimals of their value.
+/// The places where words for people do not have the form of `common::number`: `5.2e-15`, `-3`, `1 rows`, and
+/// uncertainties that have not two digits, or not the decimals of their value.
 pub fn ill_written(text: &str) -> Vec<String> {
     text.lines().flat_map(in_line).collect()
 }

@@ -26,8 +26,8 @@ pub struct Readings {
     pub drives_nt: Vec<Vector3<f64>>,
     /// Covariance of each sensor's readings of them, nT².
     pub covariance: [DMatrix<f64>; 3],
-    /// What one standard uncertainty of each coil's gradient makes at each sensor in an orientation of the block: the share of the drive
-    /// for each metre, and the places of the sensors in SEN, m.
+    /// What one standard uncertainty of each coil's gradient makes at each sensor in an orientation of the
+    /// block: the share of the drive for each metre, and the places of the sensors in SEN, m.
     pub gradient_per_m: [f64; 3],
     /// See there.
     pub positions_m: [Vector3<f64>; 3],
@@ -66,7 +66,8 @@ impl Said {
 }
 
 impl Pieces {
-    /// Of an orientation with nominal axes; `turns` is L with L Lᵀ = covariance of its small rotation, for theodolites that err by 1 rad.
+    /// Of an orientation with nominal axes; `turns` is L with L Lᵀ = covariance of its small rotation, for
+    /// theodolites that err by 1 rad.
     pub fn of(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Self {
         let Derivatives { jacobian, common, own, gradients } = Derivatives::of(rotation, turns, readings);
         let rows = gradients.nrows();

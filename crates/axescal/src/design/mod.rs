@@ -1,12 +1,13 @@
-//! Which recordings reach a target in the least time, and which orientations of the block determine the directions best
-//! (`axescal design`).
+//! Which recordings reach a target in the least time, and which orientations of the block determine the
+//! directions best (`axescal design`).
 //!
-//! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives of the fit, `least` the
-//! search, `limits` what limits it, `basis` the plan before and after, `report` the answer. With `--number` sets of orientations are
-//! ranked alone: for nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
-//! information of an orientation on the 12 off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the derivatives by a
-//! turn of the block, which the theodolites leave uncertain by s. Informations add; the score of a set is the
-//! largest standard deviation in the inverse of its sum (NASA eq. 62).
+//! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives
+//! of the fit, `least` the search, `limits` what limits it, `basis` the plan before and after, `report` the
+//! answer. With `--number` sets of orientations are ranked alone: for nominal axes (μ = η = 1), each coil
+//! driven once in each orientation and every sensor read, the information of an orientation on the 12
+//! off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the derivatives by a turn of the block, which the
+//! theodolites leave uncertain by s. Informations add; the score of a set is the largest standard deviation
+//! in the inverse of its sum (NASA eq. 62).
 
 mod basis;
 mod command;

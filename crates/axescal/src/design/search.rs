@@ -45,7 +45,8 @@ impl Field {
         Scored { worst, members }
     }
 
-    /// The best set of a size with the search that found it: of all sets where that is feasible, else by exchange.
+    /// The best set of a size with the search that found it: of all sets where that is feasible, else by
+    /// exchange.
     pub fn best(&self, size: usize) -> (usize, Scored, &'static str) {
         let count = self.information.len();
         let sets = (0..size).map(|k| (count - k) as f64 / (size - k) as f64).product::<f64>();

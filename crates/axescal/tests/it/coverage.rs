@@ -34,8 +34,8 @@ impl Tally {
         let (mut inside, mut total) = (0, 0);
         println!("{title}: {campaigns} campaigns");
         let mut outside = Vec::new();
-        // In the full proof 93 to 97 %. With fewer campaigns one of some 200 intervals leaves that range by chance: there,
-        // what a binomial allows with probability 1 − 1e-6.
+        // In the full proof 93 to 97 %. With fewer campaigns one of some 200 intervals leaves that range by
+        // chance: there, what a binomial allows with probability 1 − 1e-6.
         let allowed = if campaigns >= 5000 { 0.02 } else { 4.9 * (0.95 * 0.05 / campaigns as f64).sqrt() };
         for (name, (hits, tries)) in &self.0 {
             let share = *hits as f64 / *tries as f64;
@@ -57,7 +57,8 @@ fn campaigns() -> usize {
     testkit::campaigns(30) as usize
 }
 
-/// Directions within about half a degree of `nominal`, constants and offsets off by what their uncertainty says.
+/// Directions within about half a degree of `nominal`, constants and offsets off by what their uncertainty
+/// says.
 pub fn draw(plan: &simulate::Plan, campaign: usize) -> simulate::Plan {
     let mut generator = ChaCha8Rng::seed_from_u64(0x0C0FFEE ^ campaign as u64);
     let mut normal = move || -> f64 { StandardNormal.sample(&mut generator) };

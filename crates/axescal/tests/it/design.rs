@@ -1,4 +1,5 @@
-//! The proof of `axescal design`: the plan that it writes is simulated, and axescal states and reaches what it predicts.
+//! The proof of `axescal design`: the plan that it writes is simulated, and axescal states and reaches what
+//! it predicts.
 
 use axescal::Options;
 use axescal::design::{self, Request};

@@ -1,4 +1,5 @@
-//! Known gradients of the coils at the known places of the sensors: taken off, with what is uncertain about them.
+//! Known gradients of the coils at the known places of the sensors: taken off, with what is uncertain about
+//! them.
 
 use axescal::Options;
 use common::{Axis, Document, Quantity};
@@ -12,8 +13,8 @@ use serde_json::json;
 const GRADIENTS: [f64; 3] = [300.0, -200.0, 250.0];
 const STD: f64 = 1.0;
 
-/// Sensors 5 cm from the centre in coils with gradients. What is uncertain about them turns directions as far as the noise does, and does not show
-/// in the scatter of the readings, which would be counted beside it.
+/// Sensors 5 cm from the centre in coils with gradients. What is uncertain about them turns directions as far
+/// as the noise does, and does not show in the scatter of the readings, which would be counted beside it.
 fn plan(seed: u64) -> simulate::Plan {
     let mut plan: serde_json::Value =
         serde_json::from_str(&testkit::read_fixture("plans/magsat-axes.json")).expect("JSON");

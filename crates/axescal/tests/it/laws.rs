@@ -1,4 +1,5 @@
-//! Laws that hold whatever the data: the names of axes, the unit of the field and the choice of GEO do not matter.
+//! Laws that hold whatever the data: the names of axes, the unit of the field and the choice of GEO do not
+//! matter.
 
 use axescal::{AxesProblem, AxesState, Freedom, NoiseFactors, Observations, Options};
 use common::{Axis, Document};

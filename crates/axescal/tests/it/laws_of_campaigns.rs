@@ -1,5 +1,5 @@
-//! Laws over drawn campaigns: what does not matter to the directions, and what changes them in a known way. FLUXCAL_CAMPAIGNS sets
-//! how many.
+//! Laws over drawn campaigns: what does not matter to the directions, and what changes them in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
 //!
 //! Not asked here: splitting a run with a sine, whose amplitude is of the whole run.
 
@@ -49,7 +49,8 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(4)).for_each(|seed| law(seed, &campaign(&plan(seed))));
 }
 
-/// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are counted.
+/// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are
+/// counted.
 const WAY: &[&str] = &["iterations", "singular_values"];
 /// The same; and a reading without drive is listed under the first coil, whatever its name.
 const NAMED: &[&str] = &["iterations", "singular_values", "readings.coil"];
@@ -125,7 +126,8 @@ fn an_orientation_in_two_recordings_is_the_same() {
 fn twice_the_noise_is_twice_the_interval() {
     for seed in 0..testkit::campaigns(4) {
         let mut plan = plan(seed);
-        // Noise alone is doubled: what errs besides (theodolites, stated constants) would be another part of the residuals.
+        // Noise alone is doubled: what errs besides (theodolites, stated constants) would be another part of
+        // the residuals.
         plan["facility"].as_object_mut().expect("a facility").remove("theodolite_arcsec");
         for exact in ["coils", "sensors"] {
             plan["truth"]["calibration"].as_object_mut().expect("constants").remove(exact);

@@ -57,8 +57,9 @@ fn without_the_29th_value_and_robust() {
         weighed_down(&robust).iter().filter(|named| [SCANNED_4TH, PRINTED_29TH].contains(named)).count(),
         2
     );
-    // The columns of Table 2 are unit vectors to 5e-6 only, which is 16 standard deviations of rounding: with unit
-    // lengths enforced, the readings along those axes are weighed down too. With free scales the two remain.
+    // The columns of Table 2 are unit vectors to 5e-6 only, which is 16 standard deviations of rounding: with
+    // unit lengths enforced, the readings along those axes are weighed down too. With free scales the two
+    // remain.
     let free = solved("table-4", &Options { robust: true, free_scales: true, ..Options::default() });
     assert_eq!(weighed_down(&free), [SCANNED_4TH, PRINTED_29TH]);
     // Sensor z is 1.00000465 long in Table 2, x and y 1.00000003 and 1.00000078.

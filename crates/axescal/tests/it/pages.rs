@@ -1,4 +1,5 @@
-//! The commands of README and docs run as they stand, print what the page shows, and write numbers in words as people read them.
+//! The commands of README and docs run as they stand, print what the page shows, and write numbers in words
+//! as people read them.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -12,8 +13,8 @@ struct Block {
     shown: Vec<String>,
 }
 
-/// The ```sh blocks of a page. Below each, up to the next, the page shows what it prints: in ```text blocks, or indented before
-/// any other word.
+/// The ```sh blocks of a page. Below each, up to the next, the page shows what it prints: in ```text blocks,
+/// or indented before any other word.
 fn blocks(page: &str) -> Vec<Block> {
     let mut blocks: Vec<Block> = Vec::new();
     let mut fence: Option<&str> = None;

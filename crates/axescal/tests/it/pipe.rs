@@ -171,7 +171,8 @@ fn design_from_a_file_of_orientations() {
     assert!(two.code == 1 && two.stderr.contains("two never suffice"), "{}", two.stderr);
 }
 
-/// A file that is read is not written over by mistake, keeps its permissions where that is meant, and options are numbers.
+/// A file that is read is not written over by mistake, keeps its permissions where that is meant, and options
+/// are numbers.
 #[test]
 fn what_is_read_is_not_lost() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -143,7 +143,8 @@ fn before_and_after(all: &[Hosted], answers: &Path) -> Result<(String, String), 
     Ok((format!("![{words}, before and after](proof/{PICTURE})\n"), svg))
 }
 
-/// The residual along time before and after, means of neighbours, levels off; of the column that changes most.
+/// The residual along time before and after, means of neighbours, levels off; of the column that changes
+/// most.
 fn courses(answer: &Value) -> Option<[Course; 2]> {
     let all = answer["diagnosis"][0]["series"].as_array()?.iter();
     let in_time = all.filter(|series| series["along"] == "time_s");

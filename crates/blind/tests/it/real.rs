@@ -1,5 +1,5 @@
-//! Real recordings, which are not in the repository: what needs them is run by `just recordings`, with the folder in `FLUXCAL_DATA`
-//! (else `../shared/data` beside the repository), the programs built.
+//! Real recordings, which are not in the repository: what needs them is run by `just recordings`, with the
+//! folder in `FLUXCAL_DATA` (else `../shared/data` beside the repository), the programs built.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -22,7 +22,8 @@ fn a_folder_that_is_missing_is_said_and_left_out() {
     assert_eq!(seals.lines().count(), 1);
 }
 
-/// At least five recordings of three folders show nothing; each is a case itself, and has effects at four strengths beside it.
+/// At least five recordings of three folders show nothing; each is a case itself, and has effects at four
+/// strengths beside it.
 #[test]
 #[ignore = "needs the recordings: just recordings"]
 fn quiet_recordings_become_hosts() {

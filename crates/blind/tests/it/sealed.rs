@@ -131,7 +131,8 @@ fn what_is_taken_out_of_the_catalogue_gets_no_name() {
     assert!(counted.stdout.contains("single, all: 1 cases: right 1"), "{}", counted.stdout);
 }
 
-/// On this orbit the turns of the sensors were once all taken for a turn of them together, and the names that came after were wrong.
+/// On this orbit the turns of the sensors were once all taken for a turn of them together, and the names that
+/// came after were wrong.
 #[test]
 fn an_orbit_is_explained_down_to_its_noise() {
     the_programs_are_built();

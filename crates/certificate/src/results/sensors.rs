@@ -1,4 +1,5 @@
-//! Each sensor: sensitivity, offset, temperature coefficients, trend, fields across, noise, and what else the model has.
+//! Each sensor: sensitivity, offset, temperature coefficients, trend, fields across, noise, and what else the
+//! model has.
 
 use common::{AdoptedEffect, Axis, Document, Quantity, SensorCalibration, uncertainty};
 

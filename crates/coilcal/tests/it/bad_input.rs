@@ -1,4 +1,5 @@
-//! Every document of `fixtures/bad/coilcal` brings its message, its exit code, and nothing on standard output.
+//! Every document of `fixtures/bad/coilcal` brings its message, its exit code, and nothing on standard
+//! output.
 
 #[test]
 fn each_fault_has_its_message() {

@@ -1,10 +1,11 @@
-//! Each departure is found where it is, and not claimed where it is not. FLUXCAL_CAMPAIGNS sets in how many clean runs.
+//! Each departure is found where it is, and not claimed where it is not. FLUXCAL_CAMPAIGNS sets in how many
+//! clean runs.
 
 use common::{Axis, CoilFit, Document, Recording, procedure};
 use noise::Stream;
 
-/// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field` gives the magnitude
-/// at a current and time.
+/// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field`
+/// gives the magnitude at a current and time.
 fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
     run_with(seed, field, |_| 0.3)
 }

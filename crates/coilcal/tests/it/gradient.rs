@@ -17,7 +17,8 @@ fn plan(seed: u64) -> simulate::Plan {
 
 #[test]
 fn intervals_of_the_terms_cover() {
-    // 60 000 nT · (2, −32, −40) ppm; the error within 0.05 m is at its end: 2 · 0.05 + 32 · 0.0025 + … ppm on the low side.
+    // 60 000 nT · (2, −32, −40) ppm; the error within 0.05 m is at its end: 2 · 0.05 + 32 · 0.0025 + … ppm on
+    // the low side.
     let truth = [60_000.0, 0.12, -1.92, -2.4];
     let error = 60_000.0 * (2.0 * 0.05 + 32.0 * 0.05f64.powi(2) + 40.0 * 0.05f64.powi(4)) * 1e-6;
     let mut covered = [0u32; 5];

@@ -1,8 +1,8 @@
-//! Laws over drawn campaigns: what does not matter to the coils, and what changes an answer in a known way. FLUXCAL_CAMPAIGNS sets
-//! how many.
+//! Laws over drawn campaigns: what does not matter to the coils, and what changes an answer in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
 //!
-//! Not asked here: moving a reference temperature (no temperature enters), splitting a survey or a series of the nulling (each is
-//! an answer by itself).
+//! Not asked here: moving a reference temperature (no temperature enters), splitting a survey or a series of
+//! the nulling (each is an answer by itself).
 
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};

@@ -40,8 +40,8 @@ fn the_merged_spectrum_is_that_of_the_site() {
             for axis in [Axis::X, Axis::Y] {
                 let spectrum = site.spectra.get(axis).expect("a spectrum");
                 for (k, f) in spectrum.frequency_hz.iter().enumerate() {
-                    // White noise of 0.02 nT at the rate of the series in whose band f lies; away from the lowest
-                    // frequencies, where the window smears the slope.
+                    // White noise of 0.02 nT at the rate of the series in whose band f lies; away from the
+                    // lowest frequencies, where the window smears the slope.
                     let series = site.series.iter().find(|series| *f <= series.band_hz[1]).expect("a series");
                     let defined = flicker / f + 2.0 * 0.02 * 0.02 / series.rate_hz;
                     if *f > 4.0 * series.band_hz[0] || series.rate_hz > 1.0 {
@@ -65,7 +65,8 @@ fn expected_rms_is_the_root_of_the_area() {
     for expected in &nulling.sites["weekday-day"].expected {
         let [low, high] = expected.band_hz;
         assert!((low - 1.0 / expected.length_s).abs() < 1e-12 && high == 50.0);
-        // A ln(f₂/f₁), and white noise in the three bands: to 0.08 Hz at 0.2 Hz, to 0.8 Hz at 2 Hz, to 50 Hz at 128 Hz.
+        // A ln(f₂/f₁), and white noise in the three bands: to 0.08 Hz at 0.2 Hz, to 0.8 Hz at 2 Hz, to 50 Hz
+        // at 128 Hz.
         let white: f64 = [(0.0, 0.08, 0.2), (0.08, 0.8, 2.0), (0.8, 50.0, 128.0)]
             .iter()
             .map(|(from, to, rate)| {

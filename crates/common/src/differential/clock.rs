@@ -5,12 +5,14 @@ use serde::{Deserialize, Serialize};
 use crate::Quantity;
 use crate::number::uncertain;
 
-/// The clock of the test instrument against the reference's: positive where the test instrument's times are late.
+/// The clock of the test instrument against the reference's: positive where the test instrument's times are
+/// late.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ClockDifference {
-    /// Its offset in the middle of the recording, s; where times jump, in the middle of the longest segment. Its uncertainty covers what parts
-    /// of the recording and bands of period give, where these scatter by more than their own uncertainties.
+    /// Its offset in the middle of the recording, s; where times jump, in the middle of the longest segment.
+    /// Its uncertainty covers what parts of the recording and bands of period give, where these scatter by
+    /// more than their own uncertainties.
     pub offset_s: Quantity,
     /// How much faster it runs, ppm; where times jump, within the segments.
     pub rate_ppm: Quantity,
@@ -68,7 +70,8 @@ pub struct ClockJump {
     pub time_s: f64,
     /// How much later the times are from there on, beyond whole steps, s.
     pub by_s: Quantity,
-    /// What the offset between the instruments, that of this one less the other's, changes by there, s; absent where nothing says it.
+    /// What the offset between the instruments, that of this one less the other's, changes by there, s;
+    /// absent where nothing says it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_change_s: Option<Quantity>,
     /// What follows.
@@ -117,12 +120,12 @@ pub struct DelayBands {
     pub scatter: OffsetScatter,
     /// How the delay depends on the period.
     pub form: DelayForm,
-    /// Time constant of a low-pass filter of first order, s: of the test instrument where it is positive, of the reference where it is
-    /// negative.
+    /// Time constant of a low-pass filter of first order, s: of the test instrument where it is positive, of
+    /// the reference where it is negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_constant_s: Option<Quantity>,
-    /// Length of the running mean that the readings of one instrument are, s: of the test instrument where it is positive, of the reference where it is
-    /// negative.
+    /// Length of the running mean that the readings of one instrument are, s: of the test instrument where it
+    /// is positive, of the reference where it is negative.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub average_s: Option<Quantity>,
     /// The delay at long periods less that of the filter, s: what is left for the clock.

@@ -7,7 +7,8 @@ use crate::{Axis, Extra, PerAxis};
 /// A change of an rms by less than this share is none to speak of.
 const SMALL: f64 = 0.01;
 
-/// What one thing adds to the difference of two magnetometers: its rms with it and without, everything else being the same.
+/// What one thing adds to the difference of two magnetometers: its rms with it and without, everything else
+/// being the same.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]

@@ -4,16 +4,17 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
 
-/// The drift of the difference d along one axis of the test instrument: b t + a e^(−t/τ), t from the first row.
+/// The drift of the difference d along one axis of the test instrument: b t + a e^(−t/τ), t from the first
+/// row.
 ///
-/// A `std` is such that value ± 1.96 std is the 95 % interval of Student's t with the degrees of freedom that the noise is
-/// known with.
+/// A `std` is such that value ± 1.96 std is the 95 % interval of Student's t with the degrees of freedom that
+/// the noise is known with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Drift {
-    /// What the readings demand. The straight part is always in the fit that the matrix is from, the exponential one only
-    /// where it is demanded.
+    /// What the readings demand. The straight part is always in the fit that the matrix is from, the
+    /// exponential one only where it is demanded.
     pub demanded: DriftForm,
     /// Probability below which a drift is demanded.
     pub level: f64,
@@ -21,7 +22,8 @@ pub struct Drift {
     pub straight_nt_per_day: Quantity,
     /// Probability of a straight drift as great by chance.
     pub straight_p: f64,
-    /// Probability, over all time constants, of an exponential drift as great beside a straight one by chance.
+    /// Probability, over all time constants, of an exponential drift as great beside a straight one by
+    /// chance.
     pub exponential_p: f64,
     /// Both parts together with the matrix under the fitted noise, demanded or not.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -77,8 +79,8 @@ pub struct JointDrift {
     pub amplitude_nt: Quantity,
     /// τ, s.
     pub time_constant_s: Quantity,
-    /// 95 % interval of τ, even in its logarithm, within what is sought: ten steps and a thousandth of the recording to three
-    /// times its length, s.
+    /// 95 % interval of τ, even in its logarithm, within what is sought: ten steps and a thousandth of the
+    /// recording to three times its length, s.
     pub time_constant_interval_s: [f64; 2],
     /// Whether τ was stopped by its limits.
     pub time_constant_at_limit: bool,
@@ -121,7 +123,8 @@ pub struct DriftChange {
     pub extrapolated: bool,
 }
 
-/// Two explanations of a slow change, with their weights: posterior probabilities where both are as probable before.
+/// Two explanations of a slow change, with their weights: posterior probabilities where both are as probable
+/// before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -145,6 +148,7 @@ pub struct DriftExplanations {
 pub struct WindowMean {
     /// Its middle, s.
     pub time_s: f64,
-    /// nT, about the mean of all; its uncertainty is that of a mean of the noise over the window, and of the matrix.
+    /// nT, about the mean of all; its uncertainty is that of a mean of the noise over the window, and of the
+    /// matrix.
     pub mean_nt: Quantity,
 }

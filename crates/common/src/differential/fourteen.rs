@@ -17,7 +17,8 @@ pub enum Magnetometer {
     Test,
 }
 
-/// Five values of one of two magnetometers that are known beforehand; those that are absent are 0 and 1, and exact.
+/// Five values of one of two magnetometers that are known beforehand; those that are absent are 0 and 1, and
+/// exact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -73,8 +74,8 @@ pub struct Angle {
     pub value_deg: f64,
     /// Its standard uncertainty, arcsec.
     pub std_arcsec: f64,
-    /// From the direction that it has when the instruments stand as meant (0° or 90°), arcsec. Absent for azimuths of axes
-    /// that are meant to be vertical.
+    /// From the direction that it has when the instruments stand as meant (0° or 90°), arcsec. Absent for
+    /// azimuths of axes that are meant to be vertical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub off_nominal_arcsec: Option<f64>,
 }

@@ -25,7 +25,8 @@ pub struct KeptOut {
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct Gap {
-    /// Time of the first sample, s; from the earliest `start`, or on the campaign's clock where recordings have none.
+    /// Time of the first sample, s; from the earliest `start`, or on the campaign's clock where recordings
+    /// have none.
     pub from_s: f64,
     /// Time of the last sample, s.
     pub to_s: f64,
@@ -52,7 +53,8 @@ pub struct KeptOutEvent {
     pub rows: [usize; 2],
     /// Its size, nT. Of an interval the largest part.
     pub size_nt: Quantity,
-    /// Size over its uncertainty when it was found, or over the spread of all such ratios where that is wider.
+    /// Size over its uncertainty when it was found, or over the spread of all such ratios where that is
+    /// wider.
     pub z: f64,
     /// Keys that this version does not know.
     #[serde(flatten)]
@@ -81,6 +83,7 @@ pub enum EventInstrument {
     Test,
     /// The reference.
     Reference,
-    /// Not to be told: the axes of the two lie too close for its size. A step is taken from the test instrument.
+    /// Not to be told: the axes of the two lie too close for its size. A step is taken from the test
+    /// instrument.
     Either,
 }

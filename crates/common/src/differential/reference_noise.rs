@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Matrix3x3, PerAxis, Quantity};
 
-/// Noise of the reference: with R = B + e instead of the field B, least squares gives (1 − M⁻¹N) η for η, where
-/// M = Σ S_RR/P_d and N = Σ P_e/P_d over the frequencies.
+/// Noise of the reference: with R = B + e instead of the field B, least squares gives (1 − M⁻¹N) η for η,
+/// where M = Σ S_RR/P_d and N = Σ P_e/P_d over the frequencies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -15,8 +15,8 @@ pub struct ReferenceNoise {
     pub known_from: ReferenceNoiseSource,
     /// Each element of the matrix by its place, `xy` from the reference's x to the test's y.
     pub elements: IndexMap<String, PulledElement>,
-    /// Share of the difference's power that is the reference's, along each axis of the reference; absent where its noise is
-    /// not known.
+    /// Share of the difference's power that is the reference's, along each axis of the reference; absent
+    /// where its noise is not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub share: Option<PerAxis<Quantity>>,
     /// Noise of the test instrument alone, that of the reference taken off; absent where that is not known.
@@ -86,8 +86,8 @@ pub struct OwnNoise {
     pub flicker_exponent: Quantity,
 }
 
-/// Noise of the reference in the spectra of two instruments: where the field is weak the coefficients fall, as
-/// ⟨R* v⟩ = −P_e; everywhere else they give η.
+/// Noise of the reference in the spectra of two instruments: where the field is weak the coefficients fall,
+/// as ⟨R* v⟩ = −P_e; everywhere else they give η.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
@@ -98,7 +98,8 @@ pub struct InSpectrum {
     pub p: f64,
     /// Probability of bands that agree worse with one matrix and one share for each axis.
     pub consistency_p: f64,
-    /// Whether the matrix was corrected by it: noise is significant (1 %), the bands agree (1 %), and no share is above one.
+    /// Whether the matrix was corrected by it: noise is significant (1 %), the bands agree (1 %), and no
+    /// share is above one.
     pub used: bool,
 }
 

@@ -23,8 +23,8 @@ pub struct MatrixStability {
     pub findings: Vec<String>,
 }
 
-/// Whether several estimates of η are one. The share that noise of the reference may have in the difference biases each of
-/// them in another way; it is fitted with them, between none and all.
+/// Whether several estimates of η are one. The share that noise of the reference may have in the difference
+/// biases each of them in another way; it is fitted with them, between none and all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct OneMatrix {

@@ -35,11 +35,13 @@ pub struct Source {
     /// Degrees of freedom of the variance of all sources of this name; absent: the variance is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub degrees_of_freedom: Option<f64>,
-    /// By how much one standard deviation of it moves each parameter, by the path of the parameter, in the parameter's unit.
+    /// By how much one standard deviation of it moves each parameter, by the path of the parameter, in the
+    /// parameter's unit.
     pub moves: IndexMap<String, f64>,
 }
 
-/// Quantities by how they move with parameters of the document: each parameter's path, with the derivative of every quantity by it.
+/// Quantities by how they move with parameters of the document: each parameter's path, with the derivative of
+/// every quantity by it.
 pub type By = Vec<(String, Vec<f64>)>;
 
 /// Parameters as a program estimates them.
@@ -53,7 +55,8 @@ pub struct Block {
     pub parameters: Vec<String>,
     /// Their covariance by what is new: the scatter of the readings.
     pub covariance: Vec<Vec<f64>>,
-    /// The parameters that they were estimated with, each with the derivative of every parameter of the block by it.
+    /// The parameters that they were estimated with, each with the derivative of every parameter of the block
+    /// by it.
     pub by: By,
 }
 
@@ -102,7 +105,8 @@ impl Uncertainty {
         moves.map(|moved| moved * moved).sum::<f64>().sqrt()
     }
 
-    /// The effective degrees of freedom of a parameter's standard uncertainty (Welch and Satterthwaite, JCGM 100 G.4).
+    /// The effective degrees of freedom of a parameter's standard uncertainty (Welch and Satterthwaite, JCGM
+    /// 100 G.4).
     pub fn degrees_of_freedom(&self, parameter: &str) -> f64 {
         let mut of_name: IndexMap<&str, (f64, f64)> = IndexMap::new();
         for source in &self.sources {
@@ -149,8 +153,8 @@ impl Source {
     }
 }
 
-/// Columns whose outer products add up to a covariance: Cholesky's factor with the largest variance first, until what is left is
-/// rounding.
+/// Columns whose outer products add up to a covariance: Cholesky's factor with the largest variance first,
+/// until what is left is rounding.
 ///
 /// # Errors
 ///

@@ -5,8 +5,9 @@ use super::stated::{Group, groups};
 use crate::{Document, Error};
 
 impl Uncertainty {
-    /// Of all that a document states with an uncertainty: what `calibration.uncertainty` says, and where a stated standard uncertainty
-    /// is not (or no longer) the one that follows from it, what is stated, with the covariance that stands beside it.
+    /// Of all that a document states with an uncertainty: what `calibration.uncertainty` says, and where a
+    /// stated standard uncertainty is not (or no longer) the one that follows from it, what is stated, with
+    /// the covariance that stands beside it.
     ///
     /// # Errors
     ///

@@ -57,8 +57,8 @@ pub fn directions(of: &str) -> Vec<String> {
     (0..9).map(|k| format!("calibration.axes.{of}.matrix[{}][{}]", k % 3, k / 3)).collect()
 }
 
-/// The path of a parameter of an effect of the model, by what the effect is and what it belongs to, not by its place in the list. Of two that
-/// happen in one sensor the moments tell which is which.
+/// The path of a parameter of an effect of the model, by what the effect is and what it belongs to, not by
+/// its place in the list. Of two that happen in one sensor the moments tell which is which.
 pub fn effect(effect: &AdoptedEffect, parameter: &str) -> String {
     let axis = effect.sensor.or(effect.coil).map(|axis| format!(" {axis}")).unwrap_or_default();
     let of = |what: &Option<String>| what.as_ref().map(|name| format!(" {name}")).unwrap_or_default();

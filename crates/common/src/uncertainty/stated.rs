@@ -39,7 +39,8 @@ pub fn groups(document: &Document) -> Result<Vec<Group>, Error> {
     Ok(groups)
 }
 
-/// A group whose covariance is that of the stated standard uncertainties, with what `entry` says of two of them.
+/// A group whose covariance is that of the stated standard uncertainties, with what `entry` says of two of
+/// them.
 fn group(
     name: String,
     path: String,
@@ -166,7 +167,8 @@ fn axes(calibration: &Calibration) -> Result<Vec<Group>, Error> {
     Ok(groups)
 }
 
-/// The nine cosines of sensors or coils, from their covariance or from `std_arcsec` as that of a turn in any direction.
+/// The nine cosines of sensors or coils, from their covariance or from `std_arcsec` as that of a turn in any
+/// direction.
 fn cosines(of: &AxesDirections, name: &str) -> Result<Option<Group>, Error> {
     let Some(matrix) = &of.matrix else { return Ok(None) };
     let parameters = directions(name);
@@ -255,8 +257,8 @@ fn fitted_as(effect: &str) -> &str {
     }
 }
 
-/// The covariance of two parameters that sensorcal found together. What was found in another form, or changed since, has the
-/// uncertainty that stands beside it, and no more.
+/// The covariance of two parameters that sensorcal found together. What was found in another form, or changed
+/// since, has the uncertainty that stands beside it, and no more.
 fn together(
     sensor: &crate::SensorCalibration,
     (named, stated): (&[Named], &[(String, f64)]),

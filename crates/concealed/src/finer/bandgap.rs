@@ -9,7 +9,8 @@ const CURVATURE: f64 = 2.15e-4;
 /// V/V_0 − 1 = κ (T − T_0 − T ln(T/T_0)),   T in K
 /// ```
 ///
-/// Source: Tsividis 1980, Accurate analysis of temperature effects in I_C-V_BE characteristics, IEEE J. Solid-State Circuits 15, 1076.
+/// Source: Tsividis 1980, Accurate analysis of temperature effects in I_C-V_BE characteristics, IEEE J.
+/// Solid-State Circuits 15, 1076.
 pub fn departure(temperature_c: f64, level_c: f64) -> f64 {
     let (t, level) = (temperature_c + 273.15, level_c + 273.15);
     CURVATURE * (t - level - t * (t / level).ln())

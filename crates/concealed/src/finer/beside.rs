@@ -9,8 +9,9 @@ use crate::signal::Signal;
 /// y = Σ_k w_k x_k,   τ_k dx_k/dt = s − x_k
 /// ```
 ///
-/// It begins `before_s` ahead of the first time, in balance with the signal there. Kelvin and Voigt's elements in a row for a glue that
-/// creeps (Findley, Lai and Onaran 1976, Creep and Relaxation of Nonlinear Viscoelastic Materials), or rings of metal about a coil.
+/// It begins `before_s` ahead of the first time, in balance with the signal there. Kelvin and Voigt's
+/// elements in a row for a glue that creeps (Findley, Lai and Onaran 1976, Creep and Relaxation of Nonlinear
+/// Viscoelastic Materials), or rings of metal about a coil.
 pub fn lags<const N: usize>(
     signal: &Signal,
     times: &[f64],

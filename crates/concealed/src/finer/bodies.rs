@@ -9,8 +9,9 @@ use crate::signal::Signal;
 /// τ_1 dx_1/dt = s − x_1,   τ_k dx_k/dt = x_(k−1) − x_k
 /// ```
 ///
-/// It begins `before_s` ahead of the first time, in balance with the signal there. Newton's law of cooling where no heat flows back; Incropera
-/// and DeWitt, Fundamentals of Heat and Mass Transfer, chapter 5. The same equation holds for a signal behind several filters.
+/// It begins `before_s` ahead of the first time, in balance with the signal there. Newton's law of cooling
+/// where no heat flows back; Incropera and DeWitt, Fundamentals of Heat and Mass Transfer, chapter 5. The
+/// same equation holds for a signal behind several filters.
 pub fn last<const N: usize>(signal: &Signal, times: &[f64], taus_s: [f64; N], before_s: f64) -> Vec<f64> {
     let Some(&first) = times.first() else { return Vec::new() };
     let from = first - before_s;
@@ -24,7 +25,8 @@ pub fn last<const N: usize>(signal: &Signal, times: &[f64], taus_s: [f64; N], be
     states.iter().map(|x| x[N - 1]).collect()
 }
 
-/// A core that the air warms, as seen from a thermometer elsewhere that is itself late, in the thermometer's unit:
+/// A core that the air warms, as seen from a thermometer elsewhere that is itself late, in the thermometer's
+/// unit:
 ///
 /// ```text
 /// τ_t dT/dt = A − T,   τ dx/dt = A − x,   so that x = r T + (1 − r) L,   τ dL/dt = T − L,   r = τ_t / τ

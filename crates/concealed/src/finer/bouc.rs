@@ -1,14 +1,14 @@
 //! Hysteresis that wears off along the way of the field.
 
-/// Bouc and Wen's model with an exponent of 1: what holds the magnetisation back saturates along the way that the field has gone, at one rate
-/// where it is loaded and at another where it is unloaded,
+/// Bouc and Wen's model with an exponent of 1: what holds the magnetisation back saturates along the way that
+/// the field has gone, at one rate where it is loaded and at another where it is unloaded,
 ///
 /// ```text
 /// w dz/dB = 1 − (β sign(z dB) + γ) |z|,   β + γ = 1
 /// ```
 ///
-/// for a rising field, its mirror image for a falling one; z in −1 to 1, B and w in nT. Source: Wen 1976, Method for random vibration of
-/// hysteretic systems, J. Eng. Mech. Div. 102, 249.
+/// for a rising field, its mirror image for a falling one; z in −1 to 1, B and w in nT. Source: Wen 1976,
+/// Method for random vibration of hysteretic systems, J. Eng. Mech. Div. 102, 249.
 #[derive(Clone, Debug)]
 pub struct Bouc {
     width_nt: f64,

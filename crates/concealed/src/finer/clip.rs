@@ -6,8 +6,9 @@
 /// y = M − w ln(1 + exp((M − L)/w)) + w ln(1 + exp((−M − L)/w))
 /// ```
 ///
-/// Within the level nothing changes, beyond it the reading stays there, and at it the slope is a half. A transistor that is driven into
-/// saturation goes so with its exponential law; Sedra and Smith, Microelectronic Circuits.
+/// Within the level nothing changes, beyond it the reading stays there, and at it the slope is a half. A
+/// transistor that is driven into saturation goes so with its exponential law; Sedra and Smith,
+/// Microelectronic Circuits.
 pub fn clipped(reading_nt: f64, level_nt: f64, width_nt: f64) -> f64 {
     let over = |x: f64| {
         // ln(1 + exp(x)) without overflow.

@@ -3,14 +3,15 @@
 use super::ode;
 use crate::signal::Signal;
 
-/// Temperature of a body whose heat goes by natural convection, degC at given times; in balance with the air at the first of them:
+/// Temperature of a body whose heat goes by natural convection, degC at given times; in balance with the air
+/// at the first of them:
 ///
 /// ```text
 /// τ dx/dt = (T − x) |(T − x) / 1 K|^(1/4)
 /// ```
 ///
-/// τ is the time constant at a difference of 1 K: the smaller the difference, the later the body. Source: Incropera and DeWitt, Fundamentals
-/// of Heat and Mass Transfer, chapter 9 (laminar flow).
+/// τ is the time constant at a difference of 1 K: the smaller the difference, the later the body. Source:
+/// Incropera and DeWitt, Fundamentals of Heat and Mass Transfer, chapter 9 (laminar flow).
 pub fn body(air: &Signal, times: &[f64], tau_s: f64) -> Vec<f64> {
     let Some(&from) = times.first() else { return Vec::new() };
     let states = ode::march(from, [air(from)], times, 0.05 * tau_s, |t, x| {
@@ -20,7 +21,8 @@ pub fn body(air: &Signal, times: &[f64], tau_s: f64) -> Vec<f64> {
     states.iter().map(|x| x[0]).collect()
 }
 
-/// Temperature over still air of a body that power p warms, in units of what a steady power of 1 gives, at given times:
+/// Temperature over still air of a body that power p warms, in units of what a steady power of 1 gives, at
+/// given times:
 ///
 /// ```text
 /// τ dx/dt = p − x |x|^(1/4)
@@ -35,7 +37,8 @@ pub fn heated(power: &Signal, times: &[f64], tau_s: f64) -> Vec<f64> {
     states.iter().map(|x| x[0]).collect()
 }
 
-/// Share of its warmth that a body in still air has not yet come to, a time after it is switched on with a power of 1: 1 − x of [`heated`].
+/// Share of its warmth that a body in still air has not yet come to, a time after it is switched on with a
+/// power of 1: 1 − x of [`heated`].
 pub fn missing(times: &[f64], tau_s: f64) -> Vec<f64> {
     let steps: Vec<f64> = std::iter::once(0.0).chain(times.iter().copied()).collect();
     let on: Signal = std::sync::Arc::new(|_| 1.0);

@@ -31,7 +31,8 @@ impl Weighing {
     }
 }
 
-/// A converter with too few codes, each edge off by up to a share of the width: what it adds to a reading, nT.
+/// A converter with too few codes, each edge off by up to a share of the width: what it adds to a reading,
+/// nT.
 ///
 /// An edge's place follows from the number of its code, the same whenever the reading comes by.
 pub fn coarse(reading_nt: f64, width_nt: f64, uneven: f64) -> f64 {

@@ -3,7 +3,8 @@
 use super::ode;
 use crate::signal::Signal;
 
-/// Modes that are kept: 1, 3, … 15. What is left out is 5 % of the share at once, and gone after a hundredth of the time constant.
+/// Modes that are kept: 1, 3, … 15. What is left out is 5 % of the share at once, and gone after a hundredth
+/// of the time constant.
 const MODES: usize = 8;
 
 /// Mean field within a plate of metal whose surfaces feel a signal, in the signal's unit:
@@ -12,8 +13,9 @@ const MODES: usize = 8;
 /// D = Σ_n w_n L_n,   τ_n dL_n/dt = B − L_n,   w_n = 8 / (π n)²,   τ_n = τ / n²,   n = 1, 3, 5, …
 /// ```
 ///
-/// τ = μ₀ σ d² / π² for a plate of thickness d; weights are scaled to a sum of 1. Source: Carslaw and Jaeger 1959, Conduction of Heat in
-/// Solids, section 3.3 (the same equation); Bozorth 1951, Ferromagnetism, on eddy currents.
+/// τ = μ₀ σ d² / π² for a plate of thickness d; weights are scaled to a sum of 1. Source: Carslaw and Jaeger
+/// 1959, Conduction of Heat in Solids, section 3.3 (the same equation); Bozorth 1951, Ferromagnetism, on eddy
+/// currents.
 pub fn within(signal: &Signal, times: &[f64], tau_s: f64, before_s: f64) -> Vec<f64> {
     let Some(first) = times.first() else { return Vec::new() };
     let odd: [f64; MODES] = std::array::from_fn(|k| (2 * k + 1) as f64);

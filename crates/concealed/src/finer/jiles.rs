@@ -1,14 +1,15 @@
 //! Hysteresis of a core whose domain walls are pinned.
 
-/// Jiles and Atherton's model: pinned walls hold the magnetisation back from the anhysteretic curve, and a share of it bows back and forth
-/// without loss:
+/// Jiles and Atherton's model: pinned walls hold the magnetisation back from the anhysteretic curve, and a
+/// share of it bows back and forth without loss:
 ///
 /// ```text
 /// A(B) = coth(B / a) − a / B,   dW/dB = (A − W) / (± k),   M = (1 − c) W + c A
 /// ```
 ///
-/// in −1 to 1, B in nT, + where the field rises; W stands still while it is beyond A on the way there. The domains' own field is left out.
-/// Source: Jiles and Atherton 1986, Theory of ferromagnetic hysteresis, J. Magn. Magn. Mater. 61, 48.
+/// in −1 to 1, B in nT, + where the field rises; W stands still while it is beyond A on the way there. The
+/// domains' own field is left out. Source: Jiles and Atherton 1986, Theory of ferromagnetic hysteresis, J.
+/// Magn. Magn. Mater. 61, 48.
 #[derive(Clone, Debug)]
 pub struct Jiles {
     shape_nt: f64,
@@ -19,7 +20,8 @@ pub struct Jiles {
 }
 
 impl Jiles {
-    /// A core with the shape a of its anhysteretic curve, the pinning k, nT, and the share c that bows back; demagnetised.
+    /// A core with the shape a of its anhysteretic curve, the pinning k, nT, and the share c that bows back;
+    /// demagnetised.
     pub fn new(shape_nt: f64, pinning_nt: f64, reversible: f64) -> Self {
         Self { shape_nt, pinning_nt, reversible, field_nt: 0.0, walls: 0.0 }
     }
@@ -65,7 +67,8 @@ mod tests {
         }
     }
 
-    /// In small fields A = B / 3a, and a demagnetised core in a rising field has M = (B − k + k exp(−B / k)) / 3a.
+    /// In small fields A = B / 3a, and a demagnetised core in a rising field has M = (B − k + k exp(−B / k))
+    /// / 3a.
     #[test]
     fn the_initial_curve_is_its_closed_form() {
         let (shape, pinning) = (1e6, 2000.0);

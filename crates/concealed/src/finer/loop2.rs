@@ -9,9 +9,9 @@ use crate::signal::Signal;
 /// y'' + 2 ζ ω y' + ω² y = ω² B
 /// ```
 ///
-/// It begins `before_s` ahead in balance with the field, and again ahead of each time that is farther from the one before: what was there
-/// earlier is forgotten. Source: Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems,
-/// section 3.3; Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241.
+/// It begins `before_s` ahead in balance with the field, and again ahead of each time that is farther from
+/// the one before: what was there earlier is forgotten. Source: Franklin, Powell and Emami-Naeini, Feedback
+/// Control of Dynamic Systems, section 3.3; Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241.
 pub fn followed(field: &Signal, times: &[f64], omega: f64, damping: f64, before_s: f64) -> Vec<f64> {
     let mut last: Option<(f64, [f64; 2])> = None;
     times

@@ -2,13 +2,15 @@
 
 use crate::draw::Draw;
 
-/// Phase of the mains at given times, rad. The frequency is 50 Hz with a fixed departure and an Ornstein-Uhlenbeck process on top:
+/// Phase of the mains at given times, rad. The frequency is 50 Hz with a fixed departure and an
+/// Ornstein-Uhlenbeck process on top:
 ///
 /// ```text
 /// dφ/dt = 2π (50 + δ + x),   dx = −x dt/θ + s √(2/θ) dW
 /// ```
 ///
-/// Source: Schäfer et al. 2018, Non-Gaussian power grid frequency fluctuations, Nature Energy 3, 119 (θ of minutes, s of 20 mHz).
+/// Source: Schäfer et al. 2018, Non-Gaussian power grid frequency fluctuations, Nature Energy 3, 119 (θ of
+/// minutes, s of 20 mHz).
 pub fn phase(times: &[f64], departure_hz: f64, wander_hz: f64, wander_s: f64, draw: &mut Draw) -> Vec<f64> {
     let mut phase = draw.between(0.0, std::f64::consts::TAU);
     let mut wander = wander_hz * draw.normal();

@@ -1,5 +1,5 @@
-//! Bodies into which heat or a field diffuses, and matter without one time constant, as sums of lags (see [`super::beside`]): weights and time
-//! constants over the longest, or over the middle one.
+//! Bodies into which heat or a field diffuses, and matter without one time constant, as sums of lags (see
+//! [`super::beside`]): weights and time constants over the longest, or over the middle one.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,14 +18,15 @@ fn to_one<const N: usize>(modes: [(f64, f64); N]) -> [(f64, f64); N] {
     modes.map(|(weight, tau)| (weight / sum, tau))
 }
 
-/// Mean over the section of a long round rod whose surface follows a signal: w_n = 4 / j_n², τ_n = τ (j_1 / j_n)², j_n the zeros of J₀; six of
-/// them, scaled to a sum of 1. Source: Carslaw and Jaeger 1959, Conduction of Heat in Solids, section 7.6.
+/// Mean over the section of a long round rod whose surface follows a signal: w_n = 4 / j_n², τ_n = τ (j_1 /
+/// j_n)², j_n the zeros of J₀; six of them, scaled to a sum of 1. Source: Carslaw and Jaeger 1959, Conduction
+/// of Heat in Solids, section 7.6.
 pub fn rod() -> [(f64, f64); 6] {
     to_one(ZEROS.map(|j| (4.0 / (j * j), (ZEROS[0] / j).powi(2))))
 }
 
-/// Mean over a sphere whose surface follows a signal: w_n = 6 / (π n)², τ_n = τ / n²; six of them, scaled to a sum of 1. Source: Carslaw and
-/// Jaeger 1959, Conduction of Heat in Solids, section 9.3.
+/// Mean over a sphere whose surface follows a signal: w_n = 6 / (π n)², τ_n = τ / n²; six of them, scaled to
+/// a sum of 1. Source: Carslaw and Jaeger 1959, Conduction of Heat in Solids, section 9.3.
 pub fn sphere() -> [(f64, f64); 6] {
     to_one(std::array::from_fn(|k| {
         let n = (k + 1) as f64;
@@ -33,15 +34,15 @@ pub fn sphere() -> [(f64, f64); 6] {
     }))
 }
 
-/// A symmetric spread of time constants about a middle one, as disordered matter and a conducting half space have it: the transfer function
-/// 1 / (1 + (iωτ)^a), 0 < a < 1, whose relaxation times have the density
+/// A symmetric spread of time constants about a middle one, as disordered matter and a conducting half space
+/// have it: the transfer function 1 / (1 + (iωτ)^a), 0 < a < 1, whose relaxation times have the density
 ///
 /// ```text
 /// g(x) = sin(a π) / (cosh(a x) + cos(a π)) / 2π,   x = ln(τ_n / τ)
 /// ```
 ///
-/// in N points of x between ± `reach`, scaled to a sum of 1. Source: Cole and Cole 1941, Dispersion and absorption in dielectrics, J. Chem.
-/// Phys. 9, 341.
+/// in N points of x between ± `reach`, scaled to a sum of 1. Source: Cole and Cole 1941, Dispersion and
+/// absorption in dielectrics, J. Chem. Phys. 9, 341.
 pub fn spread<const N: usize>(exponent: f64, reach: f64) -> [(f64, f64); N] {
     to_one(std::array::from_fn(|k| {
         let x = reach * (2.0 * k as f64 / (N - 1) as f64 - 1.0);
@@ -74,7 +75,8 @@ mod tests {
         }
     }
 
-    /// A slow course is late by a² / 8D in a rod and by a² / 15D in a sphere of radius a, but for the modes that are left out.
+    /// A slow course is late by a² / 8D in a rod and by a² / 15D in a sphere of radius a, but for the modes
+    /// that are left out.
     #[test]
     fn slow_courses_are_late_by_the_known_times() {
         assert!((mean_lag(&rod()) / (ZEROS[0].powi(2) / 8.0) - 1.0).abs() < 0.1);

@@ -3,14 +3,16 @@
 use super::ode;
 use crate::signal::Signal;
 
-/// What is left of a natural variation U in the test volume, in its unit. The loop's sensor stands elsewhere and feels U; its integrator
-/// drives the coils until the sensor feels nothing; the test volume feels U and, through the building's metal, a share g of it late:
+/// What is left of a natural variation U in the test volume, in its unit. The loop's sensor stands elsewhere
+/// and feels U; its integrator drives the coils until the sensor feels nothing; the test volume feels U and,
+/// through the building's metal, a share g of it late:
 ///
 /// ```text
 /// dC/dt = (U − C) / τ_loop,   τ_1 dD_1/dt = U − D_1,   τ_2 dD_2/dt = D_1 − D_2,   left = U − C + g D_2
 /// ```
 ///
-/// Source: NASA CR-156638, test of the Earth field nulling system, for the arrangement; the rest is a loop with one integrator.
+/// Source: NASA CR-156638, test of the Earth field nulling system, for the arrangement; the rest is a loop
+/// with one integrator.
 pub fn left(
     variation: &Signal,
     times: &[f64],
@@ -29,13 +31,15 @@ pub fn left(
     times.iter().zip(states).map(|(t, x)| variation(*t) - x[0] + share * x[2]).collect()
 }
 
-/// What a loop with a proportional amplifier of gain G leaves of a variation V that has passed two bodies of metal, per axis:
+/// What a loop with a proportional amplifier of gain G leaves of a variation V that has passed two bodies of
+/// metal, per axis:
 ///
 /// ```text
 /// τ_1 dA/dt = U − A,   τ_2 dV/dt = A − V,   left = g (V + τ dV/dt),   g = 1 / (1 + G)
 /// ```
 ///
-/// to first order in g: the loop's filter τ lets the faster part through. Source: Åström and Murray 2008, Feedback Systems, section 10.1.
+/// to first order in g: the loop's filter τ lets the faster part through. Source: Åström and Murray 2008,
+/// Feedback Systems, section 10.1.
 pub fn proportional(
     variation: &Signal,
     times: &[f64],
@@ -57,7 +61,8 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    /// Of a ramp the integrator leaves its time constant times the slope, and the metal its share of the ramp as it was τ_1 + τ_2 before.
+    /// Of a ramp the integrator leaves its time constant times the slope, and the metal its share of the ramp
+    /// as it was τ_1 + τ_2 before.
     #[test]
     fn of_a_ramp_it_leaves_what_control_theory_says() {
         let ramp: Signal = Arc::new(|t| 3.0 * t);

@@ -1,7 +1,8 @@
 //! A system of ordinary differential equations, marched along.
 
-/// The states of dx/dt = f(t, x) at given times, from `state` at `from`, by the classical Runge-Kutta method of fourth order with steps of
-/// at most `largest_s`. Times must not run backwards. Source: Hairer, Nørsett and Wanner 1993, Solving Ordinary Differential Equations I.
+/// The states of dx/dt = f(t, x) at given times, from `state` at `from`, by the classical Runge-Kutta method
+/// of fourth order with steps of at most `largest_s`. Times must not run backwards. Source: Hairer, Nørsett
+/// and Wanner 1993, Solving Ordinary Differential Equations I.
 pub fn march<const N: usize>(
     from: f64,
     mut state: [f64; N],

@@ -11,14 +11,16 @@ pub struct Plate {
     pub field_nt: [f64; 3],
 }
 
-/// Field of all plates, body frame, nT, at given times. A plate takes in what Lambert's law gives it, and warms late:
+/// Field of all plates, body frame, nT, at given times. A plate takes in what Lambert's law gives it, and
+/// warms late:
 ///
 /// ```text
 /// τ dw/dt = lit max(0, n · s) − w,   dB = Σ w b
 /// ```
 ///
-/// `sun` is the unit vector to the Sun in the body frame, zero in eclipse. Source: Tøffner-Clausen et al. 2016, Earth Planets Space 68, 129,
-/// for the cause; Wertz 1978, Spacecraft Attitude Determination and Control, section 17.2, for plates in the Sun.
+/// `sun` is the unit vector to the Sun in the body frame, zero in eclipse. Source: Tøffner-Clausen et al.
+/// 2016, Earth Planets Space 68, 129, for the cause; Wertz 1978, Spacecraft Attitude Determination and
+/// Control, section 17.2, for plates in the Sun.
 pub fn field(
     plates: &[Plate],
     sun: impl Fn(f64) -> [f64; 3],
@@ -46,7 +48,8 @@ pub fn field(
 mod tests {
     use super::*;
 
-    /// Six plates of a cube whose fields are n, 0, 0 for ±n give back the Sun's direction; in eclipse nothing is left.
+    /// Six plates of a cube whose fields are n, 0, 0 for ±n give back the Sun's direction; in eclipse nothing
+    /// is left.
     #[test]
     fn a_cube_in_the_sun() {
         let axis = |k: usize, sign: f64| std::array::from_fn(|j| if j == k { sign } else { 0.0 });

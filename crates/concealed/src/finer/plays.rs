@@ -6,8 +6,8 @@
 /// P_r = min(max(P_r, B − r), B + r),   z = Σ_r w_r P_r
 /// ```
 ///
-/// in nT where the weights have no unit. Source: Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis; Visintin 1994, Differential
-/// Models of Hysteresis.
+/// in nT where the weights have no unit. Source: Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis;
+/// Visintin 1994, Differential Models of Hysteresis.
 #[derive(Clone, Debug)]
 pub struct Plays {
     /// Half-width, weight, and where it stands.

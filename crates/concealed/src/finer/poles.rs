@@ -10,7 +10,8 @@ const STEP: f64 = 0.4;
 /// y(t) = ∫ (u² / 2) exp(−u) B(t − τ u) du
 /// ```
 ///
-/// with a mean lag of 3 τ, by trapezoids up to u = 24. Source: Oppenheim and Willsky, Signals and Systems, section 2.2 (convolution).
+/// with a mean lag of 3 τ, by trapezoids up to u = 24. Source: Oppenheim and Willsky, Signals and Systems,
+/// section 2.2 (convolution).
 pub fn three(signal: impl Fn(f64) -> f64, t: f64, tau_s: f64) -> f64 {
     let (mut sum, mut weights) = (0.0, 0.0);
     for k in 1..=STEPS {

@@ -1,13 +1,15 @@
 //! Hysteresis of a core with many domains.
 
-/// Preisach's model: relays that switch up at u + h and down at u − h, with coercive fields h of a log-normal distribution and interaction
-/// fields u of a normal one. Relays of one h are up for all u below the play operator's output P_h, so that
+/// Preisach's model: relays that switch up at u + h and down at u − h, with coercive fields h of a log-normal
+/// distribution and interaction fields u of a normal one. Relays of one h are up for all u below the play
+/// operator's output P_h, so that
 ///
 /// ```text
 /// M = Σ_h w_h (2 Φ(P_h / σ) − 1),   P_h = min(max(P_h, B − h), B + h)
 /// ```
 ///
-/// in −1 to 1, B in nT. Source: Mayergoyz 1991, Mathematical Models of Hysteresis; Visintin 1994, Differential Models of Hysteresis.
+/// in −1 to 1, B in nT. Source: Mayergoyz 1991, Mathematical Models of Hysteresis; Visintin 1994,
+/// Differential Models of Hysteresis.
 #[derive(Clone, Debug)]
 pub struct Preisach {
     /// Coercive field, weight, and where its play operator stands.
@@ -19,7 +21,8 @@ pub struct Preisach {
 const CLASSES: usize = 41;
 
 impl Preisach {
-    /// A core with a median coercive field, the standard deviation of its logarithm, and that of the interaction fields; demagnetised.
+    /// A core with a median coercive field, the standard deviation of its logarithm, and that of the
+    /// interaction fields; demagnetised.
     pub fn new(coercive_nt: f64, spread: f64, interaction_nt: f64) -> Self {
         let position = |k: usize| 3.0 * (2.0 * k as f64 / (CLASSES - 1) as f64 - 1.0);
         let weight = |k: usize| (-0.5 * position(k).powi(2)).exp();

@@ -18,8 +18,9 @@ impl Quartz {
     /// δ = δ_0 + ∫ (r + p (T − 25)²) dt
     /// ```
     ///
-    /// from the campaign's zero, with the temperature as it was at the first of the times before them (trapezoids between the times).
-    /// Source: makers' data of 32 kHz tuning-fork crystals; Vig, Quartz Crystal Resonators and Oscillators.
+    /// from the campaign's zero, with the temperature as it was at the first of the times before them
+    /// (trapezoids between the times). Source: makers' data of 32 kHz tuning-fork crystals; Vig, Quartz
+    /// Crystal Resonators and Oscillators.
     pub fn late(&self, times: &[f64], temperature_c: impl Fn(f64) -> f64) -> Vec<f64> {
         let rate = |t: f64| self.rate + self.parabola_per_k2 * (temperature_c(t) - 25.0).powi(2);
         let Some(&first) = times.first() else { return Vec::new() };
@@ -51,15 +52,15 @@ pub struct Cubic {
 const INFLECTION_C: f64 = 27.0;
 
 impl Cubic {
-    /// Its rate at a temperature, s per s: r + a (T − 27) + c (T − 27)³. Source: Bechmann 1956, Frequency-temperature-angle characteristics
-    /// of AT-type resonators, Proc. IRE 44, 1600.
+    /// Its rate at a temperature, s per s: r + a (T − 27) + c (T − 27)³. Source: Bechmann 1956,
+    /// Frequency-temperature-angle characteristics of AT-type resonators, Proc. IRE 44, 1600.
     pub fn rate_at(&self, temperature_c: f64) -> f64 {
         let warm = temperature_c - INFLECTION_C;
         self.rate + self.slope_per_k * warm + self.cubic_per_k3 * warm.powi(3)
     }
 
-    /// By how much the readings stamped with given times are too old, s, from the campaign's zero: ∫ rate dt by trapezoids, before the first
-    /// of the times with the temperature that it has.
+    /// By how much the readings stamped with given times are too old, s, from the campaign's zero: ∫ rate dt
+    /// by trapezoids, before the first of the times with the temperature that it has.
     pub fn late(&self, times: &[f64], temperature_c: impl Fn(f64) -> f64) -> Vec<f64> {
         let rate = |t: f64| self.rate_at(temperature_c(t));
         let Some(&first) = times.first() else { return Vec::new() };

@@ -1,13 +1,15 @@
 //! Hysteresis of a core in weak fields.
 
-/// Rayleigh's law with a memory of turning points: from the demagnetised state M = B |B| / 2, from a turning point (B_t, M_t)
+/// Rayleigh's law with a memory of turning points: from the demagnetised state M = B |B| / 2, from a turning
+/// point (B_t, M_t)
 ///
 /// ```text
 /// M = M_t ± (B − B_t)² / 4
 /// ```
 ///
-/// and where a branch meets the one that it left, the two are forgotten (Madelung's rules). In units of the constant; the reversible part, which
-/// is proportional to the field, is left out. Source: Bozorth 1951, Ferromagnetism, chapter 11 (Rayleigh's law).
+/// and where a branch meets the one that it left, the two are forgotten (Madelung's rules). In units of the
+/// constant; the reversible part, which is proportional to the field, is left out. Source: Bozorth 1951,
+/// Ferromagnetism, chapter 11 (Rayleigh's law).
 #[derive(Clone, Debug, Default)]
 pub struct Rayleigh {
     /// Turning points in their order, each within those before it.

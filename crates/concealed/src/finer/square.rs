@@ -11,8 +11,8 @@ const APART: f64 = 0.5445;
 /// B = a × b (|a| + |b|) / (|a| |b| (|a| |b| + a · b))
 /// ```
 ///
-/// a and b the ways from the origin to its ends. Source: Hanson and Hirshman 2002, Compact expressions for the Biot-Savart fields of a
-/// filamentary segment, Phys. Plasmas 9, 4410.
+/// a and b the ways from the origin to its ends. Source: Hanson and Hirshman 2002, Compact expressions for
+/// the Biot-Savart fields of a filamentary segment, Phys. Plasmas 9, 4410.
 fn wire(from: &Vector3<f64>, to: &Vector3<f64>) -> Vector3<f64> {
     let (a, b) = (from.norm(), to.norm());
     from.cross(to) * ((a + b) / (a * b * (a * b + from.dot(to))))
@@ -28,8 +28,8 @@ fn winding(axis: &Vector3<f64>, place: &Vector3<f64>) -> Vector3<f64> {
     (0..4).map(|k| wire(&corners[k], &corners[(k + 1) % 4])).sum()
 }
 
-/// A pair of square windings with sides of `side_m` about the axis n, the first with 1 + ε and the second with 1 − ε of the turns: its field at
-/// a place in m, in units of the field at the centre.
+/// A pair of square windings with sides of `side_m` about the axis n, the first with 1 + ε and the second
+/// with 1 − ε of the turns: its field at a place in m, in units of the field at the centre.
 pub fn pair(axis: &Vector3<f64>, place_m: &Vector3<f64>, side_m: f64, excess: f64) -> Vector3<f64> {
     let at = |place: &Vector3<f64>| {
         winding(axis, &(place - APART * axis)) * (1.0 + excess)
@@ -38,7 +38,8 @@ pub fn pair(axis: &Vector3<f64>, place_m: &Vector3<f64>, side_m: f64, excess: f6
     at(&(place_m * (2.0 / side_m))) / at(&Vector3::zeros()).dot(axis)
 }
 
-/// Relative gradient along the axis at the centre, per m: ε (2 d / (1 + d²) + d / (2 + d²)) 2 / side, d the distance of a winding over half a side.
+/// Relative gradient along the axis at the centre, per m: ε (2 d / (1 + d²) + d / (2 + d²)) 2 / side, d the
+/// distance of a winding over half a side.
 pub fn gradient(side_m: f64, excess: f64) -> f64 {
     excess * (2.0 * APART / (1.0 + APART * APART) + APART / (2.0 + APART * APART)) * 2.0 / side_m
 }
@@ -57,7 +58,8 @@ mod tests {
         }
     }
 
-    /// About the centre it has the gradient of a field without sources, and without an excess hardly any second derivative.
+    /// About the centre it has the gradient of a field without sources, and without an excess hardly any
+    /// second derivative.
     #[test]
     fn about_the_centre_it_has_its_gradient() {
         let (axis, side, excess) = (Vector3::new(-0.3, 0.1, 0.9).normalize(), 2.2, 0.01);

@@ -3,14 +3,15 @@
 use super::ode;
 use crate::signal::Signal;
 
-/// Temperature of a core behind a former behind a thermometer, degC at given times; in equilibrium with the first of them:
+/// Temperature of a core behind a former behind a thermometer, degC at given times; in equilibrium with the
+/// first of them:
 ///
 /// ```text
 /// τ_f dT_f/dt = (T − T_f) + ρ (T_c − T_f),   τ_c dT_c/dt = T_f − T_c
 /// ```
 ///
-/// ρ: how well the former feels the core, against how well it feels the thermometer's housing. Newton's law of cooling for two lumped
-/// bodies; Incropera and DeWitt, Fundamentals of Heat and Mass Transfer, chapter 5.
+/// ρ: how well the former feels the core, against how well it feels the thermometer's housing. Newton's law
+/// of cooling for two lumped bodies; Incropera and DeWitt, Fundamentals of Heat and Mass Transfer, chapter 5.
 pub fn core(thermometer: &Signal, times: &[f64], former_s: f64, core_s: f64, back: f64) -> Vec<f64> {
     let Some(&from) = times.first() else { return Vec::new() };
     let begin = [thermometer(from); 2];
@@ -21,14 +22,16 @@ pub fn core(thermometer: &Signal, times: &[f64], former_s: f64, core_s: f64, bac
     states.iter().map(|x| x[1]).collect()
 }
 
-/// Excess temperature of a coil's former over what it has without current, in units of what a steady ampere gives:
+/// Excess temperature of a coil's former over what it has without current, in units of what a steady ampere
+/// gives:
 ///
 /// ```text
 /// τ_w dW/dt = I² − (W − F) κ,   τ_f dF/dt = (W − F) κ − F
 /// ```
 ///
-/// W the winding, F the former, κ how well the two touch. The current has flowed as at `from` long before. Copper's resistance rises by
-/// 0.39 % per K, which is left out: the supply keeps the current, and a K of warming changes the heat by as much.
+/// W the winding, F the former, κ how well the two touch. The current has flowed as at `from` long before.
+/// Copper's resistance rises by 0.39 % per K, which is left out: the supply keeps the current, and a K of
+/// warming changes the heat by as much.
 pub fn former_of_coil(
     current_a: &Signal,
     from: f64,
@@ -46,7 +49,8 @@ pub fn former_of_coil(
     states.iter().map(|x| x[1]).collect()
 }
 
-/// Warmth of an electronics box after it is switched on at time 0, 0 to 1, with losses by conduction and by radiation:
+/// Warmth of an electronics box after it is switched on at time 0, 0 to 1, with losses by conduction and by
+/// radiation:
 ///
 /// ```text
 /// τ dx/dt = (1 + ε) − x − ε x (1 + x) / 2

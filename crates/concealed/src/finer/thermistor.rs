@@ -3,7 +3,8 @@
 /// Zero of the Celsius scale, K.
 const ZERO_C: f64 = 273.15;
 
-/// A thermistor of R = R_0 exp(β (1/T − 1/T_0)) in a divider with a resistor of r R_0, whose voltage is read along its tangent at T_0.
+/// A thermistor of R = R_0 exp(β (1/T − 1/T_0)) in a divider with a resistor of r R_0, whose voltage is read
+/// along its tangent at T_0.
 #[derive(Clone, Copy, Debug)]
 pub struct Thermistor {
     /// β, K.
@@ -37,7 +38,8 @@ impl Thermistor {
     /// 1/T = 1/T_0 + ln(r (1/s − 1)) / β,   s = s_0 + s_0' (reading − T_0)
     /// ```
     ///
-    /// Source: Steinhart and Hart 1968, Calibration curves for thermistors, Deep-Sea Res. 15, 497 (of which this is the first term).
+    /// Source: Steinhart and Hart 1968, Calibration curves for thermistors, Deep-Sea Res. 15, 497 (of which
+    /// this is the first term).
     pub fn temperature(&self, read_c: f64) -> f64 {
         let share = self.share(self.tangent_c) + self.slope() * (read_c - self.tangent_c);
         let resistance = self.ratio * (1.0 / share.clamp(1e-6, 1.0 - 1e-6) - 1.0);

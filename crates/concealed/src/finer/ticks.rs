@@ -3,14 +3,15 @@
 /// Share of the oldest value below which a sum ends.
 const LEAST: f64 = 1e-9;
 
-/// What a digital integrator that takes a share g of the error at each of its ticks makes of a signal, read right after a tick:
+/// What a digital integrator that takes a share g of the error at each of its ticks makes of a signal, read
+/// right after a tick:
 ///
 /// ```text
 /// y(t) = Σ_k g (1 − g)^k B(t − k T)
 /// ```
 ///
-/// with the transfer function g / (1 − (1 − g) exp(−iωT)); a slow course is late by T (1 − g) / g. Source: Oppenheim and Schafer,
-/// Discrete-Time Signal Processing, section 2.5.
+/// with the transfer function g / (1 − (1 − g) exp(−iωT)); a slow course is late by T (1 − g) / g. Source:
+/// Oppenheim and Schafer, Discrete-Time Signal Processing, section 2.5.
 pub fn integrated(signal: impl Fn(f64) -> f64, t: f64, tick_s: f64, share: f64) -> f64 {
     let (mut sum, mut weight, mut k) = (0.0, share, 0.0);
     while weight > LEAST * share {

@@ -6,13 +6,15 @@ use std::f64::consts::TAU;
 /// Pieces that a winding is cut into.
 const PIECES: usize = 60;
 
-/// Field of one round winding of radius 1 about the axis n through its centre, at a place from there, in units of μ₀ I / 4π:
+/// Field of one round winding of radius 1 about the axis n through its centre, at a place from there, in
+/// units of μ₀ I / 4π:
 ///
 /// ```text
 /// B = ∮ dl × r / r³
 /// ```
 ///
-/// in sixty pieces; the sum over a whole round converges faster than any power. Source: Jackson, Classical Electrodynamics, section 5.2.
+/// in sixty pieces; the sum over a whole round converges faster than any power. Source: Jackson, Classical
+/// Electrodynamics, section 5.2.
 fn winding(axis: &Vector3<f64>, place: &Vector3<f64>) -> Vector3<f64> {
     let across = if axis.x.abs() < 0.8 { Vector3::x() } else { Vector3::y() };
     let first = axis.cross(&across).normalize();
@@ -26,13 +28,14 @@ fn winding(axis: &Vector3<f64>, place: &Vector3<f64>) -> Vector3<f64> {
     (0..PIECES).map(piece).sum()
 }
 
-/// Helmholtz's pair of radius `radius_m` about the axis n, the windings at ± n R/2, the first with 1 + ε and the second with 1 − ε of the
-/// turns: its field at a place in m, in units of the field at the centre.
+/// Helmholtz's pair of radius `radius_m` about the axis n, the windings at ± n R/2, the first with 1 + ε and
+/// the second with 1 − ε of the turns: its field at a place in m, in units of the field at the centre.
 pub fn pair(axis: &Vector3<f64>, place_m: &Vector3<f64>, radius_m: f64, excess: f64) -> Vector3<f64> {
     let place = place_m / radius_m;
     let upper = winding(axis, &(place - 0.5 * axis)) * (1.0 + excess);
     let lower = winding(axis, &(place + 0.5 * axis)) * (1.0 - excess);
-    // On its axis at half a radius one winding has 2π / 1.25^(3/2), and at the centre the two of them have twice that whatever ε.
+    // On its axis at half a radius one winding has 2π / 1.25^(3/2), and at the centre the two of them have
+    // twice that whatever ε.
     (upper + lower) / (2.0 * TAU / 1.25_f64.powf(1.5))
 }
 

@@ -6,14 +6,15 @@ use crate::signal::Signal;
 /// Cells that the wall is cut into.
 const CELLS: usize = 12;
 
-/// Temperature at the inner, insulated face of a wall whose outer face follows a signal, in the signal's unit:
+/// Temperature at the inner, insulated face of a wall whose outer face follows a signal, in the signal's
+/// unit:
 ///
 /// ```text
 /// ∂T/∂t = D ∂²T/∂x²,   T(0) = s,   ∂T/∂x(L) = 0,   τ = 4 L² / (π² D)
 /// ```
 ///
-/// in twelve cells, in balance with the signal at the first of the times. A slow course comes out late by L²/2D = τ π²/8. Source: Carslaw
-/// and Jaeger 1959, Conduction of Heat in Solids, section 3.4.
+/// in twelve cells, in balance with the signal at the first of the times. A slow course comes out late by
+/// L²/2D = τ π²/8. Source: Carslaw and Jaeger 1959, Conduction of Heat in Solids, section 3.4.
 pub fn inner_face(signal: &Signal, times: &[f64], tau_s: f64) -> Vec<f64> {
     let Some(&from) = times.first() else { return Vec::new() };
     let cells = CELLS as f64;

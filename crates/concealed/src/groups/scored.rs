@@ -1,10 +1,11 @@
 //! What a published proof has scored, and printed for everybody to look at.
 //!
-//! By the rule of [`super::Group`] it is looked at from then on. After each proof its own entries are added here: everything in the table of
-//! kinds, every name among the failures, and all that its set of the outside went through.
+//! By the rule of [`super::Group`] it is looked at from then on. After each proof its own entries are added
+//! here: everything in the table of kinds, every name among the failures, and all that its set of the outside
+//! went through.
 
-/// Names and forms that were scored in the proof of the commitment `9b9e46d668ab`: first those of its table, then those that stood in failures
-/// of several effects at once.
+/// Names and forms that were scored in the proof of the commitment `9b9e46d668ab`: first those of its table,
+/// then those that stood in failures of several effects at once.
 pub const KINDS: [(&str, &str); 17] = [
     ("ageing", "stretched exponential"),
     ("sensitivity_ageing", "logarithm of age"),
@@ -25,7 +26,8 @@ pub const KINDS: [(&str, &str); 17] = [
     ("eddy_currents", "two rings"),
 ];
 
-/// What is outside the catalogue and was scored there: twelve cases went through all ten of the group, and through two of them again.
+/// What is outside the catalogue and was scored there: twelve cases went through all ten of the group, and
+/// through two of them again.
 pub const OUTSIDE: [&str; 10] = [
     "heat flow of either direction",
     "bend that follows temperature",

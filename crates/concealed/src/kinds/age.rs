@@ -1,4 +1,5 @@
-//! What ages: its course over a campaign is nearly straight, since the instrument is older than the campaign is long.
+//! What ages: its course over a campaign is nearly straight, since the instrument is older than the campaign
+//! is long.
 
 use std::sync::Arc;
 
@@ -25,7 +26,8 @@ pub fn logarithm(span: f64, draw: &mut Draw) -> Course {
     to_one(span, move |t| relaxation::logarithmic(t, age))
 }
 
-/// Stretched exponential of something five to twenty campaigns old, its time constant three times as long as that.
+/// Stretched exponential of something five to twenty campaigns old, its time constant three times as long as
+/// that.
 pub fn stretched(span: f64, draw: &mut Draw) -> Course {
     let (age, exponent) = (span * draw.octaves(5.0, 20.0), draw.between(0.4, 0.7));
     to_one(span, move |t| relaxation::stretched(t, age, 3.0 * age, exponent))

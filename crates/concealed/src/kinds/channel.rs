@@ -20,7 +20,8 @@ pub fn uneven_delay(_: &Campaign, draw: &mut Draw) -> Effect {
         .with(move |size| vec![("delay_s", delay(size))])
 }
 
-/// A converter that takes the mean over a while: late by half of it, and its gain between that of a delay and that of a lag.
+/// A converter that takes the mean over a while: late by half of it, and its gain between that of a delay and
+/// that of a lag.
 pub fn moving_average(_: &Campaign, draw: &mut Draw) -> Effect {
     let sensor = draw.below(3);
     let delay = move |size: f64| 2e-3 * size;
@@ -64,8 +65,8 @@ pub fn clipping(campaign: &Campaign, draw: &mut Draw) -> Effect {
         .with(move |size| vec![("level_nt", level(size))])
 }
 
-/// A connection that fails for a while: the logger holds the last value, which leaks away slowly, and the row in which the connection
-/// comes back is the mean of both.
+/// A connection that fails for a while: the logger holds the last value, which leaks away slowly, and the row
+/// in which the connection comes back is the mean of both.
 pub fn dropout(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, leak) = (draw.below(3), draw.sign() * draw.between(0.002, 0.008));
     let longest = campaign.runs[0].times.len() as f64;
@@ -117,7 +118,8 @@ pub fn bandgap_reference(campaign: &Campaign, draw: &mut Draw) -> Effect {
     )
 }
 
-/// Resistors of a divider whose materials part with the temperature of the electronics: (1 + a T) / (1 + b T).
+/// Resistors of a divider whose materials part with the temperature of the electronics: (1 + a T) / (1 + b
+/// T).
 pub fn divider(_: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, upper, lower) = (draw.below(3), 40.0 * draw.sign(), draw.between(-15.0, 15.0));
     let act = on_sensor(sensor, move |campaign, run, plain, size| {

@@ -8,7 +8,8 @@ use crate::finer::bouc::Bouc;
 use crate::finer::rayleigh::Rayleigh;
 use crate::scene::Campaign;
 
-/// A core that is unloaded more slowly than it is loaded (Bouc and Wen), whose past is the drive before the recording.
+/// A core that is unloaded more slowly than it is loaded (Bouc and Wen), whose past is the drive before the
+/// recording.
 pub fn loaded_and_unloaded(_: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, width, share) = (draw.below(3), draw.octaves(700.0, 4000.0), draw.between(0.2, 0.4));
     let act = on_sensor(sensor, move |campaign, run, _, size| {

@@ -73,7 +73,8 @@ pub fn loop_in_metal(campaign: &Campaign, draw: &mut Draw) -> Effect {
         })
 }
 
-/// A body that the Sun warms through and through, its skin and what is behind it: linear in the Sun's direction, and late.
+/// A body that the Sun warms through and through, its skin and what is behind it: linear in the Sun's
+/// direction, and late.
 pub fn skin_and_body(_: &Campaign, draw: &mut Draw) -> Effect {
     let parts: [Vector3<f64>; 4] = std::array::from_fn(|_| Vector3::from_fn(|_, _| draw.normal()));
     let share = draw.between(0.15, 0.35);
@@ -95,7 +96,8 @@ pub fn skin_and_body(_: &Campaign, draw: &mut Draw) -> Effect {
     Effect::new("skin and body that the Sun warms", accepted, act)
 }
 
-/// What a glossy plate takes in of the Sun at a cosine of its incidence: less of what comes flat than Lambert's law has.
+/// What a glossy plate takes in of the Sun at a cosine of its incidence: less of what comes flat than
+/// Lambert's law has.
 fn glossy(cosine: f64) -> f64 {
     cosine.max(0.0).powf(1.5)
 }
@@ -157,7 +159,8 @@ mod tests {
     use crate::scene::SceneKind;
     use crate::scenes::Length;
 
-    /// A plate is glossy as Fresnel has it at least in this: what comes straight is taken in whole, and what comes flat less than its cosine.
+    /// A plate is glossy as Fresnel has it at least in this: what comes straight is taken in whole, and what
+    /// comes flat less than its cosine.
     #[test]
     fn a_glossy_plate_takes_less_of_what_comes_flat() {
         assert_eq!([glossy(1.0), glossy(0.0), glossy(-0.4)], [1.0, 0.0, 0.0]);

@@ -51,7 +51,8 @@ pub fn working_hours(_: &Campaign, draw: &mut Draw) -> Effect {
         run.times
             .iter()
             .map(|t| {
-                // The campaign begins on a Thursday at midnight; there is no work on the third and fourth day of its weeks.
+                // The campaign begins on a Thursday at midnight; there is no work on the third and fourth day
+                // of its weeks.
                 let (day, hour) = ((t / 86_400.0) as usize, t % 86_400.0);
                 let [on, off] = late[day % 8];
                 let works =
@@ -66,7 +67,8 @@ pub fn working_hours(_: &Campaign, draw: &mut Draw) -> Effect {
 /// Machines that are started one after another in the first half hour of work, and stopped so in the last.
 const MACHINES: usize = 6;
 
-/// Share of the machines that run at a time of day, s, by when each is started after seven and stopped before five.
+/// Share of the machines that run at a time of day, s, by when each is started after seven and stopped before
+/// five.
 fn running(second: f64, after: &[f64; MACHINES], before: &[f64; MACHINES]) -> f64 {
     let runs = |k: &usize| second >= 7.0 * 3600.0 + after[*k] && second < 17.0 * 3600.0 - before[*k];
     (0..MACHINES).filter(runs).count() as f64 / MACHINES as f64

@@ -61,7 +61,8 @@ pub fn coil_temperature(_: &Campaign, draw: &mut Draw) -> Effect {
         .with(move |size| vec![("coefficient_ppm_per_k", size * ppm)])
 }
 
-/// A nulling loop with an integrator, fed with the natural variation; the building's metal sends a share of it to the test volume late.
+/// A nulling loop with an integrator, fed with the natural variation; the building's metal sends a share of
+/// it to the test volume late.
 pub fn nulling(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let shares: [f64; 3] = std::array::from_fn(|_| draw.sign() * draw.between(0.004, 0.01));
     let step = campaign.runs[0].step_s();
@@ -88,8 +89,8 @@ pub fn nulling(campaign: &Campaign, draw: &mut Draw) -> Effect {
     )
 }
 
-/// A nulling loop whose amplifier is proportional, behind a building that the variation passes late: a loop of gain G leaves 1/(1 + G) of what
-/// comes to it, and is itself G-fold faster than its filter.
+/// A nulling loop whose amplifier is proportional, behind a building that the variation passes late: a loop
+/// of gain G leaves 1/(1 + G) of what comes to it, and is itself G-fold faster than its filter.
 pub fn proportional_nulling(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let shares: [f64; 3] = std::array::from_fn(|_| draw.sign() * draw.between(0.004, 0.01));
     let step = campaign.runs[0].step_s();

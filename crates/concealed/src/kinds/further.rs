@@ -166,7 +166,8 @@ mod tests {
     use crate::scenes::{self, Length};
     use std::collections::BTreeSet;
 
-    /// In its scene every entry adds numbers of which a fresh calibration leaves something, whether the thermometers go together or apart.
+    /// In its scene every entry adds numbers of which a fresh calibration leaves something, whether the
+    /// thermometers go together or apart.
     #[test]
     fn every_entry_shows_in_its_scene() {
         for which in FURTHER {

@@ -11,13 +11,15 @@ use crate::effect::{Effect, in_block};
 use crate::finer::bodies;
 use crate::scene::{Campaign, Run};
 
-/// What the sensors gain when the block turns by angles about x and y, rad: the whole rotation, whose first order is −ω × B.
+/// What the sensors gain when the block turns by angles about x and y, rad: the whole rotation, whose first
+/// order is −ω × B.
 fn turned(campaign: &Campaign, run: &Run, t: f64, angles: [f64; 2]) -> Vector3<f64> {
     let field = run.field_sen(&campaign.bench, t);
     Rotation3::new(-Vector3::new(angles[0], angles[1], 0.0)) * field - field
 }
 
-/// A block on a foundation whose tiltmeters are mounted a few degrees askew, and which follows them within two steps of time.
+/// A block on a foundation whose tiltmeters are mounted a few degrees askew, and which follows them within
+/// two steps of time.
 pub fn measured_tilt(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let (askew, tau) =
         (draw.sign() * draw.between(0.02, 0.06), campaign.runs[0].step_s() * draw.between(0.5, 2.0));

@@ -9,8 +9,8 @@ use crate::scene::{Campaign, Run};
 /// Quarters of a step that the drive has gone on before a recording whose past counts.
 pub const PAST: usize = 400;
 
-/// What a core that follows the field along a sensor gives at each row, the way between the rows in quarters of a step, with so many
-/// quarters before the first row.
+/// What a core that follows the field along a sensor gives at each row, the way between the rows in quarters
+/// of a step, with so many quarters before the first row.
 pub fn followed(
     campaign: &Campaign,
     run: &Run,
@@ -66,7 +66,8 @@ pub fn plays(_: &Campaign, draw: &mut Draw) -> Effect {
 /// Least and largest threshold of permanent magnetisation, over the largest field along the sensor.
 const THRESHOLD: [f64; 2] = [0.55, 0.8];
 
-/// Parts near the core that large fields magnetise, their thresholds log-normal; without magnetisation at the beginning of each recording.
+/// Parts near the core that large fields magnetise, their thresholds log-normal; without magnetisation at the
+/// beginning of each recording.
 pub fn perming(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, share, spread) =
         (draw.below(3), draw.between(THRESHOLD[0], THRESHOLD[1]), draw.between(0.03, 0.08));

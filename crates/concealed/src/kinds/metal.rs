@@ -47,7 +47,8 @@ pub fn ribs_and_plates(campaign: &Campaign, draw: &mut Draw) -> Effect {
 /// Places of the sensors in the block as the document has them, SEN, m.
 const PLACES_M: [[f64; 3]; 3] = [[0.04, 0.0, 0.01], [0.0, 0.05, 0.0], [0.0, 0.01, -0.04]];
 
-/// What each sensor's place has over the centre of a coil: of the coil, and its field of a size at a place in GEO, m, over that at the centre.
+/// What each sensor's place has over the centre of a coil: of the coil, and its field of a size at a place in
+/// GEO, m, over that at the centre.
 fn away_from_centre(
     coil: usize,
     field: impl Fn(&Vector3<f64>, &Vector3<f64>, f64) -> Vector3<f64> + Send + Sync + 'static,

@@ -23,7 +23,8 @@ fn warmer(run: &Run, campaign: &Campaign, t: f64) -> f64 {
     run.temperatures[0](t) - campaign.reference_c[0]
 }
 
-/// A core of domains with a distribution of coercive fields (Preisach), whose past is the drive before the recording.
+/// A core of domains with a distribution of coercive fields (Preisach), whose past is the drive before the
+/// recording.
 pub fn hysteresis(_: &Campaign, draw: &mut Draw) -> Effect {
     let sensor = draw.below(3);
     let (coercive, spread) = (draw.octaves(700.0, 4000.0), draw.between(0.2, 0.5));

@@ -32,7 +32,8 @@ pub fn two_dipoles(campaign: &Campaign, draw: &mut Draw) -> Effect {
     Effect::new("two dipoles on a straight road", vec!["vehicle_pass".into()], act)
 }
 
-/// Where a vehicle is that drives round a bend of a radian, and its heading, rad: the bend's radius and the way from its middle, m.
+/// Where a vehicle is that drives round a bend of a radian, and its heading, rad: the bend's radius and the
+/// way from its middle, m.
 fn bend(radius: f64, way: f64) -> (f64, f64, f64) {
     let heading = (way / radius).clamp(-0.5, 0.5);
     let beyond = way - radius * heading;
@@ -75,7 +76,8 @@ pub fn wagons(campaign: &Campaign, draw: &mut Draw) -> Effect {
     Effect::new("five wagons on a straight line", vec!["vehicle_pass".into()], act)
 }
 
-/// Way of a vehicle that slows down about a moment and goes on, m: v (t − a w tanh(t/w)), its least speed (1 − a) v.
+/// Way of a vehicle that slows down about a moment and goes on, m: v (t − a w tanh(t/w)), its least speed (1
+/// − a) v.
 fn slowed(since: f64, speed: f64, slower: f64, width: f64) -> f64 {
     speed * (since - slower * width * (since / width).tanh())
 }

@@ -12,8 +12,8 @@ use crate::finer::{beside, modes};
 use crate::scene::Campaign;
 use crate::signal::Signal;
 
-/// What a magnetisation that falls with T^(3/2) has fallen by between two temperatures, degC, over its slope at the first: in K. Source: Bloch
-/// 1930, Zur Theorie des Ferromagnetismus, Z. Phys. 61, 206.
+/// What a magnetisation that falls with T^(3/2) has fallen by between two temperatures, degC, over its slope
+/// at the first: in K. Source: Bloch 1930, Zur Theorie des Ferromagnetismus, Z. Phys. 61, 206.
 fn fallen(from_c: f64, to_c: f64) -> f64 {
     let (from, to) = (from_c + 273.15, to_c + 273.15);
     (to.powf(1.5) - from.powf(1.5)) / (1.5 * from.sqrt())
@@ -34,7 +34,8 @@ pub fn remanence(_: &Campaign, draw: &mut Draw) -> Effect {
 /// Copper's resistance, per K at 20 degC.
 const COPPER_PER_K: f64 = 0.00393;
 
-/// What a loop of a gain G reads of a field, less what it reads at the reference, relative: G falls as the copper of the pick-up warms,
+/// What a loop of a gain G reads of a field, less what it reads at the reference, relative: G falls as the
+/// copper of the pick-up warms,
 ///
 /// ```text
 /// G = G_0 / (1 + α ΔT),   M / M_0 − 1 = (1 + 1/G_0) / (1 + 1/G) − 1
@@ -58,7 +59,8 @@ pub fn finite_gain(_: &Campaign, draw: &mut Draw) -> Effect {
         .with(move |size| vec![("coefficient_ppm_per_k", -1e6 * COPPER_PER_K / (1.0 + gain(size)))])
 }
 
-/// An offset in proportion to the electronics' temperature, whose thermometer is a thermistor read along a straight line.
+/// An offset in proportion to the electronics' temperature, whose thermometer is a thermistor read along a
+/// straight line.
 pub fn thermistor(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, coefficient) = (draw.below(3), 0.1 * draw.sign());
     let thermistor = Thermistor {
@@ -81,7 +83,8 @@ fn area(u: f64) -> f64 {
     u * u.atan() - 0.5 * (u * u).ln_1p()
 }
 
-/// Two unlike bars that share their stress about a temperature: a coefficient that goes over as an arctangent.
+/// Two unlike bars that share their stress about a temperature: a coefficient that goes over as an
+/// arctangent.
 pub fn two_bars(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let (sensor, half, width) = (draw.below(3), 0.1 * draw.sign(), draw.between(0.3, 0.8));
     let coefficient = half * draw.between(-0.4, 0.4);

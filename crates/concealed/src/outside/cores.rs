@@ -14,7 +14,8 @@ fn along(campaign: &Campaign, run: &Run, sensor: usize) -> Vec<f64> {
     run.times.iter().map(|t| run.along(&campaign.bench, sensor, *t)).collect()
 }
 
-/// Jumps at random whose chance grows with the way of the field, each of which dies away: of a course and of the rows that a jump lasts.
+/// Jumps at random whose chance grows with the way of the field, each of which dies away: of a course and of
+/// the rows that a jump lasts.
 fn avalanches(field: &[f64], each_nt: f64, rows: f64, draw: &mut Draw) -> Vec<f64> {
     let (kept, mut level) = ((-1.0 / rows).exp(), 0.0);
     let ways = field.windows(2).map(|pair| (pair[1] - pair[0]).abs());
@@ -28,7 +29,8 @@ fn avalanches(field: &[f64], each_nt: f64, rows: f64, draw: &mut Draw) -> Vec<f6
     std::iter::once(0.0).chain(ways).map(next).collect()
 }
 
-/// Avalanches of domain walls, the more the faster the field goes, of either sign, each over after some readings (Barkhausen).
+/// Avalanches of domain walls, the more the faster the field goes, of either sign, each over after some
+/// readings (Barkhausen).
 ///
 /// ```text
 /// dB = s Σ_k a_k exp(−(t − t_k) / tau), the t_k with the rate |dB/dt| / B_each
@@ -50,7 +52,8 @@ pub fn barkhausen(_: &Campaign, draw: &mut Draw) -> Effect {
     )
 }
 
-/// A core that sees less of a field that moves, whichever way it moves: its permeability falls with the size of the rate.
+/// A core that sees less of a field that moves, whichever way it moves: its permeability falls with the size
+/// of the rate.
 ///
 /// ```text
 /// dB = 1e-3 s B / 50 000 nT · |dB/dt|
@@ -114,7 +117,8 @@ pub fn after_a_turn(campaign: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// A compensation whose amplifier drifts: the offset goes with the product of two temperatures, each over its mean.
+/// A compensation whose amplifier drifts: the offset goes with the product of two temperatures, each over its
+/// mean.
 ///
 /// ```text
 /// dB = s (T_S − mean) (T_E − mean) / 10 K²
@@ -165,8 +169,8 @@ mod tests {
     use super::super::tests::{campaign, of_sensor};
     use super::*;
 
-    /// In a field that goes at an even pace the level has the variance of shot noise: p / (1 − k²), p the chance of a jump in a reading and
-    /// k what is kept; where the field stands nothing begins.
+    /// In a field that goes at an even pace the level has the variance of shot noise: p / (1 − k²), p the
+    /// chance of a jump in a reading and k what is kept; where the field stands nothing begins.
     #[test]
     fn avalanches_are_shot_noise() {
         let field: Vec<f64> = (0..60_000).map(|k| 4000.0 * f64::from(k)).collect();

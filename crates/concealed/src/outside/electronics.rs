@@ -32,7 +32,8 @@ fn beating(times: &[f64], load: impl Fn(f64) -> f64, period: f64, growth: f64) -
     ode::march(*first, [0.0], times, 0.3 * (second - first), turns).iter().map(|phase| phase[0]).collect()
 }
 
-/// A harmonic of the excitation beats with a switching supply, whose frequency rises with the load of the coils.
+/// A harmonic of the excitation beats with a switching supply, whose frequency rises with the load of the
+/// coils.
 ///
 /// ```text
 /// dB = s sin(phi + phi_0), dphi/dt = 2π (1 + a L) / P, L = (I_x² + I_y² + I_z²) / 3
@@ -40,7 +41,8 @@ fn beating(times: &[f64], load: impl Fn(f64) -> f64, period: f64, growth: f64) -
 ///
 /// dB and s in nT, currents in A, P between 7 and 12 readings, a between 1 and 2 per A².
 ///
-/// Source: Erickson and Maksimović 2001, Fundamentals of Power Electronics (converters whose frequency depends on the load).
+/// Source: Erickson and Maksimović 2001, Fundamentals of Power Electronics (converters whose frequency
+/// depends on the load).
 pub fn beat(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let period = campaign.runs[0].step_s() * draw.between(7.0, 12.0);
     let (growth, begin) = (draw.between(1.0, 2.0), draw.between(0.0, TAU));
@@ -57,8 +59,8 @@ pub fn beat(campaign: &Campaign, draw: &mut Draw) -> Effect {
 /// dB = s √(|B| / B_r − 1) sin(2π t / P + phi_0) for |B| > B_r, else 0
 /// ```
 ///
-/// dB and s in nT, B_r half of the largest field, P the alias of the ringing, between 2.3 and 4.5 readings. The amplitude grows as that
-/// of any oscillation that sets in softly.
+/// dB and s in nT, B_r half of the largest field, P the alias of the ringing, between 2.3 and 4.5 readings.
+/// The amplitude grows as that of any oscillation that sets in softly.
 ///
 /// Source: Strogatz 1994, Nonlinear Dynamics and Chaos (supercritical Hopf bifurcation).
 pub fn ringing(campaign: &Campaign, draw: &mut Draw) -> Effect {
@@ -76,7 +78,8 @@ fn unsettled(difference: f64, followed: f64) -> f64 {
     difference.signum() * (difference.abs() / followed - 1.0).max(0.0)
 }
 
-/// A multiplexer whose amplifier goes from the previous channel to this one at a limited rate: after a large difference it has not arrived.
+/// A multiplexer whose amplifier goes from the previous channel to this one at a limited rate: after a large
+/// difference it has not arrived.
 ///
 /// ```text
 /// dB = s sign(D) max(0, |D| / D_0 − 1), D = B of the previous channel − B
@@ -99,7 +102,8 @@ fn gained(campaign: &Campaign, run: &Run, sensor: usize, gain: impl Fn(f64) -> f
     run.times.iter().map(|t| gain(*t) * run.along(&campaign.bench, sensor, *t) / FULL_NT).collect()
 }
 
-/// Ripple of the converter's reference at half the mains frequency: an alias whose phase wanders, in the gain alone.
+/// Ripple of the converter's reference at half the mains frequency: an alias whose phase wanders, in the gain
+/// alone.
 ///
 /// ```text
 /// dB = s B / 50 000 nT · sin(2π t / P + w(t))
@@ -152,7 +156,8 @@ fn toggled(course: &[f64], level: f64) -> Vec<f64> {
     course.iter().map(next).collect()
 }
 
-/// A latching relay that goes over each time the field passes a level upwards: its two resistors are not quite equal.
+/// A latching relay that goes over each time the field passes a level upwards: its two resistors are not
+/// quite equal.
 ///
 /// ```text
 /// dB = s B / 50 000 nT · (−1)^n, n the passages through B_t from below
@@ -167,7 +172,8 @@ pub fn relay(_: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// A supply that sags under a load: the sensitivity follows a current that is recorded, while its field is none.
+/// A supply that sags under a load: the sensitivity follows a current that is recorded, while its field is
+/// none.
 ///
 /// ```text
 /// dB = s B / 50 000 nT · (I − I_mean) / 1 A

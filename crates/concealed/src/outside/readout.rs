@@ -62,7 +62,8 @@ pub fn popcorn(_: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// A chopper whose residual is seen at an alias, and whose oscillator drifts with the temperature of the electronics.
+/// A chopper whose residual is seen at an alias, and whose oscillator drifts with the temperature of the
+/// electronics.
 ///
 /// ```text
 /// dB = s sin(phi), dphi/dt = 2π (1 + a (T_E − mean)) / P
@@ -70,7 +71,8 @@ pub fn popcorn(_: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// dB and s in nT, P between 6 and 12 readings, a between 0.1 and 0.2 per K.
 ///
-/// Source: Enz and Temes 1996, Circuit techniques for reducing the effects of op-amp imperfections, Proc. IEEE 84, 1584.
+/// Source: Enz and Temes 1996, Circuit techniques for reducing the effects of op-amp imperfections, Proc.
+/// IEEE 84, 1584.
 pub fn chopper(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let step = campaign.runs[0].step_s();
     let (period, drift) = (step * draw.between(6.0, 12.0), draw.between(0.1, 0.2) * draw.sign());
@@ -120,13 +122,15 @@ pub fn ground_loop(campaign: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// What a regulator that switches strings of a width on and off has beside the current itself: from −1/2 to 1/2.
+/// What a regulator that switches strings of a width on and off has beside the current itself: from −1/2 to
+/// 1/2.
 fn beside_strings(current: f64, width: f64) -> f64 {
     let strings = current / width;
     strings.round() - strings
 }
 
-/// A regulator that switches strings of a solar array one by one, each with a loop of its own: the field goes in steps beside the current.
+/// A regulator that switches strings of a solar array one by one, each with a loop of its own: the field goes
+/// in steps beside the current.
 ///
 /// ```text
 /// dB_sen = s v (round(I / q) − I / q)

@@ -58,7 +58,8 @@ pub fn crane(campaign: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// s in seconds of arc, n a horizontal direction, tau between 5 and 20 readings.
 ///
-/// Source: Davenport 1961, The spectrum of horizontal gustiness near the ground, Q. J. R. Meteorol. Soc. 87, 194.
+/// Source: Davenport 1961, The spectrum of horizontal gustiness near the ground, Q. J. R. Meteorol. Soc. 87,
+/// 194.
 pub fn wind(_: &Campaign, draw: &mut Draw) -> Effect {
     let (rows, seed, angle) =
         (draw.between(5.0, 20.0), draw.below(1 << 20) as u64, draw.between(0.0, std::f64::consts::TAU));

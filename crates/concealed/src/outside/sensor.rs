@@ -16,11 +16,11 @@ const ARCSEC: f64 = 4.848e-6;
 /// dB = s w(X), X = ∫ |dB|, w of mean 0 and variance 1 with the correlation exp(−X / X_0)
 /// ```
 ///
-/// dB and s in nT, X_0 between 5 000 and 15 000 nT. The contribution is frozen while the field stands, and changes the more between
-/// readings the faster the field goes.
+/// dB and s in nT, X_0 between 5 000 and 15 000 nT. The contribution is frozen while the field stands, and
+/// changes the more between readings the faster the field goes.
 ///
-/// Source: Alessandro, Beatrice, Bertotti and Montorsi 1990, Domain-wall dynamics and Barkhausen effect in metallic ferromagnetic
-/// materials, J. Appl. Phys. 68, 2901.
+/// Source: Alessandro, Beatrice, Bertotti and Montorsi 1990, Domain-wall dynamics and Barkhausen effect in
+/// metallic ferromagnetic materials, J. Appl. Phys. 68, 2901.
 pub fn pinning(_: &Campaign, draw: &mut Draw) -> Effect {
     let (length_nt, seed) = (draw.between(5000.0, 15_000.0), draw.below(1 << 20) as u64);
     in_one(
@@ -36,7 +36,8 @@ pub fn pinning(_: &Campaign, draw: &mut Draw) -> Effect {
     )
 }
 
-/// A block that friction holds while its support expands: it twists, and springs back when the twist is too large.
+/// A block that friction holds while its support expands: it twists, and springs back when the twist is too
+/// large.
 ///
 /// ```text
 /// dB_sen = s θ n × B_sen, θ = T_S − T_held, T_held = T_S as soon as |θ| > h
@@ -70,7 +71,8 @@ pub fn heat_flow(_: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// A sensitivity that is compensated for temperature over the range of the campaign, while the bend that belongs to it is not.
+/// A sensitivity that is compensated for temperature over the range of the campaign, while the bend that
+/// belongs to it is not.
 ///
 /// ```text
 /// dB = s (T_S − T_mean) / 10 K · x (x² − 1), x = B / b, b² = mean(B⁴) / mean(B²)
@@ -91,7 +93,8 @@ pub fn warm_bend(campaign: &Campaign, draw: &mut Draw) -> Effect {
     })
 }
 
-/// A block of plastic that takes up moisture and swells unevenly: one sensor turns with a humidity that nobody recorded.
+/// A block of plastic that takes up moisture and swells unevenly: one sensor turns with a humidity that
+/// nobody recorded.
 ///
 /// ```text
 /// dB = s w(t) u, w of mean 0 and variance 1 with the correlation exp(−|t| / tau), u the SEN field across the sensor
@@ -120,7 +123,8 @@ fn swinging(since: f64, period: f64, tau: f64) -> f64 {
 /// dB_geo = −s θ z × B_geo, θ = Σ_k a_k sin(2π (t − t_k) / P) exp(−(t − t_k) / tau) over the knocks t_k < t
 /// ```
 ///
-/// s in seconds of arc; P between 2.5 and 7 readings, tau between 12 and 30; a knock every forty readings on the average, a of variance 1.
+/// s in seconds of arc; P between 2.5 and 7 readings, tau between 12 and 30; a knock every forty readings on
+/// the average, a of variance 1.
 pub fn swing(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let step = campaign.runs[0].step_s();
     let (period, tau) = (step * draw.between(2.5, 7.0), step * draw.between(12.0, 30.0));

@@ -1,7 +1,7 @@
 //! Something that is held until it has been moved too far, and then lets go.
 
-/// How far a course has gone from where it was last let go. It is let go at the first value, and wherever it would be further away than
-/// `most`: there the departure is zero again.
+/// How far a course has gone from where it was last let go. It is let go at the first value, and wherever it
+/// would be further away than `most`: there the departure is zero again.
 ///
 /// Source: Bowden and Tabor 1950, The Friction and Lubrication of Solids (stick and slip).
 pub fn departures(course: impl IntoIterator<Item = f64>, most: f64) -> Vec<f64> {

@@ -15,16 +15,18 @@ fn packet(since: f64, period: f64, width: f64) -> [f64; 2] {
     [cosine, sine].map(|wave| wave * (-0.5 * (since / width).powi(2)).exp())
 }
 
-/// Pulsations of Earth's field, of a minute to two and a half (Pc4), which the nulling does not reach: waves in packets, each with
-/// an ellipse of its own.
+/// Pulsations of Earth's field, of a minute to two and a half (Pc4), which the nulling does not reach: waves
+/// in packets, each with an ellipse of its own.
 ///
 /// ```text
 /// dB_geo = s Σ_k (a_k cos x + b_k sin x) exp(−(t − t_k)² / (2 w_k²)), x = 2π (t − t_k) / P_k
 /// ```
 ///
-/// dB and s in nT, P between 60 and 150 s, w between one and a half and three periods; a packet for every fifty readings.
+/// dB and s in nT, P between 60 and 150 s, w between one and a half and three periods; a packet for every
+/// fifty readings.
 ///
-/// Source: Jacobs, Kato, Matsushita and Troitskaya 1964, Classification of geomagnetic micropulsations, J. Geophys. Res. 69, 180.
+/// Source: Jacobs, Kato, Matsushita and Troitskaya 1964, Classification of geomagnetic micropulsations, J.
+/// Geophys. Res. 69, 180.
 pub fn pulsations(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let all: Vec<(f64, f64, f64, [Vector3<f64>; 2])> = moments(campaign, 50, draw)
         .into_iter()
@@ -102,7 +104,8 @@ fn burst(draw: &mut Draw) -> f64 {
 /// dB_geo = s v Σ_k a_k for t_k <= t < t_k + d_k, P(|a| > x) = x^−1.5
 /// ```
 ///
-/// dB and s in nT, v a direction, a of either sign, d between one and five readings; a burst for every twelve readings.
+/// dB and s in nT, v a direction, a of either sign, d between one and five readings; a burst for every twelve
+/// readings.
 ///
 /// Source: Lowes 2009, DC railways and the magnetic fields they produce, Earth Planets Space 61, i.
 pub fn tram(campaign: &Campaign, draw: &mut Draw) -> Effect {

@@ -1,4 +1,5 @@
-//! No effect of the catalogue comes near to what is outside it: its formulas, written out here, are fitted by least squares.
+//! No effect of the catalogue comes near to what is outside it: its formulas, written out here, are fitted by
+//! least squares.
 
 use nalgebra::{DVector, Vector3};
 

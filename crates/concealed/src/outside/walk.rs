@@ -2,7 +2,8 @@
 
 use crate::draw::Draw;
 
-/// A random course of mean 0 and variance 1 after each of the ways given: over a way w the correlation is e^−w (Ornstein-Uhlenbeck).
+/// A random course of mean 0 and variance 1 after each of the ways given: over a way w the correlation is
+/// e^−w (Ornstein-Uhlenbeck).
 ///
 /// Source: Uhlenbeck and Ornstein 1930, On the theory of the Brownian motion, Phys. Rev. 36, 823.
 pub fn walk(ways: impl IntoIterator<Item = f64>, draw: &mut Draw) -> Vec<f64> {

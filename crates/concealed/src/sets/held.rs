@@ -1,5 +1,6 @@
-//! Held-out physics in recordings as instruments write them: kinds and forms of one group (see [`crate::groups`]), 0.1 to 100 times the
-//! noise, one effect or up to four, each off its formula by up to a fifth.
+//! Held-out physics in recordings as instruments write them: kinds and forms of one group (see
+//! [`crate::groups`]), 0.1 to 100 times the noise, one effect or up to four, each off its formula by up to a
+//! fifth.
 
 use super::Set;
 use crate::as_recorded::as_recorded;

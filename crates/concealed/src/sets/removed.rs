@@ -1,4 +1,5 @@
-//! A catalogue with the entry removed: one effect of every name in turn, its name and those that would be right as well taken out.
+//! A catalogue with the entry removed: one effect of every name in turn, its name and those that would be
+//! right as well taken out.
 
 use super::Set;
 use crate::case::{self, Case, Concealed};

@@ -15,8 +15,8 @@ const SIDEREAL_DAY_S: f64 = 86_164.1;
 /// Day of the year at the beginning: 10 January, counted from the spring equinox before.
 const DAYS_FROM_EQUINOX: f64 = 295.5;
 
-/// Gauss coefficients (degree, order, g, h) in nT, to degree 3. Source: Alken et al. 2021, International Geomagnetic Reference Field: the
-/// thirteenth generation, Earth Planets Space 73, 49 (epoch 2020).
+/// Gauss coefficients (degree, order, g, h) in nT, to degree 3. Source: Alken et al. 2021, International
+/// Geomagnetic Reference Field: the thirteenth generation, Earth Planets Space 73, 49 (epoch 2020).
 const GAUSS: [(i32, i32, f64, f64); 9] = [
     (1, 0, -29404.8, 0.0),
     (1, 1, -1450.9, 4652.5),
@@ -115,7 +115,8 @@ fn potential(place_km: &Vector3<f64>) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of the dipole along the axis alone: 2 |g| (a/r)³ down at the pole. With all terms the field has no sources.
+    /// Of the dipole along the axis alone: 2 |g| (a/r)³ down at the pole. With all terms the field has no
+    /// sources.
     #[test]
     fn the_field_has_the_size_of_the_dipole_and_no_sources() {
         let pole = field_nt(&Vector3::new(1e-6, 0.0, EARTH_KM));

@@ -52,8 +52,8 @@ fn long_recordings_are_long_and_their_effects_have_the_stated_size() {
     }
 }
 
-/// Of recordings as instruments write them too: the public format, columns of one length, times that go forward, and a truth that tells each
-/// way in which they were written.
+/// Of recordings as instruments write them too: the public format, columns of one length, times that go
+/// forward, and a truth that tells each way in which they were written.
 #[test]
 fn recordings_as_they_are_are_documents_as_well() {
     let sets =

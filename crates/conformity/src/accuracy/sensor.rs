@@ -79,7 +79,8 @@ pub struct Sensor {
 }
 
 impl Sensor {
-    /// From a document, for what the requirement asks; what has no term is named. None where k or O has no uncertainty.
+    /// From a document, for what the requirement asks; what has no term is named. None where k or O has no
+    /// uncertainty.
     pub fn of(
         (document, joint): (&Document, &Joint),
         requirement: &Requirement,

@@ -1,5 +1,5 @@
-//! Every document of `fixtures/bad/correct` brings its message, its exit code, and nothing on standard output; and so does each
-//! table that is not as it must be.
+//! Every document of `fixtures/bad/correct` brings its message, its exit code, and nothing on standard
+//! output; and so does each table that is not as it must be.
 
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,9 @@
-//! The whole way: campaigns at the coils, calibrated by the other programs, and readings of the true instrument corrected with what
-//! they found, over the sphere of fields up to 64 000 nT and the temperatures of the calibration.
+//! The whole way: campaigns at the coils, calibrated by the other programs, and readings of the true
+//! instrument corrected with what they found, over the sphere of fields up to 64 000 nT and the temperatures
+//! of the calibration.
 //!
-//! `FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture` after `cargo build --release`.
+//! `FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture` after `cargo
+//! build --release`.
 
 use common::{Column, Document, Recording, procedure};
 use correct::Options;
@@ -25,7 +27,8 @@ impl Numbers {
     }
 }
 
-/// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day after the beginning.
+/// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day
+/// after the beginning.
 pub fn flight(seed: u64) -> Recording {
     let mut numbers = Numbers(seed);
     let mut columns: Vec<(&str, Vec<f64>)> = [

@@ -1,4 +1,5 @@
-//! Every effect of the catalogue: predicted without noise, corrected, and the true field is there again, or it is said why not.
+//! Every effect of the catalogue: predicted without noise, corrected, and the true field is there again, or
+//! it is said why not.
 
 use common::{AdoptedEffect, Axis, Document, Quantity};
 use correct::{Error, Options};

@@ -269,7 +269,8 @@ fn iaga_2002_holds_the_field() {
     assert!(error.expect_err("no code").to_string().contains("is not a station code"));
 }
 
-/// A logger's file by a mapping gives what the table with the document's names gives: the same columns, in other notation.
+/// A logger's file by a mapping gives what the table with the document's names gives: the same columns, in
+/// other notation.
 #[test]
 fn a_mapping_is_read_as_ingest_reads_it() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -304,7 +305,8 @@ fn a_mapping_is_read_as_ingest_reads_it() {
         columns
     };
     assert_eq!(sorted(&direct), sorted(&mapped));
-    // IAGA-2002 describes its own columns; without sensitivities in V its readings in nT are what is corrected.
+    // IAGA-2002 describes its own columns; without sensitivities in V its readings in nT are what is
+    // corrected.
     std::fs::copy(testkit::fixture("ingest/lemi.sec"), folder.path().join("lemi.sec")).expect("copied");
     let (iaga, said) = correct(&["lemi.sec"]);
     assert!(said.contains("IAGA-2002") && iaga.starts_with("time_s,"), "{said}");

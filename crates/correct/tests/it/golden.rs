@@ -1,5 +1,5 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. `truth.rs` holds the same
-//! flight against the script that made it.
+//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
+//! `truth.rs` holds the same flight against the script that made it.
 
 use common::{Document, to_text};
 use correct::{Frame, Options};

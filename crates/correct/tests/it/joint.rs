@@ -1,7 +1,8 @@
-//! The joint uncertainty through all stages: what one stage writes, the next uses, and nothing is counted twice or dropped.
+//! The joint uncertainty through all stages: what one stage writes, the next uses, and nothing is counted
+//! twice or dropped.
 //!
-//! Each source is put to the test by what it says: the values that it moves are moved by as much in a document, the stages behind run again,
-//! and every parameter has to move as the source says.
+//! Each source is put to the test by what it says: the values that it moves are moved by as much in a
+//! document, the stages behind run again, and every parameter has to move as the source says.
 
 use common::uncertainty::{VOLTMETER_ABSOLUTE, VOLTMETER_RELATIVE};
 use common::{Document, Quantity, Uncertainty, procedure, uncertainty};
@@ -78,8 +79,8 @@ fn each(document: &mut Document, mut visit: impl FnMut(&str, &mut f64)) {
     }
 }
 
-/// The document with all that a source moves moved by a share of it: constants where they stand, a resistance where it is stated, the voltmeter in
-/// what it read after the coils were calibrated.
+/// The document with all that a source moves moved by a share of it: constants where they stand, a resistance
+/// where it is stated, the voltmeter in what it read after the coils were calibrated.
 fn moved(document: &Document, moves: &IndexMap<String, f64>, share: f64) -> Document {
     let mut document = document.clone();
     each(&mut document, |path, value| *value += share * moves.get(path).copied().unwrap_or(0.0));
@@ -103,8 +104,8 @@ fn moved(document: &Document, moves: &IndexMap<String, f64>, share: f64) -> Docu
     document
 }
 
-/// What axescal finds beside a constant that was known: its sources move the sum of both, so that the known one's move belongs to it. A
-/// voltmeter that adds to every reading acts like an offset of the coil.
+/// What axescal finds beside a constant that was known: its sources move the sum of both, so that the known
+/// one's move belongs to it. A voltmeter that adds to every reading acts like an offset of the coil.
 fn beside(document: &Document, after: &Document, moves: &IndexMap<String, f64>, path: &str) -> f64 {
     let eta = after.calibration.as_ref().and_then(|c| c.axes.as_ref()?.coils.as_ref()?.matrix);
     let by = |path: &str| moves.get(path).copied().unwrap_or(0.0);
@@ -127,7 +128,8 @@ fn beside(document: &Document, after: &Document, moves: &IndexMap<String, f64>, 
     common::Axis::ALL.into_iter().map(of).sum()
 }
 
-/// Runs `stages` on the document with each source moved up and down, and holds what comes out against what the sources say.
+/// Runs `stages` on the document with each source moved up and down, and holds what comes out against what
+/// the sources say.
 fn check(before: &Document, stages: &dyn Fn(&Document) -> Document, after: &Document) {
     let joint = |document: &Document| Uncertainty::of(document).expect("an uncertainty");
     let (known, found) = (joint(before), joint(after));
@@ -168,7 +170,8 @@ fn sources_move_what_they_say_through_every_stage() {
     corrected(&axes, &truth);
 }
 
-/// The uncertainty of a corrected field is the sum of what every source moves it by, and the noise of a reading.
+/// The uncertainty of a corrected field is the sum of what every source moves it by, and the noise of a
+/// reading.
 fn corrected(document: &Document, truth: &Value) {
     let mut document = document.clone();
     document.recordings = vec![read(truth, flight(1))];

@@ -1,11 +1,12 @@
-//! Laws over drawn campaigns: what does not matter to a corrected field, and what changes it in a known way. FLUXCAL_CAMPAIGNS sets
-//! how many.
+//! Laws over drawn campaigns: what does not matter to a corrected field, and what changes it in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
 
 use correct::{Frame, Options};
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
 
-/// Readings of a block in coils, and the calibration that is stated, with its uncertainties; temperatures act as the model says.
+/// Readings of a block in coils, and the calibration that is stated, with its uncertainties; temperatures act
+/// as the model says.
 fn document(seed: u64) -> Value {
     let mut plan = laws::plan(
         seed,
@@ -35,7 +36,8 @@ fn each(law: impl Fn(u64, &Value)) {
 
 /// Of 50 000 nT: 5e-9 nT, ten digits below the uncertainties and three above rounding.
 const CORRECTED: Close = Close { relative: 1e-13, direction: 1e-15, ..Close::SUMMED };
-/// Uncertainties of the constants belong to the reference temperature at which they are stated, flags to those of a calibration.
+/// Uncertainties of the constants belong to the reference temperature at which they are stated, flags to
+/// those of a calibration.
 const UNCERTAINTIES: &[&str] = &["field_std_x_nt", "field_std_y_nt", "field_std_z_nt", "field_flags"];
 /// The covariance of a field in GEO is not written.
 const IN_GEO: &[&str] = &["field_geo_std_x_nt", "field_geo_std_y_nt", "field_geo_std_z_nt"];

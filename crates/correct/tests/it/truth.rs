@@ -71,8 +71,8 @@ fn an_effect_whose_column_is_not_there_is_left_and_said() {
     assert_eq!(
         corrected.left,
         [
-            "sensitivity_temperature is not taken out, for want of the column `sensor_temperature_c`",
-            "offset_temperature is not taken out, for want of the column `sensor_temperature_c`"
+            "sensitivity_temperature is not corrected: the column `sensor_temperature_c` is missing",
+            "offset_temperature is not corrected: the column `sensor_temperature_c` is missing"
         ]
     );
     assert!(corrected.flags.iter().all(|flag| flag & flags::EFFECT_LEFT != 0));

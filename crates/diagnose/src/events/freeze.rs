@@ -1,4 +1,5 @@
-//! Readings that freeze: rows side by side that all depart, as far as the field has moved since the first of them.
+//! Readings that freeze: rows side by side that all depart, as far as the field has moved since the first of
+//! them.
 
 use common::Axis;
 use estimate::events::Departures;
@@ -12,8 +13,8 @@ use crate::level::{Rest, at_least_one};
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 
-/// A row departs when its departure is more than so many standard deviations, and so many times the middle one: a large departure
-/// pulls the calibration, and with it all other rows.
+/// A row departs when its departure is more than so many standard deviations, and so many times the middle
+/// one: a large departure pulls the calibration, and with it all other rows.
 const DEPARTS: f64 = 4.0;
 
 /// Rows to either side of a stretch that may belong to it.

@@ -13,7 +13,8 @@ use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::proposal::{Addition, Proposal};
 
-/// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of the recording.
+/// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of
+/// the recording.
 const SHORTEST: f64 = 1.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 0.1;

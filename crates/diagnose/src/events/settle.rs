@@ -11,8 +11,9 @@ use crate::model::State;
 /// Most rows by which an event is moved.
 const SHIFTS: usize = 8;
 
-/// A fit one of whose effects begins or ends some rows earlier or later, where that fits better: what a large departure does to the
-/// calibration hides where it begins. All other unknowns follow each shift linearly; the fit is refined at the best.
+/// A fit one of whose effects begins or ends some rows earlier or later, where that fits better: what a large
+/// departure does to the calibration hides where it begins. All other unknowns follow each shift linearly;
+/// the fit is refined at the best.
 pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Result<Fit, Error> {
     let effect = &fit.state.effects[number];
     let movable: &[usize] = match effect.kind {
@@ -55,7 +56,8 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Resu
     Ok(fitter.refine(&best.1).ok().filter(|moved| moved.cost < fit.cost).unwrap_or(fit))
 }
 
-/// The times of the recording in which an event is, by the clock by which its moment is told; None where there are none.
+/// The times of the recording in which an event is, by the clock by which its moment is told; None where
+/// there are none.
 fn times(fitter: &Fitter<'_, '_>, effect: &EffectInstance) -> Option<Vec<f64>> {
     let runs = fitter.model.observed.runs.iter();
     match &effect.recording {

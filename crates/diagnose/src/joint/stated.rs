@@ -7,7 +7,8 @@ use physics::{Kind, ParameterInfo, frames};
 
 use crate::sized;
 
-/// States beside each value that was fitted the uncertainty that the sources say, and the covariances of those that are told together.
+/// States beside each value that was fitted the uncertainty that the sources say, and the covariances of
+/// those that are told together.
 pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
     let fitted = |path: &String| paths.contains(path);
     let known = |path: &String, value: f64, info: Option<&ParameterInfo>| {

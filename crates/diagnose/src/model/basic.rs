@@ -1,4 +1,5 @@
-//! The base model: what is unknown of the calibration and of each recording, and what is predicted of a recording for it.
+//! The base model: what is unknown of the calibration and of each recording, and what is predicted of a
+//! recording for it.
 
 use common::{Axis, Document};
 use estimate::screen::{Products, Screen};
@@ -13,8 +14,9 @@ use crate::channel::Run;
 use crate::magnitude;
 use crate::observed::Observed;
 
-/// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the field, and only the sum
-/// is determined: without this, part of it could be anything, and with temperature it would make any effect.
+/// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the
+/// field, and only the sum is determined: without this, part of it could be anything, and with temperature it
+/// would make any effect.
 pub(super) const OFFSET_NT: f64 = 1000.0;
 /// Share of a column's squared length that is rounding.
 const SAME: f64 = 1e-9;
@@ -98,8 +100,8 @@ pub(super) fn possible(
 }
 
 impl<'a> Model<'a> {
-    /// Takes three turns of sensors out of the unknowns, so that no turn of all sensors together is left among them, which magnitudes
-    /// alone do not show: both of x, and that of y which goes more about x.
+    /// Takes three turns of sensors out of the unknowns, so that no turn of all sensors together is left
+    /// among them, which magnitudes alone do not show: both of x, and that of y which goes more about x.
     pub(super) fn without_common_turn(&self, felt: &mut Vec<usize>) {
         let about_x = |instrument: Instrument| {
             let run = (0..self.observed.runs.len()).find(|run| self.instrument(*run) == instrument)?;
@@ -181,8 +183,8 @@ impl<'a> Model<'a> {
             .collect())
     }
 
-    /// What moves when a parameter of the chain moves. A turn counts along the tangents of the direction as the document has it; the
-    /// chain's derivatives are along those of the direction as it stands.
+    /// What moves when a parameter of the chain moves. A turn counts along the tangents of the direction as
+    /// the document has it; the chain's derivatives are along those of the direction as it stands.
     fn local(&self, state: &State, run: usize, parameter: Parameter) -> Vec<(Parameter, f64)> {
         let (now, _) = self.setting(state, run);
         let before = &self.observed.runs[run].setting.basic;
@@ -286,7 +288,8 @@ fn chain() -> impl Iterator<Item = Parameter> {
     })
 }
 
-/// The setting of the block of each run: recordings of one orientation share it, unless they name it otherwise.
+/// The setting of the block of each run: recordings of one orientation share it, unless they name it
+/// otherwise.
 pub(super) fn settings(observed: &Observed<'_>) -> Vec<usize> {
     let mut seen: Vec<(Option<&str>, nalgebra::Matrix3<f64>)> = Vec::new();
     observed

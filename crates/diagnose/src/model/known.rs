@@ -8,9 +8,10 @@ use super::Model;
 use super::basic::{Instrument, Unknown, instrument_of};
 
 impl Model<'_> {
-    /// Holds the constants of the sensors within a share of themselves, or in radians, offsets within that of the field and within the scatter of the
-    /// difference as it came, each together with what the calibration states of it. An offset of which nothing is stated is held about its
-    /// part in the difference's level: along the field, for across it the level says nothing.
+    /// Holds the constants of the sensors within a share of themselves, or in radians, offsets within that of
+    /// the field and within the scatter of the difference as it came, each together with what the calibration
+    /// states of it. An offset of which nothing is stated is held about its part in the difference's level:
+    /// along the field, for across it the level says nothing.
     pub fn hold(&mut self, document: &Document, share: f64, came: &[f64]) {
         let readings = self.observed.channels.iter().flat_map(|channel| &channel.readings);
         let rows = self.observed.rows as f64;

@@ -1,8 +1,9 @@
 //! Steps over the constants of the sensors along which readings move in a straight line.
 //!
-//! A sensor reads (μ·B − O)/k = m·B − o, which is linear in m = μ/k and o = O/k, but not in sensitivity, turns and offset. Where a field
-//! hardly changes, m and o trade with each other over long distances, and steps over k, O and turns would leave the valley. So a step is
-//! taken over m and o, and k, O and the turns are those of where it ends.
+//! A sensor reads (μ·B − O)/k = m·B − o, which is linear in m = μ/k and o = O/k, but not in sensitivity,
+//! turns and offset. Where a field hardly changes, m and o trade with each other over long distances, and
+//! steps over k, O and turns would leave the valley. So a step is taken over m and o, and k, O and the turns
+//! are those of where it ends.
 
 use common::Axis;
 use nalgebra::Vector3;
@@ -15,7 +16,8 @@ use super::{Model, State};
 const FARTHEST_TURN: f64 = 0.5;
 
 impl Model<'_> {
-    /// Brings the constants of all sensors, moved from one state to the next by a step, to where readings move in a straight line.
+    /// Brings the constants of all sensors, moved from one state to the next by a step, to where readings
+    /// move in a straight line.
     pub(super) fn straighten(&self, before: &State, next: &mut State) {
         for run in 0..self.observed.runs.len() {
             let instrument = self.instrument(run);

@@ -13,7 +13,8 @@ use crate::{Error, Options, Outcome};
 /// Standard deviations that make nine claims of ten out of five.
 const NINE_OF_TEN: f64 = 1.2816;
 
-/// For each candidate of the catalogue that was not found, the smallest size that would have been claimed nine times in ten.
+/// For each candidate of the catalogue that was not found, the smallest size that would have been claimed
+/// nine times in ten.
 pub(super) fn detectable(
     searcher: &mut Searcher<'_>,
     outcome: &Outcome,
@@ -53,7 +54,8 @@ pub(super) fn detectable(
                     continue;
                 }
                 if candidate.finite {
-                    // The column is what the effect does at this shape, so that a share of it is about that share of the shape.
+                    // The column is what the effect does at this shape, so that a share of it is about that
+                    // share of the shape.
                     match trial.shape.filter(|_| size <= 1.0) {
                         Some(shape) => size *= shape,
                         None => continue,

@@ -16,8 +16,8 @@ use crate::proposal::Addition;
 use crate::sized;
 use crate::{Error, NamedEffect, Outcome};
 
-/// A variance that rests on what is assumed of an effect's departures from its equation by more than this share is a lower bound: no recording
-/// bounds those.
+/// A variance that rests on what is assumed of an effect's departures from its equation by more than this
+/// share is a lower bound: no recording bounds those.
 const BY_FORMS: f64 = 0.5;
 
 /// Where something that was found stands in the final state: the numbers of its effects, and of its columns.
@@ -52,7 +52,8 @@ fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) -> Ind
                 let factor = if info.role == Role::Shape { *value } else { 1.0 };
                 (outcome.fit.covariance[(at, at)] * rest.scale()).sqrt() * factor
             };
-            // The moment of a step or a spike is that of a row, and has no uncertainty that follows from a fit.
+            // The moment of a step or a spike is that of a row, and has no uncertainty that follows from a
+            // fit.
             let std = match instance.kind {
                 Kind::Quantisation => lattice::width_std(model, state, instance),
                 _ => at.map_or(0.0, fitted),

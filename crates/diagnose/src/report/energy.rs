@@ -18,9 +18,10 @@ const BAND: f64 = 4.0;
 /// Fewest readings of a channel that have a spectrum.
 const SPECTRUM: usize = 24;
 
-/// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and covariate: of what is left when all
-/// that was found is taken out of the final fit, its calibration kept. A calibration fitted without it would have spread it over all rows.
-/// Where the noise is what the residual itself shows, and nothing was found, the residual's own energy.
+/// The excess of the whitened squared residual over the noise, by recording, sensor, time, band and
+/// covariate: of what is left when all that was found is taken out of the final fit, its calibration kept. A
+/// calibration fitted without it would have spread it over all rows. Where the noise is what the residual
+/// itself shows, and nothing was found, the residual's own energy.
 pub(super) fn energy(
     model: &Model<'_>,
     outcome: &Outcome,
@@ -95,7 +96,8 @@ fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
     parts.into_iter().map(share).collect()
 }
 
-/// Readings in the order of a covariate: a region for each value where there are few, else regions of equal numbers.
+/// Readings in the order of a covariate: a region for each value where there are few, else regions of equal
+/// numbers.
 fn regions(mut points: Vec<(f64, f64)>) -> Vec<(Part, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let constant = points.first().zip(points.last()).is_none_or(|(first, last)| first.0 == last.0);

@@ -45,8 +45,9 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     (sum / f64::from(count.max(1))).sqrt()
 }
 
-/// Of each reading, how far it is from what the others predict of it: in units of what is new in its noise, times what such a unit is in
-/// the fit's residual of its channel, nT. (Of noise with memory a recording has by chance more or less than its declaration.)
+/// Of each reading, how far it is from what the others predict of it: in units of what is new in its noise,
+/// times what such a unit is in the fit's residual of its channel, nT. (Of noise with memory a recording has
+/// by chance more or less than its declaration.)
 fn held_out_nt(model: &Model<'_>, held: &HeldOut, fit: &Fit) -> Vec<Option<f64>> {
     let of_channel = |channel: &Channel| -> Vec<Option<f64>> {
         let [in_nt, white] = [&fit.residual, &fit.white].map(|all| rms(all[channel.range()].iter().copied()));

@@ -81,7 +81,8 @@ fn curve(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.chunks(size).map(mean).collect()
 }
 
-/// Whether a function is even or odd about zero: by its means at like distances to both sides, its level apart.
+/// Whether a function is even or odd about zero: by its means at like distances to both sides, its level
+/// apart.
 fn parity(points: &[(f64, f64)]) -> Option<&'static str> {
     let farthest = points.iter().fold(0.0, |most: f64, (x, _)| most.max(x.abs()));
     let mut sums = [[(0.0, 0usize); 2]; POINTS / 2];

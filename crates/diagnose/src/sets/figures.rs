@@ -5,7 +5,8 @@ use crate::evidence::Given;
 use crate::stacked::Stacked;
 
 impl Sets<'_, '_, '_> {
-    /// By how much the sum of squares falls with some of a set's members, their forms and sizes as in the whole set.
+    /// By how much the sum of squares falls with some of a set's members, their forms and sizes as in the
+    /// whole set.
     pub fn gain(&self, members: &[Member]) -> f64 {
         match Given::of(&self.screen, self.terms(members)) {
             Some(given) => self.screen.sum_of_squares() - given.left(),

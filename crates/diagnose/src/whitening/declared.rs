@@ -48,8 +48,8 @@ pub(super) fn declared(
     (noise.white_rms_nt > Some(0.0)).then_some(noise)
 }
 
-/// The noise of a corrected vector's length and of the scalar magnetometer beside it: each sensor's counts by its mean share. The scalar
-/// magnetometer's is none where the document does not state it.
+/// The noise of a corrected vector's length and of the scalar magnetometer beside it: each sensor's counts by
+/// its mean share. The scalar magnetometer's is none where the document does not state it.
 fn of_magnitude(document: &Document, channel: &Channel) -> Option<Noise> {
     let instrument = document.instrument.as_ref()?;
     let scalar = document.facility.as_ref().and_then(|facility| facility.reference_std_nt).unwrap_or(0.0);
@@ -80,7 +80,8 @@ fn mean_shares(channel: &Channel) -> [f64; 3] {
     (squares / channel.rows.len().max(1) as f64).into()
 }
 
-/// Width of a code of a channel, nT; of a magnitude, of codes that would round as much as those of its sensors together.
+/// Width of a code of a channel, nT; of a magnitude, of codes that would round as much as those of its
+/// sensors together.
 pub fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
     let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
     let Setting { basic, context } = &observed.runs[channel.run].setting;
@@ -109,10 +110,11 @@ fn effect_width_nt(state: &State, channel: &Channel) -> Option<(f64, bool)> {
     found.map(|(effect, acts)| (effect.parameters[0], acts.contains(&true)))
 }
 
-/// Variance of a reading about the code of its field, nT²: noise before the converter takes fields close to an edge to the next code.
+/// Variance of a reading about the code of its field, nT²: noise before the converter takes fields close to
+/// an edge to the next code.
 ///
-/// E[(q round(u + n/q) − q round(u))²] over u even in a code: q² E[m² + (2m + 1)(t − m)], t = |n|/q, m = ⌊t⌋. For fine codes it is
-/// σ² + q²/6, for coarse ones q σ √(2/π).
+/// E[(q round(u + n/q) − q round(u))²] over u even in a code: q² E[m² + (2m + 1)(t − m)], t = |n|/q, m = ⌊t⌋.
+/// For fine codes it is σ² + q²/6, for coarse ones q σ √(2/π).
 fn about_a_code(std: f64, width: f64) -> f64 {
     const STEPS: usize = 2000;
     const FARTHEST: f64 = 8.0;
@@ -138,7 +140,8 @@ pub(super) fn known_freedom(declared: &[Option<Noise>]) -> f64 {
     if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
 }
 
-/// Noise as a residual shows it: the spectrum of a series that is even but for what is missing, else white noise of each kind of channel.
+/// Noise as a residual shows it: the spectrum of a series that is even but for what is missing, else white
+/// noise of each kind of channel.
 pub(super) fn estimate(
     document: &Document,
     observed: &Observed<'_>,
@@ -187,7 +190,8 @@ pub(super) fn estimate(
         .collect()
 }
 
-/// An even series of a residual about its mean, zero where a sample is missing, scaled so that its density is that of the residual.
+/// An even series of a residual about its mean, zero where a sample is missing, scaled so that its density is
+/// that of the residual.
 fn with_zeros(residual: &[f64], places: &[usize]) -> Vec<f64> {
     let samples = places.last().map_or(0, |last| last + 1);
     let mean = residual.iter().sum::<f64>() / residual.len().max(1) as f64;

@@ -14,7 +14,8 @@ fn diagnosed(document: Document) -> (common::Diagnosis, String) {
     (found.diagnosis.expect("a diagnosis").remove(0), words)
 }
 
-/// Ambiguous between the truth and a rival; with the recording that is asked for, made by its plan, explained by the truth.
+/// Ambiguous between the truth and a rival; with the recording that is asked for, made by its plan, explained
+/// by the truth.
 fn decided(document: Document, effect: &Value, rival: &str) {
     let truth = bench::target(effect);
     let (entry, words) = diagnosed(document.clone());

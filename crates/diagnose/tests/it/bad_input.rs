@@ -1,4 +1,5 @@
-//! Every document of `fixtures/bad/diagnose` brings its message, its exit code, and nothing on standard output.
+//! Every document of `fixtures/bad/diagnose` brings its message, its exit code, and nothing on standard
+//! output.
 
 use serde_json::{Value, json};
 

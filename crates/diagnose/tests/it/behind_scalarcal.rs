@@ -1,4 +1,5 @@
-//! Behind scalarcal: what it was not asked to fit is named by diagnose, and where nothing is hidden the two agree.
+//! Behind scalarcal: what it was not asked to fit is named by diagnose, and where nothing is hidden the two
+//! agree.
 
 use common::{Diagnosis, Document, Verdict};
 use nalgebra::Vector3;
@@ -13,7 +14,8 @@ const SENSOR_NT: f64 = 0.3;
 const SCALAR_NT: f64 = 0.1;
 const ROWS: usize = 600;
 
-/// Sensors that are turned by hand in a field of 48 µT, warmed by the Sun and by a heater, in which `effects` act.
+/// Sensors that are turned by hand in a field of 48 µT, warmed by the Sun and by a heater, in which `effects`
+/// act.
 fn turned(effects: &[Value], seed: u64) -> Document {
     let field = |row: usize| {
         let part = (row as f64 + 0.5) / ROWS as f64;

@@ -163,8 +163,8 @@ fn recording(scene: Scene, run: usize) -> Value {
         "conditions": {"orientation": orientations[run]}, "columns": columns})
 }
 
-/// Declared noise: white and a little flicker, together about [`NOISE_NT`] of a reading. Flicker noise of n readings has the variance
-/// A ln(n/2), whatever the step.
+/// Declared noise: white and a little flicker, together about [`NOISE_NT`] of a reading. Flicker noise of n
+/// readings has the variance A ln(n/2), whatever the step.
 pub fn noise() -> Value {
     json!({"white_rms_nt": 0.27, "flicker_nt2_per_hz_at_1hz": 0.003, "flicker_exponent": 1.0})
 }

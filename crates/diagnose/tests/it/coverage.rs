@@ -1,5 +1,6 @@
-//! Coverage of the intervals of what is named: every effect of the catalogue by turns, at sizes from 0.3 to 10 times the noise, in
-//! recordings of their own seeds. FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST with which to begin.
+//! Coverage of the intervals of what is named: every effect of the catalogue by turns, at sizes from 0.3 to
+//! 10 times the noise, in recordings of their own seeds. FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST with
+//! which to begin.
 
 use common::{Diagnosis, Quantity, Verdict};
 use diagnose::Options;

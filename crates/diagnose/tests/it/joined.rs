@@ -34,8 +34,9 @@ fn a_pair_in_two_recordings_is_the_pair() {
     assert!(error.contains("recordings that overlap in time"), "{error}");
 }
 
-/// The field at a time: periods from 40 s to half an hour, so that a sample is little of any of them (the catalogue's delays take slopes from one sample to
-/// the next, which are 7 % too small at nine samples a period), of unlike phases in the three axes.
+/// The field at a time: periods from 40 s to half an hour, so that a sample is little of any of them (the
+/// catalogue's delays take slopes from one sample to the next, which are 7 % too small at nine samples a
+/// period), of unlike phases in the three axes.
 fn field(t: f64, axis: usize) -> f64 {
     let wave = |k: u32| {
         let period_s = 40.0 * 1.18_f64.powi(k as i32);
@@ -45,7 +46,8 @@ fn field(t: f64, axis: usize) -> f64 {
     [21_000.0, 900.0, 43_000.0][axis] + (0..24).map(wave).sum::<f64>()
 }
 
-/// Two instruments with rates and times of their own; the test instrument's times are late. The reference is quiet: the catalogue takes what it reads as the field.
+/// Two instruments with rates and times of their own; the test instrument's times are late. The reference is
+/// quiet: the catalogue takes what it reads as the field.
 fn apart(late_s: f64) -> Document {
     let mut stream = noise::Stream::new(7, "apart");
     let mut recording = |id: &str, name: &str, rows: usize, step_s: f64, from_s: f64, late_s: f64| {

@@ -1,5 +1,6 @@
-//! The joint uncertainty that is written: each source is moved in a document, diagnose runs again, and every parameter that it writes has to move
-//! as the source says, so that nothing counts twice and nothing is dropped.
+//! The joint uncertainty that is written: each source is moved in a document, diagnose runs again, and every
+//! parameter that it writes has to move as the source says, so that nothing counts twice and nothing is
+//! dropped.
 
 use common::{Axis, Document, Quantity, Uncertainty, uncertainty};
 use diagnose::Options;
@@ -85,7 +86,8 @@ fn each(document: &mut Document, mut visit: impl FnMut(&str, &mut f64)) {
     }
 }
 
-/// What sources move of the field without drive is its sum with the coils' offsets, whose axes are those of GEO here.
+/// What sources move of the field without drive is its sum with the coils' offsets, whose axes are those of
+/// GEO here.
 fn summed(path: &str, of: &dyn Fn(&str) -> f64, sign: f64) -> f64 {
     let component = Axis::ALL.into_iter().find(|axis| path == uncertainty::residual_field(*axis));
     of(path) + component.map_or(0.0, |axis| sign * of(&uncertainty::coil_offset(axis)))
@@ -143,6 +145,7 @@ fn sources_move_what_they_say() {
             kept += usize::from(said.abs() > 0.1 * std);
         }
     }
-    // What the recordings do not show, such as the offset of a coil beside the field, is as uncertain as it was.
+    // What the recordings do not show, such as the offset of a coil beside the field, is as uncertain as it
+    // was.
     assert!(tested > 60 && kept > 0, "{tested} {kept}");
 }

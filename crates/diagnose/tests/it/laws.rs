@@ -1,8 +1,8 @@
-//! Laws over drawn campaigns: what does not matter to a diagnosis, and what changes it in a known way. FLUXCAL_CAMPAIGNS sets how
-//! many.
+//! Laws over drawn campaigns: what does not matter to a diagnosis, and what changes it in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
 //!
-//! Probabilities of a search are counted in drawn noise, which is drawn in the order of channels and candidates: they, and what is
-//! told by them alone, are compared in no law that changes that order.
+//! Probabilities of a search are counted in drawn noise, which is drawn in the order of channels and
+//! candidates: they, and what is told by them alone, are compared in no law that changes that order.
 
 use crate::bench::{Scene, noise, simulated};
 use diagnose::Options;
@@ -103,7 +103,8 @@ fn twice_the_noise_is_twice_the_interval() {
         let (document, quiet) = (laws::json(&document), laws::json(&quiet));
         let louder = run(&laws::double_noise(&document, &quiet));
         let shift = |document: &Value| document["diagnosis"][0]["base_shift"].clone();
-        // A scale that coils and sensors may trade is known to a thousandth, moves by as much, and its uncertainty with it.
+        // A scale that coils and sensors may trade is known to a thousandth, moves by as much, and its
+        // uncertainty with it.
         let count = laws::doubled("noise", &shift(&louder), &shift(&run(&document)), 1e-2, &[]);
         assert!(count > 20, "{count} quantities");
     }

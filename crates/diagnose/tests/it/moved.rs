@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 const OFFSET_NT: f64 = 0.4;
 
-/// A recording, its calibration drawn with the uncertainties that it states, and the offset of a coil off by so many of them.
+/// A recording, its calibration drawn with the uncertainties that it states, and the offset of a coil off by
+/// so many of them.
 fn off_by(multiple: f64) -> Document {
     let document = simulated(Scene::Runs, &[], &json!({"white_rms_nt": bench::NOISE_NT}), 5);
     let mut document: Value = serde_json::from_str(&document.to_text().expect("finite")).expect("JSON");

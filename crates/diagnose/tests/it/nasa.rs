@@ -17,7 +17,8 @@ fn the_wrong_values_of_table_4_are_located() {
         .flat_map(|share| &share.readings)
         .map(|reading| (reading.recording.clone(), reading.column.clone(), reading.row))
         .collect();
-    // The 29th: orientation 4, coil 1, sensor 2. The 4th, which the scan has wrong: orientation 1, coil 2, sensor 1.
+    // The 29th: orientation 4, coil 1, sensor 2. The 4th, which the scan has wrong: orientation 1, coil 2,
+    // sensor 1.
     assert!(readings.contains(&("orientation-4".into(), "sensor_y_v".into(), 0)), "{readings:?}");
     assert!(readings.contains(&("orientation-1".into(), "sensor_x_v".into(), 1)), "{readings:?}");
     let [spikes] = &entry.effects[..] else { panic!("{:?}", entry.effects) };

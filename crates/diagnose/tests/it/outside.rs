@@ -42,7 +42,8 @@ const ODD: [Odd; 12] = [
     }),
 ];
 
-/// Seen at twice the noise; but a square leaves of a kink only a sixth of the noise, which nothing shows in 480 rows.
+/// Seen at twice the noise; but a square leaves of a kink only a sixth of the noise, which nothing shows in
+/// 480 rows.
 fn times(odd: &str) -> f64 {
     if odd == "readings of one sign weaker" { 4.0 } else { 2.0 }
 }

@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 const ROWS: usize = 400;
 
-/// The field of an observatory, which hardly changes: offsets and matrix trade with each other over long distances.
+/// The field of an observatory, which hardly changes: offsets and matrix trade with each other over long
+/// distances.
 fn field(row: usize) -> [f64; 3] {
     let t = row as f64 / ROWS as f64;
     [
@@ -18,7 +19,8 @@ fn field(row: usize) -> [f64; 3] {
     ]
 }
 
-/// A pair whose stated matrix and offsets are off, with columns that are no unit vectors; the readings of each sensor.
+/// A pair whose stated matrix and offsets are off, with columns that are no unit vectors; the readings of
+/// each sensor.
 pub fn pair() -> (Document, Vec<Vec<f64>>) {
     let matrix = [[0.9993, 0.0134, -0.0062], [-0.0126, 1.0023, 0.0044], [0.0070, -0.0042, 0.9996]];
     let mut stream = noise::Stream::new(3, "pair");
@@ -65,8 +67,8 @@ fn the_fit_of_a_pair_is_that_of_linear_least_squares() {
     assert!(fit.rms_before_nt > 100.0 * by_hand);
 }
 
-/// The test instrument reads through a slower filter and has noise of its own; nothing of either is declared. The field has a spectrum that falls, as at an
-/// observatory, and the calibration that came is nearly right.
+/// The test instrument reads through a slower filter and has noise of its own; nothing of either is declared.
+/// The field has a spectrum that falls, as at an observatory, and the calibration that came is nearly right.
 #[test]
 fn a_refit_of_a_pair_that_does_not_share_its_short_periods_does_not_raise_the_rms() {
     let mut stream = noise::Stream::new(1, "filters");

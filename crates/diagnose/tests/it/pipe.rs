@@ -55,7 +55,8 @@ fn a_document_without_readings_is_refused_with_nothing_on_stdout() {
     assert!(words.contains("no recording whose readings can be predicted"), "{words}");
 }
 
-/// A simulation made elsewhere takes the place of the prediction: against one with the effect, nothing is left.
+/// A simulation made elsewhere takes the place of the prediction: against one with the effect, nothing is
+/// left.
 #[test]
 fn against_a_simulation() {
     let expected = testkit::read_fixture("diagnose/warm/expected.json");
@@ -79,7 +80,8 @@ fn against_a_simulation() {
     assert!(words.contains("the simulation has none of the document's recordings"), "{words}");
 }
 
-/// What is adopted holds without the recordings that it came from: it is relative to a temperature that is stated.
+/// What is adopted holds without the recordings that it came from: it is relative to a temperature that is
+/// stated.
 #[test]
 fn the_reference_temperature_is_stated() {
     let mut document =
@@ -97,7 +99,8 @@ fn the_reference_temperature_is_stated() {
     assert!(stated.is_some_and(|stated| (stated - mean).abs() < 1e-9), "{stated:?} where the mean is {mean}");
 }
 
-/// Directions that were fitted again keep an uncertainty, and its covariance is over the cosines: none along a direction itself.
+/// Directions that were fitted again keep an uncertainty, and its covariance is over the cosines: none along
+/// a direction itself.
 #[test]
 fn directions_have_their_covariance() {
     let document = Document::parse(&testkit::read_fixture("diagnose/orbit/input.json")).expect("a document");

@@ -10,7 +10,8 @@ use noise::Stream;
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// White noise of a sensor and of the scalar magnetometer, nT; both together make [`BOTH_NT`] of a difference.
+/// White noise of a sensor and of the scalar magnetometer, nT; both together make [`BOTH_NT`] of a
+/// difference.
 const SENSOR_NT: f64 = 0.12;
 const SCALAR_NT: f64 = 0.09;
 const BOTH_NT: f64 = 0.15;
@@ -71,7 +72,8 @@ fn lobes(row: &Row) -> Vector3<f64> {
     row.lit * sum
 }
 
-/// The document: readings in which `effects` act, with what `disturbance` adds to the field that the sensors see.
+/// The document: readings in which `effects` act, with what `disturbance` adds to the field that the sensors
+/// see.
 fn document(effects: &[Value], disturbance: impl Fn(&Row) -> Vector3<f64>, seed: u64) -> Document {
     let rows = orbit();
     let column = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
@@ -192,7 +194,8 @@ fn what_else_shows_in_the_magnitude_has_its_name() {
     }
 }
 
-/// Turned by hand where the field is uneven: the sensors are not fitted away, and the calibration is written where that is asked for.
+/// Turned by hand where the field is uneven: the sensors are not fitted away, and the calibration is written
+/// where that is asked for.
 #[test]
 fn sensors_that_feel_nothing_are_no_answer() {
     let turns: Vec<Vector3<f64>> = (0..400)
@@ -213,8 +216,8 @@ fn sensors_that_feel_nothing_are_no_answer() {
     // The field is uneven by 6 % of 52 000 nT, rms some 1000 nT.
     assert!((300.0..2000.0).contains(&fit.rms_refitted_nt), "{fit:?}");
     let sensors = found.calibration.expect("a calibration").sensors.expect("sensors");
-    // An ellipsoid by plain least squares of the lengths: the field's unevenness along x looks like an offset of 1670 nT.
-    // Rms of 944 nT in 400 rows: each is uncertain by 944 √3/√400 = 82 nT.
+    // An ellipsoid by plain least squares of the lengths: the field's unevenness along x looks like an offset
+    // of 1670 nT. Rms of 944 nT in 400 rows: each is uncertain by 944 √3/√400 = 82 nT.
     let ellipsoid = [-9849.0, -8182.0, -8165.0];
     for ((axis, sensor), expected) in sensors.iter().zip(ellipsoid) {
         let k = sensor.sensitivity_nt_per_nt.as_ref().expect("a sensitivity").value();
@@ -224,8 +227,9 @@ fn sensors_that_feel_nothing_are_no_answer() {
     }
 }
 
-/// A station where the field points one way: its changes are 30 nT, and the sensors' own are a drift of some hundredths that noise with memory
-/// explains. The level is fitted; nothing is made of the slopes, and it is said what is not determined.
+/// A station where the field points one way: its changes are 30 nT, and the sensors' own are a drift of some
+/// hundredths that noise with memory explains. The level is fitted; nothing is made of the slopes, and it is
+/// said what is not determined.
 #[test]
 fn what_one_direction_of_the_field_does_not_determine_stays_where_it_is() {
     let rows = 600;

@@ -46,8 +46,8 @@ fn several_effects_are_all_named() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// What diagnose wrote agrees with the recording that it came from, and predicts a fresh one of the same instrument as well as the first
-/// was fitted.
+/// What diagnose wrote agrees with the recording that it came from, and predicts a fresh one of the same
+/// instrument as well as the first was fitted.
 #[test]
 fn the_loop_closes() {
     let effects = &sets()[0];

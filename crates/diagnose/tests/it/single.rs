@@ -206,10 +206,11 @@ const SHORT: [(&str, f64); 4] = [
     ("offset_electronics_temperature_lag x", 0.3),
 ];
 
-/// No parameter may be farther from the truth than this many standard uncertainties: of some 150 in all the cases, one would be in a
-/// run of a thousand.
+/// No parameter may be farther from the truth than this many standard uncertainties: of some 150 in all the
+/// cases, one would be in a run of a thousand.
 const FARTHEST: f64 = 4.5;
-/// What is left of readings that were left out may exceed the noise by this share: three standard deviations of an rms of 480 rows.
+/// What is left of readings that were left out may exceed the noise by this share: three standard deviations
+/// of an rms of 480 rows.
 const ABOVE_NOISE: f64 = 1.1;
 
 /// What came of one case.
@@ -256,7 +257,8 @@ fn cell(outcome: &Outcome, right: bool, held: bool) -> String {
     if right { format!("{answer} ({figures})") } else { answer }
 }
 
-/// One case in eight, or all with `FLUXCAL_CASES=all`, at 3 times the noise, or at `FLUXCAL_TIMES` of it; with `FLUXCAL_TABLE` as a table for the docs.
+/// One case in eight, or all with `FLUXCAL_CASES=all`, at 3 times the noise, or at `FLUXCAL_TIMES` of it;
+/// with `FLUXCAL_TABLE` as a table for the docs.
 #[test]
 fn effects_are_named() {
     let only = std::env::var("FLUXCAL_EFFECT").ok();
@@ -301,7 +303,8 @@ fn effects_are_named() {
             if right && (sigma.is_nan() || sigma > FARTHEST) {
                 wrong.push(format!("{name} ×{times}: a parameter is {sigma:.1} standard uncertainties off"));
             }
-            // The only reading to know of a clipping's level is the one it cut, and that may be among those left out.
+            // The only reading to know of a clipping's level is the one it cut, and that may be among those
+            // left out.
             let predicts = right && outcome.verdict == Verdict::Explained && name != "clipping x";
             if predicts && (left.is_nan() || left > ABOVE_NOISE) {
                 wrong.push(format!("{name} ×{times}: {left:.3} times the noise is left"));

@@ -5,9 +5,10 @@ use physics::{Kind, References};
 
 use joined::Pair;
 
-/// A matrix that was fitted to corrected times says what the test instrument reads only together with its clock: what it stamps t was true at
-/// t − δ₀ − r t on the campaign's clock. δ₀ and r go to `model.effects` as `clock_offset` and `clock_rate`, in place of what was stated of them; where
-/// times jump, each segment has a δ₀ of its own.
+/// A matrix that was fitted to corrected times says what the test instrument reads only together with its
+/// clock: what it stamps t was true at t − δ₀ − r t on the campaign's clock. δ₀ and r go to `model.effects`
+/// as `clock_offset` and `clock_rate`, in place of what was stated of them; where times jump, each segment
+/// has a δ₀ of its own.
 ///
 /// `pair` is that of the readings before they were corrected.
 pub fn clock(document: &mut Document, pair: &Pair, found: &ClockDifference) {

@@ -1,10 +1,11 @@
 //! The clock's offset in parts of the recording and in bands of period: what one number for all leaves out.
 //!
-//! In a part, or a band, what the test instrument reads beside the reference is fitted by −dB/dt and by the field itself. Noise of the
-//! reference is in both columns and makes the coefficient of −dB/dt too small, by a factor λ that would make any delay seem none, and sure. So
-//! the reference is moved by a little to either side: the coefficient follows by λ times as much, and the delay is the coefficient over λ. Offsets
-//! that are further apart than their uncertainties are not one clock: filters differ, or the clock wanders. Their scatter is then the
-//! uncertainty.
+//! In a part, or a band, what the test instrument reads beside the reference is fitted by −dB/dt and by the
+//! field itself. Noise of the reference is in both columns and makes the coefficient of −dB/dt too small, by
+//! a factor λ that would make any delay seem none, and sure. So the reference is moved by a little to either
+//! side: the coefficient follows by λ times as much, and the delay is the coefficient over λ. Offsets that
+//! are further apart than their uncertainties are not one clock: filters differ, or the clock wanders. Their
+//! scatter is then the uncertainty.
 
 use std::ops::Range;
 
@@ -155,7 +156,8 @@ fn octaves(pair: &Pair, look: &Look) -> Vec<Range<f64>> {
     octaves
 }
 
-/// What is left of the offset, and the gain, in those octaves that say something of a delay, from short periods to long.
+/// What is left of the offset, and the gain, in those octaves that say something of a delay, from short
+/// periods to long.
 fn bands(
     pair: &Pair,
     look: &Look,
@@ -175,7 +177,8 @@ fn bands(
                 delay_s: Quantity::new(delay.s, delay.std),
                 gain: Quantity::new(gain.s, gain.std),
             };
-            // The variance of a gain is what is left over the field, for each of the sines and cosines of three axes.
+            // The variance of a gain is what is left over the field, for each of the sines and cosines of
+            // three axes.
             let length_s = pair.whole.len() as f64 * pair.step_s;
             let each = 3.0 * 2.0 * (within.end - within.start) * length_s;
             let frequency_hz = frequency(look, field, within);

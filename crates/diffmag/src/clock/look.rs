@@ -22,12 +22,14 @@ const ROUNDS: usize = 2;
 const CLOCK: usize = 2;
 /// Largest offset that is searched, as a share of the recording's length.
 const REACH: f64 = 0.1;
-/// Changes from row to row that are so many times their median count as much: a spike of one instrument has no lag.
+/// Changes from row to row that are so many times their median count as much: a spike of one instrument has
+/// no lag.
 const LARGEST_CHANGE: f64 = 8.0;
 /// A lag must explain more than none does by this χ², and leave so much less.
 pub const GAIN: f64 = 50.0;
 
-/// How late the test instrument's times are: offset + rate × time from the middle of a segment between jumps of the times.
+/// How late the test instrument's times are: offset + rate × time from the middle of a segment between jumps
+/// of the times.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shift {
     /// In the middle of each segment, beside what the segment has of its own, s.
@@ -51,7 +53,8 @@ impl Shift {
 /// The instrument whose readings are moved in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moved {
-    /// The reference, to the moments at which the test instrument read: nothing happens to the test instrument's readings.
+    /// The reference, to the moments at which the test instrument read: nothing happens to the test
+    /// instrument's readings.
     Reference,
     /// The test instrument, to the reference's clock.
     Test,
@@ -67,7 +70,8 @@ pub fn moves(pair: &Pair, shift: Shift) -> bool {
     !shift.is_none() || pair.segments.iter().any(|segment| segment.late_s != 0.0)
 }
 
-/// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and what each segment has of its own.
+/// The pair with both instruments at the same moments if the test instrument's times are late by `shift` and
+/// what each segment has of its own.
 ///
 /// Each segment is read from its own rows alone: across a jump an instrument's rows are no even series.
 pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
@@ -152,8 +156,9 @@ pub struct Look {
 
 /// Fits each axis with the reference, a straight drift and the clock's difference.
 ///
-/// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a rate it grows in time. So
-/// the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the axes' answers are put together by their information.
+/// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a
+/// rate it grows in time. So the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the
+/// axes' answers are put together by their information.
 pub fn look(pair: &Pair) -> Result<Look, Error> {
     let columns = Columns::of(pair);
     let found = axes::try_each(|axis| columns.one(&pair.test[axis]))?;
@@ -219,8 +224,9 @@ impl<'a> Columns<'a> {
 }
 
 impl Look {
-    /// What is left of each axis of another pair on the same grid: steps that were taken off before the look are in it. The clock shows
-    /// in the slope of the field, that of `calm`: what only the reference read is no field.
+    /// What is left of each axis of another pair on the same grid: steps that were taken off before the look
+    /// are in it. The clock shows in the slope of the field, that of `calm`: what only the reference read is
+    /// no field.
     pub fn left(&self, pair: &Pair, calm: &Pair) -> [Vec<f64>; 3] {
         self.rests(pair, |eta| rate(calm, &turned(&calm.reference, eta)))
     }
@@ -235,8 +241,8 @@ impl Look {
         })
     }
 
-    /// Gives the test instrument its most likely readings where rows are not whole: what the reference says, and what is left before
-    /// and after.
+    /// Gives the test instrument its most likely readings where rows are not whole: what the reference says,
+    /// and what is left before and after.
     pub fn complete(&self, pair: &mut Pair) -> Result<(), Error> {
         let missing: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
         if !missing.contains(&true) {
@@ -257,7 +263,8 @@ impl Look {
         turned(&pair.reference, &self.axes[axis].turned_by)
     }
 
-    /// Of an axis −dB/dt of the field along it, that field, and what the test instrument reads beside it and drifts.
+    /// Of an axis −dB/dt of the field along it, that field, and what the test instrument reads beside it and
+    /// drifts.
     pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
         let turned = self.turned(pair, axis);
         let [late, _] = clock_columns(pair, &seen_rate(pair, &turned));
@@ -270,8 +277,9 @@ impl Look {
         self.left(pair, pair).map(|left| limited(&left, whole, usual(&left, whole)))
     }
 
-    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here only what is left is limited: a
-    /// sudden change of the field that was limited in both instruments may seem to lag where it does not.
+    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here
+    /// only what is left is limited: a sudden change of the field that was limited in both instruments may
+    /// seem to lag where it does not.
     pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
         let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
         let mut gain = 0.0;
@@ -287,11 +295,13 @@ impl Look {
         Ok(gain)
     }
 
-    /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag of the largest likelihood, s.
+    /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag
+    /// of the largest likelihood, s.
     pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
         let reach = (REACH * pair.whole.len() as f64) as usize;
         let mut gains = vec![0.0; 2 * reach + 1];
-        // One limit for all: a change of the field that is cut at another height in the other instrument would seem to come at another time.
+        // One limit for all: a change of the field that is cut at another height in the other instrument
+        // would seem to come at another time.
         let columns = pair.reference.iter().chain(&pair.test);
         let most = columns.map(|column| usual(column, &pair.whole)).fold(0.0, f64::max);
         let reference = pair.reference.each_ref().map(|column| limited(column, &pair.whole, most));
@@ -317,8 +327,8 @@ fn usual(values: &[f64], whole: &[bool]) -> f64 {
         * stats::median(&known.map(|row| (values[row] - values[row - 1]).abs()).collect::<Vec<_>>())
 }
 
-/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for. Beside rows that are not whole it does not
-/// change.
+/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for. Beside rows
+/// that are not whole it does not change.
 fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
     if most == 0.0 {
         return values.to_vec();

@@ -1,6 +1,7 @@
 //! Pauses of an instrument's times: rows that are missing, or a clock that was set?
 //!
-//! Times that leave out whole steps do not say. The field does: where the offset between the clocks is another one after the pause, the clock was set.
+//! Times that leave out whole steps do not say. The field does: where the offset between the clocks is
+//! another one after the pause, the clock was set.
 
 use std::ops::Range;
 
@@ -16,7 +17,8 @@ const BESIDE: usize = 512;
 /// Pauses that are looked at, the longest first.
 const MOST: usize = 16;
 
-/// Cuts the series at the pauses over which the offset changes, at one false alarm in a hundred recordings however many pauses there are (Bonferroni).
+/// Cuts the series at the pauses over which the offset changes, at one false alarm in a hundred recordings
+/// however many pauses there are (Bonferroni).
 pub fn cut(raw: &mut Pair) -> Result<(), Error> {
     let looked_at = looked_at(raw);
     if looked_at.is_empty() {

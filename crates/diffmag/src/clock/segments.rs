@@ -81,7 +81,8 @@ pub fn common_rate<'a>(clocks: impl Iterator<Item = &'a ClockDifference>) -> Opt
     (weight > 0.0 && weight.is_finite()).then(|| Quantity::new(sum / weight, weight.sqrt().recip()))
 }
 
-/// What the offset changes by from one stretch of rows to another, beside what a rate makes of the time between their middles.
+/// What the offset changes by from one stretch of rows to another, beside what a rate makes of the time
+/// between their middles.
 pub fn change(
     pair: &Pair,
     from: (&Range<usize>, &ClockDifference),
@@ -137,7 +138,8 @@ fn jump(boundary: &Boundary, change: Option<Quantity>) -> ClockJump {
     }
 }
 
-/// The sampling went on: the times are later by all that is more than a step, or by that without the rows that were lost meanwhile.
+/// The sampling went on: the times are later by all that is more than a step, or by that without the rows
+/// that were lost meanwhile.
 fn verdict(change: &Quantity, by_s: f64, all_s: f64) -> JumpVerdict {
     let std = change.std().unwrap_or(f64::INFINITY);
     let off = |value: f64| (change.value() - value).abs() / std;

@@ -14,10 +14,12 @@ pub struct Whitened {
 }
 
 impl Whitened {
-    /// How many times as wide as under the fitted noise the uncertainties of η are by what is left itself, the most of the three:
-    /// √(Σ w² l²/Σ w²), l what is left. It holds for a noise of any spectrum, roughly: few coefficients weigh much.
+    /// How many times as wide as under the fitted noise the uncertainties of η are by what is left itself,
+    /// the most of the three: √(Σ w² l²/Σ w²), l what is left. It holds for a noise of any spectrum, roughly:
+    /// few coefficients weigh much.
     ///
-    /// Source: H. White, A heteroskedasticity-consistent covariance matrix estimator, Econometrica 48 (1980) 817–838.
+    /// Source: H. White, A heteroskedasticity-consistent covariance matrix estimator, Econometrica 48 (1980)
+    /// 817–838.
     pub fn wider(&self) -> f64 {
         let of = |weights: &Vec<f64>| {
             let squares = weights.iter().zip(&self.left).map(|(w, l)| (w * l).powi(2)).sum::<f64>();
@@ -27,10 +29,11 @@ impl Whitened {
     }
 }
 
-/// Cov(η_ia, η_kb) = Σ_B ρ_B Σ_(k in B) w_ia w_kb over bands B, ρ_B how far what is left of the two axes goes together there.
+/// Cov(η_ia, η_kb) = Σ_B ρ_B Σ_(k in B) w_ia w_kb over bands B, ρ_B how far what is left of the two axes goes
+/// together there.
 ///
-/// Where an axis rests on a lower band than the other, its weights and what is left of it count as zero above; so the nine have a covariance
-/// that is positive semidefinite.
+/// Where an axis rests on a lower band than the other, its weights and what is left of it count as zero
+/// above; so the nine have a covariance that is positive semidefinite.
 pub fn covariance(a: &Whitened, b: &Whitened) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
     let mut from = 0;

@@ -1,4 +1,5 @@
-//! The band in which two instruments answer alike: up to where the matrix of an octave is that of longer periods.
+//! The band in which two instruments answer alike: up to where the matrix of an octave is that of longer
+//! periods.
 
 use estimate::positive::Positive;
 use estimate::stats;
@@ -7,11 +8,13 @@ use faer::Mat;
 use crate::Error;
 use crate::drift::Columns;
 
-/// An octave whose matrix is so improbable, over all octaves that are held against longer periods, is not alike.
+/// An octave whose matrix is so improbable, over all octaves that are held against longer periods, is not
+/// alike.
 const DISAGREE_BELOW: f64 = 0.01;
 /// The band is not narrowed to fewer coefficients.
 const LEAST_KEPT: usize = 256;
-/// Below so many octaves in succession that agree with longer periods nothing is left out: the longest have drifts, tilts and temperatures.
+/// Below so many octaves in succession that agree with longer periods nothing is left out: the longest have
+/// drifts, tilts and temperatures.
 const AGREED: usize = 2;
 /// The lowest octave has so many at least.
 const LOWEST: usize = 8;
@@ -21,11 +24,13 @@ const ROUNDS: usize = 12;
 const AXES: usize = 3;
 const WIDTH: usize = AXES + 1;
 
-/// How many of the lowest cosine coefficients of a test axis, `y`, belong to periods at which the instruments answer alike.
+/// How many of the lowest cosine coefficients of a test axis, `y`, belong to periods at which the instruments
+/// answer alike.
 ///
-/// The matrix of each octave, by least squares in it, is held against that of all longer periods, weighted by a noise level of each octave:
-/// filters, and noise of the reference where the field is weak, pull the matrix of short periods. No form of the noise is assumed, and nothing is
-/// said of octaves in which the field is not seen.
+/// The matrix of each octave, by least squares in it, is held against that of all longer periods, weighted by
+/// a noise level of each octave: filters, and noise of the reference where the field is weak, pull the matrix
+/// of short periods. No form of the noise is assumed, and nothing is said of octaves in which the field is
+/// not seen.
 pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
     let octaves = Octave::all(&columns.base(), y);
     let tested = octaves.iter().filter(|octave| octave.from >= LEAST_KEPT).count();
@@ -107,7 +112,8 @@ impl Octave {
     }
 }
 
-/// Least squares of the reference's axes and a straight drift over some octaves, each weighted by what is left in it.
+/// Least squares of the reference's axes and a straight drift over some octaves, each weighted by what is
+/// left in it.
 fn weighted(octaves: &[Octave]) -> Result<Fit, Error> {
     let mut variances = vec![1.0; octaves.len()];
     let mut found = (Vec::new(), Mat::new());

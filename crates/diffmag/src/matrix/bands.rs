@@ -19,8 +19,8 @@ use crate::regression::AxisFit;
 use crate::windows::Noise;
 use joined::Pair;
 
-/// Sine tapers: they see the density within two Fourier frequencies and leave out what is farther, which the natural field's steep
-/// spectrum would else put in.
+/// Sine tapers: they see the density within two Fourier frequencies and leave out what is farther, which the
+/// natural field's steep spectrum would else put in.
 const TAPERS: usize = 3;
 /// The first ordinate that the mean which is taken off does not reach.
 const LOWEST: usize = 2;
@@ -30,8 +30,8 @@ const WIDTH: f64 = 3.162_277_660_168_379_5;
 const LEAST: usize = 5;
 /// A band is tested when its noise has at least this many degrees of freedom.
 const TESTED_FROM: f64 = 4.0;
-/// The longest series that is transformed whole; of longer ones the short periods come from segments of this length, the
-/// long ones from means.
+/// The longest series that is transformed whole; of longer ones the short periods come from segments of this
+/// length, the long ones from means.
 const LONGEST: usize = 1 << 17;
 /// Longer periods are those of the day's course, the day and its half: tilt and temperature have them.
 const LONG_S: f64 = 41_400.0;
@@ -43,7 +43,8 @@ struct Band {
     spectra: usize,
 }
 
-/// Z in bands of half a decade from the longest periods to the Nyquist frequency, and whether it is one real matrix.
+/// Z in bands of half a decade from the longest periods to the Nyquist frequency, and whether it is one real
+/// matrix.
 pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<TransferBands, Error> {
     let channels: Vec<&[f64]> = pair
         .reference
@@ -108,7 +109,8 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
     Ok(found)
 }
 
-/// Spectra of the whole series and its step; of one that is longer than that, of its segments and of means over neighbouring samples.
+/// Spectra of the whole series and its step; of one that is longer than that, of its segments and of means
+/// over neighbouring samples.
 fn spectra(channels: &[&[f64]], step_s: f64) -> Result<Vec<(CrossSpectra, f64)>, Error> {
     let rows = channels[0].len();
     let mut all = vec![(CrossSpectra::of(channels, step_s, LONGEST, TAPERS)?, step_s)];
@@ -127,7 +129,8 @@ fn spectra(channels: &[&[f64]], step_s: f64) -> Result<Vec<(CrossSpectra, f64)>,
     Ok(all)
 }
 
-/// Bands from the Nyquist frequency down, long periods first; further spectra take over where the first have too few ordinates.
+/// Bands from the Nyquist frequency down, long periods first; further spectra take over where the first have
+/// too few ordinates.
 fn divide(spectra: &[(CrossSpectra, f64)]) -> Vec<Band> {
     let mut bands: Vec<Band> = Vec::new();
     let mut high_hz = f64::INFINITY;

@@ -34,7 +34,8 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// Probability of estimates so far apart, if `common` of the degrees of freedom went into unknowns that are taken off.
+    /// Probability of estimates so far apart, if `common` of the degrees of freedom went into unknowns that
+    /// are taken off.
     pub fn chi_squared(&self, common: f64) -> ChiSquared {
         chi_squared(self.each.iter().sum(), self.freedom - common)
     }
@@ -53,12 +54,14 @@ fn chi_squared(chi_squared: f64, freedom: f64) -> ChiSquared {
     ChiSquared { chi_squared, freedom, p: stats::chi_squared_p(chi_squared, freedom) }
 }
 
-/// Fits value_i = D_i u + κ bias_i to all estimates, D_i = `design(i)` with `unknowns` columns, under their covariances.
+/// Fits value_i = D_i u + κ bias_i to all estimates, D_i = `design(i)` with `unknowns` columns, under their
+/// covariances.
 ///
-/// κ lies between none and all: where the fit wants it outside, it is held at the end, and counts no degree of freedom. What an
-/// estimate leaves, Q with m elements, counts as (ν + m/2 − 1) ln(1 + Q/ν) where its covariance was scaled by noise with ν degrees of
-/// freedom: Bartlett's form of the likelihood ratio, about χ²(m) as Q/m is F(m, ν). In weighing such an estimate its covariance is
-/// ν/(ν − 2) times as large, which is its variance by Student's t.
+/// κ lies between none and all: where the fit wants it outside, it is held at the end, and counts no degree
+/// of freedom. What an estimate leaves, Q with m elements, counts as (ν + m/2 − 1) ln(1 + Q/ν) where its
+/// covariance was scaled by noise with ν degrees of freedom: Bartlett's form of the likelihood ratio, about
+/// χ²(m) as Q/m is F(m, ν). In weighing such an estimate its covariance is ν/(ν − 2) times as large, which is
+/// its variance by Student's t.
 pub fn fit(
     estimates: &[Estimate],
     unknowns: usize,
@@ -131,10 +134,11 @@ fn whitened(covariance: &Mat<f64>, vectors: &[&[f64]]) -> Result<Vec<Vec<f64>>, 
     Ok(vectors.iter().map(solve).collect())
 }
 
-/// The axes' tests as one, S = Σ χ²_i, where the axes' noise correlates with ρ_ij: Cov(χ²_i, χ²_j) = 2 √(ν_i ν_j) ρ_ij², so that S/c is
-/// about χ² with E(S)/c degrees of freedom, c = Var(S)/(2 E(S)).
+/// The axes' tests as one, S = Σ χ²_i, where the axes' noise correlates with ρ_ij: Cov(χ²_i, χ²_j) = 2 √(ν_i
+/// ν_j) ρ_ij², so that S/c is about χ² with E(S)/c degrees of freedom, c = Var(S)/(2 E(S)).
 ///
-/// Source: M. B. Brown, A method for combining non-independent, one-sided tests of significance, Biometrics 31 (1975) 987–992.
+/// Source: M. B. Brown, A method for combining non-independent, one-sided tests of significance, Biometrics
+/// 31 (1975) 987–992.
 pub fn together(axes: [ChiSquared; 3], correlation_squared: &[[f64; 3]; 3]) -> OneMatrix {
     let mean: f64 = axes.iter().map(|axis| axis.freedom).sum();
     let mut variance = 0.0;

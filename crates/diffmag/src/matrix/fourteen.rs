@@ -1,4 +1,5 @@
-//! The fourteen parameters of two magnetometers in one field, from η of T = R η + d and five of them that are known.
+//! The fourteen parameters of two magnetometers in one field, from η of T = R η + d and five of them that are
+//! known.
 //!
 //! Frame: x and y horizontal, y along the reference's y; z the third axis, right-handed. Rows are axes:
 //!
@@ -8,12 +9,12 @@
 //! R = B M_rᵀ    T = B M_tᵀ    M = diag(K) · axes    η = M_r⁻ᵀ M_tᵀ
 //! ```
 //!
-//! K is reading per nT of an axis and positive: a sensor mounted backwards has the axis turned, not K < 0. Nine
-//! elements of η are functions of fourteen parameters, so five must be known of one of the instruments (DIFF,
-//! "linear regression method", last paragraph). Closed form where the source solves nine equations numerically;
-//! [`solve_numerically`] is the source's route. DIFF's eq. 4 and 5 have signs that do not agree with its
-//! figure 1; the axes above are the figure's. Its fourteenth parameter is K_yt/K_yr (eq. 10); here it is
-//! K_xt/K_xr = (K_yt/K_yr) (K_xt/K_yt)/(K_xr/K_yr).
+//! K is reading per nT of an axis and positive: a sensor mounted backwards has the axis turned, not K < 0.
+//! Nine elements of η are functions of fourteen parameters, so five must be known of one of the instruments
+//! (DIFF, "linear regression method", last paragraph). Closed form where the source solves nine equations
+//! numerically; [`solve_numerically`] is the source's route. DIFF's eq. 4 and 5 have signs that do not agree
+//! with its figure 1; the axes above are the figure's. Its fourteenth parameter is K_yt/K_yr (eq. 10); here
+//! it is K_xt/K_xr = (K_yt/K_yr) (K_xt/K_yt)/(K_xr/K_yr).
 
 mod closed;
 mod covariance;
@@ -30,8 +31,8 @@ pub use numeric::solve_numerically;
 use nalgebra::{Matrix2, Matrix3, SMatrix, Vector2};
 use pair::Pair;
 
-/// Covariance of η, elements column after column: η_xx, η_yx, η_zx, η_xy, … (first letter the reference's axis, second the
-/// test's), each in the square of K_t/K_r.
+/// Covariance of η, elements column after column: η_xx, η_yx, η_zx, η_xy, … (first letter the reference's
+/// axis, second the test's), each in the square of K_t/K_r.
 pub type EtaCovariance = SMatrix<f64, 9, 9>;
 
 /// Covariance of the fourteen parameters.
@@ -74,12 +75,14 @@ pub struct Tilt {
 /// What η and the five known values say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fourteen {
-    /// In the order of [`NAMES`]. α and φ lie in −π..=π, γ and θ in 0..=π; a known value stays as it was given.
+    /// In the order of [`NAMES`]. α and φ lie in −π..=π, γ and θ in 0..=π; a known value stays as it was
+    /// given.
     pub values: [f64; 14],
     /// Their covariance to first order.
     pub covariance: FourteenCovariance,
-    /// The azimuths (α, φ_x, φ_y, φ_z) that are not determined, because the axis is vertical within four standard
-    /// uncertainties: their standard uncertainty is [`UNDETERMINED_RAD`], and they correlate with nothing.
+    /// The azimuths (α, φ_x, φ_y, φ_z) that are not determined, because the axis is vertical within four
+    /// standard uncertainties: their standard uncertainty is [`UNDETERMINED_RAD`], and they correlate with
+    /// nothing.
     pub undetermined: Vec<&'static str>,
     /// The tilt of the reference's z.
     pub reference_tilt: Tilt,
@@ -103,13 +106,14 @@ impl Fourteen {
     }
 }
 
-/// The fourteen parameters in closed form, and their covariance by first-order propagation with exact derivatives.
+/// The fourteen parameters in closed form, and their covariance by first-order propagation with exact
+/// derivatives.
 ///
-/// With the reference known, the rows of ηᵀ M_r are K_tj × test axis j: lengths give factors, directions give angles. With the
-/// test instrument known, M_r M_rᵀ = η⁻ᵀ (M_t M_tᵀ) η⁻¹ gives the reference first; M_t M_tᵀ needs
-/// only the five. That product does not say on which side of the horizontal plane Z_r lies, nor on which side of y X_r does:
-/// cos β > 0 and cos γ > 0 are taken, a right-handed reference whose x and z look along those of the frame. η and the known
-/// values err independently. Source: DIFF eq. 6 to 14.
+/// With the reference known, the rows of ηᵀ M_r are K_tj × test axis j: lengths give factors, directions give
+/// angles. With the test instrument known, M_r M_rᵀ = η⁻ᵀ (M_t M_tᵀ) η⁻¹ gives the reference first; M_t M_tᵀ
+/// needs only the five. That product does not say on which side of the horizontal plane Z_r lies, nor on
+/// which side of y X_r does: cos β > 0 and cos γ > 0 are taken, a right-handed reference whose x and z look
+/// along those of the frame. η and the known values err independently. Source: DIFF eq. 6 to 14.
 pub fn solve(eta: &Matrix3<f64>, covariance: &EtaCovariance, known: &KnownFive) -> Result<Fourteen, Error> {
     known.check()?;
     known::check_covariance(covariance, "η")?;
@@ -121,8 +125,8 @@ pub fn solve(eta: &Matrix3<f64>, covariance: &EtaCovariance, known: &KnownFive) 
     Ok(covariance::propagate(&pair, eta, covariance, known))
 }
 
-/// η = M_r⁻ᵀ M_tᵀ of fourteen parameters in the order of [`NAMES`]: the forward model. Row i belongs to the reference's axis
-/// i, column j to the test's axis j; an element is K_tj/K_ri times a number made of cosines.
+/// η = M_r⁻ᵀ M_tᵀ of fourteen parameters in the order of [`NAMES`]: the forward model. Row i belongs to the
+/// reference's axis i, column j to the test's axis j; an element is K_tj/K_ri times a number made of cosines.
 pub fn eta_of(parameters: &[f64; 14]) -> Matrix3<f64> {
     Pair::of_parameters(parameters).eta()
 }

@@ -1,4 +1,5 @@
-//! The fourteen parameters as a document has them: what is known of either instrument in, angles and ratios out.
+//! The fourteen parameters as a document has them: what is known of either instrument in, angles and ratios
+//! out.
 
 use common::{
     Angle, DifferentialCalibration, Error as Fault, FourteenParameters, KnownInstrument, Magnetometer,
@@ -18,8 +19,8 @@ const PAIRS: [&str; 3] = ["xy", "yz", "xz"];
 const NOMINAL_DEG: [Option<f64>; 9] =
     [None, Some(0.0), Some(0.0), Some(90.0), Some(90.0), Some(0.0), Some(90.0), None, Some(0.0)];
 
-/// The fourteen of a matrix with its covariance. Where nobody said what is known, the reference is taken as orthogonal, with
-/// equal scales.
+/// The fourteen of a matrix with its covariance. Where nobody said what is known, the reference is taken as
+/// orthogonal, with equal scales.
 pub fn parameters(
     calibration: &DifferentialCalibration,
     known: Option<&KnownInstrument>,

@@ -63,8 +63,9 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
     Pair { test, steps: Default::default(), step_stds: Default::default(), ..pair.clone() }
 }
 
-/// The pair less what the exponential drifts that the readings demand explain of every column: no matrix rests on them then. They were
-/// found with a matrix that noise of the reference pulls, and may be field that it left.
+/// The pair less what the exponential drifts that the readings demand explain of every column: no matrix
+/// rests on them then. They were found with a matrix that noise of the reference pulls, and may be field that
+/// it left.
 pub fn without_exponentials(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for column in fits.iter().flat_map(|fit| &fit.drift_columns) {
@@ -97,7 +98,8 @@ fn take_off(values: &mut [f64], column: &[f64]) {
     values.iter_mut().zip(column).for_each(|(value, known)| *value -= size * known);
 }
 
-/// Of each event, if it is a step, the size (nT) that the fit of its axes gives it: of the reference −η times its own is in each.
+/// Of each event, if it is a step, the size (nT) that the fit of its axes gives it: of the reference −η times
+/// its own is in each.
 pub fn step_sizes(events: &Events, fits: &[AxisFit; 3]) -> Vec<Option<Quantity>> {
     let steps: [usize; 3] = std::array::from_fn(|axis| {
         events.places().iter().filter_map(|places| places[axis]).max().map_or(0, |last| last + 1)

@@ -7,7 +7,8 @@ use crate::windows::Noise;
 use crate::{Error, bands, windows};
 use joined::Pair;
 
-/// All three; none of a recording that is too short to be divided. What one of them cannot say is no reason for the others to be silent.
+/// All three; none of a recording that is too short to be divided. What one of them cannot say is no reason
+/// for the others to be silent.
 pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, Error> {
     let Some(rows) = windows::divide(pair) else { return Ok(None) };
     let mut found = MatrixStability::default();

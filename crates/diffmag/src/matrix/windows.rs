@@ -25,9 +25,9 @@ const WINDOWS: (usize, usize) = (4, 12);
 const LEAST: usize = 120;
 const DAY_S: f64 = 86_400.0;
 
-/// Rows of the windows, at least 4 and at most 12 of at least 120 samples each: whole days where there are four, so that what
-/// comes and goes by day is in all alike; the last one longer by what is left. Windows that lack more than half of their samples are left
-/// out. None of a recording that is too short.
+/// Rows of the windows, at least 4 and at most 12 of at least 120 samples each: whole days where there are
+/// four, so that what comes and goes by day is in all alike; the last one longer by what is left. Windows
+/// that lack more than half of their samples are left out. None of a recording that is too short.
 pub fn divide(pair: &Pair) -> Option<Vec<Range<usize>>> {
     let rows = pair.whole.len();
     let days = rows as f64 * pair.step_s / DAY_S;
@@ -124,7 +124,8 @@ struct Change {
     significance: f64,
 }
 
-/// The change of an element that stands out most: weighted means after less before, what noise of the reference does taken off.
+/// The change of an element that stands out most: weighted means after less before, what noise of the
+/// reference does taken off.
 fn largest_change(axis: Axis, estimates: &[Estimate], one: &Fitted) -> Option<Change> {
     let mean = |part: &[Estimate], i: usize| {
         let (mut weight, mut sum) = (0.0, 0.0);
@@ -162,8 +163,8 @@ fn offset_change(pair: &Pair, fit: &AxisFit, j: usize, rows: &Range<usize>) -> f
     change(&pair.test[j]) - explained
 }
 
-/// Its standard uncertainty under the noise of the whole: √ Σ P(f_k)/(n Δt) sinc²(k m/n), m the samples of the first
-/// window.
+/// Its standard uncertainty under the noise of the whole: √ Σ P(f_k)/(n Δt) sinc²(k m/n), m the samples of
+/// the first window.
 fn offset_std(pair: &Pair, fit: &AxisFit, rows: &[Range<usize>]) -> f64 {
     let length_s = pair.whole.len() as f64 * pair.step_s;
     let variance: f64 = (1..=pair.whole.len() / 2)

@@ -1,4 +1,5 @@
-//! What each thing adds to the difference: its rms with the thing and without, by least squares of all the others.
+//! What each thing adds to the difference: its rms with the thing and without, by least squares of all the
+//! others.
 
 use common::{
     Axis, ClockDifference, Contribution, ContributionCause, DifferentialFit, Drift, DriftForm, EventKind,
@@ -98,7 +99,8 @@ pub fn add(
     Ok(())
 }
 
-/// The clocks' difference, where it is one. Moving readings in time filters them; above the filter's band what is left is taken as alike.
+/// The clocks' difference, where it is one. Moving readings in time filters them; above the filter's band
+/// what is left is taken as alike.
 fn clock(
     raw: &Pair,
     prepared: &Prepared,
@@ -174,7 +176,8 @@ fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design<'_>) ->
     Ok(all)
 }
 
-/// What least squares leave of an axis in these rows, zero in the others. Normal equations of columns about their means: no column is made.
+/// What least squares leave of an axis in these rows, zero in the others. Normal equations of columns about
+/// their means: no column is made.
 fn left(
     pair: &Pair,
     axis: Axis,

@@ -25,8 +25,8 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// A/f^α + white, by maximum likelihood of the ordinates of a difference of the pair, in the band that no filter touched.
-    /// Filled rows are quiet: the density is raised by what they lack.
+    /// A/f^α + white, by maximum likelihood of the ordinates of a difference of the pair, in the band that no
+    /// filter touched. Filled rows are quiet: the density is raised by what they lack.
     pub fn of(ordinates: Periodogram, pair: &Pair) -> Result<Self, Error> {
         Self::by(&used(ordinates, pair), pair)
     }
@@ -52,7 +52,8 @@ impl Noise {
         Self { octaves: Octaves::default(), ..self }
     }
 
-    /// The same with these variances of the lowest coefficients of a cosine transform, at each doubling of the frequency one.
+    /// The same with these variances of the lowest coefficients of a cosine transform, at each doubling of
+    /// the frequency one.
     pub fn with_lowest(self, cosine: &Cosine, variances: &[f64]) -> Self {
         let doublings = std::iter::successors(Some(1), |k| Some(2 * k)).take_while(|k| *k <= variances.len());
         let at = |k: usize| {

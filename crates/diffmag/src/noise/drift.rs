@@ -34,7 +34,8 @@ const SEARCH: f64 = 0.2;
 /// Windows of which means are told, and the least samples of one.
 const WINDOWS: usize = 12;
 const LEAST_OF_WINDOW: usize = 32;
-/// So many coefficients of an exponential are searched: even of the shortest they hold all but 1e-7 of what white noise lets be known of it.
+/// So many coefficients of an exponential are searched: even of the shortest they hold all but 1e-7 of what
+/// white noise lets be known of it.
 const SEARCHED: usize = 1 << 17;
 const DAY_S: f64 = 86_400.0;
 
@@ -45,7 +46,8 @@ pub fn days(pair: &Pair) -> Vec<f64> {
 
 /// What one axis has besides the columns that all have.
 pub struct Beside<'a> {
-    /// Transforms of the housekeeping columns that it follows and of its steps; they stand last among the columns.
+    /// Transforms of the housekeeping columns that it follows and of its steps; they stand last among the
+    /// columns.
     pub own: &'a [Vec<f64>],
     /// Frequencies of spectral lines, which are not noise, Hz.
     pub lines_hz: &'a [f64],
@@ -184,8 +186,9 @@ pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explana
     explanations(&with_drift, days, (rms, columns.length_s() / DAY_S))
 }
 
-/// Means of a difference, its drift in it, over equal windows, about the mean of all. Their uncertainties are those of the mean of noise over a window, and what
-/// the uncertainty of η (`matrix` its covariance) makes of the field's mean there. None of short recordings.
+/// Means of a difference, its drift in it, over equal windows, about the mean of all. Their uncertainties are
+/// those of the mean of noise over a window, and what the uncertainty of η (`matrix` its covariance) makes of
+/// the field's mean there. None of short recordings.
 pub fn window_means(
     difference: &[f64],
     columns: &Columns<'_>,

@@ -45,7 +45,8 @@ pub struct Follows {
     lag_s: f64,
     /// Probability by chance.
     p: f64,
-    /// The lagged column less its mean; where there is a lag, its derivative with respect to ln τ, less its own.
+    /// The lagged column less its mean; where there is a lag, its derivative with respect to ln τ, less its
+    /// own.
     pub columns: Vec<Vec<f64>>,
     /// The mean of the lagged column.
     pub at: f64,
@@ -112,9 +113,10 @@ pub fn candidates(columns: &Columns<'_>, housekeeping: &[Housekeeping]) -> Vec<C
     housekeeping.iter().filter_map(candidate).collect()
 }
 
-/// The columns that the readings `y` follow beside the reference's axes, a straight drift and `beside`, each under the noise of what it leaves, until
-/// none is demanded any more: such a column counts by what it has that time has not. Where none does, one may stand in the place of the drift if
-/// the readings are that much more likely with it; one that another axis follows already, if they are more likely at all.
+/// The columns that the readings `y` follow beside the reference's axes, a straight drift and `beside`, each
+/// under the noise of what it leaves, until none is demanded any more: such a column counts by what it has
+/// that time has not. Where none does, one may stand in the place of the drift if the readings are that much
+/// more likely with it; one that another axis follows already, if they are more likely at all.
 pub fn follows(
     columns: &Columns<'_>,
     y: &[f64],
@@ -175,8 +177,8 @@ fn best(
     Ok(demanded.map(|(one, lag_s, p)| Follows::of(&one.name, &one.values, columns.pair.step_s, lag_s, p)))
 }
 
-/// The candidate that explains most in the place of a straight drift; None where the readings are not more likely with it by one over `level`, over
-/// all candidates and lags.
+/// The candidate that explains most in the place of a straight drift; None where the readings are not more
+/// likely with it by one over `level`, over all candidates and lags.
 fn instead_of_time(
     columns: &Columns<'_>,
     y: &[f64],
@@ -223,7 +225,8 @@ fn largest<'a>(
     all.max_by(|(_, a), (_, b)| a.score.total_cmp(&b.score))
 }
 
-/// The lag of the greatest score between the neighbours of one of the lags of a candidate, by golden sections of its logarithm; without a lag none.
+/// The lag of the greatest score between the neighbours of one of the lags of a candidate, by golden sections
+/// of its logarithm; without a lag none.
 fn refined(
     columns: &Columns<'_>,
     errors: &Errors,

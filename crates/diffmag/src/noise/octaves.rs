@@ -40,7 +40,8 @@ impl Octaves {
         Self(octaves)
     }
 
-    /// The same with other levels at the frequencies (Hz) of `low`, from the lowest on, and below: over the form, taken as known.
+    /// The same with other levels at the frequencies (Hz) of `low`, from the lowest on, and below: over the
+    /// form, taken as known.
     pub fn below(&self, low: &[(f64, f64)]) -> Self {
         let Some(highest) = low.last().map(|(frequency_hz, _)| frequency_hz.ln()) else {
             return self.clone();

@@ -1,8 +1,9 @@
 //! Noise of the reference: how far it pulls η toward zero, and η without that.
 //!
-//! Least squares takes the reference's readings for the field. With their noise P_e it finds (1 − M⁻¹N) η, M = Σ S_RR/P_d and
-//! N = Σ P_e/P_d. A third instrument corrects it without any knowledge of noise; else the declared noise does; else the
-//! spectra of the two, where these show it; and where nothing is known the pull is bounded.
+//! Least squares takes the reference's readings for the field. With their noise P_e it finds (1 − M⁻¹N) η, M
+//! = Σ S_RR/P_d and N = Σ P_e/P_d. A third instrument corrects it without any knowledge of noise; else the
+//! declared noise does; else the spectra of the two, where these show it; and where nothing is known the pull
+//! is bounded.
 
 mod bound;
 mod correct;
@@ -42,8 +43,8 @@ pub struct ReferenceFindings {
     corrected: Option<Corrected>,
 }
 
-/// Looks for noise of the reference where it can be known from. No matrix is corrected by what leaves more of an axis than `levels_nt`, the rms of
-/// the readings with levels alone.
+/// Looks for noise of the reference where it can be known from. No matrix is corrected by what leaves more of
+/// an axis than `levels_nt`, the rms of the readings with levels alone.
 pub fn find(pair: &Pair, fits: &[AxisFit; 3], levels_nt: [f64; 3]) -> Result<ReferenceFindings, Error> {
     let pair = &regression::without_exponentials(pair, fits);
     let start = Frame::start(pair, fits)?;
@@ -104,7 +105,8 @@ pub fn find(pair: &Pair, fits: &[AxisFit; 3], levels_nt: [f64; 3]) -> Result<Ref
     Ok(ReferenceFindings { report, ..found })
 }
 
-/// Writes the corrected matrix in place of the pulled one, with its covariance and the offset and difference that belong to it.
+/// Writes the corrected matrix in place of the pulled one, with its covariance and the offset and difference
+/// that belong to it.
 pub fn adopt(
     pair: &Pair,
     found: ReferenceFindings,

@@ -107,7 +107,8 @@ impl Events {
         self.found.iter().map(place).collect()
     }
 
-    /// The pair without its events: steps taken off, the rows of the others missing. The reference's own rows are earlier by `shift`.
+    /// The pair without its events: steps taken off, the rows of the others missing. The reference's own rows
+    /// are earlier by `shift`.
     pub fn taken_out(&self, pair: &Pair, shift: Shift) -> Pair {
         let mut pair = pair.clone();
         let rows = pair.whole.len();
@@ -141,15 +142,16 @@ impl Events {
     }
 }
 
-/// The events of what a look leaves of a pair whose instruments are at the same moments; of that pair no readings are needed any more.
-/// The search begins with those that are `known`.
+/// The events of what a look leaves of a pair whose instruments are at the same moments; of that pair no
+/// readings are needed any more. The search begins with those that are `known`.
 pub fn search(left: [Vec<f64>; 3], pair: &Pair, look: &Look, known: &Events) -> Result<Events, Error> {
     let eta = std::array::from_fn(|axis| look.axes[axis].eta);
     let noise = std::array::from_fn(|axis| look.axes[axis].noise.clone());
     search::search(left, eta, pair, noise, known)
 }
 
-/// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties of a single reading.
+/// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties
+/// of a single reading.
 ///
 /// `left` are the differences with the readings of these rows in them; `out` are all rows that are out.
 pub fn off(

@@ -15,8 +15,8 @@ use joined::Pair;
 const ROUNDS: usize = 12;
 /// The clocks are aligned when the next correction is less than this share of its uncertainty.
 const SETTLED: f64 = 0.1;
-/// A step that is not confirmed is none if the final fit is so many of its uncertainties off the size that was found; a fit that rests on long
-/// periods may not be able to tell.
+/// A step that is not confirmed is none if the final fit is so many of its uncertainties off the size that
+/// was found; a fit that rests on long periods may not be able to tell.
 const REFUTED: f64 = 3.0;
 
 /// The readings as they are to be fitted.
@@ -33,8 +33,8 @@ pub struct Prepared {
 
 /// Finds the clocks' difference and the events, each with the other taken out, until neither changes.
 ///
-/// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its moments: so a sudden change of the field is in
-/// both, and no filter spreads a spike of the test instrument.
+/// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its
+/// moments: so a sudden change of the field is in both, and no filter spreads a spike of the test instrument.
 pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
     let (mut shift, mut events) = (Shift::default(), Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
@@ -87,7 +87,8 @@ pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
 }
 
 impl Prepared {
-    /// Both instruments at the same moments, without events and with the most likely readings where rows are not whole, and what is seen there.
+    /// Both instruments at the same moments, without events and with the most likely readings where rows are
+    /// not whole, and what is seen there.
     pub fn together(&self, raw: &Pair) -> Result<(Pair, Look), Error> {
         let mut together = aligned(self.events.taken_out(raw, self.shift), self.shift, Moved::Reference);
         let look = clock::look(&together)?;
@@ -116,8 +117,8 @@ impl Prepared {
 
     /// The same without the events that the fit does not confirm; None where it confirms all.
     ///
-    /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at short periods, and a sudden
-    /// change of the field then leaves a step.
+    /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at
+    /// short periods, and a sudden change of the field then leaves a step.
     pub fn confirmed(&self, raw: &Pair, fits: &[AxisFit; 3]) -> Result<Option<Self>, Error> {
         let sizes = step_sizes(&self.events, fits);
         let stands = |(found, size): (&FoundEvent, Option<Quantity>)| {

@@ -19,7 +19,8 @@ pub fn centred(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - middle).collect()
 }
 
-/// What the columns leave, less its mean. They are taken one after the other: those that are made on the way need not be there together.
+/// What the columns leave, less its mean. They are taken one after the other: those that are made on the way
+/// need not be there together.
 pub fn rest<C: AsRef<[f64]>>(
     columns: impl IntoIterator<Item = C>,
     y: &[f64],
@@ -41,7 +42,8 @@ pub fn scatter(values: &[f64], rows: &[bool]) -> f64 {
     (used.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / used.len() as f64).sqrt()
 }
 
-/// What is left of an axis without any fit but that of a level: the test instrument less the reference, nT rms.
+/// What is left of an axis without any fit but that of a level: the test instrument less the reference, nT
+/// rms.
 pub fn of_levels(pair: &Pair, axis: usize) -> f64 {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();

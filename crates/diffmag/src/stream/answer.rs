@@ -40,7 +40,8 @@ impl Estimate {
 /// White noise and A f^-α.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NoiseFit {
-    /// White noise of one reading, nT; 0 where it is not significant (1 %), with the one-sided 95 % bound over 1.645 beside it.
+    /// White noise of one reading, nT; 0 where it is not significant (1 %), with the one-sided 95 % bound
+    /// over 1.645 beside it.
     pub white_rms_nt: Estimate,
     /// A of A f^-α, nT²/Hz at 1 Hz; 0 where flicker is not significant (1 %).
     pub flicker_nt2_per_hz_at_1hz: Estimate,
@@ -55,8 +56,8 @@ pub struct NoiseFit {
 /// One axis of the test instrument: T = R η + d.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AxisFit {
-    /// η from the reference's x, y, z by least squares, with the source's uncertainty: errors taken as independent, N − 4
-    /// degrees of freedom.
+    /// η from the reference's x, y, z by least squares, with the source's uncertainty: errors taken as
+    /// independent, N − 4 degrees of freedom.
     pub least_squares: [Estimate; 3],
     /// The standard uncertainty of the same under the fitted noise.
     pub least_squares_std_noise: [f64; 3],
@@ -64,8 +65,8 @@ pub struct AxisFit {
     pub weighted: [Estimate; 3],
     /// Its covariance.
     pub weighted_covariance: [[f64; 3]; 3],
-    /// Mean of d with η as weighted, at the field 0 and in the middle of the samples, nT. The noise's own mean counts as far as
-    /// it is faster than one over the length.
+    /// Mean of d with η as weighted, at the field 0 and in the middle of the samples, nT. The noise's own
+    /// mean counts as far as it is faster than one over the length.
     pub offset_nt: Estimate,
     /// Straight drift of d under the fitted noise, nT a day.
     pub drift_nt_per_day: Estimate,
@@ -100,20 +101,21 @@ pub struct StreamFit {
 
 /// What the sums say.
 ///
-/// Least squares comes from the triangular factor. For the rest the differences of an octave weigh as if they were independent
-/// of one another and of other octaves, with the variance of white noise and a power law there ([`estimate::haar`]); what is
-/// slower than the profile's blocks has its full covariance, and says the drift. Noise, η and drift have the greatest restricted likelihood
-/// together, for each axis. Uncertainties count that the differences do covary: noise and field along, the covariances of both
-/// following from their variances by octave. Left out, they would make the uncertainty of η under flicker noise a fifth too small.
+/// Least squares comes from the triangular factor. For the rest the differences of an octave weigh as if they
+/// were independent of one another and of other octaves, with the variance of white noise and a power law
+/// there ([`estimate::haar`]); what is slower than the profile's blocks has its full covariance, and says the
+/// drift. Noise, η and drift have the greatest restricted likelihood together, for each axis. Uncertainties
+/// count that the differences do covary: noise and field along, the covariances of both following from their
+/// variances by octave. Left out, they would make the uncertainty of η under flicker noise a fifth too small.
 ///
-/// Sources: G. W. Wornell, A. V. Oppenheim, Estimation of fractal signals from noisy measurements using wavelets, IEEE
-/// Trans. Signal Process. 40 (1992) 611–623; H. D. Patterson, R. Thompson, Recovery of inter-block information when block sizes
-/// are unequal, Biometrika 58 (1971) 545–554.
+/// Sources: G. W. Wornell, A. V. Oppenheim, Estimation of fractal signals from noisy measurements using
+/// wavelets, IEEE Trans. Signal Process. 40 (1992) 611–623; H. D. Patterson, R. Thompson, Recovery of
+/// inter-block information when block sizes are unequal, Biometrika 58 (1971) 545–554.
 ///
 /// # Errors
 ///
-/// [`Error::Undetermined`] for fewer than 128 samples, [`Error::Estimate`] where the reference's axes do not vary or depend on
-/// each other.
+/// [`Error::Undetermined`] for fewer than 128 samples, [`Error::Estimate`] where the reference's axes do not
+/// vary or depend on each other.
 pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
     let span = partial.grid.zip(partial.span_s()).filter(|_| partial.samples >= LEAST);
     let (grid, span_s) = span.ok_or_else(|| {

@@ -41,8 +41,8 @@ pub struct FittedNoise {
     pub coefficients: Mat<f64>,
     /// The coefficients under it.
     pub solution: Solution,
-    /// For each coefficient the degrees of freedom that its uncertainty has, the noise being estimated: 2/Var(ln σ²)
-    /// (F. E. Satterthwaite, Biometrics 2 (1946) 110).
+    /// For each coefficient the degrees of freedom that its uncertainty has, the noise being estimated:
+    /// 2/Var(ln σ²) (F. E. Satterthwaite, Biometrics 2 (1946) 110).
     pub freedom: Vec<f64>,
 }
 

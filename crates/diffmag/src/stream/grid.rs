@@ -10,8 +10,8 @@ const DIGITS: i32 = 6;
 
 /// The places at which samples stand: (i + φ) Δt from time 0, i whole, φ = 0 or 1/2.
 ///
-/// So the place of a sample does not depend on where its piece begins. Loggers that sample off the whole step are within a
-/// quarter of one of the two grids, and their jitter has room.
+/// So the place of a sample does not depend on where its piece begins. Loggers that sample off the whole step
+/// are within a quarter of one of the two grids, and their jitter has room.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Grid {
@@ -35,8 +35,8 @@ impl Grid {
         Ok(Self { step_s, half: (place - place.round()).abs() > 0.25 })
     }
 
-    /// The grid of times, of which some may be missing: the step of fewest digits (as a step or as a rate, up to six) on which
-    /// all stand.
+    /// The grid of times, of which some may be missing: the step of fewest digits (as a step or as a rate, up
+    /// to six) on which all stand.
     ///
     /// # Errors
     ///

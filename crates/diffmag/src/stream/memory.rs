@@ -7,13 +7,15 @@ use super::octaves::Differences;
 const DEPTH: usize = 6;
 const BESIDE: i64 = 2;
 
-/// How a difference covaries with one of `depth` levels below, as a sum over the knots of [`Curve`] from the lower one's level on.
+/// How a difference covaries with one of `depth` levels below, as a sum over the knots of [`Curve`] from the
+/// lower one's level on.
 struct Kernel {
     depth: usize,
     knots: Vec<f64>,
 }
 
-/// All relations: to the neighbours on a level, and to the differences within and beside one's own blocks on the levels below.
+/// All relations: to the neighbours on a level, and to the differences within and beside one's own blocks on
+/// the levels below.
 static KERNELS: LazyLock<Vec<Kernel>> = LazyLock::new(|| {
     (0..=DEPTH)
         .flat_map(|depth| (-BESIDE..(1 << depth) + BESIDE).map(move |place| (depth, place)))
@@ -48,9 +50,10 @@ fn interpolate(at: f64, weight: f64, knots: &mut [f64]) {
     }
 }
 
-/// g(2^L)/4^L, g the generalised covariance of a series' running sum, but for a constant. Because the variance of the Haar
-/// differences is V = (8 g(m) − 2 g(2m))/m², it is −Σ V_l/8 over the levels l < L. With it the covariance of any two
-/// differences is known from the variances by octave, the series being stationary and its spectrum smooth.
+/// g(2^L)/4^L, g the generalised covariance of a series' running sum, but for a constant. Because the
+/// variance of the Haar differences is V = (8 g(m) − 2 g(2m))/m², it is −Σ V_l/8 over the levels l < L. With
+/// it the covariance of any two differences is known from the variances by octave, the series being
+/// stationary and its spectrum smooth.
 fn curve(variances: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut sum = 0.0;
     let mut knots = vec![0.0];
@@ -68,8 +71,8 @@ fn curve(variances: impl Iterator<Item = f64>) -> Vec<f64> {
     knots
 }
 
-/// Pairs of differences of which both the noise and the reference covary: what is left out where differences count as
-/// independent.
+/// Pairs of differences of which both the noise and the reference covary: what is left out where differences
+/// count as independent.
 pub struct Memory {
     counts: Vec<f64>,
     noise: Vec<f64>,

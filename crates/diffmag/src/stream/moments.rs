@@ -40,8 +40,8 @@ impl Block {
         self.sums.map(|sum| sum.over(self.count as f64).value())
     }
 
-    /// The means of `later` less those of this, both of `length` places: none unless each has three quarters of its
-    /// samples. Scaled so that the variance of white noise is 2σ²/length whatever is missing.
+    /// The means of `later` less those of this, both of `length` places: none unless each has three quarters
+    /// of its samples. Scaled so that the variance of white noise is 2σ²/length whatever is missing.
     pub fn difference(&self, later: &Block, length: u64) -> Option<[f64; CHANNELS]> {
         if 4 * self.count.min(later.count) < 3 * length {
             return None;

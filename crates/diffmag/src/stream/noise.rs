@@ -206,8 +206,8 @@ impl Problem<'_> {
         Memory::of(self.octaves, &flicker.iter().map(|v| noise.amplitude * v).collect::<Vec<_>>())
     }
 
-    /// Covariance of the noise between cross products of the reference's columns with T: XᵀVX, and XᵀX, over the octaves and
-    /// stretches.
+    /// Covariance of the noise between cross products of the reference's columns with T: XᵀVX, and XᵀX, over
+    /// the octaves and stretches.
     pub fn sandwich(&self, solution: &Solution, noise: &Noise) -> (Mat<f64>, Mat<f64>) {
         let sum = |factor: &dyn Fn(usize, f64) -> f64| {
             Mat::from_fn(3, 3, |i, j| {

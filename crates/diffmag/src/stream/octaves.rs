@@ -25,8 +25,8 @@ pub struct Differences {
 }
 
 impl Differences {
-    /// Of a level, for a test axis with a provisional η₀ and drift b₀ (nT a place); with sums that keep their rounding, because
-    /// T and R η₀ are nearly the same.
+    /// Of a level, for a test axis with a provisional η₀ and drift b₀ (nT a place); with sums that keep their
+    /// rounding, because T and R η₀ are nearly the same.
     pub fn of(number: usize, level: &Level, axis: usize, provisional: [f64; 3], drift: f64) -> Self {
         let known = [(1, provisional[0]), (2, provisional[1]), (3, provisional[2]), (0, drift)];
         let test = 4 + axis;
@@ -84,7 +84,8 @@ pub struct Octave {
 }
 
 impl Octave {
-    /// Of a level's differences with the fitted variance of a difference there and the degrees of freedom that the fit took.
+    /// Of a level's differences with the fitted variance of a difference there and the degrees of freedom
+    /// that the fit took.
     pub fn of(differences: &Differences, level: &Level, step_s: f64, fit: &OctaveFit<'_>) -> Self {
         let variance = |sum: f64| sum / (2.0 * differences.count);
         let squares = differences.squares(fit.coefficients);

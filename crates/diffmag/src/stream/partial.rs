@@ -13,15 +13,17 @@ use super::{Error, Grid};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row(pub i64, pub [f64; 6]);
 
-/// All that is kept of a piece of a series, whatever its length: 80 kB of JSON at most where nothing is left open, 10 kB more for each hole that
-/// another piece may fill. Pieces are joined by [`partial::merge`] and answered by [`super::answer`].
+/// All that is kept of a piece of a series, whatever its length: 80 kB of JSON at most where nothing is left
+/// open, 10 kB more for each hole that another piece may fill. Pieces are joined by [`partial::merge`] and
+/// answered by [`super::answer`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Partial {
     /// Where the samples stand; absent: there are none, and any grid will do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<Grid>,
-    /// First and last place of each stretch of time that is covered; what is missing within is missing for good.
+    /// First and last place of each stretch of time that is covered; what is missing within is missing for
+    /// good.
     pub(super) covered: Covered<i64>,
     /// Whole samples.
     pub samples: u64,
@@ -74,8 +76,8 @@ impl partial::Partial for Partial {
         Some(self.span_s()?[0])
     }
 
-    /// Blocks of the pyramid stand at absolute places and their sums keep the rounding, so that the pieces' answer is that of one
-    /// pass but for the order in which the triangular factors are put together.
+    /// Blocks of the pyramid stand at absolute places and their sums keep the rounding, so that the pieces'
+    /// answer is that of one pass but for the order in which the triangular factors are put together.
     fn join(&mut self, other: Self) -> Result<(), Error> {
         let (Some(grid), Some(theirs)) = (self.grid, other.grid) else {
             if self.grid.is_none() {
@@ -138,7 +140,8 @@ impl Partial {
         self.settle(&ends);
     }
 
-    /// Takes the tiles that no piece held whole and that are whole now: tiles at the beginning or the end of stretches that have grown together.
+    /// Takes the tiles that no piece held whole and that are whole now: tiles at the beginning or the end of
+    /// stretches that have grown together.
     fn settle(&mut self, stretches: &[[i64; 2]]) {
         let size = TILE as i64;
         let ragged = stretches.iter().flat_map(|[first, last]| {

@@ -21,7 +21,8 @@ pub struct Stretch {
     pub block: Block,
 }
 
-/// The series in a few blocks, so long that all lie within 64: what is slowest in it, gaps and ragged ends included.
+/// The series in a few blocks, so long that all lie within 64: what is slowest in it, gaps and ragged ends
+/// included.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Profile {

@@ -16,8 +16,9 @@ pub struct Orphan {
     block: Block,
 }
 
-/// Sums of the products of Haar differences by level. Block k of level L holds the places k 2^L … (k + 1) 2^L − 1, whatever
-/// piece they come from; the difference is that of 2k + 1 and 2k. A block waits until its neighbour comes.
+/// Sums of the products of Haar differences by level. Block k of level L holds the places k 2^L … (k + 1) 2^L
+/// − 1, whatever piece they come from; the difference is that of 2k + 1 and 2k. A block waits until its
+/// neighbour comes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Pyramid {

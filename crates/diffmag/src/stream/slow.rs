@@ -39,7 +39,8 @@ impl Slow {
         steps_of(self.means.len(), |i, j| if i == j { 1.0 / self.means[i].0 } else { 0.0 })
     }
 
-    /// The same for noise of the density Δt (f Δt)^-α, as if samples were missing at the ends of a stretch only.
+    /// The same for noise of the density Δt (f Δt)^-α, as if samples were missing at the ends of a stretch
+    /// only.
     pub fn power_law(&self, exponent: f64) -> Mat<f64> {
         let of = haar::sum_covariance(exponent);
         // Stretches begin and end at whole lengths but for the first and the last.

@@ -12,8 +12,8 @@ const HALF: usize = TILE / 2;
 /// Readings of a tile, then their sums over blocks.
 type Values = [[f64; TILE]; 6];
 
-/// Adds the differences within a tile of which no sample is missing, and gives its sums. The order of the additions is
-/// fixed, so that a tile gives the same bytes wherever its piece begins.
+/// Adds the differences within a tile of which no sample is missing, and gives its sums. The order of the
+/// additions is fixed, so that a tile gives the same bytes wherever its piece begins.
 pub fn full(first_place: i64, readings: [&[f64]; 6], levels: &mut [Level]) -> Block {
     let mut values = [[0.0; TILE]; 6];
     values.iter_mut().zip(readings).for_each(|(to, from)| to.copy_from_slice(from));

@@ -1,4 +1,5 @@
-//! Noise that two axes of the test instrument have in common is in the covariance of η. FLUXCAL_CAMPAIGNS sets how many campaigns.
+//! Noise that two axes of the test instrument have in common is in the covariance of η. FLUXCAL_CAMPAIGNS
+//! sets how many campaigns.
 
 use crate::pair_in_time;
 

@@ -1,5 +1,5 @@
-//! Every document of `fixtures/bad/diffmag`, and every table and piece of its folder `stream`, brings its message, its exit code,
-//! and nothing on standard output.
+//! Every document of `fixtures/bad/diffmag`, and every table and piece of its folder `stream`, brings its
+//! message, its exit code, and nothing on standard output.
 
 use std::fs;
 

@@ -75,7 +75,8 @@ fn sampling_that_jumps_with_the_times() {
     );
 }
 
-/// Noise of the reference makes −dB/dt an uncertain column: without regard to it every offset would seem small and sure.
+/// Noise of the reference makes −dB/dt an uncertain column: without regard to it every offset would seem
+/// small and sure.
 #[test]
 fn offsets_hold_where_the_reference_is_noisy() {
     let (mut covered, campaigns) = (0, 30);
@@ -108,7 +109,8 @@ fn offsets_of_parts_that_differ_are_in_the_interval() {
     }
 }
 
-/// With an offset for each segment in the model, what the document predicts at the test instrument's own times is what it read there.
+/// With an offset for each segment in the model, what the document predicts at the test instrument's own
+/// times is what it read there.
 #[test]
 fn each_segment_has_its_clock_in_the_model() {
     let made = Made { offset_s: 40.0, ..made(4) };
@@ -168,7 +170,8 @@ fn a_clock_that_was_set_by_whole_steps_is_told_from_rows_that_are_missing() {
     assert!(left.value().abs() < 4.0 * std(&left), "{left:?}");
 }
 
-/// Three gaps in each recording, at 1 % for all gaps of a recording together. FLUXCAL_CAMPAIGNS sets how many recordings.
+/// Three gaps in each recording, at 1 % for all gaps of a recording together. FLUXCAL_CAMPAIGNS sets how many
+/// recordings.
 #[test]
 fn rows_that_are_missing_raise_no_alarm() {
     let mut alarms = 0;

@@ -1,6 +1,7 @@
-//! Coverage of η, the angles, noise level and clock over simulated pairs, under white and under flicker noise with natural field
-//! variation; and how far the source's own intervals fall short. The noise here is periodic over the recording, which no drift
-//! is held against: that is in drift.rs. FLUXCAL_CAMPAIGNS sets how many.
+//! Coverage of η, the angles, noise level and clock over simulated pairs, under white and under flicker noise
+//! with natural field variation; and how far the source's own intervals fall short. The noise here is
+//! periodic over the recording, which no drift is held against: that is in drift.rs. FLUXCAL_CAMPAIGNS sets
+//! how many.
 
 use common::{Axis, Document, Quantity};
 use indexmap::IndexMap;

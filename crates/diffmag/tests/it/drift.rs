@@ -1,6 +1,6 @@
-//! The drift of simulated pairs of three days: what is claimed where there is none, coverage, power, and the change over the
-//! next day. The noise is cut out of a series sixteen times as long, so that it is not periodic over the recording.
-//! FLUXCAL_CAMPAIGNS sets how many, each with three axes.
+//! The drift of simulated pairs of three days: what is claimed where there is none, coverage, power, and the
+//! change over the next day. The noise is cut out of a series sixteen times as long, so that it is not
+//! periodic over the recording. FLUXCAL_CAMPAIGNS sets how many, each with three axes.
 
 use std::ops::Range;
 
@@ -68,7 +68,8 @@ impl True {
     }
 }
 
-/// A pair with that drift on each axis, the matrix, and by how much the noise of each axis changes over the day after.
+/// A pair with that drift on each axis, the matrix, and by how much the noise of each axis changes over the
+/// day after.
 struct Pair {
     document: Document,
     matrix: [[f64; 3]; 3],

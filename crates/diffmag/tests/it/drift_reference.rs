@@ -1,4 +1,5 @@
-//! The source's iteration against SciPy's least-squares fit of all unknowns together (fixtures/reference/diffmag_drift.py).
+//! The source's iteration against SciPy's least-squares fit of all unknowns together
+//! (fixtures/reference/diffmag_drift.py).
 
 use common::Document;
 use serde_json::{Map, Value, json};

@@ -14,7 +14,8 @@ fn exact(p: &[f64; 14], known: &KnownFive) -> Fourteen {
     solve(&eta_of(p), &EtaCovariance::zeros(), known).unwrap_or_else(|error| panic!("{p:?}: {error}"))
 }
 
-/// The largest difference: rad for angles, a share for ratios. An azimuth counts by the arc that it moves its axis.
+/// The largest difference: rad for angles, a share for ratios. An azimuth counts by the arc that it moves its
+/// axis.
 fn difference(found: &[f64; 14], truth: &[f64; 14]) -> f64 {
     (0..14)
         .map(|i| {

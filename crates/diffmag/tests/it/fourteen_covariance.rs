@@ -105,8 +105,8 @@ fn stated_spread_of_a_vertical_axis() {
     }
 }
 
-/// The share of 95 % intervals that hold the truth, for tilts of 0 to 30 of their uncertainty. Near the vertical they are wide on
-/// purpose; nowhere are they narrow.
+/// The share of 95 % intervals that hold the truth, for tilts of 0 to 30 of their uncertainty. Near the
+/// vertical they are wide on purpose; nowhere are they narrow.
 #[test]
 fn intervals_hold_the_truth_at_any_tilt() {
     let sigma = 1e-4;

@@ -1,5 +1,5 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. Each holds the true answer
-//! under `truth`, made outside this project, and the answer is held against it as well.
+//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. Each
+//! holds the true answer under `truth`, made outside this project, and the answer is held against it as well.
 
 use common::{DifferentialCalibration, Document, to_text};
 use diffmag::Columns;

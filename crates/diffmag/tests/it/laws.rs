@@ -1,7 +1,8 @@
-//! Laws over drawn pairs: what does not matter to the matrix, and what changes it in a known way. FLUXCAL_CAMPAIGNS sets how many.
+//! Laws over drawn pairs: what does not matter to the matrix, and what changes it in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
 //!
-//! Not asked here: volts and amperes, GEO and reference temperatures, none of which enters. The fourteen parameters have no other
-//! names: their angles count from the reference's y and z (DIFF).
+//! Not asked here: volts and amperes, GEO and reference temperatures, none of which enters. The fourteen
+//! parameters have no other names: their angles count from the reference's y and z (DIFF).
 
 use diffmag::Options;
 use serde_json::{Value, json};
@@ -51,7 +52,8 @@ fn each(law: impl Fn(u64, &Value)) {
 
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    // Covariances of a drift run over the reference's axes without naming them; one round more or less is rounding.
+    // Covariances of a drift run over the reference's axes without naming them; one round more or less is
+    // rounding.
     let close = Close::SOLVED.but(&["fourteen", "joint.covariance", "from_joint_std", "iteration.rounds"]);
     each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &close));
 }
@@ -68,7 +70,8 @@ fn the_order_of_recordings_does_not_matter() {
 fn a_recording_in_two_is_the_same() {
     for seed in 0..testkit::campaigns(2) {
         let mut plan = plan(seed);
-        // Recordings whose clocks began apart are put on the grid of the longest, which may be another one after the cut.
+        // Recordings whose clocks began apart are put on the grid of the longest, which may be another one
+        // after the cut.
         plan["procedures"].as_array_mut().expect("a list").truncate(1);
         let halves = |document: &Value| laws::split(document, "differential", 10, seed);
         laws::invariant("split", &campaign(&plan), halves, run, &Close::EXACT.but(&["recordings"]));
@@ -82,8 +85,9 @@ fn twice_the_noise_is_twice_the_interval() {
         let (document, quiet) = (campaign(&plan), campaign(&laws::quiet(&plan)));
         let louder = run(&laws::double_noise(&document, &quiet));
         let part = |document: &Value| document["calibration"]["differential"].clone();
-        // Angles and ratios are read off a matrix that moves by some thousandths with the noise, and so do their derivatives.
-        // A time constant that is fitted to noise, and the share of the noise that pulls the matrix, are not in its measure.
+        // Angles and ratios are read off a matrix that moves by some thousandths with the noise, and so do
+        // their derivatives. A time constant that is fitted to noise, and the share of the noise that pulls
+        // the matrix, are not in its measure.
         let apart = &["time_constant_s", "share"];
         let count = laws::doubled("noise", &part(&louder), &part(&run(&document)), 1e-2, apart);
         assert!(count > 30, "{count} quantities");

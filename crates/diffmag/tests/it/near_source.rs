@@ -1,5 +1,5 @@
-//! A source near the pair, of which the test instrument has less than the reference: weights that rest on it would leave more of the natural field
-//! than levels alone do, and least squares stand in their place.
+//! A source near the pair, of which the test instrument has less than the reference: weights that rest on it
+//! would leave more of the natural field than levels alone do, and least squares stand in their place.
 
 use std::f64::consts::TAU;
 

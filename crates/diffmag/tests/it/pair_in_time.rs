@@ -1,4 +1,5 @@
-//! Two magnetometers in a field that is known at every moment: a sum of sines, so that clocks and rates are exact.
+//! Two magnetometers in a field that is known at every moment: a sum of sines, so that clocks and rates are
+//! exact.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -91,7 +92,8 @@ impl Made {
         columns
     }
 
-    /// The field along an axis: sines up to 0.8 of half the sampling rate of the test instrument, falling as a natural field's.
+    /// The field along an axis: sines up to 0.8 of half the sampling rate of the test instrument, falling as
+    /// a natural field's.
     fn field(&self, axis: usize, at: &[f64]) -> Vec<f64> {
         let mut stream = Stream::new(self.seed, &format!("field {axis}"));
         let (lowest, highest) = (1.0 / (self.rows as f64 * self.step_s), 0.4 / self.step_s);

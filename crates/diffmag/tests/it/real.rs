@@ -53,7 +53,8 @@ fn conrad_fge_and_lemi_036() {
     ]);
     let fit = result.fit.expect("a fit");
     assert_eq!(fit.samples + fit.missing, 86_400);
-    // The FGE stands along the magnetic north, the LEMI's readings were turned to the geographic one: by the declination.
+    // The FGE stands along the magnetic north, the LEMI's readings were turned to the geographic one: by the
+    // declination.
     let turn = fit.elements["xy"].weighted.atan2(fit.elements["xx"].weighted).to_degrees();
     assert!((3.0..5.5).contains(&turn), "{turn}°");
     for axis in Axis::ALL {

@@ -1,5 +1,6 @@
-//! Coverage of η where the reference is noisy: with its noise declared, with a third instrument, from the spectra alone; of
-//! the noise of each instrument; and the bound on the pull. FLUXCAL_CAMPAIGNS sets how many pairs.
+//! Coverage of η where the reference is noisy: with its noise declared, with a third instrument, from the
+//! spectra alone; of the noise of each instrument; and the bound on the pull. FLUXCAL_CAMPAIGNS sets how many
+//! pairs.
 
 use common::{
     Axis, Calibration, DifferentialFit, Document, Noise, OwnNoise, PerAxis, Recording, ReferenceNoise,
@@ -221,7 +222,8 @@ fn declared_noise_puts_back_what_it_pulled() {
             .collect();
         let (outside, shares) =
             shares(name, &all, HOLD, |key| key.ends_with("corrected") || key.ends_with("white"));
-        // What is not put right: white noise pulls least squares, flicker noise the weighted fit too, which leaves out short periods.
+        // What is not put right: white noise pulls least squares, flicker noise the weighted fit too, which
+        // leaves out short periods.
         let [pulled, plain] = ["pulled", "least squares"].map(|of| average(&shares, of));
         println!(
             "{name}: in their intervals are of weighted elements {pulled:.2}, of least squares {plain:.2}"

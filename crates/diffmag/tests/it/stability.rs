@@ -1,5 +1,6 @@
-//! Whether the matrix holds still: how often a pair whose matrix does is told otherwise, and that turned axes, induction, a tilting
-//! pillar and a late clock are found by name. FLUXCAL_CAMPAIGNS sets how many clean pairs.
+//! Whether the matrix holds still: how often a pair whose matrix does is told otherwise, and that turned
+//! axes, induction, a tilting pillar and a late clock are found by name. FLUXCAL_CAMPAIGNS sets how many
+//! clean pairs.
 
 use common::{Axis, Document, MatrixStability, OneMatrix};
 use indexmap::IndexMap;
@@ -270,7 +271,8 @@ fn a_short_recording_is_not_divided() {
     assert!(found.fit.expect("a fit").stability.is_none());
 }
 
-/// Where the matrix rests on long periods only, the stretches that are quiet or disturbed are long enough to have them.
+/// Where the matrix rests on long periods only, the stretches that are quiet or disturbed are long enough to
+/// have them.
 #[test]
 fn long_periods_alone_are_compared() {
     let plan = testkit::read_fixture("plans/observatory-pair.json");

@@ -1,5 +1,5 @@
-//! The source's regression against statsmodels, and one that loses its digits by plain normal equations against exact
-//! arithmetic (fixtures/reference/diffmag_statsmodels.py).
+//! The source's regression against statsmodels, and one that loses its digits by plain normal equations
+//! against exact arithmetic (fixtures/reference/diffmag_statsmodels.py).
 
 use common::{Axis, Document};
 use serde_json::Value;
@@ -34,7 +34,8 @@ fn coefficients_intervals_and_newey_west() {
             assert!(off < 1e-10, "{from}{to}: {off:.1e}");
             assert!(close(element.std_independent, std[i]), "{from}{to}");
             let newey_west = element.std_newey_west.expect("a std");
-            // statsmodels takes the readings with their 50 000 nT, which leaves it eight digits here; see estimate's own test.
+            // statsmodels takes the readings with their 50 000 nT, which leaves it eight digits here; see
+            // estimate's own test.
             assert!(
                 (newey_west / robust[i] - 1.0).abs() < 1e-7,
                 "{from}{to}: {newey_west} against {}",

@@ -1,6 +1,6 @@
-//! Steps of days of one second at a busy site: flicker noise, traffic by day, bursts of disturbance, passing vehicles, and steps of 5 to 20 times the
-//! noise around them, 2 to 600 rows apart. How many are found, and how many are told that are none. FLUXCAL_DAYS sets how many days, FLUXCAL_FIRST
-//! the seed of the first.
+//! Steps of days of one second at a busy site: flicker noise, traffic by day, bursts of disturbance, passing
+//! vehicles, and steps of 5 to 20 times the noise around them, 2 to 600 rows apart. How many are found, and
+//! how many are told that are none. FLUXCAL_DAYS sets how many days, FLUXCAL_FIRST the seed of the first.
 
 use std::f64::consts::TAU;
 use std::fmt::{Display, Formatter};

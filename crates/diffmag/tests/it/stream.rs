@@ -83,7 +83,8 @@ fn numbers(fit: &StreamFit) -> Vec<(String, f64)> {
     all
 }
 
-/// The greatest difference of two answers, of each number relative to the largest of its list: a vector is held at its own length.
+/// The greatest difference of two answers, of each number relative to the largest of its list: a vector is
+/// held at its own length.
 fn apart(one: &StreamFit, other: &StreamFit) -> (f64, String) {
     let list = |path: &str| match (path.rfind('['), path.rfind(']')) {
         (Some(from), Some(to)) => path[..from].to_string() + &path[to..],

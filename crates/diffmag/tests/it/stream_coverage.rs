@@ -1,6 +1,6 @@
-//! Coverage of the streamed answer's 95 % intervals over simulated pairs, white and flicker noise, under a field like nature's
-//! (f^-1.6). All noise is cut out of series four times as long, so that it goes on below one over the length. FLUXCAL_CAMPAIGNS
-//! sets how many.
+//! Coverage of the streamed answer's 95 % intervals over simulated pairs, white and flicker noise, under a
+//! field like nature's (f^-1.6). All noise is cut out of series four times as long, so that it goes on below
+//! one over the length. FLUXCAL_CAMPAIGNS sets how many.
 
 use diffmag::stream::{Batch, Estimate, Statistics, answer};
 use indexmap::IndexMap;

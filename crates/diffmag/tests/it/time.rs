@@ -1,4 +1,5 @@
-//! Recordings put together by their times, what is kept out of a fit, and the clocks. FLUXCAL_CAMPAIGNS sets how many campaigns.
+//! Recordings put together by their times, what is kept out of a fit, and the clocks. FLUXCAL_CAMPAIGNS sets
+//! how many campaigns.
 
 use crate::pair_in_time;
 
@@ -213,8 +214,8 @@ fn what_is_kept_out_costs_the_intervals_nothing() {
     assert!(drifts > 0.93 - slack(3.0), "{drifts}");
 }
 
-/// Noise of the reference, and axes that turn in the day's course, pull η while events are looked for; a sudden change of the field must not look
-/// like a step then.
+/// Noise of the reference, and axes that turn in the day's course, pull η while events are looked for; a
+/// sudden change of the field must not look like a step then.
 #[test]
 fn a_sudden_commencement_is_no_step() {
     let mut plan: serde_json::Value =
@@ -234,8 +235,9 @@ fn a_sudden_commencement_is_no_step() {
     });
 }
 
-/// A storm's beginning in a weak field, with a reference noisier than the test instrument, says where the clocks stand; it is limited
-/// otherwise in one than in the other when a lag is looked for, and must not look like one. What lags is found all the same.
+/// A storm's beginning in a weak field, with a reference noisier than the test instrument, says where the
+/// clocks stand; it is limited otherwise in one than in the other when a lag is looked for, and must not look
+/// like one. What lags is found all the same.
 #[test]
 fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
     let mut plan: serde_json::Value =
@@ -256,7 +258,8 @@ fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
                 plan["seed"] = seed.into();
                 let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
                 let mut document = simulate::campaign(&plan).expect("simulated").document;
-                // The test instrument reads now what was there `late` rows ago; before the first row it had read that one.
+                // The test instrument reads now what was there `late` rows ago; before the first row it had
+                // read that one.
                 for axis in Axis::ALL {
                     let column = &mut document.recordings[0]
                         .columns
@@ -277,8 +280,8 @@ fn a_noisy_reference_and_a_sudden_commencement_make_no_offset() {
     }
 }
 
-/// Offsets of a share of a sample to many samples, with a rate: estimated within their intervals, corrected, and no sudden change of the
-/// field is taken for an event.
+/// Offsets of a share of a sample to many samples, with a rate: estimated within their intervals, corrected,
+/// and no sudden change of the field is taken for an event.
 #[test]
 fn the_clock_is_found_and_corrected() {
     let count = testkit::campaigns(2);
@@ -358,6 +361,7 @@ fn a_corrected_clock_goes_to_the_model() {
     let without =
         simulate::replay(&Document { model: None, ..found.clone() }, None).expect("predicted").document;
     println!("{} nT, without its clock {} nT", rms(&predicted), rms(&without));
-    // Noise of both instruments, and what interpolation between samples misses; the clock itself moves readings by ten times as much.
+    // Noise of both instruments, and what interpolation between samples misses; the clock itself moves
+    // readings by ten times as much.
     assert!(rms(&predicted) < 0.2 * rms(&without) && rms(&without) > 10.0 * made.white_nt);
 }

@@ -15,7 +15,8 @@ fn of(fit: &DifferentialFit, cause: ContributionCause) -> &Contribution {
         .unwrap_or_else(|| panic!("{:?}", fit.contributions))
 }
 
-/// A clock that is half a minute off is the first thing said, late or early, and its figures are those of the pair with a clock that is right.
+/// A clock that is half a minute off is the first thing said, late or early, and its figures are those of the
+/// pair with a clock that is right.
 #[test]
 fn a_clock_is_told_with_what_it_does() {
     let right = fit(&Made::new(5), false);
@@ -63,8 +64,8 @@ fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
     let reductions: Vec<f64> = stepped.contributions.iter().map(Contribution::reduction_nt2).collect();
     assert!(reductions.is_sorted_by(|a, b| a >= b), "{reductions:?}");
     let steps = of(&stepped, ContributionCause::Steps);
-    // Nearly half of the rows are 40 nT higher: 20 nT rms, of which a straight drift takes three quarters of the variance and leaves 10 nT, and the
-    // field a little more.
+    // Nearly half of the rows are 40 nT higher: 20 nT rms, of which a straight drift takes three quarters of
+    // the variance and leaves 10 nT, and the field a little more.
     let [with, without] = [&steps.rms_with_nt, &steps.rms_without_nt].map(|rms| rms.z.expect("z"));
     assert!((6.0..10.0).contains(&with) && without < 0.1, "{with} {without}");
 }

@@ -40,7 +40,8 @@ impl Root for Llt<f64> {
     }
 }
 
-/// Whitening transform of correlated readings, block by block: groups of readings that share nothing follow each other.
+/// Whitening transform of correlated readings, block by block: groups of readings that share nothing follow
+/// each other.
 #[derive(Clone, Debug)]
 pub struct Whitening {
     groups: Vec<Arc<dyn Root>>,
@@ -132,7 +133,8 @@ pub struct CorrelatedFit {
     pub largest: f64,
     /// The residuals made independent, over their common standard deviation: of the likeliest covariance.
     pub whitened: Vec<f64>,
-    /// Σ of the squared whitened residuals over the degrees of freedom: 1 where the covariance is right as it stands.
+    /// Σ of the squared whitened residuals over the degrees of freedom: 1 where the covariance is right as it
+    /// stands.
     pub variance_factor: f64,
     /// Rows less rank.
     pub freedom: f64,
@@ -148,8 +150,9 @@ pub struct CorrelatedFit {
 const COVERED: f64 = 0.95;
 
 impl CorrelatedFit {
-    /// Covariance of the coefficients; of several models scaled so that a standard uncertainty times Student's factor is the half-width of
-    /// the interval that holds the coefficient with 95 % under all of them together.
+    /// Covariance of the coefficients; of several models scaled so that a standard uncertainty times
+    /// Student's factor is the half-width of the interval that holds the coefficient with 95 % under all of
+    /// them together.
     pub fn covariance(&self) -> Mat<f64> {
         self.mixture.covered_covariance(COVERED)
     }
@@ -160,7 +163,8 @@ impl CorrelatedFit {
     }
 }
 
-/// A step of the mean under all covariances. They make no one sum of squares in which it could be damped, so it is shortened.
+/// A step of the mean under all covariances. They make no one sum of squares in which it could be damped, so
+/// it is shortened.
 impl Linear for CorrelatedFit {
     fn step(&self, damping: f64) -> Vec<f64> {
         self.coefficients.iter().map(|coefficient| coefficient / (1.0 + damping)).collect()
@@ -177,11 +181,12 @@ impl Linear for CorrelatedFit {
 
 /// Fits y ≈ X β under one of several covariances.
 ///
-/// For each that is known up to a factor, the factor is s² = r' V⁻¹ r/(n − p). Where there are several they are averaged by
-/// their restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + (n − p) ln r' V⁻¹ r), or with r' V⁻¹ r in place of the last term
-/// where they are known as they stand, times what each weighs beforehand: an interval does not rest on the one that happens to be likeliest.
-/// With one covariance this is generalised least squares, and Student's t with n − p degrees of freedom is exact. Of a design that does not show
-/// all unknowns, the determinant is that of the combinations that it shows: the same under every covariance.
+/// For each that is known up to a factor, the factor is s² = r' V⁻¹ r/(n − p). Where there are several they
+/// are averaged by their restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + (n − p) ln r' V⁻¹ r), or with r'
+/// V⁻¹ r in place of the last term where they are known as they stand, times what each weighs beforehand: an
+/// interval does not rest on the one that happens to be likeliest. With one covariance this is generalised
+/// least squares, and Student's t with n − p degrees of freedom is exact. Of a design that does not show all
+/// unknowns, the determinant is that of the combinations that it shows: the same under every covariance.
 pub fn fit(
     design: MatRef<'_, f64>,
     y: &[f64],

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// A sum with what its rounding left: some 106 bits. JSON writes both as a list.
 ///
-/// Source: T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18 (1971) 224–242.
+/// Source: T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18
+/// (1971) 224–242.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sum(f64, f64);
 

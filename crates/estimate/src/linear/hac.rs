@@ -16,7 +16,8 @@ const BLOCK: usize = 4096;
 ///
 /// n/(n − p) (XᵀX)⁻¹ [Γ₀ + Σ (1 − l/(L + 1)) (Γ_l + Γ_lᵀ)] (XᵀX)⁻¹, Γ_l = Σ_t e_t e_(t−l) x_t x_(t−l)ᵀ,
 ///
-/// l = 1 … L, e the residuals in the order of time, at even steps; `design` has the columns of X, `inverse` is (XᵀX)⁻¹.
+/// l = 1 … L, e the residuals in the order of time, at even steps; `design` has the columns of X, `inverse`
+/// is (XᵀX)⁻¹.
 pub fn newey_west(design: &[&[f64]], residuals: &[f64], inverse: MatRef<'_, f64>, lags: usize) -> Mat<f64> {
     let (rows, unknowns) = (residuals.len(), design.len());
     let mut middle = Mat::<f64>::zeros(unknowns, unknowns);

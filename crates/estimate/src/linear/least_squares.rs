@@ -1,4 +1,5 @@
-//! Linear least squares: by products where the columns are well apart, else by the singular value decomposition.
+//! Linear least squares: by products where the columns are well apart, else by the singular value
+//! decomposition.
 
 use faer::{Mat, MatRef};
 
@@ -7,7 +8,8 @@ use crate::{Error, Svd};
 
 /// Singular values below this share of the largest count as zero, for columns of unit length.
 const RANK_TOLERANCE: f64 = 1e-15;
-/// Products are good up to this variance inflation factor: the covariance then has ten digits, and the refined solution all.
+/// Products are good up to this variance inflation factor: the covariance then has ten digits, and the
+/// refined solution all.
 const MOST_INFLATION: f64 = 1e6;
 
 /// A linear fit y ≈ X β.
@@ -29,8 +31,8 @@ pub struct LinearFit {
     pub rank: usize,
 }
 
-/// Fits y ≈ X β, each row divided by its standard deviation where these are given; one refinement of the solution
-/// by its residuals.
+/// Fits y ≈ X β, each row divided by its standard deviation where these are given; one refinement of the
+/// solution by its residuals.
 pub fn fit(design: MatRef<'_, f64>, y: &[f64], std: Option<&[f64]>) -> Result<LinearFit, Error> {
     let (rows, unknowns) = (design.nrows(), design.ncols());
     if rows < unknowns {
@@ -77,7 +79,8 @@ enum Decomposed<'a> {
 impl<'a> Decomposed<'a> {
     fn of(matrix: &'a Mat<f64>) -> Result<Self, Error> {
         let products = matrix.transpose() * matrix;
-        // An element of the diagonal of (AᵀA)⁻¹ AᵀA is the variance inflation factor 1/(1 − R²) of a column on the others.
+        // An element of the diagonal of (AᵀA)⁻¹ AᵀA is the variance inflation factor 1/(1 − R²) of a column
+        // on the others.
         let apart = |inverse: &Mat<f64>| {
             (0..matrix.ncols()).all(|j| inverse[(j, j)] * products[(j, j)] <= MOST_INFLATION)
         };

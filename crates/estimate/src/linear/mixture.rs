@@ -11,7 +11,8 @@ const NEGLIGIBLE: f64 = 1e-12;
 /// Steps to a half-width at most, and its relative accuracy.
 const MOST_STEPS: usize = 60;
 const ACCURACY: f64 = 1e-10;
-/// After one of Newton's steps that is so short, as a share, the rest is below that accuracy: it goes with the square.
+/// After one of Newton's steps that is so short, as a share, the rest is below that accuracy: it goes with
+/// the square.
 const SHORT: f64 = 1e-6;
 
 /// What one model says.
@@ -27,8 +28,9 @@ pub struct Component {
 
 /// The posterior Σ w_m t_ν(β_m, C_m): Bayesian model averaging (Hoeting et al. 1999, Statist. Sci. 14, 382).
 ///
-/// Intervals are those of the mixture itself. Its standard deviation times one factor would not do: where one model in five makes
-/// a coefficient ten times less certain, the tails hold more than those of a normal distribution of the same variance.
+/// Intervals are those of the mixture itself. Its standard deviation times one factor would not do: where one
+/// model in five makes a coefficient ten times less certain, the tails hold more than those of a normal
+/// distribution of the same variance.
 #[derive(Clone, Debug)]
 pub struct Mixture {
     components: Vec<Component>,
@@ -74,8 +76,8 @@ impl Mixture {
         covariance
     }
 
-    /// The same, scaled so that every standard deviation times Student's factor is the half-width of the interval that holds its
-    /// coefficient with `probability`.
+    /// The same, scaled so that every standard deviation times Student's factor is the half-width of the
+    /// interval that holds its coefficient with `probability`.
     pub fn covered_covariance(&self, probability: f64) -> Mat<f64> {
         let covariance = self.covariance();
         let unknowns = covariance.nrows();
@@ -102,8 +104,8 @@ impl Mixture {
         })
     }
 
-    /// h/u of one coefficient: β ± h holds it with `probability`, u its standard deviation as in [`Mixture::covariance`]. With one
-    /// model this is Student's factor.
+    /// h/u of one coefficient: β ± h holds it with `probability`, u its standard deviation as in
+    /// [`Mixture::covariance`]. With one model this is Student's factor.
     pub fn coverage_factor(&self, coefficient: usize, probability: f64) -> f64 {
         let single = stats::coverage_factor(probability, self.freedom);
         let parts: Vec<Part> = self.parts(coefficient).collect();
@@ -140,8 +142,8 @@ impl Mixture {
         half / variance.sqrt()
     }
 
-    /// Σ w_m p_m, p_m the probability under a model that estimates of some coefficients are so far from zero by chance: F of
-    /// βᵀ C⁻¹ β/k.
+    /// Σ w_m p_m, p_m the probability under a model that estimates of some coefficients are so far from zero
+    /// by chance: F of βᵀ C⁻¹ β/k.
     pub fn p_value(&self, which: &[usize]) -> Result<f64, Error> {
         let count = which.len();
         let of = |(one, weight): (&Component, f64)| {

@@ -9,8 +9,8 @@ use crate::Error;
 /// Parts of null directions smaller than this are rounding.
 const UNSEEN: f64 = 1e-4;
 
-/// A D⁻¹ = U diag(σ) Vᵀ for an m×n matrix, σ falling, with D = the lengths of A's columns: unknowns of unlike units
-/// (rad beside nT) and priors of unlike sharpness then weigh the same in the rank. The decomposition is
+/// A D⁻¹ = U diag(σ) Vᵀ for an m×n matrix, σ falling, with D = the lengths of A's columns: unknowns of unlike
+/// units (rad beside nT) and priors of unlike sharpness then weigh the same in the rank. The decomposition is
 /// faer's; that Σσ² = ‖A D⁻¹‖² holds is checked at every call.
 #[derive(Clone, Debug)]
 pub struct Svd {
@@ -75,8 +75,8 @@ impl Svd {
         (0..self.rank).map(move |k| self.u.col_as_slice(k).iter().zip(b).map(|(u, b)| u * b).sum())
     }
 
-    /// Least-squares solution of A x = b, x = D⁻¹ V σ⁻¹ Uᵀ b over the values that count: of all solutions the one with
-    /// the least norm in units of 1/D.
+    /// Least-squares solution of A x = b, x = D⁻¹ V σ⁻¹ Uᵀ b over the values that count: of all solutions the
+    /// one with the least norm in units of 1/D.
     pub fn solve(&self, b: &[f64]) -> Vec<f64> {
         let mut x = vec![0.0; self.v.nrows()];
         for (k, projection) in self.projections(b).enumerate() {
@@ -112,9 +112,9 @@ impl Svd {
         &scaled * scaled.transpose()
     }
 
-    /// Directions of the unknowns that A does not see, as far as they show among the unknowns of `subset`: a basis
-    /// of their part there, one direction (over all unknowns, zero outside the subset) for each way in which
-    /// the subset may move unseen.
+    /// Directions of the unknowns that A does not see, as far as they show among the unknowns of `subset`: a
+    /// basis of their part there, one direction (over all unknowns, zero outside the subset) for each way in
+    /// which the subset may move unseen.
     pub fn unseen(&self, subset: &[usize]) -> Vec<Vec<f64>> {
         let null = self.v.ncols() - self.rank;
         if null == 0 || subset.is_empty() {
@@ -149,8 +149,8 @@ impl Svd {
     }
 }
 
-/// The decomposition, and V. faer's iteration gives up on a few matrices in a million that have nothing wrong with them; with
-/// the columns in another order it goes another way, and V's rows are put back.
+/// The decomposition, and V. faer's iteration gives up on a few matrices in a million that have nothing wrong
+/// with them; with the columns in another order it goes another way, and V's rows are put back.
 fn decompose(a: &Mat<f64>) -> Result<(faer::linalg::solvers::Svd<f64>, Mat<f64>), SvdError> {
     let n = a.ncols();
     let mut last = SvdError::NoConvergence;

@@ -8,8 +8,8 @@ const NOTHING: f64 = 1e-280;
 
 /// U upper triangular with UᵀU = DᵀD for all rows D that were taken. Two factors are joined by stacking them.
 ///
-/// Source: J. Demmel, L. Grigori, M. Hoemmen, J. Langou, Communication-optimal parallel and sequential QR and LU
-/// factorizations, SIAM J. Sci. Comput. 34 (2012) A206–A239.
+/// Source: J. Demmel, L. Grigori, M. Hoemmen, J. Langou, Communication-optimal parallel and sequential QR and
+/// LU factorizations, SIAM J. Sci. Comput. 34 (2012) A206–A239.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Triangle(Vec<Vec<f64>>);

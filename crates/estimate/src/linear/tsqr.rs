@@ -1,4 +1,5 @@
-//! Least squares in one pass over rows without end: a triangular factor that takes blocks of rows and other factors.
+//! Least squares in one pass over rows without end: a triangular factor that takes blocks of rows and other
+//! factors.
 
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -12,13 +13,14 @@ const DEPENDENT: f64 = 1e-13;
 
 /// Count, sums and the triangular factor U of p centred columns X°: UᵀU = X°ᵀX°.
 ///
-/// The constant is not a column: with it first, Householder's first step takes the means off, which is done here with sums
-/// that keep their rounding. So a mean of 50 000 takes no digits from residuals of 0.01. Two sets of rows, A and B, have
-/// the factor of their two factors and the row √(n_A n_B/(n_A + n_B)) (mean_B − mean_A) stacked.
+/// The constant is not a column: with it first, Householder's first step takes the means off, which is done
+/// here with sums that keep their rounding. So a mean of 50 000 takes no digits from residuals of 0.01. Two
+/// sets of rows, A and B, have the factor of their two factors and the row √(n_A n_B/(n_A + n_B)) (mean_B −
+/// mean_A) stacked.
 ///
-/// Source: J. Demmel, L. Grigori, M. Hoemmen, J. Langou, Communication-optimal parallel and sequential QR and LU
-/// factorizations, SIAM J. Sci. Comput. 34 (2012) A206–A239; T. F. Chan, G. H. Golub, R. J. LeVeque, Algorithms for computing
-/// the sample variance, Am. Stat. 37 (1983) 242–247.
+/// Source: J. Demmel, L. Grigori, M. Hoemmen, J. Langou, Communication-optimal parallel and sequential QR and
+/// LU factorizations, SIAM J. Sci. Comput. 34 (2012) A206–A239; T. F. Chan, G. H. Golub, R. J. LeVeque,
+/// Algorithms for computing the sample variance, Am. Stat. 37 (1983) 242–247.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Tsqr {
@@ -120,12 +122,13 @@ impl Tsqr {
         self.sums.iter_mut().zip(sums).for_each(|(to, from)| to.add_sum(*from));
     }
 
-    /// Least squares of each response by the predictors and a constant: the factor of those columns alone, by which
-    /// U_xx β = U_xy and Σ r² = |U_yy|².
+    /// Least squares of each response by the predictors and a constant: the factor of those columns alone, by
+    /// which U_xx β = U_xy and Σ r² = |U_yy|².
     ///
     /// # Errors
     ///
-    /// [`Error::TooFew`] without more rows than unknowns, [`Error::Decomposition`] where the predictors depend on each other.
+    /// [`Error::TooFew`] without more rows than unknowns, [`Error::Decomposition`] where the predictors
+    /// depend on each other.
     pub fn regress(&self, predictors: &[usize], responses: &[usize]) -> Result<Regression, Error> {
         let (width, known) = (self.sums.len(), predictors.len());
         if self.count <= known as u64 + 1 {

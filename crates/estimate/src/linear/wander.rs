@@ -6,11 +6,11 @@ use crate::correlated::log_determinant;
 use crate::mixture::Component;
 use crate::{Error, linear};
 
-/// y = X β + e + w: the own errors e have the covariance s D, D diagonal and s not below one; the wander w has q K, where K over D
-/// has the mean one.
+/// y = X β + e + w: the own errors e have the covariance s D, D diagonal and s not below one; the wander w
+/// has q K, where K over D has the mean one.
 ///
-/// D^-½ K D^-½ = U Λ Uᵀ. Turned by Uᵀ D^-½ every covariance of the family is diagonal, s + q λ_i, so that each s and q costs a
-/// weighted fit and no decomposition.
+/// D^-½ K D^-½ = U Λ Uᵀ. Turned by Uᵀ D^-½ every covariance of the family is diagonal, s + q λ_i, so that
+/// each s and q costs a weighted fit and no decomposition.
 pub struct Wander {
     design: Mat<f64>,
     y: Vec<f64>,
@@ -59,8 +59,9 @@ impl Wander {
         })
     }
 
-    /// The reference prior of q at s = 1, up to a constant: the root of its Fisher information in the restricted likelihood,
-    /// √tr (P K)², P = V⁻¹ − V⁻¹ X (Xᵀ V⁻¹ X)⁻¹ Xᵀ V⁻¹ (Berger, De Oliveira and Sansó 2001, J. Am. Stat. Assoc. 96, 1361).
+    /// The reference prior of q at s = 1, up to a constant: the root of its Fisher information in the
+    /// restricted likelihood, √tr (P K)², P = V⁻¹ − V⁻¹ X (Xᵀ V⁻¹ X)⁻¹ Xᵀ V⁻¹ (Berger, De Oliveira and Sansó
+    /// 2001, J. Am. Stat. Assoc. 96, 1361).
     pub fn reference_prior(&self, wander: f64) -> Result<f64, Error> {
         let variances = self.variances(1.0, wander);
         let std: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();

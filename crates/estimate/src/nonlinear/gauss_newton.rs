@@ -1,7 +1,7 @@
 //! The damped Gauss-Newton iteration that all nonlinear fits share.
 //!
-//! [`minimise`] is the iteration. [`solve`] is the same for problems that hand in dense rows, with steps by the singular value
-//! decomposition; [`Directions`] makes the steps, from rows or from their products.
+//! [`minimise`] is the iteration. [`solve`] is the same for problems that hand in dense rows, with steps by
+//! the singular value decomposition; [`Directions`] makes the steps, from rows or from their products.
 
 mod dense;
 mod directions;
@@ -9,7 +9,8 @@ mod directions;
 pub use dense::{Fit, Options, Problem, linearised, solve, solve_near};
 pub use directions::Directions;
 
-/// What an iteration goes down in. A point is a state of the unknowns, which may live on a curved space, with what it leaves of the readings.
+/// What an iteration goes down in. A point is a state of the unknowns, which may live on a curved space, with
+/// what it leaves of the readings.
 pub trait Descent {
     /// A state with its residual.
     type Point;
@@ -21,8 +22,8 @@ pub trait Descent {
     /// The sum of squares at a point.
     fn cost(&self, at: &Self::Point) -> f64;
 
-    /// The linear problem about a point. Of one that is kept from a point nearby, derivatives that are expensive and change little may be used
-    /// again.
+    /// The linear problem about a point. Of one that is kept from a point nearby, derivatives that are
+    /// expensive and change little may be used again.
     fn linear(&self, at: &Self::Point, kept: Option<&Self::Linear>) -> Result<Self::Linear, Self::Error>;
 
     /// The point that a step leads to.
@@ -94,11 +95,13 @@ pub struct Control {
     pub damping: Damping,
     /// A step may raise the cost by this: what is rounding in it.
     pub raise: Tolerance,
-    /// Also a minimum: a point reached by two steps that each lowered the cost by less than this, when the next step is more than half as long. That is
-    /// rounding, or an unknown at its bound. None where the cost does not tell that.
+    /// Also a minimum: a point reached by two steps that each lowered the cost by less than this, when the
+    /// next step is more than half as long. That is rounding, or an unknown at its bound. None where the cost
+    /// does not tell that.
     pub idle: Option<Tolerance>,
-    /// Whether derivatives are expensive. Then linear problems are kept as long as steps need no more than the least damping, a minimum is confirmed by
-    /// a new one, and the step from there is taken as well if it leads down, without yet another.
+    /// Whether derivatives are expensive. Then linear problems are kept as long as steps need no more than
+    /// the least damping, a minimum is confirmed by a new one, and the step from there is taken as well if it
+    /// leads down, without yet another.
     pub keep: bool,
 }
 
@@ -136,19 +139,20 @@ const HEAVIER: f64 = 10.0;
 const HEAVIEST: f64 = 1e3;
 /// A step of this damping is a small part of the whole one.
 const MUCH: f64 = 1.0;
-/// If no step, or only a heavily damped one, lowers the cost, the point has converged when the undamped step is below this many tolerances: residuals of
-/// readings without noise are rounding.
+/// If no step, or only a heavily damped one, lowers the cost, the point has converged when the undamped step
+/// is below this many tolerances: residuals of readings without noise are rounding.
 const ROUNDED: f64 = 1e4;
 /// So many steps that lower the cost by next to nothing are enough.
 const IDLE: usize = 2;
 /// A step longer than this share of the one before does not shrink.
 const SHRINKS: f64 = 0.5;
 
-/// Goes down from a point by steps of least squares, the first of them from a linear problem about it, or from one to `begin` with that holds
-/// derivatives of another point.
+/// Goes down from a point by steps of least squares, the first of them from a linear problem about it, or
+/// from one to `begin` with that holds derivatives of another point.
 ///
-/// A step is damped tenfold until it leads down, and the next one by a tenth (K. Levenberg, Q. Appl. Math. 2 (1944) 164; D. W. Marquardt,
-/// J. SIAM 11 (1963) 431). What damping does is for the linear problem to say: see [`Directions::step`].
+/// A step is damped tenfold until it leads down, and the next one by a tenth (K. Levenberg, Q. Appl. Math. 2
+/// (1944) 164; D. W. Marquardt, J. SIAM 11 (1963) 431). What damping does is for the linear problem to say:
+/// see [`Directions::step`].
 ///
 /// # Errors
 ///

@@ -1,6 +1,7 @@
 //! Searches along a line: how far to go along a step, where a function is largest, where one is zero.
 
-/// Of the shares 1, ½, ¼, … of a step, so many of them at most, what the first leads to that is taken; None where none is.
+/// Of the shares 1, ½, ¼, … of a step, so many of them at most, what the first leads to that is taken; None
+/// where none is.
 pub fn halved<T>(most: i32, mut taken: impl FnMut(f64) -> Option<T>) -> Option<T> {
     (0..most).find_map(|halvings| taken(0.5_f64.powi(halvings)))
 }
@@ -11,9 +12,9 @@ const HALVINGS: i32 = 12;
 /// The longest step of a climb.
 const LONGEST: f64 = 1.0;
 
-/// Climbs from a place, with what is known there, within limits, until a step moves it by less than an accuracy. `step` leads to the maximum if
-/// the value were a parabola; it is cut to one (an unknown is sought by its logarithm) and halved until `above` finds a place better than
-/// where it began.
+/// Climbs from a place, with what is known there, within limits, until a step moves it by less than an
+/// accuracy. `step` leads to the maximum if the value were a parabola; it is cut to one (an unknown is sought
+/// by its logarithm) and halved until `above` finds a place better than where it began.
 pub fn climb<T>(
     start: (f64, T),
     (low, high): (f64, f64),
@@ -41,8 +42,9 @@ pub fn climb<T>(
 /// (√5 − 1)/2.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// The argument between two at which a function with one maximum there is largest: the middle of the interval that golden sections leave, each of
-/// them 0.618 of the one before (J. Kiefer, Proc. Am. Math. Soc. 4 (1953) 502).
+/// The argument between two at which a function with one maximum there is largest: the middle of the interval
+/// that golden sections leave, each of them 0.618 of the one before (J. Kiefer, Proc. Am. Math. Soc. 4 (1953)
+/// 502).
 pub fn largest((mut low, mut high): (f64, f64), sections: usize, mut value: impl FnMut(f64) -> f64) -> f64 {
     let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
     let (mut at_left, mut at_right) = (value(left), value(right));
@@ -72,8 +74,9 @@ pub struct Accuracy {
 /// Most steps to a zero.
 const MOST: usize = 200;
 
-/// The zero of a rising function between two arguments, given with their values below and above zero: the secant of the ends, an end that stays
-/// twice counting half (the Illinois method: M. Dowell and P. Jarratt, BIT 11 (1971) 168).
+/// The zero of a rising function between two arguments, given with their values below and above zero: the
+/// secant of the ends, an end that stays twice counting half (the Illinois method: M. Dowell and P. Jarratt,
+/// BIT 11 (1971) 168).
 ///
 /// # Errors
 ///

@@ -9,7 +9,8 @@ use crate::{Error, Svd};
 /// Most steps of the iteration, and most halvings of one.
 const MOST_STEPS: usize = 200;
 const MOST_HALVINGS: i32 = 30;
-/// A step that gains less than this by the gradient is the last one (square of its length in standard deviations).
+/// A step that gains less than this by the gradient is the last one (square of its length in standard
+/// deviations).
 const LAST: f64 = 1e-10;
 /// Where the iteration gets no farther, so small a gain is good enough: a hundredth of a standard deviation.
 const GOOD_ENOUGH: f64 = 1e-4;
@@ -43,8 +44,8 @@ pub(crate) struct Optimum {
     pub cost: f64,
 }
 
-/// Least cost over what is not held, from a start: steps by the second derivatives or by the Fisher information, within
-/// the limits and halved until they lead down.
+/// Least cost over what is not held, from a start: steps by the second derivatives or by the Fisher
+/// information, within the limits and halved until they lead down.
 pub(crate) fn minimise(
     likelihood: &impl Likelihood,
     mut theta: Vec<f64>,
@@ -80,8 +81,8 @@ pub(crate) fn minimise(
     Err(Error::NotConverged { iterations: MOST_STEPS, last_shift: expected.sqrt() })
 }
 
-/// The one-sided 95 % bound of θ_i by the likelihood ratio, with `held` held: where the least cost over the others is
-/// 1.645²/2 above that at `best`.
+/// The one-sided 95 % bound of θ_i by the likelihood ratio, with `held` held: where the least cost over the
+/// others is 1.645²/2 above that at `best`.
 pub(crate) fn upper(
     likelihood: &impl Likelihood,
     best: &Optimum,
@@ -108,8 +109,8 @@ pub(crate) fn upper(
     line_search::zero((low, below), (high, above), accuracy, beyond)
 }
 
-/// The step −M⁻¹ g among the unknowns `free` that keeps to the limits: what would pass its limit is moved just there,
-/// and the others as is best with that.
+/// The step −M⁻¹ g among the unknowns `free` that keeps to the limits: what would pass its limit is moved
+/// just there, and the others as is best with that.
 fn within(
     likelihood: &impl Likelihood,
     theta: &[f64],
@@ -148,8 +149,9 @@ fn gain(step: &[f64], gradient: &[f64]) -> f64 {
     -step.iter().zip(gradient).map(|(step, gradient)| step * gradient).sum::<f64>()
 }
 
-/// The inverse of the rows and columns `kept` of an information matrix, scaled to a diagonal of ones meanwhile; zero
-/// elsewhere, and along directions of which there is no information. Second derivatives need not be positive definite.
+/// The inverse of the rows and columns `kept` of an information matrix, scaled to a diagonal of ones
+/// meanwhile; zero elsewhere, and along directions of which there is no information. Second derivatives need
+/// not be positive definite.
 pub(crate) fn inverse(information: &Mat<f64>, kept: &[usize]) -> Result<Mat<f64>, Error> {
     const RANK_TOLERANCE: f64 = 1e-13;
     let mut inverse = Mat::zeros(information.nrows(), information.ncols());

@@ -11,12 +11,13 @@ const EXACT_BELOW: usize = 20;
 /// The largest A*² for which the approximation of its probability is made; that one's probability is 5e−31.
 const LARGEST: f64 = 13.0;
 
-/// The Anderson-Darling test of normality, mean and variance estimated: A*² and the probability p of one as large.
+/// The Anderson-Darling test of normality, mean and variance estimated: A*² and the probability p of one as
+/// large.
 ///
 /// A² = −n − (1/n) Σ (2i − 1)(ln Φ(z_i) + ln Φ(−z_(n+1−i))), i = 1 … n,
 ///
-/// z_i = (x_i − x̄)/s in ascending order, s with n − 1 in its denominator. For small samples A*² = A²(1 + 0.75/n + 2.25/n²),
-/// and p is
+/// z_i = (x_i − x̄)/s in ascending order, s with n − 1 in its denominator. For small samples A*² = A²(1 +
+/// 0.75/n + 2.25/n²), and p is
 ///
 /// - 1 − exp(−13.436 + 101.14 A*² − 223.73 A*⁴) for A*² < 0.2,
 /// - 1 − exp(−8.318 + 42.796 A*² − 59.938 A*⁴) for A*² < 0.34,
@@ -25,8 +26,8 @@ const LARGEST: f64 = 13.0;
 ///
 /// None for fewer than 8 values, for values without scatter, or where a value is not finite.
 ///
-/// Source: M. A. Stephens, Tests based on EDF statistics, in R. B. D'Agostino, M. A. Stephens (eds.), Goodness-of-Fit
-/// Techniques, Marcel Dekker 1986, Table 4.9.
+/// Source: M. A. Stephens, Tests based on EDF statistics, in R. B. D'Agostino, M. A. Stephens (eds.),
+/// Goodness-of-Fit Techniques, Marcel Dekker 1986, Table 4.9.
 pub fn anderson_darling(values: &[f64]) -> Option<(f64, f64)> {
     if values.len() < LEAST_VALUES {
         return None;
@@ -63,8 +64,8 @@ fn anderson_darling_p(a: f64) -> f64 {
 
 /// ln Φ(z) of the normal law, also where Φ is too small for a number.
 ///
-/// Φ(−x) for x > 0 is half the probability that χ² with one degree of freedom exceeds x². Below −20 it is Laplace's
-/// continued fraction Φ(−x) = φ(x)/(x + 1/(x + 2/(x + 3/(x + …)))), φ the normal density.
+/// Φ(−x) for x > 0 is half the probability that χ² with one degree of freedom exceeds x². Below −20 it is
+/// Laplace's continued fraction Φ(−x) = φ(x)/(x + 1/(x + 2/(x + 3/(x + …)))), φ the normal density.
 fn ln_normal(z: f64) -> f64 {
     let beyond = |z: f64| 0.5 * stats::chi_squared_p(z * z, 1.0);
     if z > 0.0 {
@@ -79,20 +80,22 @@ fn ln_normal(z: f64) -> f64 {
 
 /// The runs test of Wald and Wolfowitz: whether the signs of the values follow one another without order.
 ///
-/// Gives z and the two-sided probability p. Of n = n₁ + n₂ values above and below zero, in their order, the R runs of
-/// like sign have the mean μ = 2n₁n₂/n + 1 and the variance (μ − 1)(μ − 2)/(n − 1); z = (R − μ)/σ with R half a run
-/// closer to μ, and 0 if that would go past it. Negative: fewer runs than chance would make, so neighbours are alike.
+/// Gives z and the two-sided probability p. Of n = n₁ + n₂ values above and below zero, in their order, the R
+/// runs of like sign have the mean μ = 2n₁n₂/n + 1 and the variance (μ − 1)(μ − 2)/(n − 1); z = (R − μ)/σ
+/// with R half a run closer to μ, and 0 if that would go past it. Negative: fewer runs than chance would
+/// make, so neighbours are alike.
 ///
-/// p is that of z for a normal law; with fewer than 20 values of either sign it is twice the smaller tail of the
-/// distribution of R itself, R included, at most 1:
+/// p is that of z for a normal law; with fewer than 20 values of either sign it is twice the smaller tail of
+/// the distribution of R itself, R included, at most 1:
 ///
 /// P(R = 2k) = 2C(n₁−1, k−1)C(n₂−1, k−1)/C(n, n₁),
 /// P(R = 2k+1) = (C(n₁−1, k)C(n₂−1, k−1) + C(n₁−1, k−1)C(n₂−1, k))/C(n, n₁).
 ///
-/// Values that are zero are left out. None if there are none above or none below zero, or one is not a number.
+/// Values that are zero are left out. None if there are none above or none below zero, or one is not a
+/// number.
 ///
-/// Source: A. Wald, J. Wolfowitz, On a test whether two samples are from the same population, Ann. Math. Statist. 11
-/// (1940) 147–162.
+/// Source: A. Wald, J. Wolfowitz, On a test whether two samples are from the same population, Ann. Math.
+/// Statist. 11 (1940) 147–162.
 pub fn runs(values: &[f64]) -> Option<(f64, f64)> {
     if values.iter().any(|x| x.is_nan()) {
         return None;

@@ -17,8 +17,8 @@ pub struct RobustFit<S> {
     pub fit: Fit<S>,
     /// Weight of each reading, 0 to 1.
     pub weights: Vec<f64>,
-    /// Standard deviation of a reading, in units of the declared one, that gives the covariance of the estimate when
-    /// put on all readings alike: s √(Σψ²/(n − p)) / mean ψ' (Huber 1981, ch. 7).
+    /// Standard deviation of a reading, in units of the declared one, that gives the covariance of the
+    /// estimate when put on all readings alike: s √(Σψ²/(n − p)) / mean ψ' (Huber 1981, ch. 7).
     pub scale: f64,
 }
 

@@ -1,5 +1,5 @@
-//! Steps and spikes, by matched filters over all rows at once: in a long even series whose noise has a known spectrum ([`Search`]), and in a
-//! whitened residual beside what else is fitted ([`Departures`]).
+//! Steps and spikes, by matched filters over all rows at once: in a long even series whose noise has a known
+//! spectrum ([`Search`]), and in a whitened residual beside what else is fitted ([`Departures`]).
 
 mod departures;
 
@@ -13,14 +13,15 @@ use fourier::{Complex, Forward, Inverse};
 use crate::Error;
 use crate::stats::{coverage_factor, mean};
 
-/// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model lacks there cannot look like
-/// steps.
+/// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model
+/// lacks there cannot look like steps.
 const MEMORY: usize = 256;
 /// Samples on either side of a missing one that tell of it.
 const AROUND: usize = 4096;
 /// Rows at either end where nothing is looked for.
 const ENDS: usize = 2;
-/// A shape is looked for where the jump from the last sample to the first leaves so much of what is known of it.
+/// A shape is looked for where the jump from the last sample to the first leaves so much of what is known of
+/// it.
 const LEFT: f64 = 0.1;
 /// Most rounds in which missing samples are filled.
 const FILLS: usize = 60;
@@ -40,13 +41,15 @@ pub enum Shape {
 
 /// The matched filter for one series.
 ///
-/// With the differences e_m = d_m − d_(m−1), e_0 = d_0 − d_(n−1), their transform E_k and its variance under noise of the one-sided density P,
-/// S_k = n P(f_k)/(2Δt) · 4 sin²(πk/n), a step at row m is a delta in e, a spike a delta and its opposite in the next row. The
-/// generalised least-squares size of a delta at m is g_m/K_0 with g_m = Σ E_k e^(2πi k m/n)/S_k and K_m = Σ e^(2πi k m/n)/S_k, its variance
-/// 1/K_0. The sums leave out what is slower than 256 samples, which is the same as noise without bound there. The jump
-/// from the last sample to the first is an unknown of each fit: g'_m = g_m − g_0 K_m/K_0.
+/// With the differences e_m = d_m − d_(m−1), e_0 = d_0 − d_(n−1), their transform E_k and its variance under
+/// noise of the one-sided density P, S_k = n P(f_k)/(2Δt) · 4 sin²(πk/n), a step at row m is a delta in e, a
+/// spike a delta and its opposite in the next row. The generalised least-squares size of a delta at m is
+/// g_m/K_0 with g_m = Σ E_k e^(2πi k m/n)/S_k and K_m = Σ e^(2πi k m/n)/S_k, its variance 1/K_0. The sums
+/// leave out what is slower than 256 samples, which is the same as noise without bound there. The jump from
+/// the last sample to the first is an unknown of each fit: g'_m = g_m − g_0 K_m/K_0.
 ///
-/// Source: L. A. Wainstein and V. D. Zubakov, Extraction of Signals from Noise, Prentice-Hall 1962, chapter 3.
+/// Source: L. A. Wainstein and V. D. Zubakov, Extraction of Signals from Noise, Prentice-Hall 1962, chapter
+/// 3.
 pub struct Search {
     filtered: Vec<f64>,
     filter: Arc<Filter>,
@@ -120,11 +123,13 @@ impl Filter {
 }
 
 impl Search {
-    /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per Hz).
+    /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per
+    /// Hz).
     ///
     /// # Errors
     ///
-    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a density that is not above zero.
+    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a
+    /// density that is not above zero.
     pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
         Self::with(Arc::new(Filter::new(series.len(), step_s, density)?), series)
     }
@@ -178,12 +183,15 @@ impl Search {
     }
 }
 
-/// A series whose missing samples have their most likely values under noise of the one-sided density `density`, given the others: those
-/// at which a spike would have the size 0. A gap that is longer than the memory of the search keeps in part what it was filled with.
+/// A series whose missing samples have their most likely values under noise of the one-sided density
+/// `density`, given the others: those at which a spike would have the size 0. A gap that is longer than the
+/// memory of the search keeps in part what it was filled with.
 ///
-/// What is more than 4096 samples from a missing one says nothing of it: each group of missing samples is filled with those around it.
+/// What is more than 4096 samples from a missing one says nothing of it: each group of missing samples is
+/// filled with those around it.
 ///
-/// With x the missing values, e(x) the differences and S their spectrum, eᵀ S⁻¹ e is least: conjugate gradients.
+/// With x the missing values, e(x) the differences and S their spectrum, eᵀ S⁻¹ e is least: conjugate
+/// gradients.
 ///
 /// Source: B. Abraham, Missing observations in time series, Commun. Stat. A 10 (1981) 1643–1653.
 ///
@@ -204,7 +212,8 @@ pub fn fill(
     Ok(filled)
 }
 
-/// Missing samples that are nearer to each other than twice what tells of them, with as much before and after.
+/// Missing samples that are nearer to each other than twice what tells of them, with as much before and
+/// after.
 fn groups(missing: &[bool]) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for row in (0..missing.len()).filter(|row| missing[*row]) {
@@ -265,7 +274,8 @@ fn fill_group(
     Ok(filled)
 }
 
-/// The |z| that one of `trials` standard normal numbers, steps and spikes at every row, exceeds with the probability `false_alarm`.
+/// The |z| that one of `trials` standard normal numbers, steps and spikes at every row, exceeds with the
+/// probability `false_alarm`.
 pub fn threshold(rows: usize, false_alarm: f64) -> f64 {
     coverage_factor(1.0 - false_alarm / (2.0 * rows as f64), f64::INFINITY)
 }

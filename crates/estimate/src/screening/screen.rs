@@ -1,8 +1,8 @@
 //! Which of many groups of columns explain a residual, from nothing but the products of all columns.
 //!
-//! Residual and columns are whitened: errors are independent with variance one. The products are gathered block by block of rows,
-//! so that series of any length are gone through once; projection, gains, their distribution by chance and prediction of rows left
-//! out follow from them.
+//! Residual and columns are whitened: errors are independent with variance one. The products are gathered
+//! block by block of rows, so that series of any length are gone through once; projection, gains, their
+//! distribution by chance and prediction of rows left out follow from them.
 
 use faer::{Mat, MatRef, Side};
 
@@ -61,8 +61,9 @@ impl Products {
     }
 }
 
-/// A column is not known by itself when so much of it lies along directions that are gone. Below that it is known with what is gone held where
-/// it is: the size of an effect of a hundredth of the field goes with the scale of all readings to 1e-4 of that direction.
+/// A column is not known by itself when so much of it lies along directions that are gone. Below that it is
+/// known with what is gone held where it is: the size of an effect of a hundredth of the field goes with the
+/// scale of all readings to 1e-4 of that direction.
 const LOST: f64 = 1e-3;
 
 /// A group of columns fitted to what is left.
@@ -147,7 +148,8 @@ impl Screen {
         self.whole.len()
     }
 
-    /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and Lovell).
+    /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and
+    /// Lovell).
     ///
     /// # Errors
     ///

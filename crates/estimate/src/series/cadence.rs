@@ -1,8 +1,9 @@
 //! The times of a series by themselves: their step, whether they are even, and where they jump.
 //!
-//! Each row has a place, counted in steps; rows that were never written leave places empty. The phase of a row is its time less that of its
-//! place. A clock that is off by a constant rate gives a straight line, jitter scatters about it, and a jump moves it from one row on for
-//! good: by less than a step, as whole steps are missing rows.
+//! Each row has a place, counted in steps; rows that were never written leave places empty. The phase of a
+//! row is its time less that of its place. A clock that is off by a constant rate gives a straight line,
+//! jitter scatters about it, and a jump moves it from one row on for good: by less than a step, as whole
+//! steps are missing rows.
 
 use crate::stats::median;
 
@@ -12,17 +13,20 @@ const BESIDE: usize = 16;
 const PERSISTS: usize = 5;
 /// A jump is larger than this share of a step …
 const LEAST: f64 = 1e-3;
-/// … and than so many units of the last digit in which the times are written, of which rounding alone makes one;
+/// … and than so many units of the last digit in which the times are written, of which rounding alone makes
+/// one;
 const DIGITS: f64 = 1.5;
 /// it is so many of its own uncertainties by the scatter of the rows beside it …
 const SIGMAS: f64 = 6.0;
-/// … and so many times what the same comparison gives elsewhere in the neighbourhood (1.4826 times the median of its size).
+/// … and so many times what the same comparison gives elsewhere in the neighbourhood (1.4826 times the median
+/// of its size).
 const ELSEWHERE: f64 = 8.0;
 /// Rows of a neighbourhood.
 const NEIGHBOURHOOD: usize = 1024;
 /// More jumps than one in so many rows are the times' own irregularity.
 const RARE: usize = 8 * BESIDE;
-/// Rows of a run over which the step is told more finely than its digits: the longest of which there is one without a gap.
+/// Rows of a run over which the step is told more finely than its digits: the longest of which there is one
+/// without a gap.
 const FINE: [usize; 3] = [1024, 128, 16];
 /// A longer interval, in usual ones, is a gap.
 const WHOLE: f64 = 1.5;
@@ -36,7 +40,8 @@ const OF_NORMAL: f64 = 1.4826;
 pub struct Jump {
     /// The first row after it.
     pub row: usize,
-    /// How much later the times are from there on, beyond whole steps: up to half a step, s. A row too many is nearly a step less.
+    /// How much later the times are from there on, beyond whole steps: up to half a step, s. A row too many
+    /// is nearly a step less.
     pub by_s: f64,
     /// Standard deviation of that, by the scatter of the times beside it, s.
     pub std_s: f64,
@@ -104,7 +109,8 @@ fn digit(time: &[f64]) -> Option<f64> {
     })
 }
 
-/// The step by runs of rows without a gap, which a last digit does not round; `usual` where there is no such run.
+/// The step by runs of rows without a gap, which a last digit does not round; `usual` where there is no such
+/// run.
 fn finer(time: &[f64], usual: f64) -> f64 {
     let of_length = |length: &usize| {
         let of_run = |run: &[f64]| {

@@ -85,7 +85,8 @@ impl Places {
         sum / count
     }
 
-    /// A column of uneven times at even ones from the first on, `step_s` apart, by cubic pieces; NaN within gaps.
+    /// A column of uneven times at even ones from the first on, `step_s` apart, by cubic pieces; NaN within
+    /// gaps.
     pub fn interpolated(&self, time: &[f64], column: &[f64], step_s: f64) -> Vec<f64> {
         let rows = ((time[time.len() - 1] - time[0]) / step_s + 1e-6).floor() as usize + 1;
         let at: Vec<f64> = (0..rows).map(|row| time[0] + row as f64 * step_s).collect();
@@ -104,8 +105,8 @@ pub struct Evened {
     pub uneven_s: Option<f64>,
 }
 
-/// A column as a spectrum needs it: at its places where times are near them, else interpolated. None for times that do not rise, or with so many gaps that
-/// fewer than half of the places are rows.
+/// A column as a spectrum needs it: at its places where times are near them, else interpolated. None for
+/// times that do not rise, or with so many gaps that fewer than half of the places are rows.
 pub fn evened(time: &[f64], column: &[f64]) -> Option<Evened> {
     let places = Places::of(time).filter(|places| places.count() < 2 * time.len())?;
     if places.even(NEAR) {

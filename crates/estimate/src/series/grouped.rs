@@ -11,8 +11,8 @@ pub struct Grouped<const N: usize> {
     pub points: usize,
 }
 
-/// The points in rising order of x, neighbours together, so that at most `most` remain. Points of which x is not finite are left out; None where
-/// all stand at one place.
+/// The points in rising order of x, neighbours together, so that at most `most` remain. Points of which x is
+/// not finite are left out; None where all stand at one place.
 pub fn grouped<const N: usize>(x: &[f64], columns: [&[f64]; N], most: usize) -> Option<Grouped<N>> {
     let mut rows: Vec<usize> = (0..x.len()).filter(|row| x[*row].is_finite()).collect();
     rows.sort_by(|a, b| x[*a].total_cmp(&x[*b]));

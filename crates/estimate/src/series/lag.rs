@@ -11,21 +11,24 @@ const MEMORY: usize = 256;
 /// A column of which the others leave less than this share follows from them.
 const DEPENDENT: f64 = 1e-12;
 
-/// How much of y, in χ² under noise of the one-sided density `density`, a regression on all of the columns explains when these are later by
-/// l samples: element l + reach, l from −reach to reach.
+/// How much of y, in χ² under noise of the one-sided density `density`, a regression on all of the columns
+/// explains when these are later by l samples: element l + reach, l from −reach to reach.
 ///
-/// With the differences of all series, their transforms x̃ and ỹ and the variance S_k of a difference of the noise there,
+/// With the differences of all series, their transforms x̃ and ỹ and the variance S_k of a difference of the
+/// noise there,
 ///
 /// χ²(l) = b_lᵀ G⁻¹ b_l, b_l = Σ x̃_k* ỹ_k e^(2πi k l/n)/S_k, G = Σ x̃_k* x̃_kᵀ/S_k.
 ///
-/// Its maximum is the lag of greatest likelihood, whatever linear combination of the columns y is. Series are taken as periodic: l should
-/// be well below their length.
+/// Its maximum is the lag of greatest likelihood, whatever linear combination of the columns y is. Series are
+/// taken as periodic: l should be well below their length.
 ///
-/// Source: C. H. Knapp and G. C. Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976) 320–327.
+/// Source: C. H. Knapp and G. C. Carter, The generalized correlation method for estimation of time delay,
+/// IEEE Trans. ASSP 24 (1976) 320–327.
 ///
 /// # Errors
 ///
-/// [`Error::TooFew`] for fewer samples than twice the reach, [`Error::Decomposition`] where the columns depend on each other.
+/// [`Error::TooFew`] for fewer samples than twice the reach, [`Error::Decomposition`] where the columns
+/// depend on each other.
 pub fn explained(
     columns: &[Vec<f64>],
     y: &[f64],
@@ -48,7 +51,8 @@ pub fn explained(
     let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
     let y = transform(y);
     let from = (n / MEMORY).max(1);
-    // The jump from the last sample to the first is left out: all transforms lack its noise, at every frequency alike.
+    // The jump from the last sample to the first is left out: all transforms lack its noise, at every
+    // frequency alike.
     let jump: f64 = 2.0
         * (1..y.len()).map(|k| density(k as f64 / (n as f64 * step_s)) / (n as f64 * step_s)).sum::<f64>();
     let weight: Vec<f64> = (0..y.len())

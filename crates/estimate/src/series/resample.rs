@@ -14,7 +14,8 @@ pub use pchip::pchip;
 const BETA: f64 = 0.1102 * (80.0 - 8.7);
 /// Half the length of the kernel, in steps of the slower series. With β it sets the passband's end.
 const HALF: usize = 26;
-/// The band that passes, as a share of the Nyquist frequency of the slower series; the stopband begins as far beyond it.
+/// The band that passes, as a share of the Nyquist frequency of the slower series; the stopband begins as far
+/// beyond it.
 pub const PASSBAND: f64 = 0.9;
 /// Points of the kernel's table for each step of the slower series; between them straight lines.
 const TABLE: usize = 2048;
@@ -32,20 +33,23 @@ pub struct Resampled {
     pub white_share: f64,
 }
 
-/// Columns of one even series, read at fractional rows `places` (0 is the first row), after all above the slower series'
-/// Nyquist frequency is taken out. `stretch` is the step of the output over that of the input, or 1 where it is less.
+/// Columns of one even series, read at fractional rows `places` (0 is the first row), after all above the
+/// slower series' Nyquist frequency is taken out. `stretch` is the step of the output over that of the input,
+/// or 1 where it is less.
 ///
 /// y(p) = Σ_k w_k x_k / Σ w_k, w_k = sinc(u) I₀(β √(1 − (u/26)²))/I₀(β), u = (p − k)/stretch, |u| ≤ 26.
 ///
-/// The half-way point of the kernel lies at the slower Nyquist frequency f_N. Up to 0.9 f_N the gain is 1 within 2·10⁻⁴; from
-/// 1.1 f_N on less than 10⁻⁴ (−80 dB) is left. Between them an output holds what is damped and folded, and its noise is not
-/// that of the band below.
+/// The half-way point of the kernel lies at the slower Nyquist frequency f_N. Up to 0.9 f_N the gain is 1
+/// within 2·10⁻⁴; from 1.1 f_N on less than 10⁻⁴ (−80 dB) is left. Between them an output holds what is
+/// damped and folded, and its noise is not that of the band below.
 ///
-/// A row with any NaN is missing in all columns. Missing rows count as straight lines between their neighbours, rows beyond an
-/// end as the series turned about its last value; an output is NaN where such rows have more than a tenth of Σ |w|. So a missing row
-/// costs at most the two outputs beside it, and a second missing in a minute's mean costs nothing.
+/// A row with any NaN is missing in all columns. Missing rows count as straight lines between their
+/// neighbours, rows beyond an end as the series turned about its last value; an output is NaN where such rows
+/// have more than a tenth of Σ |w|. So a missing row costs at most the two outputs beside it, and a second
+/// missing in a minute's mean costs nothing.
 ///
-/// Source: J. F. Kaiser, Nonrecursive digital filter design using the I₀-sinh window function, Proc. IEEE ISCAS 1974, 20–23.
+/// Source: J. F. Kaiser, Nonrecursive digital filter design using the I₀-sinh window function, Proc. IEEE
+/// ISCAS 1974, 20–23.
 pub fn resample<C: AsRef<[f64]>>(columns: &[C], places: &[f64], stretch: f64) -> Resampled {
     let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
     let rows = columns.first().map_or(0, |column| column.len());

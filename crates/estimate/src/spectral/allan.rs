@@ -21,24 +21,25 @@ pub struct AllanPoint {
     pub pairs: usize,
 }
 
-/// Overlapping Allan deviations of the averages of samples `step_s` seconds apart, at m = 1, 2, 4, … samples as long
-/// as 4m ≤ n. Each is that of [`deviation`].
+/// Overlapping Allan deviations of the averages of samples `step_s` seconds apart, at m = 1, 2, 4, … samples
+/// as long as 4m ≤ n. Each is that of [`deviation`].
 ///
-/// `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density that
-/// dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). With the N = n + 1 sums of the samples
-/// the degrees of freedom are
+/// `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density
+/// that dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). With the N = n + 1 sums
+/// of the samples the degrees of freedom are
 ///
 /// - α = 0: (3(N − 1)/(2m) − 2(N − 2)/N) · 4m²/(4m² + 5),
 /// - α = 1: 5N²/(4m(N + 3m)), and for m = 1 2(N − 2)²/(2.3N − 4.9),
 /// - α = 2: (N − 2)/m · ((N − 1)² − 3m(N − 1) + 4m²)/(N − 3)²,
 ///
-/// and at most the pairs that are averaged. An exponent that is not a number gives degrees of freedom that are not.
+/// and at most the pairs that are averaged. An exponent that is not a number gives degrees of freedom that
+/// are not.
 ///
-/// Drift is not taken off: samples that rise by d per second add d²τ²/2 to the square of the deviation. Samples that
-/// are not finite give deviations that are not.
+/// Drift is not taken off: samples that rise by d per second add d²τ²/2 to the square of the deviation.
+/// Samples that are not finite give deviations that are not.
 ///
-/// Source: W. J. Riley, Handbook of Frequency Stability Analysis, NIST Special Publication 1065 (2008), Table 5; the
-/// samples stand for fractional frequency, their sums for phase.
+/// Source: W. J. Riley, Handbook of Frequency Stability Analysis, NIST Special Publication 1065 (2008), Table
+/// 5; the samples stand for fractional frequency, their sums for phase.
 ///
 /// # Errors
 ///
@@ -62,8 +63,8 @@ pub fn overlapping(
     Ok(lengths.map(point).collect())
 }
 
-/// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is above the white one,
-/// the greatest of those that were fitted, else white.
+/// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is
+/// above the white one, the greatest of those that were fitted, else white.
 ///
 /// # Errors
 ///
@@ -77,8 +78,8 @@ pub fn of_noise(samples: &[f64], step_s: f64, noise: &WhittleFit) -> Result<Vec<
     })
 }
 
-/// The overlapping Allan deviation of the averages of `m` samples, in their unit; none if the samples do not hold two
-/// such averages, or m is 0.
+/// The overlapping Allan deviation of the averages of `m` samples, in their unit; none if the samples do not
+/// hold two such averages, or m is 0.
 ///
 /// σ̂² = Σ (x_(i+2m) − 2x_(i+m) + x_i)² / (2m²(N − 2m)), i = 0 … N − 2m − 1,
 ///
@@ -88,8 +89,9 @@ pub fn deviation(samples: &[f64], m: usize) -> Option<f64> {
 }
 
 impl AllanPoint {
-    /// The factors by which the deviation is to be multiplied for the band that holds the true one with `probability`,
-    /// half of the rest on either side: √(ν/χ²((1 + p)/2; ν)) and √(ν/χ²((1 − p)/2; ν)), χ²(q; ν) the quantile of χ².
+    /// The factors by which the deviation is to be multiplied for the band that holds the true one with
+    /// `probability`, half of the rest on either side: √(ν/χ²((1 + p)/2; ν)) and √(ν/χ²((1 − p)/2; ν)), χ²(q;
+    /// ν) the quantile of χ².
     ///
     /// NaN if `probability` is not in 0 … 1.
     pub fn interval(&self, probability: f64) -> (f64, f64) {
@@ -104,7 +106,8 @@ impl AllanPoint {
     }
 }
 
-/// The sums of the first 0, 1, … n samples, each less the mean of all so that a large constant takes no digits.
+/// The sums of the first 0, 1, … n samples, each less the mean of all so that a large constant takes no
+/// digits.
 fn sums(samples: &[f64]) -> Vec<f64> {
     let mean = stats::mean(samples);
     let mut sum = 0.0;
@@ -125,7 +128,8 @@ fn variance(sums: &[f64], m: usize) -> f64 {
     squares / (2.0 * (m as f64).powi(2) * (sums.len() - 2 * m) as f64)
 }
 
-/// Equivalent degrees of freedom of averages of `m` samples that have `sums` sums, of noise with the given exponent.
+/// Equivalent degrees of freedom of averages of `m` samples that have `sums` sums, of noise with the given
+/// exponent.
 fn freedom(sums: usize, m: usize, exponent: f64) -> f64 {
     if exponent.is_nan() {
         return f64::NAN;

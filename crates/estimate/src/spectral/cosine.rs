@@ -1,7 +1,8 @@
 //! Linear regression of long even series whose errors have a power-law spectrum and are not periodic.
 //!
-//! The cosine transform goes on with a series as its mirror image, so that neither a drift nor noise with memory jumps at the
-//! ends, as they do in a Fourier transform. What is slow is where it matters, and there the covariance is exact.
+//! The cosine transform goes on with a series as its mirror image, so that neither a drift nor noise with
+//! memory jumps at the ends, as they do in a Fourier transform. What is slow is where it matters, and there
+//! the covariance is exact.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -35,12 +36,14 @@ impl Cosine {
         Self { rows, step_s, plan: fourier::Cosine::new(rows) }
     }
 
-    /// c_k = √(2/n) Σ x_i cos(π k (i + ½)/n), k = 1 … n − 1: the mean is not in it, sums of squares about the mean stay.
+    /// c_k = √(2/n) Σ x_i cos(π k (i + ½)/n), k = 1 … n − 1: the mean is not in it, sums of squares about the
+    /// mean stay.
     pub fn transform(&self, values: &[f64]) -> Vec<f64> {
         self.plan.transform(values, mean(values))
     }
 
-    /// The coefficients of the weights of a mean over some rows, 1/m in each of these m: their product with c is that mean less the mean of all.
+    /// The coefficients of the weights of a mean over some rows, 1/m in each of these m: their product with c
+    /// is that mean less the mean of all.
     ///
     /// w_k = √(2/n)/m · (sin(π k b/n) − sin(π k a/n))/(2 sin(π k/2n)) for the rows from a to before b.
     pub fn mean_over(&self, rows: Range<usize>) -> Vec<f64> {
@@ -58,12 +61,12 @@ impl Cosine {
         k as f64 / (2.0 * self.rows as f64 * self.step_s)
     }
 
-    /// What a regression leaves as ordinates I = 2Δt c_k² of the noise, each over the share 1 − h of its variance that is
-    /// left and with half that share as its count: so the likelihood of these is the restricted one. `left_out` says which
-    /// frequencies are not noise.
+    /// What a regression leaves as ordinates I = 2Δt c_k² of the noise, each over the share 1 − h of its
+    /// variance that is left and with half that share as its count: so the likelihood of these is the
+    /// restricted one. `left_out` says which frequencies are not noise.
     ///
-    /// Source: A. P. Verbyla, Modelling variance heterogeneity: residual maximum likelihood and diagnostics, J. R. Stat.
-    /// Soc. B 55 (1993) 493–508.
+    /// Source: A. P. Verbyla, Modelling variance heterogeneity: residual maximum likelihood and diagnostics,
+    /// J. R. Stat. Soc. B 55 (1993) 493–508.
     pub fn ordinates(
         &self,
         regression: &Regression,
@@ -81,7 +84,8 @@ impl Cosine {
             let exact = errors.nominal.get(row).map_or(1.0, |nominal| nominal / errors.variance[row]);
             let (power, count) = (self.step_s * residual * residual * exact, 0.5 * left);
             match bins.last_mut().filter(|_| k < first + ((WIDEST_BIN * first as f64) as usize).max(1)) {
-                // Until the bin is whole, sums; `density` of the power, `frequency_hz` of count times frequency.
+                // Until the bin is whole, sums; `density` of the power, `frequency_hz` of count times
+                // frequency.
                 Some(bin) => {
                     bin.density += power;
                     bin.frequency_hz += count * frequency_hz;
@@ -107,11 +111,12 @@ impl Cosine {
         }
     }
 
-    /// Degrees of freedom of the variance of a linear estimate from the squares of its whitened weights, summed over [`bins`]: 2/u², u the relative
-    /// uncertainty of that variance from the uncertainty of the noise, `relative_std` at each frequency, taken as common to all; at least one.
+    /// Degrees of freedom of the variance of a linear estimate from the squares of its whitened weights,
+    /// summed over [`bins`]: 2/u², u the relative uncertainty of that variance from the uncertainty of the
+    /// noise, `relative_std` at each frequency, taken as common to all; at least one.
     ///
-    /// Source: F. E. Satterthwaite, An approximate distribution of estimates of variance components, Biometrics Bull. 2
-    /// (1946) 110–114.
+    /// Source: F. E. Satterthwaite, An approximate distribution of estimates of variance components,
+    /// Biometrics Bull. 2 (1946) 110–114.
     pub fn freedom(&self, relative_std: impl Fn(f64) -> f64, influence: &[f64]) -> f64 {
         let (mut sum, mut uncertain) = (0.0, 0.0);
         for (bin, squares) in bins(self.rows - 1).zip(influence) {

@@ -15,33 +15,35 @@ pub struct CrossSpectra {
     pub frequency_hz: Vec<f64>,
     /// S at each frequency, Hermitian (product of the series' units, per Hz).
     pub matrices: Vec<Mat<c64>>,
-    /// Equivalent degrees of freedom ν of each: ν Ŝ/S of one series is about χ²(ν), and ν/2 Ŝ is about complex Wishart
-    /// with ν/2 degrees of freedom, where the densities change little over the width of an estimate.
+    /// Equivalent degrees of freedom ν of each: ν Ŝ/S of one series is about χ²(ν), and ν/2 Ŝ is about
+    /// complex Wishart with ν/2 degrees of freedom, where the densities change little over the width of an
+    /// estimate.
     pub freedom: Vec<f64>,
 }
 
 impl CrossSpectra {
     /// The spectral matrices of series `step_s` apart, averaged over segments and sine tapers.
     ///
-    /// Segments of n = `segment_samples` start every n − ⌊n/2⌋ samples; what is left at the end is not used. From each
-    /// its mean is taken off. With the tapers w_t(m) = √(2/(n + 1)) sin(π t (m + 1)/(n + 1)), t = 1 … `tapers`, which are
-    /// orthonormal,
+    /// Segments of n = `segment_samples` start every n − ⌊n/2⌋ samples; what is left at the end is not used.
+    /// From each its mean is taken off. With the tapers w_t(m) = √(2/(n + 1)) sin(π t (m + 1)/(n + 1)), t = 1
+    /// … `tapers`, which are orthonormal,
     ///
-    /// S_ij(f_k) = 2 Δt ⟨X_i* X_j⟩, X = Σ w_t(m) (x_m − x̄) e^(−2πi k m/n), f_k = k/(n Δt), k = 1 … below n/2,
+    /// S_ij(f_k) = 2 Δt ⟨X_i* X_j⟩, X = Σ w_t(m) (x_m − x̄) e^(−2πi k m/n), f_k = k/(n Δt), k = 1 … below
+    /// n/2,
     ///
-    /// the mean over segments and tapers. An estimate is (`tapers` + 1)/((n + 1) Δt) wide, so that neighbours have a part in
-    /// common, and the lowest lack the mean that was taken off. Degrees of freedom: ν = 2 N²/Σ_ab |⟨w_a, w_b⟩|² over the N
-    /// tapers of all segments, each at its place.
+    /// the mean over segments and tapers. An estimate is (`tapers` + 1)/((n + 1) Δt) wide, so that neighbours
+    /// have a part in common, and the lowest lack the mean that was taken off. Degrees of freedom: ν = 2
+    /// N²/Σ_ab |⟨w_a, w_b⟩|² over the N tapers of all segments, each at its place.
     ///
     /// More samples for a segment than there are in the series: one segment, the whole series.
     ///
-    /// Sources: K. S. Riedel and A. Sidorenko, Minimum bias multiple taper spectral estimation, IEEE Trans. Signal Process.
-    /// 43 (1995) 188–195; P. D. Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70–73.
+    /// Sources: K. S. Riedel and A. Sidorenko, Minimum bias multiple taper spectral estimation, IEEE Trans.
+    /// Signal Process. 43 (1995) 188–195; P. D. Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70–73.
     ///
     /// # Errors
     ///
-    /// [`Error::TooFew`] for fewer than 8 samples in a segment, and without a taper; [`Error::Series`] for series of
-    /// different lengths or with samples that are not finite.
+    /// [`Error::TooFew`] for fewer than 8 samples in a segment, and without a taper; [`Error::Series`] for
+    /// series of different lengths or with samples that are not finite.
     pub fn of(
         channels: &[&[f64]],
         step_s: f64,
@@ -74,9 +76,10 @@ impl CrossSpectra {
         })
     }
 
-    /// The spectral matrices of the whole series without a taper, averaged over neighbouring Fourier frequencies k/(N Δt):
-    /// single ones at low k, then bins no wider than `widest` times their frequency. The ordinates of a Gaussian series
-    /// whose density changes little over 1/(N Δt) are independent, so that each bin has two degrees of freedom for each.
+    /// The spectral matrices of the whole series without a taper, averaged over neighbouring Fourier
+    /// frequencies k/(N Δt): single ones at low k, then bins no wider than `widest` times their frequency.
+    /// The ordinates of a Gaussian series whose density changes little over 1/(N Δt) are independent, so that
+    /// each bin has two degrees of freedom for each.
     ///
     /// # Errors
     ///

@@ -4,8 +4,8 @@ use statrs::function::gamma::gamma;
 use std::f64::consts::{LN_2, PI, TAU};
 use std::sync::LazyLock;
 
-/// Levels integrated over the spectrum; above, the variance is the power law of unlimited noise and one term for what lies
-/// beyond the Nyquist frequency.
+/// Levels integrated over the spectrum; above, the variance is the power law of unlimited noise and one term
+/// for what lies beyond the Nyquist frequency.
 const EXACT: usize = 7;
 /// Panels of the integral: halves towards 0, then as many as the highest level has periods.
 const HALVES: usize = 40;
@@ -46,8 +46,8 @@ static GRID: LazyLock<Vec<Node>> = LazyLock::new(|| {
     nodes
 });
 
-/// Variance of the Haar differences at levels 0 … `levels` − 1 of noise with the one-sided density P(f) = Δt f'^-α, f' = f Δt up
-/// to the Nyquist frequency 1/2, and nothing above it:
+/// Variance of the Haar differences at levels 0 … `levels` − 1 of noise with the one-sided density P(f) = Δt
+/// f'^-α, f' = f Δt up to the Nyquist frequency 1/2, and nothing above it:
 ///
 /// V_L(α) = ∫ x^-α 4 sin⁴(π m x)/(m² sin²(π x)) dx over 0 < x ≤ 1/2, m = 2^L, 0 ≤ α < 3.
 ///
@@ -75,12 +75,13 @@ pub fn power_law_variances(exponent: f64, levels: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Generalised covariance of the running sum of such noise over h samples, α < 3, up to multiples of 1 and h²:
+/// Generalised covariance of the running sum of such noise over h samples, α < 3, up to multiples of 1 and
+/// h²:
 ///
 /// g(h) = −(2π)^(α−1) sin(πα/2) Γ(2 − α)/(α(α + 1)) h² (h^(α−1) − 1)/(α − 1).
 ///
-/// Contrasts of the sums that no constant and no slope moves have the covariance −Σ a_i b_j g(|t_i − s_j|). It is that of
-/// unlimited noise, which the band's end changes by m^-2 for averages over m samples.
+/// Contrasts of the sums that no constant and no slope moves have the covariance −Σ a_i b_j g(|t_i − s_j|).
+/// It is that of unlimited noise, which the band's end changes by m^-2 for averages over m samples.
 pub fn sum_covariance(exponent: f64) -> impl Fn(f64) -> f64 {
     let scale = scale(exponent);
     move |h| if h == 0.0 { 0.0 } else { scale * h * h * ratio(exponent - 1.0, h.abs().ln()) }

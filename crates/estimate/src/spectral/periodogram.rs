@@ -1,4 +1,5 @@
-//! Spectrum of an evenly sampled series: its spectral lines taken out, and the squares of the rest's cosine transform averaged into narrow bins.
+//! Spectrum of an evenly sampled series: its spectral lines taken out, and the squares of the rest's cosine
+//! transform averaged into narrow bins.
 
 use std::ops::Range;
 
@@ -32,8 +33,9 @@ pub struct Periodogram {
     pub step_s: f64,
     /// Samples n used.
     pub samples: usize,
-    /// Whether the ordinates are those of a cosine transform as it came. Of noise f^-α that was there before and goes on afterwards the one number k
-    /// is then lower, in the mean, by the share 2 α (2 − α)/(π² k): the mirror image lacks what turns round at the ends.
+    /// Whether the ordinates are those of a cosine transform as it came. Of noise f^-α that was there before
+    /// and goes on afterwards the one number k is then lower, in the mean, by the share 2 α (2 − α)/(π² k):
+    /// the mirror image lacks what turns round at the ends.
     pub mirrored: bool,
     /// Averaged ordinates, frequencies rising.
     pub bins: Vec<Bin>,
@@ -56,22 +58,25 @@ pub struct Bin {
 ///
 /// I(f_k) = 2 Δt c_k², c_k = √(2/n) Σ x_m cos(π k (m + ½)/n), f_k = k/(2n Δt), k = 1 … n − 1,
 ///
-/// in the square of the samples' unit per Hz; each counts as half an ordinate of a Fourier transform. The cosine transform goes on with the series as
-/// its mirror image: noise that was there before and goes on afterwards does not jump at the ends, and its lowest frequencies do not leak into all
-/// others. For Gaussian noise whose density P falls no faster than f^-2 the ordinates are independent, each P times a squared normal variable, nearly
-/// (see [`Periodogram::mirrored`]): of white noise and of a random walk exactly. There is no taper.
+/// in the square of the samples' unit per Hz; each counts as half an ordinate of a Fourier transform. The
+/// cosine transform goes on with the series as its mirror image: noise that was there before and goes on
+/// afterwards does not jump at the ends, and its lowest frequencies do not leak into all others. For Gaussian
+/// noise whose density P falls no faster than f^-2 the ordinates are independent, each P times a squared
+/// normal variable, nearly (see [`Periodogram::mirrored`]): of white noise and of a random walk exactly.
+/// There is no taper.
 ///
-/// Spectral lines are found in the Fourier transform, and a sine of each is subtracted; see [`Line`]. The ordinates next to a
-/// line are left out. The others are averaged: single ordinates at low k, then bins no wider than 2 % of their
-/// frequency. Of more than 65 536 samples up to 1 % at the end are not used where that makes a faster transform.
+/// Spectral lines are found in the Fourier transform, and a sine of each is subtracted; see [`Line`]. The
+/// ordinates next to a line are left out. The others are averaged: single ordinates at low k, then bins no
+/// wider than 2 % of their frequency. Of more than 65 536 samples up to 1 % at the end are not used where
+/// that makes a faster transform.
 ///
-/// Sources: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, section 6.1; N. Ahmed, T. Natarajan and K. R. Rao, Discrete
-/// cosine transform, IEEE Trans. Comput. C-23 (1974) 90–93.
+/// Sources: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, section 6.1; N. Ahmed,
+/// T. Natarajan and K. R. Rao, Discrete cosine transform, IEEE Trans. Comput. C-23 (1974) 90–93.
 ///
 /// # Errors
 ///
-/// [`Error::TooFew`] for fewer than 8 samples, [`Error::Series`] for samples that are not finite and for a step that is
-/// not above zero.
+/// [`Error::TooFew`] for fewer than 8 samples, [`Error::Series`] for samples that are not finite and for a
+/// step that is not above zero.
 pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     if samples.len() < LEAST_SAMPLES {
         return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_SAMPLES });
@@ -135,7 +140,8 @@ fn averages(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
     bins(coefficients.len()).filter_map(average).collect()
 }
 
-/// The largest even length with small prime factors only, if it leaves out no more than a hundredth; else the length.
+/// The largest even length with small prime factors only, if it leaves out no more than a hundredth; else the
+/// length.
 fn fast_length(n: usize) -> usize {
     if n <= SHORT {
         return n;

@@ -1,4 +1,5 @@
-//! Fourier transforms whose plans each thread keeps: where the same few lengths come again and again on all threads.
+//! Fourier transforms whose plans each thread keeps: where the same few lengths come again and again on all
+//! threads.
 
 use std::cell::RefCell;
 

@@ -38,10 +38,11 @@ pub struct WeightedFit {
 /// What each frequency weighs in a fit: one over the variance of the errors there.
 pub struct Weights(Vec<f64>);
 
-/// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of y's unit, per
-/// Hz).
+/// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of
+/// y's unit, per Hz).
 ///
-/// With the transforms x̃_k, ỹ_k at f_k = k/(nΔt), k = 1 … n/2, and the errors' variance there, S_k = n P(f_k)/(2Δt):
+/// With the transforms x̃_k, ỹ_k at f_k = k/(nΔt), k = 1 … n/2, and the errors' variance there, S_k = n
+/// P(f_k)/(2Δt):
 ///
 /// - least squares, β = (X°ᵀX°)⁻¹ X°ᵀy°, has the covariance (X°ᵀX°)⁻¹ (X°ᵀ V X°)(X°ᵀX°)⁻¹ with
 ///   X°ᵀVX° = 2/n Σ x̃_k* x̃_kᵀ P_k/(2Δt): errors with memory are in it;
@@ -49,12 +50,13 @@ pub struct Weights(Vec<f64>);
 ///
 /// Errors are taken as periodic over the series, which matters for what is slower than its length.
 ///
-/// Source: E. J. Hannan, Regression for time series, in Time Series Analysis (M. Rosenblatt, ed.), Wiley 1963.
+/// Source: E. J. Hannan, Regression for time series, in Time Series Analysis (M. Rosenblatt, ed.), Wiley
+/// 1963.
 ///
 /// # Errors
 ///
-/// [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the columns depend on each
-/// other.
+/// [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the columns
+/// depend on each other.
 pub fn regress(
     columns: &[Vec<f64>],
     y: &[f64],
@@ -152,8 +154,8 @@ impl Transformer {
         (1..=self.rows / 2).map(|k| of(k as f64 / length_s)).collect()
     }
 
-    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times its weight. Below the diagonal
-    /// alone.
+    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times
+    /// its weight. Below the diagonal alone.
     fn products(&self, columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
         let count = self.rows as f64;
         let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.0[1..]).collect();
@@ -195,10 +197,12 @@ fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
     (0..unknowns).map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum()).collect()
 }
 
-/// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less to be true:
+/// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less
+/// to be true:
 ///
-/// H = qᵀ (V_plain − V_weighted)⁻¹ q, q their difference, is χ² with as many degrees of freedom as there are coefficients. Where
-/// the difference of the covariances is none (the noise is not as was thought), V_plain stands in its place.
+/// H = qᵀ (V_plain − V_weighted)⁻¹ q, q their difference, is χ² with as many degrees of freedom as there are
+/// coefficients. Where the difference of the covariances is none (the noise is not as was thought), V_plain
+/// stands in its place.
 ///
 /// Source: J. A. Hausman, Specification tests in econometrics, Econometrica 46 (1978) 1251–1271.
 ///

@@ -1,4 +1,5 @@
-//! Least-squares sine of a known frequency, with the uncertainty that the noise at that frequency gives; the search of an unknown one.
+//! Least-squares sine of a known frequency, with the uncertainty that the noise at that frequency gives; the
+//! search of an unknown one.
 
 mod unknown;
 
@@ -52,8 +53,8 @@ const LEAST_NOISE: f64 = 0.05;
 /// cycles have no neighbours; there the scatter has to do.
 ///
 /// Rounding distorts a sine in step with itself: that is no noise and does not average away. With a
-/// `quantiser` whose codes the readings are, the mean error of rounding E\[Q(s)\] − s at the fitted values is taken
-/// off and the fit repeated until it stands still.
+/// `quantiser` whose codes the readings are, the mean error of rounding E\[Q(s)\] − s at the fitted values is
+/// taken off and the fit repeated until it stands still.
 pub fn fit(time_s: &[f64], values: &[f64], hz: f64, quantiser: Option<Quantiser>) -> Result<Sine, Error> {
     let rows: Vec<usize> =
         (0..values.len()).filter(|&i| values[i].is_finite() && time_s[i].is_finite()).collect();
@@ -232,7 +233,8 @@ mod tests {
 
     #[test]
     fn mean_error_of_rounding_by_counting() {
-        // E[Q(s + noise)] − s by the normal law over the codes: Σ k (Φ((k + ½ − s)/σ) − Φ((k − ½ − s)/σ)) − s.
+        // E[Q(s + noise)] − s by the normal law over the codes: Σ k (Φ((k + ½ − s)/σ) − Φ((k − ½ − s)/σ)) −
+        // s.
         let sigma = 0.2;
         let below = |z: f64| 1.0 - 0.5 * crate::stats::two_sided_p(z.abs(), f64::INFINITY);
         let phi = |z: f64| if z >= 0.0 { below(z) } else { 1.0 - below(z) };

@@ -12,7 +12,8 @@ mod likelihood;
 
 use likelihood::Model;
 
-/// Twice the gain in log likelihood that flicker of a source has to bring for its exponent to be free, as in a single series.
+/// Twice the gain in log likelihood that flicker of a source has to bring for its exponent to be free, as in
+/// a single series.
 const FLICKER: f64 = 7.7;
 /// Twice the gain that its white noise has to bring.
 const WHITE: f64 = 5.412;
@@ -70,8 +71,8 @@ impl Source {
 pub struct Sources {
     /// One for each column.
     pub sources: Vec<Source>,
-    /// Probability that spectral matrices of the model are as far from it as these. Small where sources are not
-    /// independent, or not of that form.
+    /// Probability that spectral matrices of the model are as far from it as these. Small where sources are
+    /// not independent, or not of that form.
     pub goodness: f64,
 }
 
@@ -79,14 +80,15 @@ pub struct Sources {
 ///
 /// −ln L = Σ n (ln det P(f) + tr P(f)⁻¹ Ŝ(f)), P(f) = κ P_known(f) + Σ_a k_a k_aᵀ (A_a f^-α_a + 2 σ_a² Δt),
 ///
-/// n ordinates to each, κ unknown beside its declaration of 1 ± its uncertainty, k_a the columns: complex Wishart matrices, whose likelihood allows no negative noise. With three
-/// instruments in one field, and the differences from one of them as series, it is the three-cornered hat. Of sources whose
-/// flicker is not significant the exponent is held at 1, while their A, which may be anything not negative, still counts in
+/// n ordinates to each, κ unknown beside its declaration of 1 ± its uncertainty, k_a the columns: complex
+/// Wishart matrices, whose likelihood allows no negative noise. With three instruments in one field, and the
+/// differences from one of them as series, it is the three-cornered hat. Of sources whose flicker is not
+/// significant the exponent is held at 1, while their A, which may be anything not negative, still counts in
 /// the uncertainties of the others. Uncertainties are those of the Fisher information.
 ///
-/// Sources: J. E. Gray and D. W. Allan, A method for estimating the frequency stability of an individual oscillator, Proc.
-/// 28th Freq. Control Symp. (1974) 243–246; N. R. Goodman, Statistical analysis based on a certain multivariate complex
-/// Gaussian distribution, Ann. Math. Stat. 34 (1963) 152–177.
+/// Sources: J. E. Gray and D. W. Allan, A method for estimating the frequency stability of an individual
+/// oscillator, Proc. 28th Freq. Control Symp. (1974) 243–246; N. R. Goodman, Statistical analysis based on a
+/// certain multivariate complex Gaussian distribution, Ann. Math. Stat. 34 (1963) 152–177.
 ///
 /// # Errors
 ///
@@ -162,7 +164,8 @@ fn report(mixture: &Mixture<'_>, model: &Model<'_>, found: &Optimum) -> Result<S
     Ok(Sources { sources, goodness })
 }
 
-/// With X = L⁻¹ Ŝ L⁻ᵀ*, P = L Lᵀ, the matrix of n ordinates, n tr (X − 1)² has the mean m² for m series, and is about χ²(m²).
+/// With X = L⁻¹ Ŝ L⁻ᵀ*, P = L Lᵀ, the matrix of n ordinates, n tr (X − 1)² has the mean m² for m series, and
+/// is about χ²(m²).
 fn goodness(mixture: &Mixture<'_>, model: &Model<'_>, theta: &[f64]) -> Result<f64, Error> {
     let spectra = mixture.spectra;
     let size = spectra.matrices.first().map_or(0, Mat::nrows);

@@ -29,20 +29,20 @@ pub struct Spectrum {
 
 /// Welch's estimate of the one-sided power spectral density of samples `step_s` seconds apart.
 ///
-/// Segments of n = `segment_samples` start every D = n − ⌊n/2⌋ samples; what is left at the end is not used. From
-/// each its mean is taken off, and the periodograms are averaged:
+/// Segments of n = `segment_samples` start every D = n − ⌊n/2⌋ samples; what is left at the end is not used.
+/// From each its mean is taken off, and the periodograms are averaged:
 ///
 /// P(f_k) = c Δt / Σ w_m² · ⟨|Σ w_m (x_m − x̄) e^(−2πi k m/n)|²⟩, w_m = ½ − ½ cos(2π m/n),
 ///
-/// with c = 2, and c = 1 at zero and at the Nyquist frequency (even n only). The window is the periodic Hann window.
-/// More samples for a segment than there are in the series: one segment, the whole series. Samples that are not
-/// finite give densities that are not finite.
+/// with c = 2, and c = 1 at zero and at the Nyquist frequency (even n only). The window is the periodic Hann
+/// window. More samples for a segment than there are in the series: one segment, the whole series. Samples
+/// that are not finite give densities that are not finite.
 ///
 /// The degrees of freedom are ν = 2K / (1 + 2 Σ (1 − j/K) ρ_j), j = 1 … K − 1, with
 /// ρ_j = (Σ w_m w_(m+jD) / Σ w_m²)².
 ///
-/// Source: P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Trans. Audio
-/// Electroacoust. AU-15 (1967) 70–73.
+/// Source: P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Trans.
+/// Audio Electroacoust. AU-15 (1967) 70–73.
 ///
 /// # Errors
 ///
@@ -94,8 +94,9 @@ pub fn welch(samples: &[f64], step_s: f64, segment_samples: usize) -> Result<Spe
 }
 
 impl Spectrum {
-    /// The factors by which a density P̂ is to be multiplied for the band that holds the true one with `probability`,
-    /// half of the rest on either side: ν/χ²((1 + p)/2; ν) and ν/χ²((1 − p)/2; ν), χ²(q; ν) the quantile of χ².
+    /// The factors by which a density P̂ is to be multiplied for the band that holds the true one with
+    /// `probability`, half of the rest on either side: ν/χ²((1 + p)/2; ν) and ν/χ²((1 − p)/2; ν), χ²(q; ν)
+    /// the quantile of χ².
     ///
     /// For the frequencies to which [`Spectrum::freedom`] applies. NaN if `probability` is not in 0 … 1.
     pub fn interval(&self, probability: f64) -> (f64, f64) {
@@ -104,8 +105,9 @@ impl Spectrum {
 
     /// The integral ∫ P df over the band `low_hz` … `high_hz` (square of the samples' unit).
     ///
-    /// The density is a straight line between two frequencies, also at the ends of the band. The zero frequency is
-    /// left out: what the band has below the first frequency after zero, or beyond the last one, adds nothing.
+    /// The density is a straight line between two frequencies, also at the ends of the band. The zero
+    /// frequency is left out: what the band has below the first frequency after zero, or beyond the last one,
+    /// adds nothing.
     pub fn power(&self, low_hz: f64, high_hz: f64) -> f64 {
         if low_hz.is_nan() || high_hz.is_nan() {
             return f64::NAN;

@@ -22,11 +22,12 @@ use report::report;
 
 /// A restriction of the white noise is dropped below this probability.
 const RESTRICTED: f64 = 0.01;
-/// Twice the gain in log likelihood that flicker has to bring. White noise alone reaches it with a probability of 1 % in
-/// three series together and of 0.5 % in one, by simulation: without flicker there is no exponent, so that the gain has
-/// neither of the distributions χ²(1) and χ²(2).
+/// Twice the gain in log likelihood that flicker has to bring. White noise alone reaches it with a
+/// probability of 1 % in three series together and of 0.5 % in one, by simulation: without flicker there is
+/// no exponent, so that the gain has neither of the distributions χ²(1) and χ²(2).
 const FLICKER: f64 = 7.7;
-/// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not being negative.
+/// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not
+/// being negative.
 const WHITE: f64 = 5.412;
 
 /// What is the same in the white noise of all series.
@@ -50,8 +51,8 @@ impl White {
 /// Noise of a channel: P(f) = A f^-α + 2 σ² Δt (one-sided, unit²/Hz).
 #[derive(Clone, Debug)]
 pub struct WhittleFit {
-    /// A, the density of the flicker noise at 1 Hz (unit²/Hz). Its value is 0 where flicker is not significant (1 %); then
-    /// α is held at 1, and the uncertainty is that of a one-sided bound.
+    /// A, the density of the flicker noise at 1 Hz (unit²/Hz). Its value is 0 where flicker is not
+    /// significant (1 %); then α is held at 1, and the uncertainty is that of a one-sided bound.
     pub amplitude: Estimate,
     /// One-sided 95 % bound of A where its value is 0.
     pub amplitude_upper: Option<f64>,
@@ -68,23 +69,24 @@ pub struct WhittleFit {
     pub white_rms: Vec<Estimate>,
     /// One-sided 95 % bound of each σ whose value is 0.
     pub white_upper: Vec<Option<f64>>,
-    /// The white variances of greatest likelihood, significant or not: σ² (unit²) or the density N (unit²/Hz), one for
-    /// all series or one each. The densities and variances of the model are made of these.
+    /// The white variances of greatest likelihood, significant or not: σ² (unit²) or the density N
+    /// (unit²/Hz), one for all series or one each. The densities and variances of the model are made of
+    /// these.
     pub white_variances: Vec<f64>,
-    /// Covariance of (ln A, α, white variances): the inverse of the Fisher information of the likelihood. Zero for A and
-    /// α where flicker is not significant.
+    /// Covariance of (ln A, α, white variances): the inverse of the Fisher information of the likelihood.
+    /// Zero for A and α where flicker is not significant.
     pub covariance: Mat<f64>,
     /// −Σ count (ln P + I/P).
     pub log_likelihood: f64,
-    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; None where there was
-    /// nothing to choose.
+    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; None
+    /// where there was nothing to choose.
     pub per_reading_p: Option<f64>,
     /// The same for the density.
     pub density_p: Option<f64>,
     /// Groups of at least 30 ordinates against the model; a shorter series is one group.
     pub groups: Vec<Group>,
-    /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the groups;
-    /// None if there are no more groups than unknowns.
+    /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the
+    /// groups; None if there are no more groups than unknowns.
     pub goodness: Option<f64>,
 }
 
@@ -92,20 +94,22 @@ pub struct WhittleFit {
 ///
 /// −ln L = Σ count (ln P(f) + I/P(f)).
 ///
-/// Flicker is the same in all series; a series has none below one over its length. Of the white noise one rms of a reading
-/// serves for all unless the likelihood ratio against each its own has a probability below 1 %, then one density if
-/// that has not, then each its own. The uncertainties are those of the Fisher information: they hold for Gaussian noise
-/// whose density changes little over one over the length of a series, and leave out the choice among models.
+/// Flicker is the same in all series; a series has none below one over its length. Of the white noise one rms
+/// of a reading serves for all unless the likelihood ratio against each its own has a probability below 1 %,
+/// then one density if that has not, then each its own. The uncertainties are those of the Fisher
+/// information: they hold for Gaussian noise whose density changes little over one over the length of a
+/// series, and leave out the choice among models.
 ///
-/// Of 1000 series cut out of longer records the 95 % intervals of A and α held the truth in 94 to 96 % for α = 1, 1.4 and 1.8, that of the white noise
-/// in 93 to 97 %. (In ordinates of a Fourier transform low frequencies leak: there A and α were held in 85 to 94 %, for a random walk in less than half.)
+/// Of 1000 series cut out of longer records the 95 % intervals of A and α held the truth in 94 to 96 % for α
+/// = 1, 1.4 and 1.8, that of the white noise in 93 to 97 %. (In ordinates of a Fourier transform low
+/// frequencies leak: there A and α were held in 85 to 94 %, for a random walk in less than half.)
 ///
 /// Source: P. Whittle, Estimation and information in stationary time series, Ark. Mat. 2 (1953) 423–434.
 ///
 /// # Errors
 ///
-/// [`Error::TooFew`] without more ordinates than unknowns, [`Error::Series`] for ordinates that are not finite or a series
-/// that does not vary, [`Error::NotConverged`] without a maximum.
+/// [`Error::TooFew`] without more ordinates than unknowns, [`Error::Series`] for ordinates that are not
+/// finite or a series that does not vary, [`Error::NotConverged`] without a maximum.
 pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
     // Of one series the three forms are the same.
     if let [_] = series {

@@ -44,7 +44,8 @@ impl Flicker {
 
     /// Σ P 2 sin⁴(πfτ)/(m sin(πfΔt))²: the Allan variance of averages of m samples of this noise.
     ///
-    /// For samples that are themselves averages over Δt, m sin(πfΔt) would be πfτ, with P the density before that.
+    /// For samples that are themselves averages over Δt, m sin(πfΔt) would be πfτ, with P the density before
+    /// that.
     fn variance(m: usize) -> f64 {
         let line = |k: usize| {
             let (phase, m) = (PI * k as f64 / PERIOD as f64, m as f64);
@@ -106,8 +107,8 @@ fn assert_covered(found: &[(usize, f64, f64)]) {
 
 #[test]
 fn published_test_sets() {
-    // W. J. Riley, NIST Special Publication 1065 (2008), sets of 9 and of 1000 frequencies; the first is from NBS
-    // Monograph 140, Annex 8.E.
+    // W. J. Riley, NIST Special Publication 1065 (2008), sets of 9 and of 1000 frequencies; the first is from
+    // NBS Monograph 140, Annex 8.E.
     let nine = [892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0];
     for (m, printed) in [(1, "91.22945"), (2, "85.95287")] {
         assert_eq!(format!("{:.5}", deviation(&nine, m).expect("a deviation")), printed, "m = {m}");

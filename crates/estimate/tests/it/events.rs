@@ -1,4 +1,5 @@
-//! Steps and spikes: false alarms on clean series, the share found against their size, and sizes within their intervals.
+//! Steps and spikes: false alarms on clean series, the share found against their size, and sizes within their
+//! intervals.
 
 use estimate::events::{Search, Shape, fill, threshold};
 use estimate::periodogram::periodogram;

@@ -20,8 +20,9 @@ fn scipy_has_the_same() {
     assert!(worst < 1e-7, "{worst}");
 }
 
-/// Noise made for the frequencies of one series and none lower, so long that the levels looked at do not feel it: variances by
-/// level, and the covariance of a difference with the next one and with its own halves' differences.
+/// Noise made for the frequencies of one series and none lower, so long that the levels looked at do not feel
+/// it: variances by level, and the covariance of a difference with the next one and with its own halves'
+/// differences.
 #[test]
 fn made_noise_has_these_variances() {
     const ROWS: usize = 1 << 16;

@@ -7,8 +7,8 @@ use serde_json::Value;
 
 /// Digits asked of every coefficient, of its standard deviation and of the residual standard deviation.
 ///
-/// Filip, a polynomial of degree 10, has a condition of 1.8e15 in its raw powers and of 5e9 with columns of unit
-/// length: rounding the powers alone leaves 7.6 digits, however they are solved.
+/// Filip, a polynomial of degree 10, has a condition of 1.8e15 in its raw powers and of 5e9 with columns of
+/// unit length: rounding the powers alone leaves 7.6 digits, however they are solved.
 const FLOORS: [(&str, f64); 9] = [
     ("Norris", 10.0),
     ("Pontius", 9.0),
@@ -128,8 +128,9 @@ fn longley() -> Longley {
 }
 
 impl Longley {
-    /// The fewest digits of coefficients, their uncertainties and the residual standard deviation, from coefficients without
-    /// a constant and (X°ᵀX°)⁻¹: the constant is that through the means, the residuals are those of it.
+    /// The fewest digits of coefficients, their uncertainties and the residual standard deviation, from
+    /// coefficients without a constant and (X°ᵀX°)⁻¹: the constant is that through the means, the residuals
+    /// are those of it.
     fn fewest(&self, name: &str, coefficients: &[f64], inverse: &Mat<f64>) -> f64 {
         let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
         let means: Vec<f64> = self.columns.iter().map(|column| mean(column)).collect();

@@ -1,5 +1,5 @@
-//! The periodogram: its ordinates add up to the variance; spectral lines are found with their frequency and amplitude, not
-//! found where there are none, and no part of the noise that is left.
+//! The periodogram: its ordinates add up to the variance; spectral lines are found with their frequency and
+//! amplitude, not found where there are none, and no part of the noise that is left.
 
 use estimate::periodogram::{Line, Periodogram, periodogram};
 use estimate::whittle::fit;
@@ -30,8 +30,8 @@ fn seen(samples: &[f64], step_s: f64) -> Periodogram {
 }
 
 fn near(line: &Line, hz: f64, amplitude: f64, length_s: f64) {
-    // The Cramér-Rao bounds in noise of density P are √(P/T) for an amplitude a and √(3 P/T)/(π a T) for its frequency;
-    // five of these.
+    // The Cramér-Rao bounds in noise of density P are √(P/T) for an amplitude a and √(3 P/T)/(π a T) for its
+    // frequency; five of these.
     let density = 1e-4 / hz + 2.0 * 0.02_f64.powi(2) * STEP_S;
     let std = (density / length_s).sqrt();
     let hz_std = 3.0_f64.sqrt() * std / (std::f64::consts::PI * amplitude * length_s);

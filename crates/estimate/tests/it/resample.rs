@@ -1,4 +1,5 @@
-//! Resampling against SciPy (fixtures/reference/resample_scipy.py), against sines, and where readings are missing.
+//! Resampling against SciPy (fixtures/reference/resample_scipy.py), against sines, and where readings are
+//! missing.
 
 use estimate::resample::{PASSBAND, pchip, resample};
 use serde_json::Value;
@@ -38,7 +39,8 @@ fn ripple_and_attenuation() {
     let [ripple, stop] =
         ["passband_ripple", "stopband_gain"].map(|key| design[key].as_f64().expect("a number"));
     assert!(ripple < 2e-4 && stop < 1e-4, "{ripple:.1e}, {stop:.1e}");
-    // A sine through the resampling itself: four input samples to one output, 0.3 of an output step beside its grid.
+    // A sine through the resampling itself: four input samples to one output, 0.3 of an output step beside
+    // its grid.
     let gain = |share: f64| {
         let omega = PI * share / 4.0;
         let wave = |at: f64| (omega * at + 0.4).sin();

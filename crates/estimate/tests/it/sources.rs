@@ -18,7 +18,8 @@ fn columns(from: usize) -> Vec<Vec<f64>> {
     COLUMNS[from..].iter().map(|column| column.to_vec()).collect()
 }
 
-/// The largest difference from SciPy's ln A, α and σ² in its standard errors, and of these themselves, relative.
+/// The largest difference from SciPy's ln A, α and σ² in its standard errors, and of these themselves,
+/// relative.
 fn compare(found: &Sources, from: usize, step_s: f64, expected: &Value) -> [f64; 2] {
     let (theta, std) = (numbers(&expected["theta"]), numbers(&expected["std"]));
     let mut worst = [0.0_f64; 2];
@@ -75,8 +76,8 @@ fn noises_of_scipy() {
     assert!(three[1] < 1e-3 && known[1] < 1e-3, "{three:?} {known:?}");
 }
 
-/// White noise alone: the levels are those of the three-cornered hat where these are positive, no instrument has less than
-/// none, and an instrument that shares its noise with another shows in the goodness.
+/// White noise alone: the levels are those of the three-cornered hat where these are positive, no instrument
+/// has less than none, and an instrument that shares its noise with another shows in the goodness.
 #[test]
 fn white_noises_and_what_is_not_independent() {
     let mut sequence = Sequence(11);

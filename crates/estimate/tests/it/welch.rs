@@ -1,4 +1,5 @@
-//! Welch's spectrum against SciPy, against the variance it has to add up to, and its interval against the truth.
+//! Welch's spectrum against SciPy, against the variance it has to add up to, and its interval against the
+//! truth.
 
 use crate::sequence;
 

@@ -1,4 +1,5 @@
-//! The Whittle fit against SciPy, its choice of the white noise, its bounds, and whether it knows noise that is not its own.
+//! The Whittle fit against SciPy, its choice of the white noise, its bounds, and whether it knows noise that
+//! is not its own.
 
 use estimate::Error;
 use estimate::periodogram::{Bin, Periodogram, periodogram};
@@ -147,7 +148,8 @@ fn the_form_of_the_white_noise() {
     assert_eq!((one.white, one.per_reading_p, one.density_p), (White::PerReading, None, None));
 }
 
-/// Least Σ count (ln P + I/P) over the white variance for P = A/f (1 − 1/(π² f T)) + 2 w Δt, by golden section over ln w.
+/// Least Σ count (ln P + I/P) over the white variance for P = A/f (1 − 1/(π² f T)) + 2 w Δt, by golden
+/// section over ln w.
 fn least_cost(series: &Periodogram, amplitude: f64) -> f64 {
     let cost = |ln_white: f64| {
         let term = |bin: &Bin| {
@@ -178,8 +180,9 @@ fn no_flicker_has_a_bound() {
     let fall = 2.0 * (least_cost(&series, bound) - best);
     println!("A < {bound:.3e}, 2 ln ratio {fall:.4}");
     assert!((fall - 1.645_f64.powi(2)).abs() < 0.01, "{fall}");
-    // Weak flicker is below the bound, or it is found with an interval that holds it: in 95 of a hundred series, and in 90
-    // near the limit of significance, where it is sometimes the one and sometimes the other.
+    // Weak flicker is below the bound, or it is found with an interval that holds it: in 95 of a hundred
+    // series, and in 90 near the limit of significance, where it is sometimes the one and sometimes the
+    // other.
     for weak in [1e-7, 3e-7, 1e-6] {
         let (mut below, mut held) = (0, 0);
         for number in 0..200 {

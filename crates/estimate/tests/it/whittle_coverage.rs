@@ -1,6 +1,6 @@
-//! Intervals of the Whittle fit against the truth, over seeded noise. FLUXCAL_CAMPAIGNS sets over how many trials; the
-//! long proof is
-//! `FLUXCAL_CAMPAIGNS=1000 cargo test --release -p estimate --test it whittle_coverage:: -- --nocapture`.
+//! Intervals of the Whittle fit against the truth, over seeded noise. FLUXCAL_CAMPAIGNS sets over how many
+//! trials; the long proof is `FLUXCAL_CAMPAIGNS=1000 cargo test --release -p estimate --test it
+//! whittle_coverage:: -- --nocapture`.
 
 use estimate::periodogram::{Periodogram, periodogram};
 use estimate::whittle::{Estimate, White, fit};

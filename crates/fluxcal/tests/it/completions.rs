@@ -1,4 +1,5 @@
-//! `fluxcal PROGRAM` completes what the program itself completes; in bash, which is there wherever the tests run.
+//! `fluxcal PROGRAM` completes what the program itself completes; in bash, which is there wherever the tests
+//! run.
 
 use std::path::Path;
 use std::process::Command;

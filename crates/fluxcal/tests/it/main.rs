@@ -1,4 +1,5 @@
-//! What all programs have in common, and the one command that runs them. The programs are built by `cargo test --workspace`.
+//! What all programs have in common, and the one command that runs them. The programs are built by `cargo
+//! test --workspace`.
 
 mod completions;
 mod help;

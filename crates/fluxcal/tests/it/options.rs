@@ -18,7 +18,8 @@ fn options(help: &str) -> Vec<String> {
     named.filter(|name| name != "--completions" && name != "--man").collect()
 }
 
-/// Whatever an option takes, a negative number is its value and not another option: it is taken, or refused as a value.
+/// Whatever an option takes, a negative number is its value and not another option: it is taken, or refused
+/// as a value.
 #[test]
 fn a_negative_number_is_the_value_of_an_option() {
     let (mut tried, mut numbers) = (0, 0);

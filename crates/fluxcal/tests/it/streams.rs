@@ -6,7 +6,8 @@ use std::path::Path;
 
 use crate::{beside, fixture};
 
-/// A command of each kind: the program, its arguments, where `@` begins a fixture, and what it reads on standard input.
+/// A command of each kind: the program, its arguments, where `@` begins a fixture, and what it reads on
+/// standard input.
 const COMMANDS: &[(&str, &[&str], &str)] = &[
     ("simulate", &["campaign"], "plans/magsat-axes.json"),
     ("simulate", &["campaign", "--run-sheet"], "plans/magsat-axes.json"),
@@ -62,7 +63,8 @@ fn a_dash_is_standard_output() {
     }
 }
 
-/// A byte order mark before a document, a plan, a piece, a table, a mapping or a specification changes nothing but the history.
+/// A byte order mark before a document, a plan, a piece, a table, a mapping or a specification changes
+/// nothing but the history.
 #[test]
 fn a_byte_order_mark_is_no_fault() {
     let without_digest = |text: &str| -> String {

@@ -58,7 +58,8 @@ fn an_unknown_name_is_answered_with_the_nearest() {
     assert!(none.code == 2 && none.stderr.contains("Programs:"), "{}", none.stderr);
 }
 
-/// Alone in a folder it finds the programs on the PATH, and says what is missing where they are not there either.
+/// Alone in a folder it finds the programs on the PATH, and says what is missing where they are not there
+/// either.
 #[cfg(unix)]
 #[test]
 fn a_program_is_found_on_the_path() {

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::draw::Draw;
 
-/// A place: along a way down from the top, or under a key of its own, so that rare keys come up as often as common ones.
+/// A place: along a way down from the top, or under a key of its own, so that rare keys come up as often as
+/// common ones.
 pub fn pick(value: &Value, draw: &mut Draw) -> Option<String> {
     if draw.chance(60) { walk(value, draw) } else { under_a_key(value, draw) }
 }

@@ -1,6 +1,6 @@
-//! Three hundred cases on the programs beside this test, from a seed that is printed: FLUXCAL_SEED, or always the same. FLUXCAL_FUZZ_CASES is
-//! another number of them. What they are and how they end does not depend on the machine: a program only counts as hung after ten
-//! minutes of processor time.
+//! Three hundred cases on the programs beside this test, from a seed that is printed: FLUXCAL_SEED, or always
+//! the same. FLUXCAL_FUZZ_CASES is another number of them. What they are and how they end does not depend on
+//! the machine: a program only counts as hung after ten minutes of processor time.
 
 use fuzz::programs::Programs;
 use fuzz::session::{Session, Settings};

@@ -113,7 +113,8 @@ impl Parser<'_> {
         Err(self.unequal(line, number))
     }
 
-    /// The number that a line begins with and what follows its separator, where it is a plain one right before that or the line's end.
+    /// The number that a line begins with and what follows its separator, where it is a plain one right
+    /// before that or the line's end.
     #[inline]
     fn plain_value<'a>(&self, text: &'a [u8]) -> Option<(f64, Option<&'a [u8]>)> {
         let (value, end) = number::plain(text, self.mapping.decimal as u8)?;

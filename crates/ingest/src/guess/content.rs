@@ -1,8 +1,10 @@
-//! What columns hold, told from their values where names do not say it. Such a guess is a question in words, never taken in silence.
+//! What columns hold, told from their values where names do not say it. Such a guess is a question in words,
+//! never taken in silence.
 
 use common::number::significant;
 
-/// A unit in which readings of that size are the Earth's field. Not mG: a field of hundreds of µT is as likely.
+/// A unit in which readings of that size are the Earth's field. Not mG: a field of hundreds of µT is as
+/// likely.
 pub fn unit_of_earth(mut sizes: Vec<f64>) -> Option<&'static str> {
     let size = median(&mut sizes)?;
     let units = [("nT", 1.0), ("uT", 1e3), ("G", 1e5), ("T", 1e9)];
@@ -16,8 +18,8 @@ pub fn norms(columns: &[Vec<f64>; 3]) -> Vec<f64> {
     rows.map(|(x, (y, z))| (x * x + y * y + z * z).sqrt()).collect()
 }
 
-/// Three columns as one field by their norm: it is steady, and the Earth's in some unit, or the columns turn while it stays. The unit
-/// (`counts` where none fits), and why in words.
+/// Three columns as one field by their norm: it is steady, and the Earth's in some unit, or the columns turn
+/// while it stays. The unit (`counts` where none fits), and why in words.
 pub fn field(columns: &[Vec<f64>; 3]) -> Option<(&'static str, String)> {
     const ROWS: usize = 8;
     const STEADY: f64 = 0.2;
@@ -42,7 +44,8 @@ pub fn field(columns: &[Vec<f64>; 3]) -> Option<(&'static str, String)> {
     }
 }
 
-/// Whether values are a temperature in °C or K: within the range of instruments, with decimals or small steps, slowly changing.
+/// Whether values are a temperature in °C or K: within the range of instruments, with decimals or small
+/// steps, slowly changing.
 pub fn temperature(values: &[f64]) -> Option<(&'static str, String)> {
     const ROWS: usize = 8;
     let (least, most) = extremes(values).filter(|_| values.len() >= ROWS)?;

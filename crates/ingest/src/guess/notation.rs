@@ -104,7 +104,8 @@ impl Notation {
             ..Self::usual()
         };
         notation.rows = cells;
-        // Lines of words above the first row with as many fields; the topmost has the names. A comment may be it.
+        // Lines of words above the first row with as many fields; the topmost has the names. A comment may be
+        // it.
         let above = table[..first].iter().rev().take_while(|(_, line)| {
             let cells = of_line(line);
             cells.len() == width && cells.iter().all(|cell| number(cell, '.').is_none())
@@ -192,7 +193,8 @@ fn separator(table: &[(u32, &[u8])]) -> Option<char> {
     best.map(|(separator, _)| separator)
 }
 
-/// What stands between thousands, and whether that is doubtful: of "48,520" alone one cannot tell; of "48,520.31" and "1,048,520" one can.
+/// What stands between thousands, and whether that is doubtful: of "48,520" alone one cannot tell; of
+/// "48,520.31" and "1,048,520" one can.
 fn thousands(rows: &[Vec<String>], decimal: char) -> (Option<char>, bool) {
     let cells =
         || rows.iter().flatten().map(|cell| cell.trim()).filter(|cell| number(cell, decimal).is_none());

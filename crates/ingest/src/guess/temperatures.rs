@@ -37,7 +37,8 @@ const STEMS: [&str; 12] = [
     "ds18b20",
     "tmp102",
 ];
-/// Names that say nothing of temperature but are one in some logger: LEMI's, Narod's and Magson's tables, MagPy's keys, HamSCI's RM3100 board.
+/// Names that say nothing of temperature but are one in some logger: LEMI's, Narod's and Magson's tables,
+/// MagPy's keys, HamSCI's RM3100 board.
 const SHORT: [(&str, &str); 16] = [
     ("tf", "sensor"),
     ("ts", "sensor"),
@@ -68,7 +69,8 @@ pub fn column(base: &str, in_degrees: bool) -> Option<String> {
     let word_is = |word: &str, stem: &str| {
         word == stem || word.trim_end_matches(|letter: char| letter.is_ascii_digit()) == stem
     };
-    // What is left of the name says whose it is: of words, the others; of one word such as `boxtemp`, the rest of it.
+    // What is left of the name says whose it is: of words, the others; of one word such as `boxtemp`, the
+    // rest of it.
     let at = words
         .iter()
         .position(|word| STEMS.iter().any(|stem| word_is(word, stem)) || in_degrees && word_is(word, "t"));

@@ -1,7 +1,8 @@
 //! Components of the field in the frame of the document: X north, Y east, Z down.
 //!
-//! H horizontal, D declination (east), I inclination (down), F magnitude: X = H cos D, Y = H sin D, Z = H tan I, H = F cos I. D and I are
-//! in minutes of arc. E is the component across H, nT: H, E, Z (and U, V, W) are axes of the sensor and are left as they are.
+//! H horizontal, D declination (east), I inclination (down), F magnitude: X = H cos D, Y = H sin D, Z = H tan
+//! I, H = F cos I. D and I are in minutes of arc. E is the component across H, nT: H, E, Z (and U, V, W) are
+//! axes of the sensor and are left as they are.
 
 use indexmap::IndexMap;
 
@@ -34,7 +35,8 @@ impl Components<'_> {
     }
 }
 
-/// Brings components into the document's columns `{quantity}_x_nt`, …, and the scalar to `reference_nt`. `base_arcmin` is added to D.
+/// Brings components into the document's columns `{quantity}_x_nt`, …, and the scalar to `reference_nt`.
+/// `base_arcmin` is added to D.
 pub fn convert(
     letters: &[char],
     columns: Vec<Vec<f64>>,

@@ -1,4 +1,5 @@
-//! The records before the data: twelve with a label (thirteen since 2015), comments, and the titles of the columns.
+//! The records before the data: twelve with a label (thirteen since 2015), comments, and the titles of the
+//! columns.
 
 use common::Extra;
 use serde_json::Value;
@@ -8,7 +9,8 @@ use super::without_bar;
 use crate::Error;
 use crate::text::{Source, lines};
 
-/// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W sensor axes.
+/// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W
+/// sensor axes.
 const LETTERS: &str = "XYZHDIEFSGUVW";
 /// Labels as the format writes them.
 const LABELS: [&str; 13] = [
@@ -91,7 +93,8 @@ impl Header {
             .unwrap_or_default()
     }
 
-    /// The letters of the components, as titles and the record `Reported` say alike. What `Sensor Orientation` says is no matter here.
+    /// The letters of the components, as titles and the record `Reported` say alike. What `Sensor
+    /// Orientation` says is no matter here.
     pub fn components(
         &self,
         source: &Source,
@@ -142,8 +145,8 @@ impl Header {
         Some(((*line).into(), words.as_str(), interval_s(words)?))
     }
 
-    /// The base to which D of variation data is to be added, minutes of arc: comment `DECBAS`, tenths of a minute, east. Definitive data
-    /// have D in full.
+    /// The base to which D of variation data is to be added, minutes of arc: comment `DECBAS`, tenths of a
+    /// minute, east. Definitive data have D in full.
     pub fn declination_base_arcmin(&self) -> Option<f64> {
         let kind = self.record("Data Type").unwrap_or_default().to_ascii_lowercase();
         if kind.starts_with('d') || kind.starts_with('q') {

@@ -125,7 +125,8 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A last line without end that is shorter than the one before, where those two are alike: a value was cut.
+    /// A last line without end that is shorter than the one before, where those two are alike: a value was
+    /// cut.
     fn check_end(&self, data: &[u8], rows: &Rows) -> Result<(), RowFault> {
         let mut lines = data.rsplit(|byte| *byte == b'\n').map(trimmed);
         let [Some(last), Some(before), Some(first)] = [lines.next(), lines.next(), lines.next()] else {

@@ -126,7 +126,8 @@ impl TimeMapping {
         Ok(())
     }
 
-    /// What [`TimeMapping::format`] says of a number since midnight: the pattern of the day before it, how many ns one is, and its word.
+    /// What [`TimeMapping::format`] says of a number since midnight: the pattern of the day before it, how
+    /// many ns one is, and its word.
     pub fn of_day(&self) -> Option<(&str, i64, &'static str)> {
         let words = [
             ("milliseconds_of_day", SECOND_NS / 1000),

@@ -1,4 +1,5 @@
-//! The JSON of the USGS web service: one object with `times`, and `values` for each element; D in minutes of arc, missing values null.
+//! The JSON of the USGS web service: one object with `times`, and `values` for each element; D in minutes of
+//! arc, missing values null.
 
 use indexmap::IndexMap;
 use serde_json::Value;

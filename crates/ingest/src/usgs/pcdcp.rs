@@ -1,6 +1,8 @@
-//! PCDCP: a line of station, day and unit; a row for each minute or second of that day, in whole hundredths or thousandths of a nanotesla.
+//! PCDCP: a line of station, day and unit; a row for each minute or second of that day, in whole hundredths
+//! or thousandths of a nanotesla.
 //!
-//! `BOU  2014  305  01-Nov-14  HEZF  0.01nT  File Version 2.00`, then `0000  2086514    -2094  4745454  5237425`.
+//! `BOU  2014  305  01-Nov-14  HEZF  0.01nT  File Version 2.00`, then `0000  2086514    -2094  4745454
+//! 5237425`.
 
 use indexmap::IndexMap;
 use tables::Place;

@@ -1,11 +1,13 @@
-//! Every file of `fixtures/bad/ingest` brings its message, its exit code, nothing on standard output and nothing in the folder.
+//! Every file of `fixtures/bad/ingest` brings its message, its exit code, nothing on standard output and
+//! nothing in the folder.
 
 use std::fs;
 use std::path::Path;
 
 const INGEST: &str = env!("CARGO_BIN_EXE_ingest");
 
-/// Runs in a folder, so that files are named in messages as they are here: exit code and what was said, what was written.
+/// Runs in a folder, so that files are named in messages as they are here: exit code and what was said, what
+/// was written.
 fn run(folder: &Path, arguments: &[&str]) -> (String, String) {
     let run = testkit::run_in(INGEST, folder, arguments);
     (run.message(), run.stdout)

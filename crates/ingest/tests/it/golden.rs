@@ -1,5 +1,5 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. The values themselves are held
-//! against the made-up field from which the files were written.
+//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. The
+//! values themselves are held against the made-up field from which the files were written.
 
 use common::{Document, to_text};
 use ingest::{Mapping, Options, Readings, run};

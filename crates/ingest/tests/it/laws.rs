@@ -1,4 +1,5 @@
-//! Laws of files: where they are cut, in which unit they are and how their axes are named changes nothing but that.
+//! Laws of files: where they are cut, in which unit they are and how their axes are named changes nothing but
+//! that.
 
 use serde_json::{Value, json};
 use std::fs;

@@ -1,4 +1,5 @@
-//! Ways in and out: documents that exist, standard input, files in any order, tables beside, files as they really are.
+//! Ways in and out: documents that exist, standard input, files in any order, tables beside, files as they
+//! really are.
 
 use serde_json::Value;
 use std::fs;

@@ -1,5 +1,6 @@
-//! Real recordings of observatories and loggers, which are not in the repository (`just recordings` runs this test): each row and
-//! value as pandas reads them (`fixtures/reference/ingest/read.py`; FLUXCAL_PYTHON names another interpreter than python3).
+//! Real recordings of observatories and loggers, which are not in the repository (`just recordings` runs this
+//! test): each row and value as pandas reads them (`fixtures/reference/ingest/read.py`; FLUXCAL_PYTHON names
+//! another interpreter than python3).
 
 use common::Document;
 use ingest::{Mapping, Options, Readings};

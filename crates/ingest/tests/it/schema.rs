@@ -1,5 +1,5 @@
-//! The committed schema of the mapping is the one that the type gives; the mappings of the fixtures are valid by it, and the documents
-//! by theirs. BLESS=1 writes it anew.
+//! The committed schema of the mapping is the one that the type gives; the mappings of the fixtures are valid
+//! by it, and the documents by theirs. BLESS=1 writes it anew.
 
 use serde_json::Value;
 use std::fs;

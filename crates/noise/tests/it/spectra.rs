@@ -1,5 +1,5 @@
-//! Each generator against its definition: averaged spectra of 200 series, decade by decade, each within its own
-//! confidence band.
+//! Each generator against its definition: averaged spectra of 200 series, decade by decade, each within its
+//! own confidence band.
 
 use common::Noise;
 use noise::{Stream, power_law, quantise, random_walk, series};
@@ -28,8 +28,8 @@ fn averaged(points: usize, step_s: f64, make: impl Fn(usize) -> Vec<f64>) -> Vec
     sum
 }
 
-/// In each decade of frequency (from one over the length), measured over defined power is chi-squared with 2 · 200 degrees
-/// of freedom for each Fourier frequency in it; 99.9 % two-sided.
+/// In each decade of frequency (from one over the length), measured over defined power is chi-squared with 2
+/// · 200 degrees of freedom for each Fourier frequency in it; 99.9 % two-sided.
 fn check(name: &str, spectrum: &[f64], resolution: f64, defined: impl Fn(f64) -> f64) {
     let mut from = 1;
     while from <= spectrum.len() {
@@ -116,7 +116,8 @@ fn rounding_adds_the_floor_of_nasa_eq_27() {
 
 #[test]
 fn figure_7_has_26_pt_over_any_three_decades() {
-    // A = 0.026² / ln 1000; the rms of the lines in (f, 1000 f] is within 1 % of 26e-3 nT where the lines lie close.
+    // A = 0.026² / ln 1000; the rms of the lines in (f, 1000 f] is within 1 % of 26e-3 nT where the lines lie
+    // close.
     let amplitude = 0.026f64.powi(2) / 1000f64.ln();
     let (points, step_s) = (1 << 17, 0.01);
     let resolution = 1.0 / (points as f64 * step_s);

@@ -174,7 +174,8 @@ fn processes_follow_the_power_law() {
 
 #[test]
 fn drawn_noise_becomes_white() {
-    // 4096 rows: the variance of white noise has the standard deviation √(2/n) = 2.2 %; 4 of them, and 1 % for the model.
+    // 4096 rows: the variance of white noise has the standard deviation √(2/n) = 2.2 %; 4 of them, and 1 %
+    // for the model.
     let rows = 4096;
     let time: Vec<f64> = (0..rows).map(|row| row as f64 * 0.1).collect();
     for (exponent, flicker) in [(1.0, 0.05), (1.5, 0.05), (1.0, 0.5)] {
@@ -198,7 +199,8 @@ fn printed_times_are_even() {
     let printed: Vec<f64> = exact.iter().map(|t| (t * 1e6).floor() / 1e6).collect();
     let noise = declared(0.1, 0.2, 1.2, 0.05);
     let whitening = |time: &[f64]| Whitening::of(&noise, Some(time), rows, 100.0).expect("a whitening");
-    // Two rows a step apart anywhere are as correlated as any others: but for the walk's, the covariance has equal diagonals.
+    // Two rows a step apart anywhere are as correlated as any others: but for the walk's, the covariance has
+    // equal diagonals.
     let covariance = whitening(&printed).covariance();
     let walk = |i: usize| 0.05f64.powi(2) * i as f64 / 22.0;
     for i in 1..rows {

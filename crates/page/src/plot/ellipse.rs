@@ -3,8 +3,8 @@ use super::{Mark, Point, Series};
 /// Points of an ellipse.
 const POINTS: usize = 72;
 
-/// The region of two quantities with this covariance at a level: (p − c)ᵀ C⁻¹ (p − c) = −2 ln(1 − level), the χ² of two degrees
-/// of freedom.
+/// The region of two quantities with this covariance at a level: (p − c)ᵀ C⁻¹ (p − c) = −2 ln(1 − level), the
+/// χ² of two degrees of freedom.
 pub fn ellipse(
     name: impl Into<String>,
     style: usize,

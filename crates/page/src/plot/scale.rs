@@ -16,7 +16,8 @@ pub struct Scale {
 }
 
 impl Scale {
-    /// The scale that holds the values, with a little air; None without a value that it can hold, or where they are too far apart for a number.
+    /// The scale that holds the values, with a little air; None without a value that it can hold, or where
+    /// they are too far apart for a number.
     pub fn over(values: impl Iterator<Item = f64>, log: bool) -> Option<Self> {
         let [low, high] = number::ends(values.filter(|value| !log || *value > 0.0))?;
         let [low, high] = if log { [low.log10(), high.log10()] } else { [low, high] };

@@ -17,7 +17,8 @@ const CHARACTER: f64 = 7.4;
 /// Number of colours and of shapes.
 pub const STYLES: usize = 6;
 
-/// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be drawn: a sentence.
+/// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be
+/// drawn: a sentence.
 pub fn svg(plot: &Plot) -> String {
     let points = || plot.series.iter().flat_map(|series| &series.points);
     let xs = points().map(|point| point.x);

@@ -6,8 +6,8 @@ use crate::number;
 /// Columns of a drawing in which the lowest and the highest point stand for all.
 const COLUMNS: usize = 400;
 
-/// The plot with its long series thinned, and a sentence where that was done: of each 1/400 of the width the lowest and the
-/// highest point remain, so that no excursion is lost.
+/// The plot with its long series thinned, and a sentence where that was done: of each 1/400 of the width the
+/// lowest and the highest point remain, so that no excursion is lost.
 pub fn thinned(mut plot: Plot) -> (Plot, Option<String>) {
     let rows: usize = plot.series.iter().map(|series| series.points.len()).sum();
     let log = plot.x.log;

@@ -36,7 +36,8 @@ pub fn linear(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
     at.map(|at| Tick { at, label: label(at) }).collect()
 }
 
-/// Marks at powers of ten, every second or third of them where there are many; within two decades 2 and 5 stand as well.
+/// Marks at powers of ten, every second or third of them where there are many; within two decades 2 and 5
+/// stand as well.
 pub fn decades(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
     let [first, last] = [low.log10().floor() as i32, high.log10().ceil() as i32];
     let inside = |at: f64| at >= low * (1.0 - 1e-9) && at <= high * (1.0 + 1e-9);

@@ -37,7 +37,8 @@ impl Effect for AxisTemperature {
     }
 }
 
-/// ΔB = u α + v β with α, β = (a, b) (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row.
+/// ΔB = u α + v β with α, β = (a, b) (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first
+/// row.
 pub struct AxisCreep;
 
 impl Effect for AxisCreep {

@@ -4,7 +4,8 @@ use crate::memory::{Before, Signal};
 const SOURCE: &str = "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
     2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235";
 
-/// The reading follows B through a first-order lag: τ y' = B − y, following B at the first row. ΔB ≈ −τ dB/dt.
+/// The reading follows B through a first-order lag: τ y' = B − y, following B at the first row. ΔB ≈ −τ
+/// dB/dt.
 pub struct LoopBandwidth;
 
 impl Effect for LoopBandwidth {

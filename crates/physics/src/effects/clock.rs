@@ -5,7 +5,8 @@ use crate::memory::Signal;
 const SOURCE: &str =
     "INTERMAGNET Technical Reference Manual (time-stamp accuracy); ΔB = Δt dB/dt to first order";
 
-/// The logger's clock is ahead by Δt: what it stamps t was true at t − Δt. ΔB ≈ −Δt dB/dt, common to all sensors.
+/// The logger's clock is ahead by Δt: what it stamps t was true at t − Δt. ΔB ≈ −Δt dB/dt, common to all
+/// sensors.
 pub struct ClockOffset;
 
 impl Effect for ClockOffset {

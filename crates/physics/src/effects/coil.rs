@@ -35,9 +35,10 @@ impl Effect for CoilTemperature {
     }
 }
 
-/// A coil constant that falls as the coil heats: k = k₀ (1 − a P − b W), τ dP/dt = I² − P, τ dW/dt = −W; at the first row P = 0 and
-/// W = I². P is the warmth that the recording brings; W what the coil had of the current that flowed before: b = 0 if it was cold, b = a
-/// if the first current had flowed for long. Along the coil's axis, so that it is the same in GEO for every sensor and orientation.
+/// A coil constant that falls as the coil heats: k = k₀ (1 − a P − b W), τ dP/dt = I² − P, τ dW/dt = −W; at
+/// the first row P = 0 and W = I². P is the warmth that the recording brings; W what the coil had of the
+/// current that flowed before: b = 0 if it was cold, b = a if the first current had flowed for long. Along
+/// the coil's axis, so that it is the same in GEO for every sensor and orientation.
 pub struct CoilHeating;
 
 impl Effect for CoilHeating {
@@ -82,7 +83,8 @@ impl Effect for CoilHeating {
     }
 }
 
-/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, following the drive at the first row: the field of currents that oppose the change.
+/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, following the drive at the first row: the field of currents that
+/// oppose the change.
 pub struct EddyCurrents;
 
 impl Effect for EddyCurrents {

@@ -42,8 +42,9 @@ impl Effect for Quantisation {
     }
 }
 
-/// ΔB = Σ a_k sin(2πkM/p) + b_k cos(2πkM/p), k from 1 to 5, M = B − O: codes that are wider and narrower in turn, with the period p of
-/// a bit. A bit of the wrong weight errs like a square wave, which these harmonics follow to 93 % of its energy.
+/// ΔB = Σ a_k sin(2πkM/p) + b_k cos(2πkM/p), k from 1 to 5, M = B − O: codes that are wider and narrower in
+/// turn, with the period p of a bit. A bit of the wrong weight errs like a square wave, which these harmonics
+/// follow to 93 % of its energy.
 pub struct DifferentialNonlinearity;
 
 /// An amplitude of a harmonic, none where a document does not give it.

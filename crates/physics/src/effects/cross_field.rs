@@ -3,8 +3,8 @@ use super::prelude::*;
 const SOURCE: &str = "Brauer et al. 1997, Transverse field effect in fluxgate sensors, Sens. Actuators A 59, 70; \
     NASA CR-156638, orthogonal field effects";
 
-/// ΔB = (a u² + b v² + c u v) / (50 000 nT)², u and v the fields across the sensor (for sensor x: SEN y and z). A part
-/// linear in them is a turned axis, which belongs to μ.
+/// ΔB = (a u² + b v² + c u v) / (50 000 nT)², u and v the fields across the sensor (for sensor x: SEN y and
+/// z). A part linear in them is a turned axis, which belongs to μ.
 pub struct CrossField;
 
 impl Effect for CrossField {

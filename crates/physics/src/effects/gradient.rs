@@ -2,8 +2,8 @@ use super::prelude::*;
 use crate::Basic;
 use common::Axis;
 
-/// A coil's field changes linearly away from its centre. Along the coil's axis n by g, across it by −g/2 (the field of an
-/// axisymmetric coil has no sources): ΔB(p) = B_c g (3 n (n·p) − p)/2, p in GEO, g in ppm/m.
+/// A coil's field changes linearly away from its centre. Along the coil's axis n by g, across it by −g/2 (the
+/// field of an axisymmetric coil has no sources): ΔB(p) = B_c g (3 n (n·p) − p)/2, p in GEO, g in ppm/m.
 fn gradient_field<T: Real>(n: &Vector3<T>, p: &Vector3<T>) -> Vector3<T> {
     let along = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
     (n * (along * 3.0) - p) * T::from(0.5)
@@ -38,7 +38,8 @@ fn seen_by_row<T: Real>(
     move |row| throughout.unwrap_or_else(|| at(row))
 }
 
-/// The sensors are not at one point, and one coil has a gradient; the positions are `instrument.positions_m` (SEN).
+/// The sensors are not at one point, and one coil has a gradient; the positions are `instrument.positions_m`
+/// (SEN).
 pub struct CoilGradient;
 
 impl Effect for CoilGradient {
@@ -78,7 +79,8 @@ impl Effect for CoilGradient {
     }
 }
 
-/// The block's centre is off the coils' centre by p (SEN, m); the coils' gradients are `facility.coils.*.gradient_nt_per_m_a`.
+/// The block's centre is off the coils' centre by p (SEN, m); the coils' gradients are
+/// `facility.coils.*.gradient_nt_per_m_a`.
 pub struct OffCentre;
 
 impl Effect for OffCentre {
@@ -128,8 +130,8 @@ impl Effect for OffCentre {
     }
 }
 
-/// What is known of the coils' gradients (`facility.coils.*.gradient_nt_per_m_a`) at the sensors' known places
-/// (`instrument.positions_m`): a part of the basic chain, in nT along each sensor.
+/// What is known of the coils' gradients (`facility.coils.*.gradient_nt_per_m_a`) at the sensors' known
+/// places (`instrument.positions_m`): a part of the basic chain, in nT along each sensor.
 pub fn add_known_gradient<T: Real>(basic: &Basic<T>, context: &Context<'_>, signal: &mut [Vector3<T>]) {
     let Some(positions) = &context.positions_m else { return };
     for coil in Axis::ALL {

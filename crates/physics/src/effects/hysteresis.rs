@@ -1,7 +1,7 @@
 use super::prelude::*;
 
-/// ΔB = −h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c (Duhem).
-/// Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
+/// ΔB = −h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c
+/// (Duhem). Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
 pub struct Hysteresis;
 
 impl Effect for Hysteresis {
@@ -46,8 +46,9 @@ impl Effect for Hysteresis {
     }
 }
 
-/// ΔB = r p, with p the play of half-width B_t: p stays within ±B_t of the field and moves only when pushed. Fields
-/// within ±B_t leave no trace; a larger one leaves r times its excess until an opposite one takes it back.
+/// ΔB = r p, with p the play of half-width B_t: p stays within ±B_t of the field and moves only when pushed.
+/// Fields within ±B_t leave no trace; a larger one leaves r times its excess until an opposite one takes it
+/// back.
 pub struct Perming;
 
 impl Effect for Perming {

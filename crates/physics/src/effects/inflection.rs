@@ -2,8 +2,8 @@ use super::prelude::*;
 use super::temperature::{Of, add};
 use crate::context::{KELVIN, Thermometer};
 
-/// ΔB = c (T − T_ref) + h w (g((T − T_i)/w) − g((T_ref − T_i)/w)), g(u) = ln cosh u: the coefficient goes from c − h, far below T_i, to
-/// c + h, over a range w; nT along the sensor, T_i in K.
+/// ΔB = c (T − T_ref) + h w (g((T − T_i)/w) − g((T_ref − T_i)/w)), g(u) = ln cosh u: the coefficient goes
+/// from c − h, far below T_i, to c + h, over a range w; nT along the sensor, T_i in K.
 pub struct OffsetTemperatureInflection;
 
 impl Effect for OffsetTemperatureInflection {

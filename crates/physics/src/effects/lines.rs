@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 const SOURCE: &str =
     "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
 
-/// One line in GEO: ΔB = s sin(2πft) + c cos(2πft), t on the campaign's clock. Samples are instantaneous, so that a
-/// line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s` says that they are
-/// means over w, the line is smaller by sin(πfw)/(πfw).
+/// One line in GEO: ΔB = s sin(2πft) + c cos(2πft), t on the campaign's clock. Samples are instantaneous, so
+/// that a line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s`
+/// says that they are means over w, the line is smaller by sin(πfw)/(πfw).
 macro_rules! line {
     ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $low:literal, $high:literal) => {
         #[doc = $doc]

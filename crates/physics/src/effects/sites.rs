@@ -4,7 +4,8 @@ use crate::context::Thermometer;
 use crate::frames::ARCSEC;
 use crate::memory::{Before, Signal};
 
-/// ΔB = G B at the test instrument, G in ppm: what the field at its pillar differs from the reference's in proportion.
+/// ΔB = G B at the test instrument, G in ppm: what the field at its pillar differs from the reference's in
+/// proportion.
 pub struct PillarGradient;
 
 impl Effect for PillarGradient {
@@ -155,8 +156,8 @@ impl Effect for PillarSettling {
     }
 }
 
-/// The block tilts as its tiltmeters say: ΔB = −g ω × B, ω = (tilt_x, tilt_y, 0) from `tilt_x_rad` and `tilt_y_rad`, g in ppm;
-/// a million where the tiltmeters are right.
+/// The block tilts as its tiltmeters say: ΔB = −g ω × B, ω = (tilt_x, tilt_y, 0) from `tilt_x_rad` and
+/// `tilt_y_rad`, g in ppm; a million where the tiltmeters are right.
 pub struct MeasuredTilt;
 
 impl Effect for MeasuredTilt {

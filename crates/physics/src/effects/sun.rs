@@ -38,8 +38,8 @@ impl<'a> Sun<'a> {
 }
 
 /// ΔB = lit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el)) in SEN, from `sun_azimuth_rad` or `_deg`; with
-/// `sun_elevation_rad` or `_deg` and `sunlit` (1 in the Sun, 0 in eclipse) or `eclipse` (the other way round) where there are such
-/// columns, else el = 0 and lit = 1.
+/// `sun_elevation_rad` or `_deg` and `sunlit` (1 in the Sun, 0 in eclipse) or `eclipse` (the other way round)
+/// where there are such columns, else el = 0 and lit = 1.
 pub struct SunThermoelectric;
 
 impl Effect for SunThermoelectric {
@@ -132,8 +132,9 @@ macro_rules! harmonics {
     };
 }
 
-/// ΔB = lit Σ_nm P_nm(sin el) (c_nm cos m az + s_nm sin m az) in SEN to degree 4, each component with its own coefficients; columns as
-/// for [`SunThermoelectric`]. P_nm are Schmidt's, of which the squares over the sphere have the mean 1/(2n + 1).
+/// ΔB = lit Σ_nm P_nm(sin el) (c_nm cos m az + s_nm sin m az) in SEN to degree 4, each component with its own
+/// coefficients; columns as for [`SunThermoelectric`]. P_nm are Schmidt's, of which the squares over the
+/// sphere have the mean 1/(2n + 1).
 pub struct SunThermoelectricHarmonics;
 
 impl Effect for SunThermoelectricHarmonics {

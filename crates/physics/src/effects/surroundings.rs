@@ -7,8 +7,8 @@ const VECTOR: [ParameterInfo; 3] = [
     ParameterInfo::amplitude("down_nt", 0.1, 200.0),
 ];
 
-/// A dipole on a straight line at constant speed, nearest at t₀: ΔB = (u + v x + w x²) / (1 + x²)^(5/2) in GEO, x = (t − t₀)/d
-/// the way over the smallest distance; u, v, w follow from the moment and the line.
+/// A dipole on a straight line at constant speed, nearest at t₀: ΔB = (u + v x + w x²) / (1 + x²)^(5/2) in
+/// GEO, x = (t − t₀)/d the way over the smallest distance; u, v, w follow from the moment and the line.
 pub struct VehiclePass;
 
 impl Effect for VehiclePass {
@@ -56,8 +56,8 @@ impl Effect for VehiclePass {
     }
 }
 
-/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`, or as much later and earlier as the
-/// slack says.
+/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`, or as
+/// much later and earlier as the slack says.
 pub struct WorkingHours;
 
 impl Effect for WorkingHours {

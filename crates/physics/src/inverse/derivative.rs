@@ -12,8 +12,8 @@ use crate::{Basic, Error, Parameter};
 const TOLERANCE: f64 = 1e-9;
 
 impl Solved<'_> {
-    /// ∂B/∂θ for each of some parameters and each row, nT per unit of the parameter, the readings held: F(B, θ) = y gives
-    /// ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
+    /// ∂B/∂θ for each of some parameters and each row, nT per unit of the parameter, the readings held: F(B,
+    /// θ) = y gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
     pub fn by_parameters(&self, parameters: &[Parameter]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let all: Vec<Vec<Vec<Vector3<f64>>>> = parameters
             .par_chunks(LANES)
@@ -22,8 +22,9 @@ impl Solved<'_> {
         Ok(all.into_iter().flatten().collect())
     }
 
-    /// Covariance of each row's field, nT², from errors of the readings that are independent from row to row and between
-    /// sensors, with these variances, nT². Where the chain remembers, the errors of the rows around are in it.
+    /// Covariance of each row's field, nT², from errors of the readings that are independent from row to row
+    /// and between sensors, with these variances, nT². Where the chain remembers, the errors of the rows
+    /// around are in it.
     pub fn covariance_of_readings(&self, variance_nt2: Vector3<f64>) -> Result<Vec<Matrix3<f64>>, Error> {
         let apart = match &self.step {
             Step::Band(band) if band.reach() > 0 => 2 * band.reach().max(2 * REACHES[0]) + 1,
@@ -55,8 +56,9 @@ impl Solved<'_> {
         }
     }
 
-    /// The same passes as for the field, with derivatives carried along in so many lanes: by one parameter in each; without parameters, by the readings
-    /// of each row, which change along a direction in each lane, in nT along the sensors.
+    /// The same passes as for the field, with derivatives carried along in so many lanes: by one parameter in
+    /// each; without parameters, by the readings of each row, which change along a direction in each lane, in
+    /// nT along the sensors.
     fn derivatives(
         &self,
         parameters: &[Parameter],

@@ -12,7 +12,8 @@ use band::Band;
 
 /// Passes before the chain counts as not invertible.
 const PASSES: usize = 60;
-/// A field has settled when a pass changes it, or its prediction misses the reading, by no more than this, nT.
+/// A field has settled when a pass changes it, or its prediction misses the reading, by no more than this,
+/// nT.
 const TOLERANCE_NT: f64 = 1e-9;
 /// Slopes are taken anew at most so often.
 const SLOPES: usize = 8;
@@ -28,16 +29,18 @@ pub enum Row {
     Found,
     /// A reading is missing, or what its prediction needs.
     Missing,
-    /// The readings do not determine its field: the passes did not settle, or the row was read too late to be seen.
+    /// The readings do not determine its field: the passes did not settle, or the row was read too late to be
+    /// seen.
     NotInvertible,
 }
 
 /// Runs the second half F of the forward chain, from the field in SEN to the readings, backwards.
 ///
-/// Solves F(B) = y by B ← B + S (y − F(B)), for all rows at once. S is (μᵀ)⁻¹, so that one pass is exact for effects that do
-/// not depend on the field and a few for those that do (NASA's two-pass correction is its beginning). Where F remembers, or
-/// that does not settle, S is the inverse of ∂F/∂B, which dual numbers give for rows near each other: lags and delays
-/// longer than a step are taken out that way. What comes of it holds to [`TOLERANCE_NT`] whatever S, or is said not to.
+/// Solves F(B) = y by B ← B + S (y − F(B)), for all rows at once. S is (μᵀ)⁻¹, so that one pass is exact for
+/// effects that do not depend on the field and a few for those that do (NASA's two-pass correction is its
+/// beginning). Where F remembers, or that does not settle, S is the inverse of ∂F/∂B, which dual numbers give
+/// for rows near each other: lags and delays longer than a step are taken out that way. What comes of it
+/// holds to [`TOLERANCE_NT`] whatever S, or is said not to.
 #[derive(Clone, Copy, Debug)]
 pub struct Inverter<'a> {
     basic: &'a Basic,
@@ -106,8 +109,8 @@ impl<'a> Inverter<'a> {
         Ok(Self { basic, effects, context, unmix })
     }
 
-    /// Whether the readings are a matrix times the field and offsets, the same in all rows: no effect acts behind the field, and
-    /// no coil's gradient is known.
+    /// Whether the readings are a matrix times the field and offsets, the same in all rows: no effect acts
+    /// behind the field, and no coil's gradient is known.
     pub fn is_affine(&self) -> bool {
         let behind = |effect: &EffectInstance| effect.kind.about().stage >= Stage::Block;
         let gradient = self.context.positions_m.is_some() && self.context.gradient_nt_per_m_a.amax() > 0.0;
@@ -256,8 +259,8 @@ impl<'a> Inverter<'a> {
     }
 }
 
-/// The field in SEN of every row, where the chain has an inverse in all of them; see [`Inverter`]. A row with a missing reading
-/// gives a missing field.
+/// The field in SEN of every row, where the chain has an inverse in all of them; see [`Inverter`]. A row with
+/// a missing reading gives a missing field.
 pub fn field_in_sen(
     basic: &Basic,
     effects: &[EffectInstance],

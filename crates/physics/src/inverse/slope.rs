@@ -44,7 +44,8 @@ impl Inverter<'_> {
         Ok(even[0].iter().skip(1).step_by(2).any(remembered))
     }
 
-    /// (∂F/∂B)⁻¹ in each row, where rows are independent of each other; of what a reading does not show, nothing (see [`Band`]).
+    /// (∂F/∂B)⁻¹ in each row, where rows are independent of each other; of what a reading does not show,
+    /// nothing (see [`Band`]).
     pub(super) fn inverses(&self, field: &[Vector3<f64>]) -> Result<Vec<Matrix3<f64>>, Error> {
         let passes = self.along(field, 3, |_, lane| Vector3::ith(lane, 1.0))?;
         let inverse = |row: usize| {

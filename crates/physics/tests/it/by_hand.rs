@@ -1,5 +1,5 @@
-//! What each effect adds, worked out by hand: signs, units and axes, on a bench where nothing else happens. Effects with memory
-//! that SciPy recomputes (fixtures/reference) are not repeated here.
+//! What each effect adds, worked out by hand: signs, units and axes, on a bench where nothing else happens.
+//! Effects with memory that SciPy recomputes (fixtures/reference) are not repeated here.
 
 use common::{AdoptedEffect, Document, Model};
 use nalgebra::Vector3;
@@ -233,7 +233,8 @@ fn a_gradient_along_the_axis_is_minus_twice_that_across() {
     };
     let positions = json!({"x": [0.1, 0, 0], "y": [0, 0, 0.3], "z": [0, 0, 0.2]});
     let gradient = json!({"effect": "coil_gradient", "coil": "z", "parameters": {"gradient_ppm_per_m": 100}});
-    // 50 000 nT · 100 ppm/m = 5 nT/m along z: +1 nT at 0.2 m; −2.5 nT/m across: −0.25 nT at 0.1 m; y sees nothing of its own axis.
+    // 50 000 nT · 100 ppm/m = 5 nT/m along z: +1 nT at 0.2 m; −2.5 nT/m across: −0.25 nT at 0.1 m; y sees
+    // nothing of its own axis.
     assert_adds(with(positions.clone(), json!({})), gradient, &[[-0.25, 0.0, 1.0]]);
     // The block 0.2 m too low in a coil of 0.1 nT/(m A).
     let known = json!({"coils": {"z": {"gradient_nt_per_m_a": 0.1}}});
@@ -280,7 +281,8 @@ fn lines_at_their_phase_and_their_mean() {
 
 #[test]
 fn a_dipole_goes_by_north_to_south() {
-    // A moment m down at (−v t, 0, h): B ∝ (3 (m·r) r − m r²)/r⁵ with r = (v t, 0, −h); down: (2 h² − (v t)²), north: −3 h v t.
+    // A moment m down at (−v t, 0, h): B ∝ (3 (m·r) r − m r²)/r⁵ with r = (v t, 0, −h); down: (2 h² − (v
+    // t)²), north: −3 h v t.
     let time = [-20.0, -10.0, 0.0, 10.0, 20.0];
     let pass = bench(json!({"time_s": time, "coil_x_a": [0, 0, 0, 0, 0]}), json!({}));
     let mut parameters = json!({"time_s": 0, "duration_s": 10});
@@ -476,7 +478,8 @@ fn short_recordings_are_no_trouble() {
     }
 }
 
-/// Each of two clocks reads the field as it was before either: at 20 s the field of 19.5 s, at 30 s that of 26 s.
+/// Each of two clocks reads the field as it was before either: at 20 s the field of 19.5 s, at 30 s that of
+/// 26 s.
 #[test]
 fn effects_that_act_at_times_of_their_own() {
     let ramp = || bench(json!({"time_s": [0, 10, 20, 30, 40], "coil_x_a": [0, 1, 2, 3, 4]}), json!({}));

@@ -9,8 +9,8 @@ use physics::{
     Stage, Unit,
 };
 
-/// Two hours at uneven steps with a gap, temperatures up and down, currents on and off, housekeeping; tilted axes. On a
-/// Friday afternoon, so that working hours end in it.
+/// Two hours at uneven steps with a gap, temperatures up and down, currents on and off, housekeeping; tilted
+/// axes. On a Friday afternoon, so that working hours end in it.
 fn document(procedure: &str) -> Document {
     let mut time = Vec::new();
     let mut t = 0.0;
@@ -74,7 +74,8 @@ fn setting(document: &Document) -> (Basic, Context<'_>) {
 
 /// An effect at the geometric middle of its plausible ranges.
 fn typical(kind: Kind) -> EffectInstance {
-    // Two alike may hide a third: a coil as warm at the first row as its current makes it shows no time constant.
+    // Two alike may hide a third: a coil as warm at the first row as its current makes it shows no time
+    // constant.
     let share = |info: &ParameterInfo| if info.absent.is_some() { 0.5 } else { 1.0 };
     let parameters =
         kind.parameters().iter().map(|info| share(info) * (info.low * info.high).sqrt()).collect();
@@ -89,7 +90,8 @@ fn typical(kind: Kind) -> EffectInstance {
     }
 }
 
-/// Share of a parameter over which the prediction is smooth: a frequency of many cycles moves less than a time constant.
+/// Share of a parameter over which the prediction is smooth: a frequency of many cycles moves less than a
+/// time constant.
 fn smooth(kind: Kind, name: &str) -> f64 {
     match (kind, name) {
         (_, "frequency_hz") => 1e-8,
@@ -295,7 +297,8 @@ fn the_chain_runs_backwards_or_says_that_it_cannot() {
         }
         let worst = worst_difference(&field.unwrap_or_else(|error| panic!("{error}")), &prediction.field_sen);
         assert!(worst < 1e-6, "{}: {worst} nT", kind.name());
-        // Without the effect the field is missed by what the effect does; a facility's effect is in the field itself.
+        // Without the effect the field is missed by what the effect does; a facility's effect is in the field
+        // itself.
         let without = physics::field_in_sen(&basic, &[], &context, &prediction.readings).expect("an inverse");
         let missed = worst_difference(&without, &prediction.field_sen);
         assert_eq!(missed > 1e-4, kind.about().stage >= Stage::Block, "{}: {missed} nT", kind.name());
@@ -328,7 +331,8 @@ fn a_facility_effect_is_corrected_in_the_field_that_is_predicted() {
         physics::predict(&basic, std::slice::from_ref(&effect), &context).expect("predicted").field_sen;
     let cold = physics::predict(&basic, &[], &context).expect("predicted").field_sen;
     let by_hand: Vec<f64> = {
-        // k falls by a P + b W, τ dP/dt = I² − P, τ dW/dt = −W; explicit small steps instead of the exact formula.
+        // k falls by a P + b W, τ dP/dt = I² − P, τ dW/dt = −W; explicit small steps instead of the exact
+        // formula.
         let time = context.times("test").expect("times");
         let [a, b, tau] = effect.parameters[..] else { panic!("three parameters") };
         let (a, b) = (a * 1e-6, b * 1e-6);

@@ -54,7 +54,8 @@ fn lags_longer_than_a_step_are_taken_out() {
         println!("lag of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
         assert!(off < 1e-6 && lost == 0, "{lag_s}: {off} {lost}");
     }
-    // What a lag of very many steps leaves of a change from row to row cannot be told from rounding; no row is claimed wrongly.
+    // What a lag of very many steps leaves of a change from row to row cannot be told from rounding; no row
+    // is claimed wrongly.
     let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[100.0])]);
     assert!(rows.contains(&Row::NotInvertible) && off < 1e-6, "{off}");
 }
@@ -158,7 +159,8 @@ fn derivatives_agree_with_differences() {
     }
     let turned = solved.by_parameters(&[Parameter::SensorTurn(Axis::X, 0)]).expect("a derivative").remove(0);
     assert!(turned.iter().all(|row| row.amax() < 70_000.0) && turned.iter().any(|row| row.amax() > 10_000.0));
-    // Errors of the readings: with the lag the reading of z is worth less, and the errors of neighbours come in.
+    // Errors of the readings: with the lag the reading of z is worth less, and the errors of neighbours come
+    // in.
     let covariance = solved.covariance_of_readings(Vector3::new(0.01, 0.01, 0.01)).expect("a covariance");
     let plain = basic.mu.transpose().try_inverse().expect("three directions");
     let plain: Matrix3<f64> = plain * plain.transpose() * 0.01;

@@ -15,9 +15,11 @@ use crate::split::Split;
 use crate::stages::Stages;
 
 const MAPPING: &str = include_str!("../../../../fixtures/real/balloon-pair.json");
-/// Readings beyond it are faults of the logger: the Earth's field is 53 µT here, and steel on the ground made 89 µT of it.
+/// Readings beyond it are faults of the logger: the Earth's field is 53 µT here, and steel on the ground made
+/// 89 µT of it.
 const WILD_NT: f64 = 200_000.0;
-/// Free flight: from the launch, when the steel was left behind, to the last row but those that follow the release.
+/// Free flight: from the launch, when the steel was left behind, to the last row but those that follow the
+/// release.
 const FLIGHT_S: std::ops::Range<f64> = 3300.0..6900.0;
 /// Means over so much: the vehicle turns in tens of seconds, and the two are read some ms apart.
 const STEP_S: f64 = 4.0;

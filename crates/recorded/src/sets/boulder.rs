@@ -27,7 +27,8 @@ fn both(stages: &Stages) -> Result<Series, Error> {
     Ok(raw.joined(&adjusted))
 }
 
-/// The observatory published raw and adjusted minutes: between them is one matrix, which diffmag must give back.
+/// The observatory published raw and adjusted minutes: between them is one matrix, which diffmag must give
+/// back.
 pub fn published(stages: &Stages) -> Result<Page, Error> {
     let split = Split::share(&both(stages)?.complete(), 0.5);
     let mut page = Page::default();

@@ -1,4 +1,5 @@
-//! scalarcal on sensors that others turned by hand: each half of a run predicts the other, and one run another.
+//! scalarcal on sensors that others turned by hand: each half of a run predicts the other, and one run
+//! another.
 
 use super::turned::{self, HEADS, Part, Turned, within};
 use crate::Error;

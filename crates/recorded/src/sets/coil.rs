@@ -30,7 +30,8 @@ fn drive(z: &[f64]) -> Vec<f64> {
     (0..z.len()).map(|row| if held(row) { sign(row) * DRIVE_A } else { f64::NAN }).collect()
 }
 
-/// A fluxgate in the laboratory's field beside a coil; the first row of the logger is known to be an artefact, and diagnose is not told.
+/// A fluxgate in the laboratory's field beside a coil; the first row of the logger is known to be an
+/// artefact, and diagnose is not told.
 pub fn square_wave(stages: &Stages) -> Result<Page, Error> {
     let file = stages.file("tucan-coil-tests/squareCoil_F=0.1Hz_Resistor.csv")?;
     let series = stages.ingest(&[file], None)?;

@@ -33,8 +33,8 @@ pub struct Pair<'a> {
     pub why: &'static str,
 }
 
-/// Both at the test instrument's own times, whose readings stay as they are; the reference's are read where it was when the test instrument's clock said
-/// `late_s` of the time more.
+/// Both at the test instrument's own times, whose readings stay as they are; the reference's are read where
+/// it was when the test instrument's clock said `late_s` of the time more.
 fn side_by_side(reference: &Series, test: &Series, late_s: impl Fn(f64) -> f64) -> Series {
     let test = test.clone().on_clock(reference.start_s);
     let stamps = test.column("time_s").to_vec();
@@ -42,7 +42,8 @@ fn side_by_side(reference: &Series, test: &Series, late_s: impl Fn(f64) -> f64) 
     reference.at(&moments).with("time_s", stamps).joined(&test).complete()
 }
 
-/// Runs diffmag and shows what its matrix leaves, in the fit and out of it; the document that it wrote, where it did.
+/// Runs diffmag and shows what its matrix leaves, in the fit and out of it; the document that it wrote, where
+/// it did.
 pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Value>, Error> {
     let recordings = vec![
         pair.reference.recording("reference", "differential"),
@@ -157,7 +158,8 @@ pub fn clock_in_words(clock: &Value) -> String {
     }
 }
 
-/// The drift of each axis that diffmag found in the fitted part and that goes on, and the housekeeping columns that it follows.
+/// The drift of each axis that diffmag found in the fitted part and that goes on, and the housekeeping
+/// columns that it follows.
 pub struct Drift {
     follows: [Vec<Followed>; 3],
     first_s: f64,
@@ -182,7 +184,8 @@ impl Drift {
             let demanded = drift["demanded"].as_str().unwrap_or("none");
             let joint = &drift["joint"];
             let mut of = DriftOf::default();
-            // What a drift that may be one is expected to bring; beside a column that is followed none is fitted.
+            // What a drift that may be one is expected to bring; beside a column that is followed none is
+            // fitted.
             if axes[axis]["follows"].is_null() {
                 let explanations = &drift["explanations"];
                 of.nt_per_s =

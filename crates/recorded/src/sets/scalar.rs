@@ -1,4 +1,5 @@
-//! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after what diagnose found.
+//! A vector magnetometer against a scalar one: the length of the vector less the scalar, before and after
+//! what diagnose found.
 
 use serde_json::{Value, json};
 
@@ -37,7 +38,8 @@ pub const PLANE: (&str, ByHand) = ("a level and three slopes by plain least squa
 /// Readings that correcting moves by no more were not corrected.
 const UNMOVED_NT: f64 = 1e-6;
 
-/// Length of the vector less scalar under one explanation, nT, of the fitted part and of the one that was left out.
+/// Length of the vector less scalar under one explanation, nT, of the fitted part and of the one that was
+/// left out.
 struct Left {
     what: String,
     nt: [Vec<f64>; 2],
@@ -118,7 +120,8 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
     Ok(())
 }
 
-/// What data sheets of observatories' fluxgates promise: sensitivities within 0.1 %, axes within 2 mrad; and how far a compensation may be off.
+/// What data sheets of observatories' fluxgates promise: sensitivities within 0.1 %, axes within 2 mrad; and
+/// how far a compensation may be off.
 const SENSITIVITY: f64 = 1e-3;
 const ARCSEC: f64 = 413.0;
 const OFFSET_NT: f64 = 500.0;
@@ -196,8 +199,9 @@ fn diagnosis(page: &mut Page, document: &Value, all: &[Left], by_hand_nt: Option
     }
 }
 
-/// What is wrong with a refit, where something is: it is worse than what came, or so much better than plain least squares that only
-/// sensitivities of nothing reach it (k = 0 with an offset as long as the field leaves no residual at all).
+/// What is wrong with a refit, where something is: it is worse than what came, or so much better than plain
+/// least squares that only sensitivities of nothing reach it (k = 0 with an offset as long as the field
+/// leaves no residual at all).
 fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
     if refit_nt > 1.01 * came_nt {
         return Some("The refit is worse than what came: a fault of the program and no finding.");
@@ -208,8 +212,8 @@ fn fault(refit_nt: f64, came_nt: f64, by_hand_nt: f64) -> Option<&'static str> {
     )
 }
 
-/// The level alone or the constants by hand: what predicts the last third of the fitted part better from its first two thirds, and the scatter that
-/// it leaves of what was left out.
+/// The level alone or the constants by hand: what predicts the last third of the fitted part better from its
+/// first two thirds, and the scatter that it leaves of what was left out.
 fn by_hand_way(scalar: &Scalar<'_>, all: &[Left]) -> (String, f64) {
     let (what, by_hand) = scalar.by_hand;
     let Split { fitted, left_out } = Split::share(&scalar.fitted, 2.0 / 3.0);
@@ -231,7 +235,8 @@ fn moved(after: &[f64], before: &[f64]) -> bool {
     after.iter().zip(before).any(|(after, before)| (after - before).abs() > UNMOVED_NT)
 }
 
-/// What is left of both parts as `correct` has their field by a document's calibration and model; its words where it refuses.
+/// What is left of both parts as `correct` has their field by a document's calibration and model; its words
+/// where it refuses.
 fn corrected(
     stages: &Stages,
     parts: [&Series; 2],

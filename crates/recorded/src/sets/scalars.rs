@@ -79,7 +79,8 @@ pub fn vernadsky(stages: &Stages) -> Result<Page, Error> {
     Ok(page)
 }
 
-/// Cobenzl: the proton magnetometer against the DIDD's own total field, by shifts of its clock, then by diagnose on two days.
+/// Cobenzl: the proton magnetometer against the DIDD's own total field, by shifts of its clock, then by
+/// diagnose on two days.
 pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
     let folder = "wik-cobenzl-2011-09a";
     let didd = stages.ingest(&stages.files(&format!("{folder}/didd"), ".WIK")?, Some(DIDD))?;
@@ -182,7 +183,8 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
     Ok(page)
 }
 
-/// What the log's clock is ahead of the instrument's in a line of the proton magnetometer, `00:00:04  48520,3  0831235932`, s.
+/// What the log's clock is ahead of the instrument's in a line of the proton magnetometer, `00:00:04  48520,3
+/// 0831235932`, s.
 fn clocks_apart_s(line: &str) -> Option<f64> {
     let mut fields = line.split_whitespace();
     let (log, instrument) = (fields.next()?.replace(':', ""), fields.nth(1)?);
@@ -208,7 +210,8 @@ fn centred(proton: &Series) -> Series {
     means.with("time_s", back)
 }
 
-/// Standard deviation of the DIDD's total field less the proton magnetometer's, whose times are moved by `shift` s, nT.
+/// Standard deviation of the DIDD's total field less the proton magnetometer's, whose times are moved by
+/// `shift` s, nT.
 fn scatter(didd: &Series, proton: &Series, shift: f64) -> f64 {
     let moved = proton.column("time_s").iter().map(|t| t + shift).collect();
     let proton = centred(&proton.clone().with("time_s", moved));

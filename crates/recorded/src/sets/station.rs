@@ -1,4 +1,5 @@
-//! One instrument by itself, without anything to compare it with: what can be said of its temperature, and what not.
+//! One instrument by itself, without anything to compare it with: what can be said of its temperature, and
+//! what not.
 
 use serde_json::{Value, json};
 
@@ -11,7 +12,8 @@ const HAMSCI: &str = include_str!("../../../../fixtures/ingest/real/hamsci.json"
 const MARG: &str = include_str!("../../../../fixtures/ingest/real/marg.json");
 const MARG_TEMPERATURE: &str = include_str!("../../../../fixtures/real/marg-temperature.json");
 
-/// The mean of each sensor as what its offset is to take away: nothing says what the field is, so only changes are looked at.
+/// The mean of each sensor as what its offset is to take away: nothing says what the field is, so only
+/// changes are looked at.
 fn levels(series: &Series) -> Value {
     let sensors: Value = ["x", "y", "z"]
         .into_iter()

@@ -1,4 +1,5 @@
-//! Sensors that were turned by hand: scalarcal on one part, held against another by the spread of the magnitude there.
+//! Sensors that were turned by hand: scalarcal on one part, held against another by the spread of the
+//! magnitude there.
 
 use serde_json::{Value, json};
 
@@ -34,8 +35,8 @@ pub struct Turned<'a> {
     pub why: &'static str,
 }
 
-/// What is stated of sensors, with standard uncertainties: a sensitivity of one, relative; axes at right angles, arcseconds; and offsets, nT. Offsets
-/// without an uncertainty are free.
+/// What is stated of sensors, with standard uncertainties: a sensitivity of one, relative; axes at right
+/// angles, arcseconds; and offsets, nT. Offsets without an uncertainty are free.
 pub fn within(sensitivity: f64, arcsec: f64, offset_nt: [f64; 3], offset_std_nt: f64) -> Value {
     let sensors: Value = ["x", "y", "z"]
         .into_iter()
@@ -97,7 +98,8 @@ pub fn study(
     Ok(())
 }
 
-/// Why it may predict worse: scalarcal says that the offsets are no better known than by what is added to the spread.
+/// Why it may predict worse: scalarcal says that the offsets are no better known than by what is added to the
+/// spread.
 fn why(added_nt: f64, offset_std_nt: f64) -> Option<String> {
     (added_nt <= offset_std_nt).then(|| format!(
         "scalarcal says that an offset may be off by ± {} nT (standard uncertainty), which is more than the {} nT that the spread is worse by in the \
@@ -107,8 +109,8 @@ fn why(added_nt: f64, offset_std_nt: f64) -> Option<String> {
     ))
 }
 
-/// Of the last two predictions, one part by another and that by the first: where one is worse and has no other reason, that the two together are better,
-/// if they are.
+/// Of the last two predictions, one part by another and that by the first: where one is worse and has no
+/// other reason, that the two together are better, if they are.
 pub fn by_turns(page: &mut Page) {
     let Some([.., first, second]) = page.predictions.get_mut(..) else { return };
     let both = |one: &Prediction| Some((*one.by_hand_nt.first()?, *one.programs_nt.as_ref()?.first()?));
@@ -177,7 +179,8 @@ fn spread_of_corrected(
     }))
 }
 
-/// The way by hand that predicts the last third of the fitted part best from its first two thirds, and the spread that it leaves of another part.
+/// The way by hand that predicts the last third of the fitted part best from its first two thirds, and the
+/// spread that it leaves of another part.
 fn by_hand(fitted: &Series, part: &Series) -> (String, f64) {
     let Split { fitted: first, left_out: last } = Split::share(fitted, 2.0 / 3.0);
     let shapes = [None, Some(Shape::Sphere), Some(Shape::AlongAxes), Some(Shape::Full)];
@@ -196,7 +199,8 @@ fn by_hand(fitted: &Series, part: &Series) -> (String, f64) {
     best.map_or(("nothing".into(), f64::NAN), |(shape, _, spread)| (words(shape), spread))
 }
 
-/// The middle of the readings of each sensor, nT: where iron and offsets put the centre of the sphere, roughly.
+/// The middle of the readings of each sensor, nT: where iron and offsets put the centre of the sphere,
+/// roughly.
 pub fn middle(series: &Series) -> [f64; 3] {
     ["x", "y", "z"].map(|axis| {
         let values = series.column(&format!("sensor_{axis}_nt"));

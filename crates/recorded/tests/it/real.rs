@@ -1,5 +1,5 @@
-//! Real recordings, which are not in the repository: tests that need them are run by `just recordings`, with the folder in
-//! `FLUXCAL_DATA` (else `../shared/data` beside the repository), the programs built.
+//! Real recordings, which are not in the repository: tests that need them are run by `just recordings`, with
+//! the folder in `FLUXCAL_DATA` (else `../shared/data` beside the repository), the programs built.
 
 use std::path::{Path, PathBuf};
 use testkit::programs::Programs;

@@ -81,7 +81,8 @@ fn calibrated(calibration: &Calibration) -> Option<String> {
     Some(format!("Calibrated: {}{}{}.", parts.join(", "), ends.unwrap_or_default(), agreement(calibration)))
 }
 
-/// Whether the readings of the directions agree with what was declared, and how many do not belong to the rest.
+/// Whether the readings of the directions agree with what was declared, and how many do not belong to the
+/// rest.
 fn agreement(calibration: &Calibration) -> String {
     let axes = calibration.axes.as_ref();
     let doubtful = axes.map_or(0, |axes| axes.doubtful.len());

@@ -7,10 +7,12 @@ use crate::plot::{self, Dimension, Mark, Plot, Series};
 const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 const LEVEL: f64 = 0.95;
 
-/// Two maps: where each direction lies about its nominal axis, and the region about it in which it lies with 95 %.
+/// Two maps: where each direction lies about its nominal axis, and the region about it in which it lies with
+/// 95 %.
 ///
-/// The first is azimuthal equidistant around each nominal axis e_i: for the direction v at the angle θ from e_i the point is
-/// θ (v·e_j, v·e_k)/sin θ, with i, j, k in cyclic order. The second has the covariance of v taken to the tangent plane at v.
+/// The first is azimuthal equidistant around each nominal axis e_i: for the direction v at the angle θ from
+/// e_i the point is θ (v·e_j, v·e_k)/sin θ, with i, j, k in cyclic order. The second has the covariance of v
+/// taken to the tangent plane at v.
 pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
     let note = "Across and up: the two other axes in cyclic order, for x towards y and z, for y towards z and x, for z towards x and y.";
     let arcsec = |label: &str| Dimension::linear(label, "arcsec");

@@ -1,6 +1,7 @@
 //! What each finding does to the result, by numbers that the document holds.
 //!
-//! A stage says a finding as a sentence. A rule knows it by a phrase, and takes its effect from the part of the document that the finding is about.
+//! A stage says a finding as a sentence. A rule knows it by a phrase, and takes its effect from the part of
+//! the document that the finding is about.
 
 pub mod axes;
 pub mod coils;
@@ -47,7 +48,8 @@ fn before(words: &str, follow: &str) -> Option<f64> {
     ahead.rsplit(' ').next()?.replace('−', "-").parse().ok()
 }
 
-/// The largest parameter of the departures that were found and are named in a finding, in its standard uncertainties.
+/// The largest parameter of the departures that were found and are named in a finding, in its standard
+/// uncertainties.
 fn departure(departures: &[common::Departure], words: &str) -> Effect {
     let named = |one: &&common::Departure| {
         one.found && words.replace(' ', "_").contains(&one.departure.replace(' ', "_"))
@@ -61,7 +63,8 @@ pub mod tests {
     use super::*;
     use std::path::Path;
 
-    /// Holds the phrases of rules to the sources of the stage that says them, without the breaks of their lines.
+    /// Holds the phrases of rules to the sources of the stage that says them, without the breaks of their
+    /// lines.
     pub fn said_by<T>(stage: &str, rules: &[Rule<T>]) {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(stage).join("src");
         let mut all = String::new();

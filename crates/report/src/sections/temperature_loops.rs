@@ -7,8 +7,8 @@ use crate::plot::{Dimension, Mark, Plot, Series};
 
 /// k and O of each run against the temperature that moved in it, as they are and less their fitted curve.
 ///
-/// With x = c ΔT + c₂ ΔT² for the sensitivity and o ΔT + o₂ ΔT² for the offset, ΔT from the reference, a field is read as
-/// B (1 + x) + o ΔT + o₂ ΔT²; so k (1 + x) and O + o ΔT + o₂ ΔT² would not move.
+/// With x = c ΔT + c₂ ΔT² for the sensitivity and o ΔT + o₂ ΔT² for the offset, ΔT from the reference, a
+/// field is read as B (1 + x) + o ΔT + o₂ ΔT²; so k (1 + x) and O + o ΔT + o₂ ΔT² would not move.
 pub fn plots(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
     let levels = &fit.levels;
     let mut plots = Vec::new();

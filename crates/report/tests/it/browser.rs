@@ -1,5 +1,5 @@
-//! Pages in headless Chromium: no console errors, every plot drawn, nothing that overlaps or hangs out, in both themes and on a
-//! phone's width. Needs the browser: `just browser`.
+//! Pages in headless Chromium: no console errors, every plot drawn, nothing that overlaps or hangs out, in
+//! both themes and on a phone's width. Needs the browser: `just browser`.
 
 use common::Document;
 use conformity::Spec;
@@ -136,7 +136,8 @@ fn printed(folder: &Path, page: &str) {
     assert!(pages.last().is_some_and(|page| page.contains("Signature")), "{pages:?}");
 }
 
-/// Opens the pages in frames of each width, since a window cannot be as narrow as a phone: what each told, and the console.
+/// Opens the pages in frames of each width, since a window cannot be as narrow as a phone: what each told,
+/// and the console.
 fn open<'a>(folder: &Path, pages: impl Iterator<Item = &'a String>, theme: &str) -> (Vec<Seen>, Vec<String>) {
     let frame = |page: &String| {
         WIDTHS.map(|width| {

@@ -1,5 +1,5 @@
-//! What statements of conformity say of simulated campaigns, against the same statement of the truth. FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST the seed
-//! of the first. The programs must be built.
+//! What statements of conformity say of simulated campaigns, against the same statement of the truth.
+//! FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST the seed of the first. The programs must be built.
 
 use common::{Axis, Document};
 use conformity::Spec;
@@ -83,7 +83,8 @@ fn spec() -> Spec {
     Spec::parse(&spec.to_string()).expect("a specification")
 }
 
-/// 95 % intervals of the statement: 93 to 97 %, and at least 93 % for the trend, which allows for a random walk.
+/// 95 % intervals of the statement: 93 to 97 %, and at least 93 % for the trend, which allows for a random
+/// walk.
 #[test]
 fn statements_hold_over_campaigns() {
     let (count, first) = (testkit::campaigns(1), testkit::number("FLUXCAL_FIRST").unwrap_or(1));

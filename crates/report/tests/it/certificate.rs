@@ -22,8 +22,8 @@ fn html(document: &Value) -> String {
     certificate::render(&sheet(document), None)
 }
 
-/// The campaign of MAGSAT with all administrative data and a specification, a rotation in a meadow with none. BLESS=1 writes them anew; read the
-/// difference before it is kept.
+/// The campaign of MAGSAT with all administrative data and a specification, a rotation in a meadow with none.
+/// BLESS=1 writes them anew; read the difference before it is kept.
 #[test]
 fn golden() {
     let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
@@ -68,7 +68,8 @@ fn every_clause_is_answered() {
     complete["certificate"] = fixture("certificate/magsat.json");
     for document in [complete, fixture("scalarcal/meadow/expected.json"), json!({"fluxcal": 1})] {
         let html = html(&document);
-        // The clauses as they are marked: "7.8.2.1 c, e, g to j" has five letters; what counts here is each by itself.
+        // The clauses as they are marked: "7.8.2.1 c, e, g to j" has five letters; what counts here is each
+        // by itself.
         for letter in 'a'..='p' {
             let own = format!("(7.8.2.1 {letter})");
             assert!(html.contains(&own) || (letter == 'm' && html.contains("(7.8.2.1 m, p,")), "{own}");
@@ -130,7 +131,8 @@ fn an_element_of_a_pair_has_the_factor_of_its_degrees_of_freedom() {
     assert!(page(Value::Null).contains("1.000000 ± 0.000020"));
 }
 
-/// Sensitivity of x: u = 0.0146, and no degrees of freedom but those of the fits (the larger factor, 2.11): U = 0.031.
+/// Sensitivity of x: u = 0.0146, and no degrees of freedom but those of the fits (the larger factor, 2.11): U
+/// = 0.031.
 #[test]
 fn results_are_those_of_the_document_with_their_expanded_uncertainty() {
     let page = html(&fixture("specs/calibrated/input.json"));

@@ -76,7 +76,8 @@ fn values_and_uncertainties_are_those_of_draws_in_numpy() {
             near(found.std, number("std"), of_std);
         }
     };
-    // The spread of 20 000 draws is known to 0.5 %; the largest of the two ways to turn is a little high in draws.
+    // The spread of 20 000 draws is known to 0.5 %; the largest of the two ways to turn is a little high in
+    // draws.
     pairs("orthogonality_deg", of(RequirementKind::OrthogonalityDeg, false), 1e-9, 0.015);
     pairs("axes_arcsec", of(RequirementKind::AxesArcsec, false), 0.015, 0.015);
     pairs("offset_over_temperature_nt", of(RequirementKind::OffsetStabilityNt, false), 1e-4, 0.015);
@@ -155,7 +156,8 @@ fn turned_by_temperature() {
     assert_eq!(one.verdict, Verdict::Pass);
 }
 
-/// A lag of 4 ms lets 39.79 Hz through; u(τ)/τ = 1/40. An output that stands at 60 000 nT is a range of 60 000 nT.
+/// A lag of 4 ms lets 39.79 Hz through; u(τ)/τ = 1/40. An output that stands at 60 000 nT is a range of 60
+/// 000 nT.
 #[test]
 fn bandwidth_by_its_lag_and_a_range_by_its_end() {
     let mut input = calibrated();
@@ -244,7 +246,8 @@ fn nothing_is_shown_of_an_empty_document() {
     }
 }
 
-/// What a fixture may show in part is not taken as shown: each part that is taken away turns the requirement to not shown.
+/// What a fixture may show in part is not taken as shown: each part that is taken away turns the requirement
+/// to not shown.
 #[test]
 fn what_is_taken_away_is_not_shown() {
     let cases = [
@@ -274,7 +277,8 @@ fn what_is_taken_away_is_not_shown() {
     assert_eq!(judged(&lacking, &spec)[0].verdict, Verdict::NotShown);
 }
 
-/// A value without an uncertainty decides nothing; a sensor that the instrument does not have is not asked for.
+/// A value without an uncertainty decides nothing; a sensor that the instrument does not have is not asked
+/// for.
 #[test]
 fn without_uncertainty_nothing_is_shown() {
     let lag = json!({"effect": "loop_bandwidth", "sensor": "x", "parameters": {"lag_s": 0.004}});
@@ -299,7 +303,8 @@ fn a_covariance_that_does_not_go_with_its_order_is_refused() {
     );
 }
 
-/// The statement of the fixture, word for word. BLESS=1 writes it anew; read the difference before it is kept.
+/// The statement of the fixture, word for word. BLESS=1 writes it anew; read the difference before it is
+/// kept.
 #[test]
 fn golden() {
     let input = testkit::read_fixture("specs/calibrated/input.json");
@@ -314,7 +319,8 @@ fn golden() {
     assert_eq!(text, fs::read_to_string(&file).expect("committed"));
 }
 
-/// Every specification of `fixtures/specs/bad` brings its message, exit code 2, and nothing on standard output.
+/// Every specification of `fixtures/specs/bad` brings its message, exit code 2, and nothing on standard
+/// output.
 #[test]
 fn each_fault_of_a_specification_has_its_message() {
     let folder = testkit::fixture("specs/bad");
@@ -362,7 +368,8 @@ fn a_statement_by_the_program() {
     assert!(help.contains("the exit code is 0 whatever its verdicts"), "{help}");
 }
 
-/// The committed schema is the one that the types give; the specification is valid by it. BLESS=1 writes it anew.
+/// The committed schema is the one that the types give; the specification is valid by it. BLESS=1 writes it
+/// anew.
 #[test]
 fn committed_schema_and_fixtures() {
     let schema =

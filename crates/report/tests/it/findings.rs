@@ -122,7 +122,8 @@ fn a_part_of_the_time_counts_by_the_parameter_that_stands_out_most() {
             "stability": {"p_value": 1e-9, "windows": [{"from_s": 0.0, "to_s": 1.0, "rows": 9, "rms_nt": 1.0, "values": values, "std": [0.1, 0.1]}]},
             "findings": ["the calibration is not constant in time: 1 part differ from it"]}}})
     };
-    // Five uncertainties of the offset against two of the sensitivity; then eight of that, 0.8 of 5000 in 50 000 nT.
+    // Five uncertainties of the offset against two of the sensitivity; then eight of that, 0.8 of 5000 in 50
+    // 000 nT.
     assert_eq!(effect(&scalar(json!([5000.2, 10.5]))), Effect::Nt(0.5));
     let Effect::Nt(size) = effect(&scalar(json!([5000.8, 10.5]))) else { panic!("a field") };
     assert!((size - 8.0).abs() < 1e-9, "{size}");

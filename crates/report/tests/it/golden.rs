@@ -1,5 +1,5 @@
-//! Golden pages, a line a case: as text, and as HTML where the page is small. BLESS=1 writes them anew; read the difference
-//! before it is kept.
+//! Golden pages, a line a case: as text, and as HTML where the page is small. BLESS=1 writes them anew; read
+//! the difference before it is kept.
 
 use common::Document;
 use page::{html, text};

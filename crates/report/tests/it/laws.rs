@@ -1,7 +1,8 @@
-//! Laws over documents of all stages: what does not matter to a page. FLUXCAL_CAMPAIGNS sets how many orders are drawn.
+//! Laws over documents of all stages: what does not matter to a page. FLUXCAL_CAMPAIGNS sets how many orders
+//! are drawn.
 //!
-//! A page shows numbers and estimates none: other names of axes, units, frames, noise and reference temperatures are other numbers
-//! to show, which golden pages hold.
+//! A page shows numbers and estimates none: other names of axes, units, frames, noise and reference
+//! temperatures are other numbers to show, which golden pages hold.
 
 use common::Document;
 use page::text;

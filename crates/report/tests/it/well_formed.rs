@@ -1,4 +1,5 @@
-//! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads somewhere.
+//! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads
+//! somewhere.
 
 use common::Document;
 use page::{html, text};
@@ -91,7 +92,8 @@ fn a_document_with_nothing_in_it_says_so() {
     assert!(text::render(&page).contains("There is nothing in this document"));
 }
 
-/// Titles and ids that are markup, ids that come to the same link, readings that are missing, all alike, or huge.
+/// Titles and ids that are markup, ids that come to the same link, readings that are missing, all alike, or
+/// huge.
 #[test]
 fn a_hostile_document_is_shown_as_it_is() {
     let document = r#"{"fluxcal": 1, "title": "<script>alert(1)</script> & \u0001\u001b[2J \"x\"",

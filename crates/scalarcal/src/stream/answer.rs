@@ -24,12 +24,13 @@ use crate::terms::{ONE, Terms};
 use crate::weakest::frame;
 use crate::{Error, Options, checks, declared, determined, start};
 
-/// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is known of instrument and facility. Its
-/// recordings are not read.
+/// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is
+/// known of instrument and facility. Its recordings are not read.
 ///
 /// # Errors
 ///
-/// As [`crate::run`]; a document whose model has effects, which could be taken off rows only; options that need rows.
+/// As [`crate::run`]; a document whose model has effects, which could be taken off rows only; options that
+/// need rows.
 pub fn document(partial: &Partial, mut document: Document, options: &Options) -> Result<Document, Error> {
     let (solved, detail, windows) = solve(partial, &document, options)?;
     if options.known && result::earlier(&document, &solved) {
@@ -137,7 +138,8 @@ fn solve(
     Ok((solved, detail, windows))
 }
 
-/// The windows without rows in which an output stands at the end of its range, and how many these are by sensor.
+/// The windows without rows in which an output stands at the end of its range, and how many these are by
+/// sensor.
 fn used(partial: &Partial) -> (Places, Vec<(String, u64)>) {
     let piles = partial.ends.piles();
     let mut left_out = [0; 3];

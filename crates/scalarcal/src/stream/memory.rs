@@ -1,11 +1,12 @@
 //! What noise with memory makes of the uncertainty of a stream's calibration.
 //!
-//! Rows are whitened window by window, noise with memory standing still in each, and forms of noise averaged by restricted likelihood as for rows at hand
-//! ([`crate::noise`]). What such noise does within a window is not seen; it shows in how the windows' calibrations scatter. The covariance is therefore
-//! widened, parameter by parameter, to that of leaving out each window in turn where this is the larger.
+//! Rows are whitened window by window, noise with memory standing still in each, and forms of noise averaged
+//! by restricted likelihood as for rows at hand ([`crate::noise`]). What such noise does within a window is
+//! not seen; it shows in how the windows' calibrations scatter. The covariance is therefore widened,
+//! parameter by parameter, to that of leaving out each window in turn where this is the larger.
 //!
-//! Source: for leaving out clusters, R. M. Bell, D. F. McCaffrey, Bias reduction in standard errors for linear regression with multi-stage
-//! samples, Surv. Methodol. 28 (2002) 169–181.
+//! Source: for leaving out clusters, R. M. Bell, D. F. McCaffrey, Bias reduction in standard errors for
+//! linear regression with multi-stage samples, Surv. Methodol. 28 (2002) 169–181.
 
 use common::Noise;
 use estimate::Svd;
@@ -20,14 +21,15 @@ use crate::noise::{Groups, heaviest, mixture};
 /// Fewer windows than these do not show a scatter.
 const FEWEST: usize = 8;
 
-/// Where noise takes more than this share of what is seen of a parameter, memory is not looked for: what it adds to the products looks like it.
+/// Where noise takes more than this share of what is seen of a parameter, memory is not looked for: what it
+/// adds to the products looks like it.
 const NOISE_TAKES: f64 = 0.1;
 
-/// Moves a fit of white noise by what the forms of noise with memory move it, and widens its covariance. Gives the heaviest form with its
-/// noise, nT; None where memory cannot be looked for.
+/// Moves a fit of white noise by what the forms of noise with memory move it, and widens its covariance.
+/// Gives the heaviest form with its noise, nT; None where memory cannot be looked for.
 ///
-/// What noise adds to the products is taken off the fit of white noise alone, and its covariance holds it: forms move both as they move
-/// those of the products as they are.
+/// What noise adds to the products is taken off the fit of white noise alone, and its covariance holds it:
+/// forms move both as they move those of the products as they are.
 ///
 /// # Errors
 ///
@@ -108,7 +110,8 @@ fn turn(to: &Mat<f64>, from: &Mat<f64>) -> Option<Mat<f64>> {
     Some(Mat::from_fn(count, count, |i, j| turn[(i, j)] * lengths[i] / lengths[j]))
 }
 
-/// How many times as uncertain each parameter is by leaving out each window in turn, one at least; None for few windows.
+/// How many times as uncertain each parameter is by leaving out each window in turn, one at least; None for
+/// few windows.
 fn scatter(windows: &[Mat<f64>], variance: f64, known: &PriorRows) -> Option<Vec<f64>> {
     let windows: Vec<Linear> = windows.iter().map(|upper| Linear::of(upper, variance)).collect();
     if windows.len() < FEWEST {

@@ -1,4 +1,5 @@
-//! A sample of the rows of a series, the same whichever pieces they come from: those whose times have the smallest hash values.
+//! A sample of the rows of a series, the same whichever pieces they come from: those whose times have the
+//! smallest hash values.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -61,7 +62,8 @@ impl From<Sample> for Vec<Row> {
 
 /// The last steps of SplitMix64.
 ///
-/// Source: G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014, 453–472.
+/// Source: G. L. Steele, D. Lea, C. H. Flood, Fast splittable pseudorandom number generators, OOPSLA 2014,
+/// 453–472.
 fn hash(time_s: f64) -> u64 {
     let mixed = time_s.to_bits().wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -52,8 +52,8 @@ fn offsets_that_follow_a_temperature() {
     }
     let effects = &document.model.as_ref().expect("a model").effects;
     assert_eq!(effects.len(), 3);
-    // A second run takes what was found off the readings, finds the same sensors, and keeps the effects; one that fits them again
-    // finds them again.
+    // A second run takes what was found off the readings, finds the same sensors, and keeps the effects; one
+    // that fits them again finds them again.
     for options in [Options::default(), options] {
         let again = run(document.clone(), &options);
         for (a, b) in constants(&document).iter().zip(constants(&again)) {

@@ -1,4 +1,5 @@
-//! The iron of the body on which the sensors are mounted, apart from their own calibration. FLUXCAL_CAMPAIGNS sets how many campaigns.
+//! The iron of the body on which the sensors are mounted, apart from their own calibration. FLUXCAL_CAMPAIGNS
+//! sets how many campaigns.
 
 use common::{Axis, BodyIron, Document};
 use nalgebra::{Matrix3, Vector3};
@@ -50,7 +51,8 @@ fn truth(campaign: &Campaign) -> Vec<f64> {
     campaign.hard_nt.iter().copied().chain(soft).collect()
 }
 
-/// SEN is the frame in which the sensors are nearest to their nominal axes, that of the campaign has x along its x: the iron turned there.
+/// SEN is the frame in which the sensors are nearest to their nominal axes, that of the campaign has x along
+/// its x: the iron turned there.
 fn turned(campaign: &Campaign) -> Campaign {
     let mu = campaign.mu();
     let root = (mu.transpose() * mu).symmetric_eigen();

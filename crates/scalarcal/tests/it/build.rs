@@ -1,4 +1,5 @@
-//! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b − O)/k.
+//! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b
+//! − O)/k.
 
 use common::{Axis, Column, Document, Facility, Instrument, Recording, procedure};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -158,7 +159,8 @@ impl Campaign {
         }
     }
 
-    /// The nine true parameters, in the order in which they are written: sensitivities, offsets, angles (arcsec).
+    /// The nine true parameters, in the order in which they are written: sensitivities, offsets, angles
+    /// (arcsec).
     pub fn truth(&self) -> [f64; 9] {
         let arcsec = self.angles.map(|angle| angle.to_degrees() * 3600.0);
         std::array::from_fn(|k| [self.sensitivity, self.offset_nt, arcsec][k / 3][k % 3])

@@ -1,4 +1,5 @@
-//! A fluxgate beside a scalar magnetometer in orbit, as `simulate` plans it. FLUXCAL_CAMPAIGNS sets how many campaigns, FLUXCAL_DAYS how long each is.
+//! A fluxgate beside a scalar magnetometer in orbit, as `simulate` plans it. FLUXCAL_CAMPAIGNS sets how many
+//! campaigns, FLUXCAL_DAYS how long each is.
 
 use common::{Axis, Document};
 use physics::Kind;
@@ -12,8 +13,9 @@ use crate::build::found;
 const MERAYO: [f64; 2] = [2.0, 0.2];
 /// Share of intervals of 95 % that hold.
 pub const BAND: [f64; 2] = [0.93, 0.97];
-/// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its mean zero. The fit allows for older noise still
-/// (see `kalman`), so that its intervals of offsets are wider than this noise needs.
+/// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its
+/// mean zero. The fit allows for older noise still (see `kalman`), so that its intervals of offsets are wider
+/// than this noise needs.
 pub const LONGER: usize = 22;
 /// How the offsets follow the temperature, nT/K.
 const PER_K: [f64; 3] = [0.31, -0.18, 0.44];

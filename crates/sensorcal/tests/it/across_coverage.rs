@@ -1,5 +1,5 @@
-//! Coverage of every parameter of fields across, with effects that are there, that are not, and some of each. FLUXCAL_CAMPAIGNS sets how
-//! many campaigns.
+//! Coverage of every parameter of fields across, with effects that are there, that are not, and some of each.
+//! FLUXCAL_CAMPAIGNS sets how many campaigns.
 
 use common::{Axis, Document};
 use indexmap::IndexMap;
@@ -27,8 +27,9 @@ struct Setting {
     /// Whether the document states the true axes.
     stated: bool,
     procedures: Value,
-    /// Whether the effects are drawn anew for each campaign, with a standard deviation of 1 nT, instead of [`TRUE`]. An effect times a
-    /// turn, neither of which is known, has long tails: with a standard uncertainty that covers 95 % it is up to 1.4 times as wide as it scatters.
+    /// Whether the effects are drawn anew for each campaign, with a standard deviation of 1 nT, instead of
+    /// [`TRUE`]. An effect times a turn, neither of which is known, has long tails: with a standard
+    /// uncertainty that covers 95 % it is up to 1.4 times as wide as it scatters.
     drawn: bool,
 }
 
@@ -184,7 +185,8 @@ fn judge((name_of, widest): (&str, f64), found: &(dyn Fn(u64) -> IndexMap<String
     assert!(outside.is_empty(), "{name_of}: {}", outside.join("; "));
 }
 
-/// Effects so large that the fields across differ by them: the report's second pass takes off what the first one leaves.
+/// Effects so large that the fields across differ by them: the report's second pass takes off what the first
+/// one leaves.
 #[test]
 fn the_second_pass_is_scored_on_readings_left_out() {
     let mut procedures = turned();

@@ -7,8 +7,8 @@ use common::TemperatureFit;
 use noise::Stream;
 use serde_json::{Value, json};
 
-/// Eleven fields at each of the temperatures, a reading every 11 s, half an hour between; `adds` gives nT for field,
-/// temperature of the sensor and of the electronics.
+/// Eleven fields at each of the temperatures, a reading every 11 s, half an hour between; `adds` gives nT for
+/// field, temperature of the sensor and of the electronics.
 fn heated(seed: u64, id: &str, steps: &[(f64, f64)], adds: impl Fn(f64, f64, f64) -> f64) -> Value {
     let mut stream = Stream::new(seed, id);
     let (mut time, mut current, mut volts) = (Vec::new(), Vec::new(), Vec::new());
@@ -127,7 +127,8 @@ fn both_parts_apart_and_their_product() {
     assert!((electronics.sensitivity_ppm_per_k.value() - 3.0).abs() < 0.2);
 }
 
-/// A temperature that is followed on its way, a reading every 30 s, and an offset that follows it `lag_s` late.
+/// A temperature that is followed on its way, a reading every 30 s, and an offset that follows it `lag_s`
+/// late.
 fn followed(lag_s: f64) -> Value {
     let mut stream = Stream::new(5, "followed");
     let rows = 1200;

@@ -1,5 +1,5 @@
-//! Coverage of a lag, of temperatures at which no sensor changes, and of the error budget, over simulated campaigns. FLUXCAL_CAMPAIGNS
-//! sets how many.
+//! Coverage of a lag, of temperatures at which no sensor changes, and of the error budget, over simulated
+//! campaigns. FLUXCAL_CAMPAIGNS sets how many.
 
 use common::{Axis, Document, SensorCalibration};
 use noise::Stream;
@@ -134,7 +134,8 @@ fn common_extrema_cover() {
 /// Terms of the error budget beside the field that a sensor with the true constants would be taken to see.
 #[test]
 fn the_error_budget_covers() {
-    // ppm/K, ppm/K², nT/K, nT/K² of the sensor; nT of the squares of both fields across, ppm-like nT of the sensitivity with them.
+    // ppm/K, ppm/K², nT/K, nT/K² of the sensor; nT of the squares of both fields across, ppm-like nT of the
+    // sensitivity with them.
     let (thermal, cross) = ([28.0, 0.3, 0.05, 0.002], [1.5, 0.8, 0.6, -0.5]);
     let run = |seed: u64| {
         let effect = |name: &str, values: Value| json!({"effect": name, "sensor": "x", "parameters": values});

@@ -1,4 +1,5 @@
-//! Coverage of every interval over simulated campaigns, under white noise, flicker noise and a random walk. FLUXCAL_CAMPAIGNS sets how many.
+//! Coverage of every interval over simulated campaigns, under white noise, flicker noise and a random walk.
+//! FLUXCAL_CAMPAIGNS sets how many.
 
 use common::{Axis, Document, Quantity, SensorCalibration};
 use indexmap::IndexMap;
@@ -187,8 +188,9 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
     all
 }
 
-/// Intervals that say "at least": what wanders from date to date is seen little, so that they allow for more than there is. Offsets by
-/// reversals of a noise that nobody states take the wider of two intervals, and so do the dates that are made of them.
+/// Intervals that say "at least": what wanders from date to date is seen little, so that they allow for more
+/// than there is. Offsets by reversals of a noise that nobody states take the wider of two intervals, and so
+/// do the dates that are made of them.
 const AT_LEAST: [&str; 5] = ["trend", "annual cosine", "annual sine", "O by reversals", "drift mean"];
 
 /// Share of the campaigns in which each interval covers.

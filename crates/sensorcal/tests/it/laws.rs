@@ -1,8 +1,8 @@
-//! Laws over drawn campaigns: what does not matter to a sensor's constants, and what changes them in a known way. FLUXCAL_CAMPAIGNS
-//! sets how many.
+//! Laws over drawn campaigns: what does not matter to a sensor's constants, and what changes them in a known
+//! way. FLUXCAL_CAMPAIGNS sets how many.
 //!
-//! Not asked here: that a recording in two is the same. The noise of a coil's field and of a sensor has memory within a recording,
-//! a shield's field is another one in each, and a spectrum is of one series.
+//! Not asked here: that a recording in two is the same. The noise of a coil's field and of a sensor has
+//! memory within a recording, a shield's field is another one in each, and a spectrum is of one series.
 
 use sensorcal::Options;
 use serde_json::{Value, json};
@@ -87,7 +87,8 @@ fn the_order_of_recordings_does_not_matter() {
     each(law);
 }
 
-/// A temperature at which nothing changes is the ratio of two coefficients; where both are noise, so is their ratio, of any size.
+/// A temperature at which nothing changes is the ratio of two coefficients; where both are noise, so is their
+/// ratio, of any size.
 const RATIOS: &[&str] = &["extrema_c"];
 
 #[test]
@@ -107,7 +108,8 @@ fn unknown_keys_change_nothing_and_stay() {
     each(|_, document| laws::keeps_unknown_keys(document, run));
 }
 
-/// The answers to a document with another reference are those to the document, moved: they predict the same readings.
+/// The answers to a document with another reference are those to the document, moved: they predict the same
+/// readings.
 #[test]
 fn a_reference_temperature_moves_the_constants_and_no_field() {
     let parts = |document: &Value| {

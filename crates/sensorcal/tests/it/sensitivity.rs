@@ -7,7 +7,8 @@ use serde_json::json;
 
 #[test]
 fn the_report_s_uncertainties() {
-    // NASA eq. 23 to 25: 0 to 50 000 nT in 500 nT steps at 5 000 nT/V: (C⁻¹)₀₀ = 0.03902, (C⁻¹)₁₁ = 0.0011648.
+    // NASA eq. 23 to 25: 0 to 50 000 nT in 500 nT steps at 5 000 nT/V: (C⁻¹)₀₀ = 0.03902, (C⁻¹)₁₁ =
+    // 0.0011648.
     let fields: Vec<f64> = (0..101).map(|i| 500.0 * f64::from(i)).collect();
     let mut document = with(vec![sensitivity(1, &fields, 1.0, |b| b)]);
     document["instrument"] = json!({"nominal_sensitivity_nt_per_v": 5000.0, "noise": {"white_rms_nt": 1.0}});

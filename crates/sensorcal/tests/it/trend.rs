@@ -1,5 +1,5 @@
-//! Coverage of trend and yearly term of weekly offsets that wander by more or less than their own errors. FLUXCAL_CAMPAIGNS sets how
-//! many campaigns.
+//! Coverage of trend and yearly term of weekly offsets that wander by more or less than their own errors.
+//! FLUXCAL_CAMPAIGNS sets how many campaigns.
 
 use common::{Axis, Document, OffsetDrift};
 use rayon::prelude::*;
@@ -45,7 +45,8 @@ fn covered(wander: &Value) -> [usize; 3] {
     [0, 1, 2].map(|which| all.iter().filter(|held| held[which]).count())
 }
 
-/// The interval says "at least": 93 % or more whatever the wander is, and no more than 97 % where a random walk is seen.
+/// The interval says "at least": 93 % or more whatever the wander is, and no more than 97 % where a random
+/// walk is seen.
 #[test]
 fn trend_and_year_cover_whatever_wanders() {
     let own = WHITE_NT * WHITE_NT / (2 * PAIRS) as f64;

@@ -1,4 +1,5 @@
-//! Each fault has its message, its exit code and nothing on standard output; readings beside the document are read and written there.
+//! Each fault has its message, its exit code and nothing on standard output; readings beside the document are
+//! read and written there.
 
 use std::fs;
 

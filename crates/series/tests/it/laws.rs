@@ -19,8 +19,8 @@ fn average(document: Document, window_s: f64) -> Recording {
 }
 
 proptest! {
-    /// No sample is lost or counted twice, and means of means, weighted by their samples, are the means of all: with gaps, missing
-    /// readings and uneven times.
+    /// No sample is lost or counted twice, and means of means, weighted by their samples, are the means of
+    /// all: with gaps, missing readings and uneven times.
     #[test]
     fn means_of_means(
         steps in prop::collection::vec(1_u32..40, 2..120),

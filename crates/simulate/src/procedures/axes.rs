@@ -11,8 +11,8 @@ use super::{Sequence, one};
 use crate::bench::{Bench, deviation, positive, samples};
 use crate::planned::{Planned, Reads, Rows};
 
-/// Turn the block through orientations and drive the coils in each: what the report's MAGSIM (one sensor, one coil) and
-/// NEWSIM (three of each) did, with errors.
+/// Turn the block through orientations and drive the coils in each: what the report's MAGSIM (one sensor, one
+/// coil) and NEWSIM (three of each) did, with errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -35,7 +35,8 @@ pub struct AxesProcedure {
     /// Write the theodolites' angles, not the matrix.
     #[serde(default)]
     pub theodolite_angles: bool,
-    /// Readings of each of the theodolites' angles in an orientation; more than one is written as angles only.
+    /// Readings of each of the theodolites' angles in an orientation; more than one is written as angles
+    /// only.
     #[serde(default = "one")]
     pub theodolite_readings: usize,
     /// How far the fixture may miss its nominal orientation (standard deviation), arcmin.
@@ -290,8 +291,8 @@ fn theodolite(faces: &Matrix3<f64>, nominal: Matrix3<f64>, errors: &[[f64; 4]]) 
     }
 }
 
-/// The seven orientations of NASA's Table 3; the four of figure 9 are its first ones (two quarter turns about the azimuth
-/// axis, then one about the elevation axis).
+/// The seven orientations of NASA's Table 3; the four of figure 9 are its first ones (two quarter turns about
+/// the azimuth axis, then one about the elevation axis).
 const NASA_TABLE_3: [Matrix3x3; 7] = [
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]],

@@ -8,8 +8,8 @@ use super::Sequence;
 use crate::bench::{Bench, on, positive, samples};
 use crate::planned::{Planned, Rows};
 
-/// Field of one coil against its current, by the scalar magnetometer: from the smallest field that it reads to the
-/// largest of the coil in steps, the same with the current reversed, ten readings of each.
+/// Field of one coil against its current, by the scalar magnetometer: from the smallest field that it reads
+/// to the largest of the coil in steps, the same with the current reversed, ten readings of each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

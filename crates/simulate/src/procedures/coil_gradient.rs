@@ -8,8 +8,8 @@ use super::Sequence;
 use crate::bench::{Bench, on, positive, samples};
 use crate::planned::{Planned, Rows};
 
-/// Field of one coil along its axis at the largest drive, by the scalar magnetometer: every 6 inches across the 3 feet of
-/// the test volume.
+/// Field of one coil along its axis at the largest drive, by the scalar magnetometer: every 6 inches across
+/// the 3 feet of the test volume.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

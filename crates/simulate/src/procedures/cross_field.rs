@@ -9,8 +9,8 @@ use super::sensitivity::full;
 use crate::bench::{Aligned, Bench, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows};
 
-/// Sensitivity and offset of each sensor with a constant field across it: 0 and ±60 000 nT, or −60 000 to 60 000 nT in
-/// steps of 20 000, on each of the two other coils.
+/// Sensitivity and offset of each sensor with a constant field across it: 0 and ±60 000 nT, or −60 000 to 60
+/// 000 nT in steps of 20 000, on each of the two other coils.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -26,11 +26,12 @@ pub struct CrossFieldProcedure {
     /// The coils across it; absent: both others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub across: Option<Vec<Axis>>,
-    /// Quarters of a turn of the block about the sensor: with 1 one strong coil reaches the other side of the sensor, with 0.5
-    /// both sides at once, which alone shows the mixed term.
+    /// Quarters of a turn of the block about the sensor: with 1 one strong coil reaches the other side of the
+    /// sensor, with 0.5 both sides at once, which alone shows the mixed term.
     #[serde(default)]
     pub quarter_turns: f64,
-    /// Whether the other sensors of the block are read as well: with them the fields across are known without the drive.
+    /// Whether the other sensors of the block are read as well: with them the fields across are known without
+    /// the drive.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub all_sensors: bool,
     /// Fields across, nT.

@@ -9,8 +9,8 @@ use crate::bench::{Bench, filled, positive, samples};
 use crate::outside::Site;
 use crate::planned::{Begins, Planned, Reads, Rows};
 
-/// What the nulling leaves at the coils' centre: in each condition of the site 8 hours at 0.2 Hz, one hour at 2 Hz and one
-/// minute at 128 Hz.
+/// What the nulling leaves at the coils' centre: in each condition of the site 8 hours at 0.2 Hz, one hour at
+/// 2 Hz and one minute at 128 Hz.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -15,8 +15,8 @@ use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
 /// Samples at most: a recording in orbit has some fifteen columns.
 const MOST_ROWS: f64 = 5e6;
 
-/// A free run aboard a satellite in a circular orbit. GEO is north, east and down below the satellite; SEN is along the track, across it and down where yaw and
-/// libration are zero.
+/// A free run aboard a satellite in a circular orbit. GEO is north, east and down below the satellite; SEN is
+/// along the track, across it and down where yaw and libration are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -44,8 +44,8 @@ pub struct OrbitProcedure {
     /// Time of a turn about the vertical, s; absent: no yaw.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub yaw_period_s: Option<f64>,
-    /// Amplitude of the libration in pitch and in roll, deg; its frequencies are √3 and 2 times that of the orbit, those of gravity-gradient
-    /// stabilisation.
+    /// Amplitude of the libration in pitch and in roll, deg; its frequencies are √3 and 2 times that of the
+    /// orbit, those of gravity-gradient stabilisation.
     #[serde(default)]
     pub libration_deg: f64,
     /// Temperature of the sensors; absent: no such column.

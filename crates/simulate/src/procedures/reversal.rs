@@ -8,8 +8,8 @@ use super::Sequence;
 use crate::bench::{Bench, positive, samples};
 use crate::planned::{Begins, Planned, Reads, Rows, Step, Surroundings};
 
-/// Offset of each sensor in a shield, turned by 180° again and again: + − − + + − − + …, so that a drift of the shield's
-/// field falls out of each pair of pairs.
+/// Offset of each sensor in a shield, turned by 180° again and again: + − − + + − − + …, so that a drift of
+/// the shield's field falls out of each pair of pairs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

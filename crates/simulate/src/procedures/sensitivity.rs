@@ -8,7 +8,8 @@ use super::{Sequence, one};
 use crate::bench::{Aligned, Bench, deviation, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows};
 
-/// Readings of each sensor, turned along a coil, against the coil's field: 101 steps of 1 000 nT over ±50 000 nT.
+/// Readings of each sensor, turned along a coil, against the coil's field: 101 steps of 1 000 nT over ±50 000
+/// nT.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

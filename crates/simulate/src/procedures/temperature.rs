@@ -10,8 +10,8 @@ use super::sensitivity::full;
 use crate::bench::{Aligned, Bench, filled, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows, Step};
 
-/// Sensitivity and offset at ΔT = 0, 5, 15, 30 and back, then −5, −15, −30 and back: of the sensor with the electronics
-/// at its nominal temperature, then of the electronics with the sensor at its own.
+/// Sensitivity and offset at ΔT = 0, 5, 15, 30 and back, then −5, −15, −30 and back: of the sensor with the
+/// electronics at its nominal temperature, then of the electronics with the sensor at its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]

@@ -16,7 +16,8 @@ fn document(plan: &Value) -> Value {
 
 #[test]
 fn newsim_gives_table_4() {
-    // NEWSIM's inputs are Tables 2 and 3; its 63 outputs are Table 4, of which two do not survive (see nasa_tables.py).
+    // NEWSIM's inputs are Tables 2 and 3; its 63 outputs are Table 4, of which two do not survive (see
+    // nasa_tables.py).
     let printed: Value =
         serde_json::from_str(&testkit::read_fixture("nasa-1977/table-4.json")).expect("JSON");
     let truth: Value = serde_json::from_str(&testkit::read_fixture("nasa-1977/table-2.json")).expect("JSON");
@@ -34,8 +35,8 @@ fn newsim_gives_table_4() {
             for row in 0..3 {
                 let name = format!("sensor_{sensor}_v");
                 let value = |recording: &Value| recording["columns"][&name][row].as_f64().expect("a reading");
-                // Half of the sixth decimal, and columns of Table 2 that are longer than 1 by up to 4.65e-6 (sensor z) and
-                // 1.71e-6 (coil y); the simulation makes unit vectors of them.
+                // Half of the sixth decimal, and columns of Table 2 that are longer than 1 by up to 4.65e-6
+                // (sensor z) and 1.71e-6 (coil y); the simulation makes unit vectors of them.
                 if (value(ours) - value(&theirs)).abs() > 6.9e-6 {
                     far.push((number + 1, row + 1, sensor));
                 }

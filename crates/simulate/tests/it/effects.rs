@@ -1,4 +1,5 @@
-//! The catalogue as people and programs read it; docs/effects.md is made from it. BLESS=1 writes the page anew.
+//! The catalogue as people and programs read it; docs/effects.md is made from it. BLESS=1 writes the page
+//! anew.
 
 use serde_json::Value;
 use std::fs;

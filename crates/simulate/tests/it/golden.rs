@@ -1,5 +1,5 @@
-//! A line a case: the document that a plan gives, number for number. The streams of noise are part of it: the same seed gives the
-//! same campaign in every version.
+//! A line a case: the document that a plan gives, number for number. The streams of noise are part of it: the
+//! same seed gives the same campaign in every version.
 
 use testkit::golden;
 

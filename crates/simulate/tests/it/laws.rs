@@ -1,5 +1,5 @@
-//! Laws of the forward model over drawn campaigns: what does not matter to a prediction, and what changes it in a known way.
-//! FLUXCAL_CAMPAIGNS sets how many.
+//! Laws of the forward model over drawn campaigns: what does not matter to a prediction, and what changes it
+//! in a known way. FLUXCAL_CAMPAIGNS sets how many.
 
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};

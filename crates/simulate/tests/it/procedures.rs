@@ -178,8 +178,8 @@ fn sensitivity_in_101_steps_of_1000_nt() {
         let (k, o) = sensor(&truth, axis);
         assert!(((volts[1] - volts[0]) / 5.0 * 43_000.0 - 1000.0).abs() < 1e-6);
         for (volts, read) in volts.iter().zip(column(recording, &format!("sensor_{axis}_v"))) {
-            // The sensor lies along the coil, so that the field along it is the coil's; the other coils' offsets and the
-            // residual field add a constant of less than 1 nT.
+            // The sensor lies along the coil, so that the field along it is the coil's; the other coils'
+            // offsets and the residual field add a constant of less than 1 nT.
             let missed = k * read + o - (kc * volts / 5.0 + b0);
             assert!(missed.abs() < 0.6, "{missed}");
         }
@@ -323,7 +323,8 @@ fn two_magnetometers_for_a_month_obey_t_is_r_eta_plus_d() {
         let predicted = eta.transpose() * row("reference", at) + Vector3::from(offset);
         assert!((predicted - row("test", at)).amax() < 1e-8);
     }
-    // M_r by hand: x_r = (cos β, sin β, 0), y_r = y, z_r = (sin γ sin α, sin γ cos α, cos γ), times their scales.
+    // M_r by hand: x_r = (cos β, sin β, 0), y_r = y, z_r = (sin γ sin α, sin γ cos α, cos γ), times their
+    // scales.
     let (a, b, g) = (25f64.to_radians(), 0.31f64.to_radians(), 0.22f64.to_radians());
     let field = Matrix3::new(
         1.0012 * b.cos(),

@@ -1,5 +1,5 @@
-//! Numbers from outside: a campaign of the basic chain and fourteen kinds of effects, recomputed by fixtures/reference/campaign_scipy.py with
-//! SciPy's ODE solver.
+//! Numbers from outside: a campaign of the basic chain and fourteen kinds of effects, recomputed by
+//! fixtures/reference/campaign_scipy.py with SciPy's ODE solver.
 
 use serde_json::Value;
 

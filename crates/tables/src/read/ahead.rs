@@ -2,7 +2,8 @@ use std::io;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread;
 
-/// Makes the items on a thread of its own, up to `most` before they are asked for. It ends when the receiver is dropped.
+/// Makes the items on a thread of its own, up to `most` before they are asked for. It ends when the receiver
+/// is dropped.
 pub fn ahead<T: Send + 'static>(
     most: usize,
     items: impl Iterator<Item = T> + Send + 'static,
@@ -18,8 +19,8 @@ pub fn ahead<T: Send + 'static>(
     Ok(receiver)
 }
 
-/// Threads of a reader's own, so many as the current pool has. A caller that waits in that pool can then not keep it from
-/// working.
+/// Threads of a reader's own, so many as the current pool has. A caller that waits in that pool can then not
+/// keep it from working.
 pub fn pool(most: usize) -> io::Result<rayon::ThreadPool> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(rayon::current_num_threads().min(most))

@@ -24,17 +24,18 @@ pub struct Reader {
 }
 
 impl Reader {
-    /// Opens a file whose extension states its format; see [`Format::of`]. Only the wanted columns are decoded and come
-    /// in the order in which they are wanted; without a wish all come in the order of the file.
+    /// Opens a file whose extension states its format; see [`Format::of`]. Only the wanted columns are
+    /// decoded and come in the order in which they are wanted; without a wish all come in the order of the
+    /// file.
     ///
-    /// It reads ahead with as many threads as rayon's current pool has, but not in that pool, so that a caller in the pool
-    /// may wait for it.
+    /// It reads ahead with as many threads as rayon's current pool has, but not in that pool, so that a
+    /// caller in the pool may wait for it.
     ///
     /// # Errors
     ///
-    /// [`Error::File`] where it cannot be read, [`Error::Data`] where it does not begin as a table or lacks a wanted column,
-    /// [`Error::Request`] where nothing is wanted, or something twice, or the format is not known. The rest of the file is
-    /// judged when its batch is due.
+    /// [`Error::File`] where it cannot be read, [`Error::Data`] where it does not begin as a table or lacks a
+    /// wanted column, [`Error::Request`] where nothing is wanted, or something twice, or the format is not
+    /// known. The rest of the file is judged when its batch is due.
     pub fn open(path: &Path, wanted: Option<&[&str]>) -> Result<Self, Error> {
         Self::open_as(path, Format::of(path)?, wanted)
     }
@@ -52,7 +53,8 @@ impl Reader {
         }
     }
 
-    /// Reads Parquet from what can be read from any place, such as bytes in memory; `name` stands for it in errors.
+    /// Reads Parquet from what can be read from any place, such as bytes in memory; `name` stands for it in
+    /// errors.
     ///
     /// # Errors
     ///

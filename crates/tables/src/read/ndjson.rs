@@ -145,8 +145,8 @@ impl NdJson {
     }
 }
 
-/// Goes through the members of the object that is the whole line. `member` takes a key and the text from its value on, and
-/// says where the value ends. The error is the place of what cannot be an object.
+/// Goes through the members of the object that is the whole line. `member` takes a key and the text from its
+/// value on, and says where the value ends. The error is the place of what cannot be an object.
 #[inline]
 fn members<'a>(
     line: &'a [u8],

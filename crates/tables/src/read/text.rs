@@ -85,8 +85,8 @@ impl Batches {
         }
     }
 
-    /// What is said at the end of a table in which a wanted key is nowhere: a name misspelt, more likely than a column
-    /// of missing values.
+    /// What is said at the end of a table in which a wanted key is nowhere: a name misspelt, more likely than
+    /// a column of missing values.
     fn never_met(&mut self) -> Option<Error> {
         let absent: Vec<_> = (0..self.met.len()).filter(|column| !self.met[*column]).collect();
         self.met.clear();

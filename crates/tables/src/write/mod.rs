@@ -10,8 +10,8 @@ mod text;
 
 /// A table, written batch by batch.
 ///
-/// A file gets its name when [`Writer::finish`] is called: so it is there whole or not at all. What is no file (a terminal, a
-/// named pipe) is written to as it is.
+/// A file gets its name when [`Writer::finish`] is called: so it is there whole or not at all. What is no
+/// file (a terminal, a named pipe) is written to as it is.
 pub struct Writer {
     /// As it is named in errors.
     name: String,
@@ -31,8 +31,9 @@ impl Writer {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] where it cannot be written, [`Error::Request`] for no columns, too many, a name that is empty or there
-    /// twice, is a number, begins with `#`, or has blanks at its ends or a line's end within, and a format that is not known.
+    /// [`Error::File`] where it cannot be written, [`Error::Request`] for no columns, too many, a name that
+    /// is empty or there twice, is a number, begins with `#`, or has blanks at its ends or a line's end
+    /// within, and a format that is not known.
     pub fn create(path: &Path, columns: &[&str]) -> Result<Self, Error> {
         Self::create_as(path, Format::of(path)?, columns)
     }
@@ -76,13 +77,13 @@ impl Writer {
         Ok(Writer { name, columns: columns.len(), rows: 0, output, file: None })
     }
 
-    /// Appends rows, given column by column; NaN is written as missing. Numbers are written with the fewest digits from
-    /// which they are read back bit by bit.
+    /// Appends rows, given column by column; NaN is written as missing. Numbers are written with the fewest
+    /// digits from which they are read back bit by bit.
     ///
     /// # Errors
     ///
-    /// [`Error::Request`] for another number of columns than begun with, columns of unequal length and infinite numbers;
-    /// [`Error::File`] where it cannot be written.
+    /// [`Error::Request`] for another number of columns than begun with, columns of unequal length and
+    /// infinite numbers; [`Error::File`] where it cannot be written.
     pub fn write(&mut self, columns: &[impl AsRef<[f64]> + Sync]) -> Result<(), Error> {
         let columns: Vec<&[f64]> = columns.iter().map(AsRef::as_ref).collect();
         let rows = columns.first().map_or(0, |column| column.len());

@@ -1,4 +1,5 @@
-//! What is written is read back bit by bit, in the same batches, in every format and on any number of threads.
+//! What is written is read back bit by bit, in the same batches, in every format and on any number of
+//! threads.
 
 use proptest::prelude::*;
 use std::fs;

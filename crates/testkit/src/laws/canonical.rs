@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 
 use super::walk::{covariance, matrix};
 
-/// A document with lists whose order means nothing sorted: recordings, covariances by their names, what is listed for each of
-/// several recordings, sensors or effects. Numbers of recordings and orientations become their ids. What a recording holds stays.
+/// A document with lists whose order means nothing sorted: recordings, covariances by their names, what is
+/// listed for each of several recordings, sensors or effects. Numbers of recordings and orientations become
+/// their ids. What a recording holds stays.
 pub fn canonical(document: &Value) -> Value {
     of(document, &Names::default())
 }
@@ -58,7 +59,8 @@ fn of_object(object: &Map<String, Value>, names: &Names) -> Value {
     Value::Object(sorted)
 }
 
-/// The covariance that sources make: of one covariance there are many roots. What is in GEO is left to the covariances that stand beside the values.
+/// The covariance that sources make: of one covariance there are many roots. What is in GEO is left to the
+/// covariances that stand beside the values.
 fn covariance_of_sources(value: &Value) -> Value {
     let of = |source: &Value| source["moves"].as_object().cloned().unwrap_or_default();
     let sources: Vec<Map<String, Value>> =

@@ -10,8 +10,8 @@ use super::walk::is_prose;
 pub struct Close {
     /// How far a quantity may be off, and its standard uncertainty: parts of that standard uncertainty.
     pub of_std: f64,
-    /// How far any other number may be off: a part of itself, of a list of numbers a part of the largest of them. Probabilities:
-    /// a part of one.
+    /// How far any other number may be off: a part of itself, of a list of numbers a part of the largest of
+    /// them. Probabilities: a part of one.
     pub relative: f64,
     /// How far an entry of a matrix of directions may be off.
     pub direction: f64,
@@ -28,12 +28,14 @@ impl Close {
     pub const EXACT: Close =
         Close { of_std: 0.0, relative: 0.0, direction: 0.0, stds: true, words: true, apart: &[] };
 
-    /// The same sums in another order. Fields of 50 000 nT have a last digit of 1e-11 nT, a billionth of the uncertainties and
-    /// residuals that are looked at here (0.01 nT and more), and some thousand terms are summed.
+    /// The same sums in another order. Fields of 50 000 nT have a last digit of 1e-11 nT, a billionth of the
+    /// uncertainties and residuals that are looked at here (0.01 nT and more), and some thousand terms are
+    /// summed.
     pub const SUMMED: Close =
         Close { of_std: 1e-6, relative: 1e-6, direction: 1e-11, stds: true, words: false, apart: &[] };
 
-    /// Another way to the same minimum: a search ends where a further step would be a small part of the uncertainty.
+    /// Another way to the same minimum: a search ends where a further step would be a small part of the
+    /// uncertainty.
     pub const SOLVED: Close =
         Close { of_std: 1e-3, relative: 1e-3, direction: 1e-9, stds: true, words: false, apart: &[] };
 

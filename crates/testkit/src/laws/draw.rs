@@ -36,9 +36,10 @@ impl Draw {
     }
 }
 
-/// The plan of a campaign with a truth that is drawn: constants, offsets, directions, what is left in the coils and in the shield.
-/// Constants are stated with an uncertainty within which they are true, directions as nominal. Readings are exact but for white
-/// and flicker noise; a law that needs other noise, temperatures or effects puts them in.
+/// The plan of a campaign with a truth that is drawn: constants, offsets, directions, what is left in the
+/// coils and in the shield. Constants are stated with an uncertainty within which they are true, directions
+/// as nominal. Readings are exact but for white and flicker noise; a law that needs other noise, temperatures
+/// or effects puts them in.
 pub fn plan(seed: u64, procedures: Value) -> Value {
     let mut draw = Draw::new(seed);
     let axes = ["x", "y", "z"];
@@ -92,7 +93,8 @@ pub fn plan(seed: u64, procedures: Value) -> Value {
     })
 }
 
-/// A model in which temperatures act on every sensor and coil, the sensitivity's change listed before the offset's.
+/// A model in which temperatures act on every sensor and coil, the sensitivity's change listed before the
+/// offset's.
 pub fn warm(seed: u64) -> Value {
     let mut draw = Draw::new(seed);
     let mut effects = Vec::new();

@@ -20,8 +20,9 @@ pub fn rotation(seed: u64) -> Rotation {
     ]
 }
 
-/// GEO turned by Q, B' = Q B: R' = R Qᵀ, η' = Q η, and so every vector in GEO. An orientation or η that is not stated is the
-/// identity, and is stated then. Standard uncertainties of vectors in GEO are taken out, since their covariance is not stated.
+/// GEO turned by Q, B' = Q B: R' = R Qᵀ, η' = Q η, and so every vector in GEO. An orientation or η that is
+/// not stated is the identity, and is stated then. Standard uncertainties of vectors in GEO are taken out,
+/// since their covariance is not stated.
 ///
 /// # Panics
 ///

@@ -1,9 +1,9 @@
 //! Laws that hold whatever was recorded: changes of a document after which every answer is known.
 //!
-//! A change is one function from a document to a document, as JSON: it changes what was recorded and what was answered alike. So
-//! one definition serves every stage, and most laws are one sentence ([`commutes`]): what a stage answers to the changed document
-//! is what it answered to the document, changed. The documents are drawn campaigns ([`plan`]), many more of them with
-//! FLUXCAL_CAMPAIGNS.
+//! A change is one function from a document to a document, as JSON: it changes what was recorded and what was
+//! answered alike. So one definition serves every stage, and most laws are one sentence ([`commutes`]): what
+//! a stage answers to the changed document is what it answered to the document, changed. The documents are
+//! drawn campaigns ([`plan`]), many more of them with FLUXCAL_CAMPAIGNS.
 
 mod canonical;
 mod close;

@@ -21,8 +21,8 @@ pub fn quiet(plan: &Value) -> Value {
     quiet
 }
 
-/// The document with everything that its readings have beyond the quiet ones twice as large, and twice the uncertainties that it
-/// declares.
+/// The document with everything that its readings have beyond the quiet ones twice as large, and twice the
+/// uncertainties that it declares.
 pub fn double_noise(document: &Value, quiet: &Value) -> Value {
     let mut doubled = document.clone();
     for (recording, quiet) in
@@ -70,8 +70,9 @@ fn declared(name: &str) -> i32 {
     }
 }
 
-/// Holds the standard uncertainties of an answer against twice those of another one, to a part of them, and says how many they
-/// are; those of power densities go with the square, those of pure numbers (exponents, shares) and what stands `apart` are left out.
+/// Holds the standard uncertainties of an answer against twice those of another one, to a part of them, and
+/// says how many they are; those of power densities go with the square, those of pure numbers (exponents,
+/// shares) and what stands `apart` are left out.
 pub fn doubled(law: &str, found: &Value, once: &Value, part: f64, apart: &[&str]) -> usize {
     let mut differences = Vec::new();
     let count = twice("", found, once, part, apart, &mut differences);

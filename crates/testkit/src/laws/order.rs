@@ -16,8 +16,8 @@ pub fn reorder(document: &Value, seed: u64) -> Value {
     reordered
 }
 
-/// Each recording of a procedure as two, the second from a row on that is a multiple of `rows` and drawn from a seed: the times
-/// still count from the same beginning.
+/// Each recording of a procedure as two, the second from a row on that is a multiple of `rows` and drawn from
+/// a seed: the times still count from the same beginning.
 pub fn split(document: &Value, procedure: &str, rows: usize, seed: u64) -> Value {
     let mut apart = document.clone();
     let mut draw = Draw::new(seed);

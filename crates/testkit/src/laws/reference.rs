@@ -8,13 +8,14 @@ use super::walk::quantity;
 const PARTS: [(&str, &str); 2] =
     [("sensor_temperature_c", ""), ("electronics_temperature_c", "electronics_")];
 
-/// Moves the reference temperatures of sensors, electronics and coils by so many kelvin and states every constant and coefficient
-/// as it is there: the same instrument, in other numbers.
+/// Moves the reference temperatures of sensors, electronics and coils by so many kelvin and states every
+/// constant and coefficient as it is there: the same instrument, in other numbers.
 ///
-/// A reading is V = (E(S(B)) − O)/k, S and E each the change by one part's temperature, B (1 + s) + o with s and o polynomials of
-/// T − T_ref. At another T_ref, S = a S' + o₀ with a = 1 + s₀: so k' = k/a, O' = (O − o₀)/a, and what E does to o₀ belongs to its
-/// offset, and what is listed behind the temperatures, an effect of fields across, shrinks by a. That is exact where the
-/// sensitivity's change is listed before the offset's, as the law asks. Uncertainties stay, though they belong to the old reference.
+/// A reading is V = (E(S(B)) − O)/k, S and E each the change by one part's temperature, B (1 + s) + o with s
+/// and o polynomials of T − T_ref. At another T_ref, S = a S' + o₀ with a = 1 + s₀: so k' = k/a, O' = (O −
+/// o₀)/a, and what E does to o₀ belongs to its offset, and what is listed behind the temperatures, an effect
+/// of fields across, shrinks by a. That is exact where the sensitivity's change is listed before the
+/// offset's, as the law asks. Uncertainties stay, though they belong to the old reference.
 pub fn move_reference(document: &Value, by_k: [f64; 3]) -> Value {
     let mut moved = document.clone();
     let names = [PARTS[0].0, PARTS[1].0, "coil_temperature_c"];

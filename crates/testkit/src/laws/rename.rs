@@ -4,8 +4,8 @@ use serde_json::{Map, Value};
 
 use super::walk::is_prose;
 
-/// Renames x to y, y to z and z to x, of sensors, coils, SEN and GEO together (north to east to down): the same campaign in frames
-/// that are turned by a third about their diagonal.
+/// Renames x to y, y to z and z to x, of sensors, coils, SEN and GEO together (north to east to down): the
+/// same campaign in frames that are turned by a third about their diagonal.
 ///
 /// # Panics
 ///
@@ -30,7 +30,8 @@ fn renamed(key: &str, value: &Value) -> Value {
         Value::Array(list) => {
             let list: Vec<Value> = list.iter().map(|item| renamed(key, item)).collect();
             match key {
-                // All that is nine numbers runs over axes, but for a covariance, which names what it runs over.
+                // All that is nine numbers runs over axes, but for a covariance, which names what it runs
+                // over.
                 _ if is_of_axes(&list) && key != "covariance" => {
                     let rows =
                         list.into_iter().map(|row| Value::Array(shifted(row.as_array().expect("a row"))));

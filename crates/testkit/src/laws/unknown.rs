@@ -38,8 +38,9 @@ pub fn without_unknown_keys(document: &Value) -> Value {
     known
 }
 
-/// Where such a key was and is no longer, though what it stood in is still there as it was, or has only grown. What a stage
-/// finds anew (a quantity that is another one without such keys too) takes the place of the old.
+/// Where such a key was and is no longer, though what it stood in is still there as it was, or has only
+/// grown. What a stage finds anew (a quantity that is another one without such keys too) takes the place of
+/// the old.
 pub(super) fn lost(asked: &Value, found: &Value, plain: &Value) -> Vec<String> {
     let mut lost = Vec::new();
     missing("", asked, found, plain, &mut lost);

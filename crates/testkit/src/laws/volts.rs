@@ -4,8 +4,8 @@ use serde_json::{Map, Value};
 
 use super::walk::{self, covariance, numbers, words};
 
-/// Volts and amperes by another measure, of which there are `factor` times as many: readings and drives grow by it, and nT/V and
-/// nT/A shrink. Resistances stay.
+/// Volts and amperes by another measure, of which there are `factor` times as many: readings and drives grow
+/// by it, and nT/V and nT/A shrink. Resistances stay.
 pub fn scale_volts(document: &Value, factor: f64) -> Value {
     let mut scaled = document.clone();
     scale(&mut scaled, factor);
@@ -31,7 +31,8 @@ fn scale(value: &mut Value, factor: f64) {
     }
 }
 
-/// By which power of the factor what stands at a key grows: `_v` and `_a` by one, `_per_v` and `_per_m_a` by minus one.
+/// By which power of the factor what stands at a key grows: `_v` and `_a` by one, `_per_v` and `_per_m_a` by
+/// minus one.
 fn power(name: &str, value: &Value) -> i32 {
     // Lists in the unit of the recording, whose keys cannot say it.
     let plain = value.is_array() || value.is_number();

@@ -1,7 +1,9 @@
-//! Running means: their delay is the same at all periods, and seems a clock's; their response, sin(πfT)/(πfT), is theirs alone.
+//! Running means: their delay is the same at all periods, and seems a clock's; their response,
+//! sin(πfT)/(πfT), is theirs alone.
 //!
-//! Response and delay by bands are held against three forms: none, g and δ for all; a low-pass filter of first order; a mean over T. Noise of the reference
-//! lowers the response too, at most by the share of what is left in a band in the field there; an uncertainty as large as that stands beside each response.
+//! Response and delay by bands are held against three forms: none, g and δ for all; a low-pass filter of
+//! first order; a mean over T. Noise of the reference lowers the response too, at most by the share of what
+//! is left in a band in the field there; an uncertainty as large as that stands beside each response.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,10 +13,12 @@ use super::offset::{Offset, mean};
 
 /// Lengths and time constants are sought from this share of the shortest period …
 const SHORTEST: f64 = 0.02;
-/// … to this one, where the response in the shortest band has gone through zero; each is so many times the one before.
+/// … to this one, where the response in the shortest band has gone through zero; each is so many times the
+/// one before.
 const LONGEST: f64 = 1.4;
 const RATIO: f64 = 1.01;
-/// By how much Schwarz' criterion must be smaller than that of the other forms: very strong evidence (Kass and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
+/// By how much Schwarz' criterion must be smaller than that of the other forms: very strong evidence (Kass
+/// and Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
 const VERY_STRONG: f64 = 10.0;
 /// Fewer bands have no form.
 const LEAST: usize = 4;
@@ -25,12 +29,13 @@ pub struct Band {
     pub told: DelayBand,
     /// That share.
     pub lowered: f64,
-    /// Root of the mean square of its frequencies, by how much each tells, Hz: at long periods a response falls by the square.
+    /// Root of the mean square of its frequencies, by how much each tells, Hz: at long periods a response
+    /// falls by the square.
     pub frequency_hz: f64,
 }
 
-/// Length of the mean that one instrument's readings are beside the other's, s: the test instrument's where it is positive, the reference's where it is
-/// negative. None where another form, or none, says as much.
+/// Length of the mean that one instrument's readings are beside the other's, s: the test instrument's where
+/// it is positive, the reference's where it is negative. None where another form, or none, says as much.
 pub fn length(bands: &[Band]) -> Option<Quantity> {
     if bands.len() < LEAST {
         return None;

@@ -20,7 +20,8 @@ use joined::Pair;
 const FOLLOWS: f64 = 0.1;
 /// A band with less of the response is heard of one instrument alone.
 const HEARD: f64 = 0.5;
-/// Share of the rows over which each end is tapered: else the ends' mismatch would be most of what is fitted at short periods.
+/// Share of the rows over which each end is tapered: else the ends' mismatch would be most of what is fitted
+/// at short periods.
 const TAPERED: f64 = 0.1;
 
 /// Bands in which the reference's changes are seen in the test instrument.
@@ -44,8 +45,8 @@ impl Heard {
     }
 }
 
-/// One axis with the reference moved aside, where it is, and to the other side. What it shows is made anew for each question: it is many times
-/// as large as the readings.
+/// One axis with the reference moved aside, where it is, and to the other side. What it shows is made anew
+/// for each question: it is many times as large as the readings.
 pub struct OfAxis<'a> {
     pairs: &'a [Pair; 3],
     look: &'a Look,
@@ -155,7 +156,8 @@ impl<'a> OfAxis<'a> {
         self.all().seen(&|f| heard.density(self.noise(), f))
     }
 
-    /// What is left of the offset in each of some parts of the rows, under their own noise: a disturbed part knows less.
+    /// What is left of the offset in each of some parts of the rows, under their own noise: a disturbed part
+    /// knows less.
     pub fn in_parts(&self, parts: &[Range<usize>], heard: &Heard) -> Result<Vec<Option<Offset>>, Error> {
         let whole: [Parts; 3] = std::array::from_fn(|at| self.parts(at));
         let of_part = |rows: &Range<usize>| {
@@ -171,7 +173,8 @@ impl<'a> OfAxis<'a> {
         parts.iter().map(of_part).collect()
     }
 
-    /// What is left of the offset, and the gain, in each of some bands of frequency, and the spectrum of the field along the axis.
+    /// What is left of the offset, and the gain, in each of some bands of frequency, and the spectrum of the
+    /// field along the axis.
     pub fn bands(&self, octaves: &[Range<f64>]) -> Result<(Vec<OfBand>, Spectrum), Error> {
         let pair = &self.pairs[1];
         let rows = pair.whole.len();

@@ -59,7 +59,8 @@ struct LowPass {
     chi_squared: f64,
 }
 
-/// δ(f) = δ₀ + atan(2πfτ)/(2πf) by least squares; τ below zero is a filter of the reference. The uncertainty of τ is where χ² is one more.
+/// δ(f) = δ₀ + atan(2πfτ)/(2πf) by least squares; τ below zero is a filter of the reference. The uncertainty
+/// of τ is where χ² is one more.
 fn low_pass(delays: &[Offset], frequencies: &[f64], [from, to]: [f64; 2]) -> Option<LowPass> {
     let at = |tau: f64| -> Option<(f64, Offset)> {
         let own = |f: &f64| (TAU * f * tau).atan() / (TAU * f);

@@ -23,10 +23,12 @@ pub fn mean(known: &[Offset]) -> Option<Offset> {
     (weight > 0.0).then(|| Offset { s: sum / weight, std: weight.sqrt().recip() })
 }
 
-/// How offsets scatter: Q(τ²) = Σ (δ − δ̄)²/(σ² + τ²), δ̄ their mean with the same weights, is χ² at τ = 0 with one degree of freedom less than
-/// there are if all are the same; the variance between them is the τ² at which Q is that number of degrees.
+/// How offsets scatter: Q(τ²) = Σ (δ − δ̄)²/(σ² + τ²), δ̄ their mean with the same weights, is χ² at τ = 0
+/// with one degree of freedom less than there are if all are the same; the variance between them is the τ² at
+/// which Q is that number of degrees.
 ///
-/// Sources: R. T. Birge, Phys. Rev. 40 (1932) 207–227; R. C. Paule and J. Mandel, J. Res. NBS 87 (1982) 377–385.
+/// Sources: R. T. Birge, Phys. Rev. 40 (1932) 207–227; R. C. Paule and J. Mandel, J. Res. NBS 87 (1982)
+/// 377–385.
 pub fn scatter(offsets: &[Offset]) -> Option<OffsetScatter> {
     let all = mean(offsets).filter(|_| offsets.len() > 1)?;
     let freedom = offsets.len() as f64 - 1.0;

@@ -6,13 +6,15 @@ use std::borrow::Cow;
 use crate::drift::days;
 use joined::Pair;
 
-/// Time constants of the drifts that a look takes off, as shares of the length; fewer rows than these have none.
+/// Time constants of the drifts that a look takes off, as shares of the length; fewer rows than these have
+/// none.
 const DRIFTS: [f64; 4] = [0.5, 0.15, 0.045, 0.0135];
 const LEAST_FOR_DRIFTS: usize = 512;
 /// Samples between a row and the places whose difference gives the slope.
 const BESIDE: f64 = 0.1;
 
-/// A straight drift, and exponential ones enough to take off any that comes to rest: else its beginning would be taken for steps.
+/// A straight drift, and exponential ones enough to take off any that comes to rest: else its beginning would
+/// be taken for steps.
 pub fn drifts(pair: &Pair) -> impl Iterator<Item = Vec<f64>> {
     let rows = pair.whole.len();
     let exponential = move |share: &f64| -> Vec<f64> {
@@ -35,7 +37,8 @@ pub fn turned<C: AsRef<[f64]>>(reference: &[C; 3], eta: &[f64; 3]) -> Vec<f64> {
     x.iter().zip(y).zip(z).map(|((x, y), z)| eta[0] * x + eta[1] * y + eta[2] * z).collect()
 }
 
-/// −dB/dt of a field that changes at this rate, and that times the time from the middle of the segment in 10⁶ s.
+/// −dB/dt of a field that changes at this rate, and that times the time from the middle of the segment in 10⁶
+/// s.
 pub fn clock_columns(pair: &Pair, rate: &[f64]) -> [Vec<f64>; 2] {
     let late: Vec<f64> = rate.iter().map(|rate| -rate).collect();
     let fast = late
@@ -46,8 +49,9 @@ pub fn clock_columns(pair: &Pair, rate: &[f64]) -> [Vec<f64>; 2] {
     [late, fast]
 }
 
-/// dB/dt of a field by the difference over a fifth of a step of the band-limited interpolation, nT/s: within 2 % up to half the
-/// sampling rate. Differences of whole steps would fall short by more than half where the field says most about the clock.
+/// dB/dt of a field by the difference over a fifth of a step of the band-limited interpolation, nT/s: within
+/// 2 % up to half the sampling rate. Differences of whole steps would fall short by more than half where the
+/// field says most about the clock.
 pub fn rate(pair: &Pair, field: &[f64]) -> Vec<f64> {
     let beside = |by: f64| {
         let places: Vec<f64> = (0..field.len()).map(|row| row as f64 + by).collect();
@@ -62,8 +66,8 @@ pub fn rate(pair: &Pair, field: &[f64]) -> Vec<f64> {
     after
 }
 
-/// The same with nothing in rows that are not whole: readings that were filled in say nothing of the clock, and a reading filled in with a wrong
-/// clock would confirm that one.
+/// The same with nothing in rows that are not whole: readings that were filled in say nothing of the clock,
+/// and a reading filled in with a wrong clock would confirm that one.
 pub fn seen_rate(pair: &Pair, field: &[f64]) -> Vec<f64> {
     let mut rate = rate(pair, field);
     rate.iter_mut().zip(&pair.whole).filter(|(_, whole)| !**whole).for_each(|(value, _)| *value = 0.0);

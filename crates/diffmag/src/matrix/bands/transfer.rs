@@ -31,15 +31,17 @@ impl Transfer {
     }
 }
 
-/// The band `ordinates` of spectra of R (channels 0 to 2) and d = T − R η (channel 3 + j), `effective` complex degrees of freedom.
+/// The band `ordinates` of spectra of R (channels 0 to 2) and d = T − R η (channel 3 + j), `effective`
+/// complex degrees of freedom.
 ///
-/// With the weights 1/P, P(f) the density of the noise, the sums M = Σ S_RR/P, v = Σ S_Rd/P, u = Σ S_dd/P over m ordinates give
+/// With the weights 1/P, P(f) the density of the noise, the sums M = Σ S_RR/P, v = Σ S_Rd/P, u = Σ S_dd/P
+/// over m ordinates give
 ///
 /// Z = η + M⁻¹ v, s² = (u − vᴴ M⁻¹ v)/m · n/(n − 3), ⟨δZ δZᴴ⟩ = s² m M⁻¹/n,
 ///
-/// n = `effective`; δZ is circular, and s² has 2 (n − 3) degrees of freedom: with it the uncertainties hold whether P is right in the
-/// band or not. A clock that is late by δ adds −δ dR/dt η; of samples Δt apart the rate is taken as their central differences, −i sin(2π f Δt)/Δt
-/// in place of −2πi f.
+/// n = `effective`; δZ is circular, and s² has 2 (n − 3) degrees of freedom: with it the uncertainties hold
+/// whether P is right in the band or not. A clock that is late by δ adds −δ dR/dt η; of samples Δt apart the
+/// rate is taken as their central differences, −i sin(2π f Δt)/Δt in place of −2πi f.
 ///
 /// Source: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, sections 9.2 and 9.3.
 pub fn transfer(
@@ -103,7 +105,8 @@ fn parts(values: &Vector3<C>) -> Vec<f64> {
     values.iter().map(|value| value.re).chain(values.iter().map(|value| value.im)).collect()
 }
 
-/// Complex degrees of freedom of the mean over `ordinates` neighbouring frequencies and the first sine tapers of one segment:
+/// Complex degrees of freedom of the mean over `ordinates` neighbouring frequencies and the first sine tapers
+/// of one segment:
 ///
 /// (m K)²/Σ_abkl |G_ab(k − l)|², G_ab(d) = ∫ 2 sin(aπx) sin(bπx) e^(−2πi d x) dx over 0 … 1.
 pub fn effective(tapers: usize, ordinates: usize) -> f64 {

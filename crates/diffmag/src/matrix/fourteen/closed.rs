@@ -18,8 +18,8 @@ pub(super) fn solve(eta: &Matrix3<f64>, known: &KnownFive) -> Pair {
     of(eta, &known.axes, &known.values())
 }
 
-/// The same of η and the five values (in the order of their covariance) as any kind of number; `kind` says what the first
-/// three values are.
+/// The same of η and the five values (in the order of their covariance) as any kind of number; `kind` says
+/// what the first three values are.
 pub(super) fn of<T: Real>(eta: &Matrix3<T>, kind: &KnownAxes, values: &[T; 5]) -> Pair<T> {
     let [a, b, c, x_y, z_y] = *values;
     let ratios = [x_y, z_y];
@@ -41,9 +41,9 @@ fn upright<T: Real>(x: T, y: T) -> Vector3<T> {
     Vector3::new(x, y, (T::from(1.0) - x * x - y * y).sqrt())
 }
 
-/// The reference from G = η⁻ᵀ (M_t M_tᵀ) η⁻¹ = M_r M_rᵀ, where M_t M_tᵀ = K_yt² (q_j q_k c_jk), q the known ratios of K and c
-/// the cosines between the test's axes. The ratios of K_r are roots of ratios of G's diagonal; its off-diagonals over
-/// those roots are the cosines between the reference's axes,
+/// The reference from G = η⁻ᵀ (M_t M_tᵀ) η⁻¹ = M_r M_rᵀ, where M_t M_tᵀ = K_yt² (q_j q_k c_jk), q the known
+/// ratios of K and c the cosines between the test's axes. The ratios of K_r are roots of ratios of G's
+/// diagonal; its off-diagonals over those roots are the cosines between the reference's axes,
 ///
 /// ```text
 /// x·y = sin β    y·z = sin γ cos α    x·z = sin γ sin(α + β) = sin γ sin α cos β + sin γ cos α sin β

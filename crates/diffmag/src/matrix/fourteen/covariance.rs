@@ -1,4 +1,5 @@
-//! Uncertainty to first order (JCGM 100, 5.2), with exact derivatives and a rule for azimuths of vertical axes.
+//! Uncertainty to first order (JCGM 100, 5.2), with exact derivatives and a rule for azimuths of vertical
+//! axes.
 
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use num_dual::Dual64;
@@ -13,8 +14,8 @@ pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;
 /// An axis this near to the vertical has lost its azimuth to rounding.
 const POLE: f64 = 1e-12;
 
-/// Derivatives of the fourteen parameters and of the horizontal parts of the four axes by the nine elements of η and the
-/// five known values.
+/// Derivatives of the fourteen parameters and of the horizontal parts of the four axes by the nine elements
+/// of η and the five known values.
 struct Derivatives {
     parameters: SMatrix<f64, 14, 14>,
     horizontal: [SMatrix<f64, 2, 14>; 4],
@@ -23,10 +24,10 @@ struct Derivatives {
 
 /// The parameters of `pair`, found from η and what is known, with their covariance J Σ Jᵀ.
 ///
-/// Where an axis is vertical within four standard uncertainties (that of its azimuth would exceed 0.25 rad to first order), the
-/// azimuth takes [`UNDETERMINED_RAD`], the polar angle the root mean square of the tilt about the value found, and neither
-/// correlates with anything. Nearer to the vertical than that, first-order intervals of 95 % hold the azimuth in 60 to
-/// 90 % of cases only.
+/// Where an axis is vertical within four standard uncertainties (that of its azimuth would exceed 0.25 rad to
+/// first order), the azimuth takes [`UNDETERMINED_RAD`], the polar angle the root mean square of the tilt
+/// about the value found, and neither correlates with anything. Nearer to the vertical than that, first-order
+/// intervals of 95 % hold the azimuth in 60 to 90 % of cases only.
 pub(super) fn propagate(
     pair: &Pair,
     eta: &Matrix3<f64>,
@@ -123,8 +124,8 @@ fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &KnownFive) -> Derivative
     all
 }
 
-/// Changes of azimuth and polar angle (rad) of a unit vector a = (x, y, z) that moves by da, with h² = x² + y²:
-/// dφ = (y dx − x dy)/h², dθ = z (x dx + y dy)/h − h dz. Zero for a vertical axis, which has neither.
+/// Changes of azimuth and polar angle (rad) of a unit vector a = (x, y, z) that moves by da, with h² = x² +
+/// y²: dφ = (y dx − x dy)/h², dθ = z (x dx + y dy)/h − h dz. Zero for a vertical axis, which has neither.
 fn turn(axis: &Vector3<f64>, change: &Vector3<f64>) -> [f64; 2] {
     let h = axis.x.hypot(axis.y);
     if h < POLE {

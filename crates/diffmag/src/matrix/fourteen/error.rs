@@ -4,7 +4,8 @@ use thiserror::Error;
 
 use super::EtaCovariance;
 
-/// Singular values of η with columns of unit length that are smaller than this share of the largest count as zero.
+/// Singular values of η with columns of unit length that are smaller than this share of the largest count as
+/// zero.
 const FLAT: f64 = 1e-9;
 /// Standard uncertainties by which the determinant of η must differ from zero.
 const SIGMAS: f64 = 3.0;
@@ -53,8 +54,8 @@ pub enum Error {
     Estimate(#[from] estimate::Error),
 }
 
-/// Refuses an η that cannot be told from a singular one: det η = Σ_j η_ij C_ij, with C its cofactors, and to first order
-/// var(det η) = cᵀ Σ c with c the nine cofactors.
+/// Refuses an η that cannot be told from a singular one: det η = Σ_j η_ij C_ij, with C its cofactors, and to
+/// first order var(det η) = cᵀ Σ c with c the nine cofactors.
 pub(super) fn refuse_singular(eta: &Matrix3<f64>, covariance: &EtaCovariance) -> Result<(), Error> {
     let columns: [_; 3] = std::array::from_fn(|j| eta.column(j).into_owned());
     let cofactors = Matrix3::from_fn(|i, j| columns[(j + 1) % 3].cross(&columns[(j + 2) % 3])[i]);

@@ -6,8 +6,8 @@ use super::Error;
 
 /// Cosines of β and γ and eigenvalues of the cosine matrix below this belong to axes that lie in a plane.
 const FLAT: f64 = 1e-6;
-/// An azimuth no better than this is beyond propagation to first order, rad: its axis is within four of its standard
-/// uncertainties of the vertical.
+/// An azimuth no better than this is beyond propagation to first order, rad: its axis is within four of its
+/// standard uncertainties of the vertical.
 pub(super) const LOOSE_RAD: f64 = 0.25;
 /// Negative eigenvalues of a correlation matrix down to here, and unequal halves, are rounding.
 const ROUNDING: f64 = 1e-8;
@@ -15,15 +15,16 @@ const ROUNDING: f64 = 1e-8;
 /// The three numbers that say how the axes of the known instrument stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KnownAxes {
-    /// Of the reference: α, β, γ, rad. Where γ is zero within its uncertainty α means nothing, and the propagation to first
-    /// order through it is wrong: use [`KnownAxes::ReferenceTilts`].
+    /// Of the reference: α, β, γ, rad. Where γ is zero within its uncertainty α means nothing, and the
+    /// propagation to first order through it is wrong: use [`KnownAxes::ReferenceTilts`].
     Reference([f64; 3]),
     /// Of the reference: sin γ sin α, sin γ cos α and β (rad), with cos γ > 0. The first two are the
     /// horizontal part of Z_r along x and y.
     ReferenceTilts([f64; 3]),
-    /// Of the test instrument: the cosines of the angles between its own axes, x·y, y·z, x·z. Each is sin ε of the
-    /// pair's departure ε from a right angle, positive where the axes lean towards each other (less than 90°), as sin ε_xy = sin β,
-    /// sin ε_yz = sin γ cos α and sin ε_xz = sin γ sin(α + β) are for the reference.
+    /// Of the test instrument: the cosines of the angles between its own axes, x·y, y·z, x·z. Each is sin ε
+    /// of the pair's departure ε from a right angle, positive where the axes lean towards each other (less
+    /// than 90°), as sin ε_xy = sin β, sin ε_yz = sin γ cos α and sin ε_xz = sin γ sin(α + β) are for the
+    /// reference.
     Test([f64; 3]),
 }
 

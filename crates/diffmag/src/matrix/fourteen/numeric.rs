@@ -12,17 +12,20 @@ use super::{ANGLES, Error, EtaCovariance, KnownAxes, KnownFive, error};
 /// β, five ratios, two turns of each of four axes.
 const UNKNOWNS: usize = 14;
 
-/// Nine equations η(pair) = η, each in units of the largest element of its column, and five that the pair has what is known.
+/// Nine equations η(pair) = η, each in units of the largest element of its column, and five that the pair has
+/// what is known.
 struct Equations<'a> {
     eta: &'a Matrix3<f64>,
     scales: [f64; 3],
     known: &'a KnownFive,
 }
 
-/// The fourteen parameters by Gauss-Newton on the nine equations of η and the five of what is known, in the order of
+/// The fourteen parameters by Gauss-Newton on the nine equations of η and the five of what is known, in the
+/// order of
 /// [`super::NAMES`]: the source's way, and a check of [`super::solve`], with which it shares no formula.
 ///
-/// It starts from the known values of a known reference, or else from a reference with axes along those of the frame.
+/// It starts from the known values of a known reference, or else from a reference with axes along those of
+/// the frame.
 pub fn solve_numerically(eta: &Matrix3<f64>, known: &KnownFive) -> Result<[f64; 14], Error> {
     known.check()?;
     error::refuse_singular(eta, &EtaCovariance::zeros())?;
@@ -42,9 +45,10 @@ pub fn solve_numerically(eta: &Matrix3<f64>, known: &KnownFive) -> Result<[f64; 
     Ok(values)
 }
 
-/// A pair to start from: the reference as it is known, or with axes along those of the frame; the test instrument as η shows it
-/// beside a reference with orthogonal axes. With orthogonal axes on both sides K_ri η_ij/K_tj is a rotation (or turns right into
-/// left): known ratios of one side give the other's from lengths of rows or columns.
+/// A pair to start from: the reference as it is known, or with axes along those of the frame; the test
+/// instrument as η shows it beside a reference with orthogonal axes. With orthogonal axes on both sides K_ri
+/// η_ij/K_tj is a rotation (or turns right into left): known ratios of one side give the other's from lengths
+/// of rows or columns.
 fn nominal(eta: &Matrix3<f64>, known: &KnownFive) -> Pair {
     let [x_y, z_y] = known.ratios;
     let factors = Vector3::new(x_y, 1.0, z_y);

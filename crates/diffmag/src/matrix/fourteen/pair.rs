@@ -25,7 +25,8 @@ impl<T: Real> Pair<T> {
         [x, y, y * zt_yt]
     }
 
-    /// η_ij = K_tj a_j · c_i with c_i the columns of M_r⁻¹: the field for a reading of one on axis i of the reference,
+    /// η_ij = K_tj a_j · c_i with c_i the columns of M_r⁻¹: the field for a reading of one on axis i of the
+    /// reference,
     ///
     /// ```text
     /// B_x = B_xr/cos β − B_yr tan β
@@ -33,8 +34,8 @@ impl<T: Real> Pair<T> {
     /// B_z = B_zr/cos γ − B_xr sin α tan γ/cos β − B_yr (cos α − tan β sin α) tan γ
     /// ```
     ///
-    /// where (sin α tan γ, cos α tan γ) is the horizontal part of Z_r over its vertical part. Source: DIFF eq. 5 to 11, with
-    /// the sign of tan β sin α that follows from figure 1.
+    /// where (sin α tan γ, cos α tan γ) is the horizontal part of Z_r over its vertical part. Source: DIFF
+    /// eq. 5 to 11, with the sign of tan β sin α that follows from figure 1.
     pub fn eta(&self) -> Matrix3<T> {
         let [z, test @ ..] = &self.axes;
         let (sin, cos) = (self.beta.sin(), self.beta.cos());
@@ -71,8 +72,8 @@ impl Pair {
         }
     }
 
-    /// The fourteen parameters: an axis (x, y, z) has the azimuth atan2(x, y), from y towards x, and the polar angle
-    /// atan2(√(x² + y²), z).
+    /// The fourteen parameters: an axis (x, y, z) has the azimuth atan2(x, y), from y towards x, and the
+    /// polar angle atan2(√(x² + y²), z).
     pub fn parameters(&self) -> [f64; 14] {
         let mut values = [0.0; 14];
         values[BETA] = self.beta;

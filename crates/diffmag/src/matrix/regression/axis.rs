@@ -24,8 +24,9 @@ pub const STRAIGHT: usize = DAYS + 1;
 
 /// The fit of one axis of the test instrument.
 pub struct AxisFit {
-    /// Weighted coefficients of the reference's x, y, z (nT/nT), of the straight drift (nT/day), where an exponential drift is
-    /// demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, of the housekeeping columns that it follows, and of the steps (nT).
+    /// Weighted coefficients of the reference's x, y, z (nT/nT), of the straight drift (nT/day), where an
+    /// exponential drift is demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, of the
+    /// housekeeping columns that it follows, and of the steps (nT).
     pub fit: SpectralFit,
     /// Noise of the difference.
     pub noise: Noise,
@@ -88,8 +89,8 @@ pub struct Source {
     pub difference: Vec<f64>,
 }
 
-/// One axis: the reference's three axes, the drift that the readings demand and the steps, under the noise of what they leave, in
-/// the band in which the instruments answer alike.
+/// One axis: the reference's three axes, the drift that the readings demand and the steps, under the noise of
+/// what they leave, in the band in which the instruments answer alike.
 pub(super) fn one(
     whole: &Columns<'_>,
     candidates: &[Candidate],
@@ -209,8 +210,8 @@ pub(super) fn one(
     };
     let offset_nt = mean(&without(test, &all_steps, &fit.weighted[every.len() - all_steps.len()..]))
         - (0..3).map(|i| fit.weighted[i] * mean(&pair.reference[i])).sum::<f64>();
-    // Noise is told of all that is left, by its form: levels of octaves would hide what is not noise from the tests that follow. It weighs only in the
-    // band.
+    // Noise is told of all that is left, by its form: levels of octaves would hide what is not noise from the
+    // tests that follow. It weighs only in the band.
     let noise = if kept == whole.kept {
         noise.form()
     } else {
@@ -233,8 +234,9 @@ pub(super) fn one(
     Ok((fit, whitened))
 }
 
-/// Whether a fit leaves more than levels alone would: weights rest on the periods at which the difference is quiet, and where the noise is not of
-/// the form that is fitted, or the instruments share little, the matrix by them may leave more than none does. Least squares cannot.
+/// Whether a fit leaves more than levels alone would: weights rest on the periods at which the difference is
+/// quiet, and where the noise is not of the form that is fitted, or the instruments share little, the matrix
+/// by them may leave more than none does. Least squares cannot.
 fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
     let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
     let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
@@ -261,7 +263,8 @@ fn source(columns: &Columns<'_>, test: &[f64], errors: &Errors) -> Result<Source
     Ok(Source { newey_west: (0..3).map(|i| robust[(i, i)].sqrt()).collect(), fit, difference })
 }
 
-/// Of what least squares leave the frequencies of its spectral lines (Hz), which are not noise, and its noise.
+/// Of what least squares leave the frequencies of its spectral lines (Hz), which are not noise, and its
+/// noise.
 fn plain(
     columns: &Columns<'_>,
     design: &[&[f64]],

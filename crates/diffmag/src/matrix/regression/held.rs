@@ -8,8 +8,9 @@ use faer::Mat;
 use crate::Error;
 use crate::drift::Columns;
 
-/// The steps of which the band says more, beside the other columns and each other, than the search that found them: these are fitted, the
-/// others keep the sizes that were found. So steps that lie too close for the band are not told apart by it.
+/// The steps of which the band says more, beside the other columns and each other, than the search that found
+/// them: these are fitted, the others keep the sizes that were found. So steps that lie too close for the
+/// band are not told apart by it.
 pub fn determined(
     columns: &Columns<'_>,
     steps: &[Vec<f64>],

@@ -15,7 +15,8 @@ use joined::Pair;
 const STRETCH_S: f64 = 10_800.0;
 /// A stretch has at least this many samples.
 const LEAST_SAMPLES: usize = 30;
-/// A stretch holds at least so many of the shortest periods that the matrix rests on: twice as many numbers as η and a line have.
+/// A stretch holds at least so many of the shortest periods that the matrix rests on: twice as many numbers
+/// as η and a line have.
 const PERIODS: f64 = 4.0;
 /// There are at least this many stretches, if need be shorter ones.
 const LEAST_STRETCHES: usize = 16;
@@ -26,9 +27,9 @@ const DISTURBED: f64 = 0.25;
 /// Less activity than this, disturbed over quiet, is no contrast.
 const CONTRAST: f64 = 2.0;
 
-/// Ranks stretches by the rms of the reference's first differences, and holds η of the upper quarter against that of the lower
-/// half: from variations within stretches, each with a level and a straight drift of its own. None where the recording is too
-/// short to be divided.
+/// Ranks stretches by the rms of the reference's first differences, and holds η of the upper quarter against
+/// that of the lower half: from variations within stretches, each with a level and a straight drift of its
+/// own. None where the recording is too short to be divided.
 pub fn quiet_disturbed(
     pair: &Pair,
     fits: &[AxisFit; 3],

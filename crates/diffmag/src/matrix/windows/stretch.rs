@@ -17,11 +17,12 @@ use joined::Pair;
 const EMPTIED: f64 = 4.5;
 /// Ordinates from there to here are held against the noise of the whole.
 const HELD: f64 = 20.5;
-/// The noise of the whole is too high for the stretches below this probability: then steps or bends of the offset are in it.
+/// The noise of the whole is too high for the stretches below this probability: then steps or bends of the
+/// offset are in it.
 const TOO_HIGH: f64 = 1e-3;
 
-/// Noise of the difference: that of the whole, which knows the long periods best; or as stretches leave it that have their own
-/// levels, where a step or a bend of the offset is in the whole and would pass for noise.
+/// Noise of the difference: that of the whole, which knows the long periods best; or as stretches leave it
+/// that have their own levels, where a step or a bend of the offset is in the whole and would pass for noise.
 pub struct Noise<'a> {
     whole: &'a [AxisFit; 3],
     stretches: [Option<WhittleFit>; 3],
@@ -124,8 +125,9 @@ fn line(rows: usize) -> Vec<f64> {
 
 /// The column of η of one axis from some rows, whose level and straight drift are free.
 ///
-/// Noise of the reference that makes up the share κ of the difference biases it by −κ n C η/|η|², n the samples and C its
-/// covariance: in the normal equations XᵀV⁻¹X η the noise adds κ n/|η|² to each diagonal element, whatever its spectrum.
+/// Noise of the reference that makes up the share κ of the difference biases it by −κ n C η/|η|², n the
+/// samples and C its covariance: in the normal equations XᵀV⁻¹X η the noise adds κ n/|η|² to each diagonal
+/// element, whatever its spectrum.
 pub fn estimate(
     pair: &Pair,
     fits: &[AxisFit; 3],

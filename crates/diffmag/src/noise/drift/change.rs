@@ -9,8 +9,8 @@ const TURNS: f64 = 30.0;
 /// Points of the sum.
 const POINTS: usize = 4000;
 
-/// The change of d over a span by the drift, `drift_nt` with its standard uncertainty and that one's degrees of freedom, and
-/// by the noise; the two as independent.
+/// The change of d over a span by the drift, `drift_nt` with its standard uncertainty and that one's degrees
+/// of freedom, and by the noise; the two as independent.
 pub fn change(
     span_s: f64,
     (drift_nt, std, freedom): (f64, f64, f64),
@@ -33,8 +33,8 @@ pub fn change(
     }
 }
 
-/// The structure function of noise A/f^α, the mean square of its change over a span s: ∫ 4 A f^-α sin²(πfs) df up to the
-/// Nyquist frequency; 0 < α < 3.
+/// The structure function of noise A/f^α, the mean square of its change over a span s: ∫ 4 A f^-α sin²(πfs)
+/// df up to the Nyquist frequency; 0 < α < 3.
 fn structure(amplitude: f64, exponent: f64, span_s: f64, step_s: f64) -> f64 {
     // With u = f s = v² the integrand is smooth at zero.
     let end = 0.5 * span_s / step_s;
@@ -61,7 +61,8 @@ mod tests {
 
     #[test]
     fn changes_of_known_noise() {
-        // α = 2 with A = r²/(2π²) is a random walk of r² a second, but for what is above the Nyquist frequency, 2A/f_N.
+        // α = 2 with A = r²/(2π²) is a random walk of r² a second, but for what is above the Nyquist
+        // frequency, 2A/f_N.
         let walk = structure(1.0 / (2.0 * PI * PI), 2.0, 5000.0, 1.0);
         assert!((walk - (5000.0 - 2.0 / (PI * PI))).abs() < 0.05, "{walk}");
         // α = 1: 2A (ln(2π f_N s) + γ), γ Euler's constant, for a span of whole steps.

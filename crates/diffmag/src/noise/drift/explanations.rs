@@ -26,7 +26,8 @@ pub struct Explanations {
     pub drift: f64,
     /// The drift, if it is one, nT/day.
     pub straight_nt_per_day: Quantity,
-    /// Variances of the coefficients of the noise beside a drift, from the first on, in the mean over all forms.
+    /// Variances of the coefficients of the noise beside a drift, from the first on, in the mean over all
+    /// forms.
     pub beside_drift: Vec<f64>,
     /// α of noise alone.
     pub exponent_alone: Quantity,
@@ -69,13 +70,13 @@ impl Sum {
     }
 }
 
-/// Weighs the explanations of what a matrix leaves, `left`, by the marginal likelihood of its lowest coefficients; `days` are those of a straight line.
-/// None where there are too few.
+/// Weighs the explanations of what a matrix leaves, `left`, by the marginal likelihood of its lowest
+/// coefficients; `days` are those of a straight line. None where there are too few.
 ///
-/// Both are as probable before. Noise that levels off is together as probable as noise that does not; else all forms are alike, with and without a
-/// drift. A drift has a normal prior about zero, so wide that its
-/// standard deviation explains all scatter, √12 rms over the length. So neither explanation is preferred for its freedom: noise that wanders as far
-/// has to be seen at shorter periods too.
+/// Both are as probable before. Noise that levels off is together as probable as noise that does not; else
+/// all forms are alike, with and without a drift. A drift has a normal prior about zero, so wide that its
+/// standard deviation explains all scatter, √12 rms over the length. So neither explanation is preferred for
+/// its freedom: noise that wanders as far has to be seen at shorter periods too.
 ///
 /// Source: R. E. Kass and A. E. Raftery, Bayes factors, J. Am. Stat. Assoc. 90 (1995) 773–795.
 pub fn explanations(left: &[f64], days: &[f64], (rms, length_days): (f64, f64)) -> Option<Explanations> {

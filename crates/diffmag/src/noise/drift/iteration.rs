@@ -10,8 +10,8 @@ use estimate::stats::mean;
 
 /// Most rounds.
 const MOST_ROUNDS: usize = 500;
-/// The drift stands when all rounds to come would move it by less than this share of the difference, each of them by as much less
-/// than the one before as the last two.
+/// The drift stands when all rounds to come would move it by less than this share of the difference, each of
+/// them by as much less than the one before as the last two.
 const STANDS: f64 = 1e-9;
 /// A fit of the drift ends when ln τ moves less.
 const ACCURACY: f64 = 1e-10;
@@ -27,7 +27,8 @@ struct Shape {
     /// Step of ln τ to the minimum if the sum of squares were parabolic.
     step: f64,
     explained: f64,
-    /// Sums of products of the days, the exponential and its derivative with respect to ln τ, each less its mean.
+    /// Sums of products of the days, the exponential and its derivative with respect to ln τ, each less its
+    /// mean.
     gram: Matrix3<f64>,
 }
 
@@ -43,9 +44,9 @@ impl Shape {
     }
 }
 
-/// The source's way, from η without a drift: the drift b t + a e^(−t/τ) is fitted to T − R η by least squares and taken from T,
-/// η is fitted again, until the drift stands. Its end is the least-squares fit of all together: what each step lowers is the
-/// same sum of squares.
+/// The source's way, from η without a drift: the drift b t + a e^(−t/τ) is fitted to T − R η by least squares
+/// and taken from T, η is fitted again, until the drift stands. Its end is the least-squares fit of all
+/// together: what each step lowers is the same sum of squares.
 ///
 /// Source: DIFF, "linear regression method", the paragraph after eq. 20.
 pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<IteratedDrift, Error> {
@@ -91,7 +92,8 @@ fn centred(values: &[f64]) -> Vec<f64> {
     values.iter().map(|value| value - middle).collect()
 }
 
-/// All that the iteration needs of the rows: products of the columns, each less its mean, and moments for those with an exponential.
+/// All that the iteration needs of the rows: products of the columns, each less its mean, and moments for
+/// those with an exponential.
 struct Sums {
     rows: f64,
     step_s: f64,
@@ -165,7 +167,8 @@ impl Sums {
         shape.linear[0] * self.reference_days + shape.linear[1] * plain
     }
 
-    /// Products of the days, e^(−t/τ) and its derivative with respect to ln τ with each other, each less its mean.
+    /// Products of the days, e^(−t/τ) and its derivative with respect to ln τ with each other, each less its
+    /// mean.
     fn gram(&self, rate: f64) -> Matrix3<f64> {
         let [plain, slope] = self.moments_of_ones.sums(rate);
         let [days_plain, days_slope] = self.moments_of_days.sums(rate);

@@ -12,31 +12,32 @@ use crate::difference::Noise;
 const ACCURACY: f64 = 1e-7;
 const ROUGH: f64 = 0.02;
 
-/// The band that confirms an exponential reaches to so many times 1/(2πτ), where nine tenths of what white noise lets be known of
-/// it are; and it has at least so many coefficients.
+/// The band that confirms an exponential reaches to so many times 1/(2πτ), where nine tenths of what white
+/// noise lets be known of it are; and it has at least so many coefficients.
 const CONFIRMS: f64 = 8.0;
 const LEAST_CONFIRMS: usize = 256;
 
 /// η, b, a and τ together.
 pub struct Joint {
-    /// Coefficients of the reference's x, y, z, the days, e^(−t/τ) and its derivative with respect to ln τ; the last is zero
-    /// at the best τ.
+    /// Coefficients of the reference's x, y, z, the days, e^(−t/τ) and its derivative with respect to ln τ;
+    /// the last is zero at the best τ.
     pub regression: Regression,
     pub ln_tau: f64,
     /// Least and greatest ln τ that were sought.
     limits: (f64, f64),
     pub noise: Noise,
-    /// Probability of an exponential as great by chance, over all τ; the larger of the two in all of the band and in the part of
-    /// it that confirms it.
+    /// Probability of an exponential as great by chance, over all τ; the larger of the two in all of the band
+    /// and in the part of it that confirms it.
     pub p: f64,
     pub freedom: f64,
 }
 
-/// Least squares over η, b, a and τ, weighted by the noise of what they leave: variable projection, the linear unknowns
-/// solved for each τ; sought over a grid of ln τ, refined by Gauss and Newton.
+/// Least squares over η, b, a and τ, weighted by the noise of what they leave: variable projection, the
+/// linear unknowns solved for each τ; sought over a grid of ln τ, refined by Gauss and Newton.
 ///
-/// Noise of the reference, where it is more than the field at short periods, pulls η, and the field that it leaves in the difference
-/// can look like an exponential. So one that is seen has to be seen at long periods too, where the field is strong.
+/// Noise of the reference, where it is more than the field at short periods, pulls η, and the field that it
+/// leaves in the difference can look like an exponential. So one that is seen has to be seen at long periods
+/// too, where the field is strong.
 ///
 /// Source: G. H. Golub and V. Pereyra, Separable nonlinear least squares, Inverse Problems 19 (2003) R1–R26.
 pub fn joint(
@@ -87,7 +88,8 @@ struct Best {
     ln_tau: f64,
     /// Its amplitude over the standard deviation, τ held.
     score: f64,
-    /// Length of the curve that the exponentials of all τ, less what the other columns explain and of unit length, go through.
+    /// Length of the curve that the exponentials of all τ, less what the other columns explain and of unit
+    /// length, go through.
     length: f64,
 }
 
@@ -119,7 +121,8 @@ pub struct Curve {
     pub place: usize,
     /// Its coefficient over the standard deviation.
     pub score: f64,
-    /// Length of the curve that the columns, less what the others explain of them and of unit length, go through.
+    /// Length of the curve that the columns, less what the others explain of them and of unit length, go
+    /// through.
     pub length: f64,
 }
 
@@ -147,12 +150,13 @@ impl Curve {
     }
 }
 
-/// P(max |z| ≥ score) of noise alone along a curve of length L: P(|t_ν| ≥ z) + L/π (1 + z²/ν)^(−ν/2), an upper bound that is
-/// sharp where it is small. Without an exponential there is no τ, so that χ² does not hold.
+/// P(max |z| ≥ score) of noise alone along a curve of length L: P(|t_ν| ≥ z) + L/π (1 + z²/ν)^(−ν/2), an
+/// upper bound that is sharp where it is small. Without an exponential there is no τ, so that χ² does not
+/// hold.
 ///
-/// Sources: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the alternative, Biometrika 74
-/// (1987) 33–43; M. Knowles and D. Siegmund, On Hotelling's approach to testing for a nonlinear parameter in regression,
-/// Int. Stat. Rev. 57 (1989) 205–220.
+/// Sources: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the alternative,
+/// Biometrika 74 (1987) 33–43; M. Knowles and D. Siegmund, On Hotelling's approach to testing for a nonlinear
+/// parameter in regression, Int. Stat. Rev. 57 (1989) 205–220.
 pub fn chance(score: f64, length: f64, freedom: f64) -> f64 {
     let crossings = length / PI * (-0.5 * freedom * (score * score / freedom).ln_1p()).exp();
     (stats::two_sided_p(score, freedom) + crossings).min(1.0)
@@ -191,7 +195,8 @@ impl Joint {
         [found[0], found[1], found[2], found[3], found[4], self.ln_tau]
     }
 
-    /// Covariance of η, b, a and ln τ: that of the linear unknowns and of the derivative's coefficient, which is a δ ln τ.
+    /// Covariance of η, b, a and ln τ: that of the linear unknowns and of the derivative's coefficient, which
+    /// is a δ ln τ.
     pub fn covariance(&self) -> Vec<Vec<f64>> {
         let scale = |i: usize| if i == 5 { 1.0 / self.regression.coefficients[4] } else { 1.0 };
         let widening = |i: usize| if i < 3 { 1.0 } else { self.widening() };

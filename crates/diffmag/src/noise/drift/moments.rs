@@ -1,4 +1,5 @@
-//! Sums of a series with exponentials of any time constant, from the moments of its blocks: each takes as long for a month as for an hour.
+//! Sums of a series with exponentials of any time constant, from the moments of its blocks: each takes as
+//! long for a month as for an hour.
 
 /// Terms of e^(−r x) within a block, where |r x| is at most one: what they leave is 1/19! of it.
 const TERMS: usize = 19;
@@ -6,7 +7,8 @@ const TERMS: usize = 19;
 /// Terms so small beside the first do not count.
 const SMALL: f64 = 1e-18;
 
-/// Moments Σ y_k u^m/m! of blocks of rows, u the row from the middle of its block over half the block's length.
+/// Moments Σ y_k u^m/m! of blocks of rows, u the row from the middle of its block over half the block's
+/// length.
 pub struct Moments {
     /// Half a block, in rows.
     half: f64,

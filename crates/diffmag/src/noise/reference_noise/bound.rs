@@ -5,9 +5,9 @@ use joined::Pair;
 
 /// The largest pull of each element, [reference][test], whichever part of the difference is the reference's.
 ///
-/// With M of the weighted fit the pull of column j is M⁻¹ N η_j, N_kk = Σ P_e,k/P_d,j over the ordinates, and the reference's
-/// axis k cannot have more noise than what it would leave in any difference, P_e,k ≤ P_d,l/η_kl². Each N_kk takes its largest
-/// value where it pulls one way and zero where it pulls the other.
+/// With M of the weighted fit the pull of column j is M⁻¹ N η_j, N_kk = Σ P_e,k/P_d,j over the ordinates, and
+/// the reference's axis k cannot have more noise than what it would leave in any difference, P_e,k ≤
+/// P_d,l/η_kl². Each N_kk takes its largest value where it pulls one way and zero where it pulls the other.
 pub fn largest_pull(pair: &Pair, fits: &[AxisFit; 3]) -> [[f64; 3]; 3] {
     let rows = pair.whole.len();
     let eta = |k: usize, l: usize| fits[l].fit.weighted[k];

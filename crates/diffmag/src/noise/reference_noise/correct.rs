@@ -48,11 +48,11 @@ pub struct Spectrum {
     pub corrected: Corrected,
 }
 
-/// With the noise P_e of the reference given: (M − N) δ = Σ ν S_Rv/P + N, N = Σ ν P_e/P, diagonal. None where N is more than
-/// half of M: the field is then hardly seen.
+/// With the noise P_e of the reference given: (M − N) δ = Σ ν S_Rv/P + N, N = Σ ν P_e/P, diagonal. None where
+/// N is more than half of M: the field is then hardly seen.
 ///
-/// Covariance of δ_i: A⁻¹ (M + q e_i e_iᵀ) A⁻¹ with A = M − N, q = Σ ν P_e²/P², and a relative error r of P_e adds
-/// (A⁻¹ N e_i r)².
+/// Covariance of δ_i: A⁻¹ (M + q e_i e_iᵀ) A⁻¹ with A = M − N, q = Σ ν P_e²/P², and a relative error r of P_e
+/// adds (A⁻¹ N e_i r)².
 ///
 /// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 2.2, here by frequency.
 pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Option<Corrected>, Error> {
@@ -100,7 +100,8 @@ pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Opti
     Ok(Some(Corrected { covariance: frame.of_matrix(&blocks), frame }))
 }
 
-/// With a third instrument C, whose errors are those of neither: Σ ν S_CR/P δ = Σ ν S_Cv/P. No noise needs to be known.
+/// With a third instrument C, whose errors are those of neither: Σ ν S_CR/P δ = Σ ν S_Cv/P. No noise needs to
+/// be known.
 ///
 /// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 1.4 (instrumental variables).
 pub fn by_third(pair: &Pair, start: &Frame) -> Result<Corrected, Error> {
@@ -125,10 +126,10 @@ pub fn by_third(pair: &Pair, start: &Frame) -> Result<Corrected, Error> {
     Ok(Corrected { covariance: frame.of_matrix(&blocks), frame })
 }
 
-/// From two instruments alone: in a band b of frequencies Σ_b ν S_Rv/P = M_b δ − ρ e_i Σ_b ν S_vv/P, with one δ for all bands
-/// and the share ρ of the reference in the power of v. Where the field is strong M_b gives δ, where it is weak ρ is left.
-/// Generalised least squares over the bands: R + ρ v e_i has nothing in common with v, so that a band's covariance is
-/// Σ ν S/P of that. None with too few bands.
+/// From two instruments alone: in a band b of frequencies Σ_b ν S_Rv/P = M_b δ − ρ e_i Σ_b ν S_vv/P, with one
+/// δ for all bands and the share ρ of the reference in the power of v. Where the field is strong M_b gives δ,
+/// where it is weak ρ is left. Generalised least squares over the bands: R + ρ v e_i has nothing in common
+/// with v, so that a band's covariance is Σ ν S/P of that. None with too few bands.
 ///
 /// The noise of the reference is taken to have the spectrum of v.
 pub fn by_spectrum(pair: &Pair, start: &Frame) -> Result<Option<Spectrum>, Error> {

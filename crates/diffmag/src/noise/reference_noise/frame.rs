@@ -14,12 +14,13 @@ use joined::Pair;
 
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.02;
-/// Rounds of correcting the matrix, the first of them in which the weights are found anew, and the change below which the last
-/// one is reached.
+/// Rounds of correcting the matrix, the first of them in which the weights are found anew, and the change
+/// below which the last one is reached.
 const ROUNDS: usize = 30;
 const WEIGHED: usize = 3;
 const SETTLED: f64 = 1e-9;
-/// Channels of the spectra: the reference's three, the time, v along its three axes, and a third instrument's three.
+/// Channels of the spectra: the reference's three, the time, v along its three axes, and a third instrument's
+/// three.
 const REFERENCE: [usize; 4] = [0, 1, 2, 3];
 const REST: usize = 4;
 const THIRD: [usize; 4] = [7, 8, 9, 3];
@@ -42,8 +43,8 @@ pub struct Frame {
 pub type Blocks = [[Matrix3<f64>; 3]; 3];
 
 impl Frame {
-    /// η and drift by least squares, all frequencies weighed alike. Weights from what a pulled matrix leaves would be wrong:
-    /// field is in it, and where the field is strong they would be low, which pulls the more.
+    /// η and drift by least squares, all frequencies weighed alike. Weights from what a pulled matrix leaves
+    /// would be wrong: field is in it, and where the field is strong they would be low, which pulls the more.
     pub fn start(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Self, Error> {
         let eta = Matrix3::from_fn(|i, j| fits[j].fit.least_squares[i]);
         let drift = Vector3::from_fn(|j, _| fits[j].fit.least_squares[3]);
@@ -141,7 +142,8 @@ impl Frame {
         self.sum(bins, (REST + axis, REST + axis), |bin| 1.0 / self.density[axis][bin])
     }
 
-    /// The same as `held` and `left` with the third instrument in place of the reference: Σ ν S_CR/P_i and Σ ν S_Cv/P_i.
+    /// The same as `held` and `left` with the third instrument in place of the reference: Σ ν S_CR/P_i and Σ
+    /// ν S_Cv/P_i.
     pub fn by_third(&self, axis: usize) -> (Matrix4<f64>, Vector4<f64>) {
         let weight = |bin: usize| 1.0 / self.density[axis][bin];
         let left = Vector4::from_fn(|a, _| self.sum(self.bins(), (THIRD[a], REST + axis), weight));

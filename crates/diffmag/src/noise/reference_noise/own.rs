@@ -15,7 +15,8 @@ const WIDEST: f64 = 0.05;
 /// Probability of the intervals.
 const PROBABILITY: f64 = 0.95;
 
-/// Noise of the test instrument along its axes, that of the reference taken off: v has the spectrum P_e + η⁻ᵀ P_T η⁻¹.
+/// Noise of the test instrument along its axes, that of the reference taken off: v has the spectrum P_e + η⁻ᵀ
+/// P_T η⁻¹.
 pub fn of_test(frame: &Frame, step_s: f64, known: &KnownDensity) -> Result<PerAxis<OwnNoise>, Error> {
     let inverse = invert(&frame.eta)?;
     let rest: Vec<&[f64]> = frame.rest.iter().map(Vec::as_slice).collect();

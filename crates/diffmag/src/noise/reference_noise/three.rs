@@ -15,8 +15,8 @@ use joined::Pair;
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.05;
 
-/// Splits the differences T η⁻¹ − R and C ζ⁻¹ − R into the noise of three instruments, `frame` with η as the third
-/// instrument corrects it. ζ is found in the same way with the test instrument as the third.
+/// Splits the differences T η⁻¹ − R and C ζ⁻¹ − R into the noise of three instruments, `frame` with η as the
+/// third instrument corrects it. ζ is found in the same way with the test instrument as the third.
 pub fn split(pair: &Pair, third: &[Column; 3], frame: &Frame) -> Result<ThreeCornered, Error> {
     let turned = Pair { test: third.clone(), third: Some(pair.test.clone()), ..pair.clone() };
     let fits = regression::fit(&turned, &[])?;

@@ -49,8 +49,9 @@ fn shared(sizes: &[(f64, f64); 3], parts: &[f64; 3]) -> (f64, f64) {
     if below > 0.0 { (above / below, below.sqrt().recip()) } else { (0.0, f64::INFINITY) }
 }
 
-/// The largest event in sizes and uncertainties of the three differences: the reference's where the other differences have it in the proportions
-/// of η and one axis of the test instrument does not explain it, the test instrument's where it is the other way about or neither does.
+/// The largest event in sizes and uncertainties of the three differences: the reference's where the other
+/// differences have it in the proportions of η and one axis of the test instrument does not explain it, the
+/// test instrument's where it is the other way about or neither does.
 fn largest(sizes: &[(f64, f64); 3], eta: &[[f64; 3]; 3]) -> Source {
     let z = sizes.map(|(size, std)| size / std);
     let axis = (0..3).fold(0, |a, b| if z[b].abs() > z[a].abs() { b } else { a });
@@ -72,7 +73,8 @@ fn largest(sizes: &[(f64, f64); 3], eta: &[[f64; 3]; 3]) -> Source {
     }
 }
 
-/// The events that sizes and uncertainties of the three differences speak of, each of at least `least` uncertainties beside the ones before it.
+/// The events that sizes and uncertainties of the three differences speak of, each of at least `least`
+/// uncertainties beside the ones before it.
 pub fn sources(mut sizes: [(f64, f64); 3], least: f64, eta: &[[f64; 3]; 3]) -> Vec<Source> {
     let mut found: Vec<Source> = Vec::new();
     while found.len() < sizes.len() && sizes.iter().any(|(size, std)| (size / std).abs() >= least) {

@@ -7,7 +7,8 @@ use super::local;
 /// Means of so many rows are held against each other.
 const MEANS: [usize; 3] = [4, 16, LONGEST];
 pub const LONGEST: usize = 64;
-/// Rows on either side from which the noise of a difference of means is told: those near, and those of a wider neighbourhood.
+/// Rows on either side from which the noise of a difference of means is told: those near, and those of a
+/// wider neighbourhood.
 const NEAR: usize = 256;
 const WIDE: usize = 2048;
 /// Fewer differences than these tell no noise.
@@ -65,25 +66,27 @@ impl Levels {
         Self { before, sums }
     }
 
-    /// Mean of the `count` readings from number `gap` after the first `at` on less that of the `count` before them.
+    /// Mean of the `count` readings from number `gap` after the first `at` on less that of the `count` before
+    /// them.
     fn difference(&self, at: usize, gap: usize, count: usize) -> f64 {
         let sum = |from: usize| self.sums[from + count] - self.sums[from];
         (sum(at + gap) - sum(at - count)) / count as f64
     }
 
-    /// The same as [`Levels::net`] with so many rows left out on either side that a pass is over, or half of those up to the next steps, which begin
-    /// and end the `between`: what does not last there is no step.
+    /// The same as [`Levels::net`] with so many rows left out on either side that a pass is over, or half of
+    /// those up to the next steps, which begin and end the `between`: what does not last there is no step.
     pub fn lasting(&self, from: usize, after: usize, removed: f64, between: Range<usize>) -> Option<Net> {
         let before = PASS.min((from - between.start) / 2);
         let since = PASS.min(between.end.saturating_sub(after) / 2);
         self.net_within(from - before, after + since, removed, between)
     }
 
-    /// By how much the level from row `after` on is above that before row `from`, of which `removed` was taken off; None where too little is
-    /// known.
+    /// By how much the level from row `after` on is above that before row `from`, of which `removed` was
+    /// taken off; None where too little is known.
     ///
-    /// Means of 4, 16 and 64 readings on either side are held against each other. The noise of each is told from the same differences
-    /// elsewhere: before, after and in a wider neighbourhood, the largest of these, by their median and by what a twentieth exceeds.
+    /// Means of 4, 16 and 64 readings on either side are held against each other. The noise of each is told
+    /// from the same differences elsewhere: before, after and in a wider neighbourhood, the largest of these,
+    /// by their median and by what a twentieth exceeds.
     pub fn net(&self, from: usize, after: usize, removed: f64) -> Option<Net> {
         self.net_within(from, after, removed, 0..self.before.len() - 1)
     }

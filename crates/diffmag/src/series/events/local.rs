@@ -5,8 +5,8 @@ use estimate::stats::median_of;
 /// Rows on one side of a row whose noise is that of the row, and the rows from one such window to the next.
 const WINDOW: usize = 128;
 const STRIDE: usize = 16;
-/// What is farther than the first and nearer than the second tells how wide the scores of steps are spread: a step at a row is in the scores of
-/// the rows around it.
+/// What is farther than the first and nearer than the second tells how wide the scores of steps are spread: a
+/// step at a row is in the scores of the rows around it.
 const OWN: usize = 256;
 const FAR: usize = 1024;
 /// Of these every so many rows count, for blocks of so many rows.
@@ -20,7 +20,8 @@ const NONE: f64 = 1e-3;
 const MEDIAN_ABSOLUTE_NORMAL: f64 = 0.674_489_75;
 const TWENTIETH_NORMAL: f64 = 1.959_964;
 
-/// The standard deviation of which absolute values speak: by their median, or by what a twentieth exceeds where that is more.
+/// The standard deviation of which absolute values speak: by their median, or by what a twentieth exceeds
+/// where that is more.
 pub fn spread(sizes: &mut [f64]) -> f64 {
     let middle = median_of(sizes) / MEDIAN_ABSOLUTE_NORMAL;
     let at = (sizes.len() * 19) / 20;
@@ -30,8 +31,9 @@ pub fn spread(sizes: &mut [f64]) -> f64 {
     middle.max(*high / TWENTIETH_NORMAL)
 }
 
-/// How wide ratios of sizes and uncertainties are spread around each row: the larger of what the rows before and those after it say, so that noise
-/// that rises suddenly counts from its first row on. Rows that are out, and those without a ratio (0), do not count.
+/// How wide ratios of sizes and uncertainties are spread around each row: the larger of what the rows before
+/// and those after it say, so that noise that rises suddenly counts from its first row on. Rows that are out,
+/// and those without a ratio (0), do not count.
 pub struct Near {
     all: f64,
     /// Of the windows that begin at every so many rows.

@@ -29,7 +29,8 @@ const REACH: usize = 256;
 const SETTLED: f64 = 0.5;
 /// Levels on either side of disturbed rows are taken as unlike for the search above so many uncertainties.
 const PROVISIONAL: f64 = 4.0;
-/// Steps are a pass where their sum is none within so many of its uncertainties and it is over soon, and so many at most.
+/// Steps are a pass where their sum is none within so many of its uncertainties and it is over soon, and so
+/// many at most.
 const ALIKE: f64 = 4.0;
 const MOST_OF_PASS: usize = 4;
 /// A spike of more than this share of a step beside it says that the step is one row off.
@@ -49,11 +50,13 @@ struct Search {
     seen: BTreeSet<Key>,
     /// … and rows of peaks that led to no new one.
     spent: BTreeSet<usize>,
-    /// Rows whose steps were reassigned to another instrument since peaks were last adopted; each is reassigned once, so that it cannot go to and fro.
+    /// Rows whose steps were reassigned to another instrument since peaks were last adopted; each is
+    /// reassigned once, so that it cannot go to and fro.
     reassigned: BTreeSet<usize>,
 }
 
-/// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search begins.
+/// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search
+/// begins.
 pub fn search(
     left: [Vec<f64>; 3],
     eta: [[f64; 3]; 3],
@@ -155,7 +158,8 @@ impl Search {
         settled
     }
 
-    /// Gives the steps between readings to their instruments, now that the others are known; whether they had them already.
+    /// Gives the steps between readings to their instruments, now that the others are known; whether they had
+    /// them already.
     fn attributed(&mut self, view: &View, least: f64) -> bool {
         let mut rows: Vec<usize> =
             self.steps.iter().filter(|step| step.sharp()).map(|step| step.row).collect();
@@ -243,7 +247,8 @@ impl Search {
 
     /// Takes peaks for events: what lies close together is a disturbance of all rows between.
     fn adopt(&mut self, peaks: &[Peak], view: &View, least: f64) {
-        // First and last row that is out (the last is before the first for a step), and the peak that stands for them.
+        // First and last row that is out (the last is before the first for a step), and the peak that stands
+        // for them.
         let mut sites: Vec<(usize, usize, Option<FoundEvent>)> = Vec::new();
         let mut fresh: Vec<(usize, Step)> = Vec::new();
         for peak in peaks {
@@ -317,7 +322,8 @@ impl Search {
         self.across();
     }
 
-    /// Moves a step by the row in which a spike of much of its size is left: it stood one row too early or too late.
+    /// Moves a step by the row in which a spike of much of its size is left: it stood one row too early or
+    /// too late.
     fn step_beside(&mut self, row: usize, spikes: &[Source]) -> bool {
         let much = |step: &Step, sign: f64| {
             spikes.iter().any(|spike| {
@@ -338,7 +344,8 @@ impl Search {
         false
     }
 
-    /// First row of those that are out around a row, and the first after them; the row itself twice where it is not out.
+    /// First row of those that are out around a row, and the first after them; the row itself twice where it
+    /// is not out.
     fn run(&self, row: usize) -> (usize, usize) {
         let touches = |row: usize| self.out.get(row).copied().unwrap_or(false);
         if !(touches(row) || row > 0 && touches(row - 1)) {
@@ -380,8 +387,8 @@ impl Search {
         }
     }
 
-    /// Steps that together lead back are a pass, and the rows between them are disturbed: of steps that are each between two readings where too few
-    /// rows lie between the first and the last to be a level.
+    /// Steps that together lead back are a pass, and the rows between them are disturbed: of steps that are
+    /// each between two readings where too few rows lie between the first and the last to be a level.
     fn returns(&mut self) {
         let shown = |step: &Step| step.shown(&self.eta);
         let back = |steps: &[Step]| {
@@ -412,7 +419,8 @@ impl Search {
         }
     }
 
-    /// Leaves those steps that no other part of the series would show, and that are not larger than the differences are spread.
+    /// Leaves those steps that no other part of the series would show, and that are not larger than the
+    /// differences are spread.
     fn confirm(&mut self) {
         let series = self.cleaned();
         let spans = self.left.each_ref().map(|left| span(left, &self.out));

@@ -6,11 +6,12 @@ use super::attribution::Source;
 use super::levels::{Levels, Net};
 use super::{CONFIRMED, FoundEvent};
 
-/// A step across disturbed rows needs so many uncertainties, by what the same series does elsewhere; one between two readings has shown in the
-/// filter's answer as well.
+/// A step across disturbed rows needs so many uncertainties, by what the same series does elsewhere; one
+/// between two readings has shown in the filter's answer as well.
 const SURE: f64 = 6.0;
 
-/// A step of one instrument's axis; `after` is the first row after the disturbed rows across which it was found, else `row`.
+/// A step of one instrument's axis; `after` is the first row after the disturbed rows across which it was
+/// found, else `row`.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub row: usize,
@@ -45,8 +46,9 @@ impl Step {
     }
 }
 
-/// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the same series is nowhere else, by one size
-/// for few and for many readings, and for longer than a pass and until the next step.
+/// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the
+/// same series is nowhere else, by one size for few and for many readings, and for longer than a pass and
+/// until the next step.
 pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[Step]) -> Vec<bool> {
     let levels = series.each_ref().map(|series| Levels::of(series, out));
     let shown: Vec<(usize, f64)> = steps.iter().map(|step| step.shown(eta)).collect();
@@ -57,7 +59,8 @@ pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps
         let end = others().map(|other| other.row).filter(|row| *row > step.row).min();
         let between = start.unwrap_or(0)..end.unwrap_or(out.len());
         let whole = 0..out.len();
-        // The next steps are taken off: two that are none may bear each other out where only the rows beyond them count.
+        // The next steps are taken off: two that are none may bear each other out where only the rows beyond
+        // them count.
         let lasts = |net: Net| {
             [whole.clone(), between.clone()]
                 .into_iter()

@@ -71,8 +71,8 @@ impl View {
         Ok(Self { searches: [x.0, y.0, z.0], wider: [x.1, y.1, z.1] })
     }
 
-    /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around it; the larger one of a row and its
-    /// axes.
+    /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around
+    /// it; the larger one of a row and its axes.
     pub fn peaks(&self, least: f64) -> Vec<Peak> {
         let rows = self.searches[0].rows();
         let mut peaks = Vec::new();
@@ -106,7 +106,8 @@ impl View {
         sources(self.sizes_at(peak.shape, peak.row), least, eta)
     }
 
-    /// What each of some steps is to grow by, all together, and its standard uncertainty; None where they cannot be told apart.
+    /// What each of some steps is to grow by, all together, and its standard uncertainty; None where they
+    /// cannot be told apart.
     pub fn sizes(&self, steps: &[Place]) -> Option<Vec<(f64, f64)>> {
         let count = steps.len();
         let product = |i: usize, j: usize| -> f64 {

@@ -43,8 +43,8 @@ pub fn linearised<P: Problem>(problem: &P, state: &P::State) -> (Vec<f64>, Mat<f
 pub struct Options {
     /// Most steps.
     pub max_iterations: usize,
-    /// A point from which the step moves the predictions by less than this many standard deviations (root of the sum
-    /// of squares over all rows) is the minimum.
+    /// A point from which the step moves the predictions by less than this many standard deviations (root of
+    /// the sum of squares over all rows) is the minimum.
     pub tolerance: f64,
     /// Singular values below this share of the largest count as zero.
     pub rank_tolerance: f64,
@@ -123,9 +123,10 @@ pub fn solve<P: Problem>(
     Ok(Fit { state, residual, jacobian, svd: linear.of, cost, steps })
 }
 
-/// Minimises the sum of squares from the minimum of a problem that is nearly the same: its decomposition serves for all steps, with the
-/// gradient of each point itself, so that they lead to the minimum of this problem. The fit has the decomposition of the other. Where such
-/// steps do not settle, [`solve`] begins there.
+/// Minimises the sum of squares from the minimum of a problem that is nearly the same: its decomposition
+/// serves for all steps, with the gradient of each point itself, so that they lead to the minimum of this
+/// problem. The fit has the decomposition of the other. Where such steps do not settle, [`solve`] begins
+/// there.
 ///
 /// # Errors
 ///

@@ -8,8 +8,8 @@ use crate::{Error, Svd};
 /// Of products: directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A linear problem min |r − A δ| along the directions V of its unknowns that do not mix: A D⁻¹ = U diag(σ) Vᵀ with D = the lengths of A's
-/// columns.
+/// A linear problem min |r − A δ| along the directions V of its unknowns that do not mix: A D⁻¹ = U diag(σ)
+/// Vᵀ with D = the lengths of A's columns.
 #[derive(Clone, Debug)]
 pub struct Directions<T> {
     /// What they were made of: A, or its decomposition.
@@ -37,8 +37,8 @@ impl Directions<Svd> {
 }
 
 impl Directions<Mat<f64>> {
-    /// Of a matrix of many rows and a residual, by their products: faster where there are many more rows than unknowns, and blind to
-    /// directions that show less than a millionth of what the columns do.
+    /// Of a matrix of many rows and a residual, by their products: faster where there are many more rows than
+    /// unknowns, and blind to directions that show less than a millionth of what the columns do.
     ///
     /// # Errors
     ///
@@ -73,7 +73,8 @@ impl Directions<Mat<f64>> {
 }
 
 impl<T> Linear for Directions<T> {
-    /// δ = D⁻¹ V (σ² + λ)⁻¹ σ Uᵀ r: without damping of all steps of least squares the shortest in units of 1/D.
+    /// δ = D⁻¹ V (σ² + λ)⁻¹ σ Uᵀ r: without damping of all steps of least squares the shortest in units of
+    /// 1/D.
     fn step(&self, damping: f64) -> Vec<f64> {
         let mut step = vec![0.0; self.lengths.len()];
         for (k, (along, square)) in self.along.iter().zip(&self.squares).enumerate() {

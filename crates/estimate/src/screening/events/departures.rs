@@ -8,8 +8,8 @@ use crate::stats::{chi_squared_quantile, median};
 /// A departure of which the basis leaves less than this share is not looked for.
 const LEFT: f64 = 1e-3;
 
-/// The matched filter for a whitened series at any times: a departure of one in each row, whitened like the series, against it and against an
-/// orthonormal basis of what else is fitted.
+/// The matched filter for a whitened series at any times: a departure of one in each row, whitened like the
+/// series, against it and against an orthonormal basis of what else is fitted.
 pub struct Departures {
     /// What a departure of one in a row is whitened to, from its row on.
     pub response: Vec<f64>,
@@ -17,8 +17,8 @@ pub struct Departures {
     pub along: Vec<f64>,
     /// The same with each column of the basis.
     within: Vec<Vec<f64>>,
-    /// Robust variance of the series, at least one (the square of the Birge ratio): an event must be significant against the scatter
-    /// that there is, not against the noise alone.
+    /// Robust variance of the series, at least one (the square of the Birge ratio): an event must be
+    /// significant against the scatter that there is, not against the noise alone.
     pub scatter: f64,
 }
 
@@ -34,7 +34,8 @@ pub struct Product {
 }
 
 impl Product {
-    /// By how much the sum of squares falls with the shape, all else fitted again; zero where the basis leaves too little of it.
+    /// By how much the sum of squares falls with the shape, all else fitted again; zero where the basis
+    /// leaves too little of it.
     pub fn gain(&self) -> f64 {
         let left = self.length - self.within.iter().map(|w| w * w).sum::<f64>();
         if left > LEFT * self.length { self.along * self.along / left } else { 0.0 }

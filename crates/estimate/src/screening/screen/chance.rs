@@ -24,12 +24,13 @@ pub struct Chance {
 }
 
 impl Chance {
-    /// By drawing residuals of independent errors of variance one, as often as `normals` has rows; the search is gone through for
-    /// each. `normals` holds independent normal numbers, at least as many in a row as there are columns in all searches.
+    /// By drawing residuals of independent errors of variance one, as often as `normals` has rows; the search
+    /// is gone through for each. `normals` holds independent normal numbers, at least as many in a row as
+    /// there are columns in all searches.
     ///
-    /// The gain of a candidate of rank k in m looks is taken as the greatest of m of χ²(k), m matched to the draws at their
-    /// 90 % point; so is the number of candidates. This keeps the far tail, of which no draws are at hand (max-T, Westfall and
-    /// Young 1993, with a parametric tail).
+    /// The gain of a candidate of rank k in m looks is taken as the greatest of m of χ²(k), m matched to the
+    /// draws at their 90 % point; so is the number of candidates. This keeps the far tail, of which no draws
+    /// are at hand (max-T, Westfall and Young 1993, with a parametric tail).
     ///
     /// # Errors
     ///
@@ -128,7 +129,8 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// Products of columns with drawn residuals: one row a draw, normal with the covariance that the columns' own products are.
+/// Products of columns with drawn residuals: one row a draw, normal with the covariance that the columns' own
+/// products are.
 fn draw(screen: &Screen, columns: &[usize], normals: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let lengths: Vec<f64> =
         columns.iter().map(|&column| screen.product(column, column).max(0.0).sqrt()).collect();
@@ -201,7 +203,8 @@ mod tests {
         assert!(held[0].iter().zip(&direct).all(|(a, b)| (a - b).abs() < 1e-10));
     }
 
-    /// Of 600 residuals of independent errors, the best of many overlapping candidates is claimed at the rate that is asked for.
+    /// Of 600 residuals of independent errors, the best of many overlapping candidates is claimed at the rate
+    /// that is asked for.
     #[test]
     fn adjusted_probabilities_are_those_of_chance() {
         let (rows, columns, trials) = (60, 24, 600);

@@ -6,7 +6,8 @@ use super::{Products, Screen};
 use crate::Error;
 
 impl Products {
-    /// For each block the coefficients of `group` fitted to all other blocks. One that the others do not determine is zero.
+    /// For each block the coefficients of `group` fitted to all other blocks. One that the others do not
+    /// determine is zero.
     ///
     /// # Errors
     ///

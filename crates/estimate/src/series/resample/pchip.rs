@@ -1,11 +1,11 @@
 //! Cubic pieces that do not overshoot.
 
-/// Readings at rising times, read at other times within them: cubic pieces whose slopes are the weighted harmonic means of those
-/// of the neighbouring chords, zero where these differ in sign, and at the ends of three points, held to the chord's sign. Outside
-/// the times NaN.
+/// Readings at rising times, read at other times within them: cubic pieces whose slopes are the weighted
+/// harmonic means of those of the neighbouring chords, zero where these differ in sign, and at the ends of
+/// three points, held to the chord's sign. Outside the times NaN.
 ///
-/// Source: F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat.
-/// Comput. 5 (1984) 300–304; as SciPy's `PchipInterpolator`.
+/// Source: F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic
+/// interpolants, SIAM J. Sci. Stat. Comput. 5 (1984) 300–304; as SciPy's `PchipInterpolator`.
 pub fn pchip(time: &[f64], values: &[f64], at: &[f64]) -> Vec<f64> {
     let last = time.len() - 1;
     if last == 0 {

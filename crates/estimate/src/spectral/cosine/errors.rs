@@ -26,10 +26,11 @@ impl Errors {
 
     /// Errors of the noise that was fitted to one series: flicker and white.
     ///
-    /// Variance of c_k: P(f_k)/(2Δt). The flicker part of the first 64 has the covariance of noise that did not begin with the
-    /// series, down to the frequency zero: for α = 1 the variance of c_1 is 0.77 of that, and c_1 and c_3 correlate by −0.12.
-    /// The variance of a straight line's slope is then right to 2 %, of an exponential's size to 10 % for a time constant of a
-    /// fiftieth of the series; for a three-hundredth it is up to 40 % too great.
+    /// Variance of c_k: P(f_k)/(2Δt). The flicker part of the first 64 has the covariance of noise that did
+    /// not begin with the series, down to the frequency zero: for α = 1 the variance of c_1 is 0.77 of that,
+    /// and c_1 and c_3 correlate by −0.12. The variance of a straight line's slope is then right to 2 %, of
+    /// an exponential's size to 10 % for a time constant of a fiftieth of the series; for a three-hundredth
+    /// it is up to 40 % too great.
     ///
     /// # Errors
     ///

@@ -7,8 +7,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Averages into which the series is cut.
 const BLOCKS: usize = 256;
 
-/// Cov(c_k, c_l)/√(S_k S_l), k, l = 1 … `count` (64 at most), of noise with the one-sided density f^-α down to the frequency
-/// zero; S_k = f_k^-α/(2Δt), f_k = k/(2nΔt). The same for all n and Δt; right to 2e-4 up to k = 10, to 0.016 at 64 (α ≥ 0.5).
+/// Cov(c_k, c_l)/√(S_k S_l), k, l = 1 … `count` (64 at most), of noise with the one-sided density f^-α down
+/// to the frequency zero; S_k = f_k^-α/(2Δt), f_k = k/(2nΔt). The same for all n and Δt; right to 2e-4 up to
+/// k = 10, to 0.016 at 64 (α ≥ 0.5).
 ///
 /// Averages over neighbouring stretches of unit length have, up to a constant that no c_k sees,
 ///
@@ -17,8 +18,8 @@ const BLOCKS: usize = 256;
 ///
 /// the second difference of the generalised covariance ∫ f^-α cos(2πfu) df, integrated twice; 0 < α < 3.
 ///
-/// Source: B. B. Mandelbrot and J. W. Van Ness, Fractional Brownian motions, fractional noises and applications, SIAM Rev.
-/// 10 (1968) 422–437; their law continued to α ≥ 1.
+/// Source: B. B. Mandelbrot and J. W. Van Ness, Fractional Brownian motions, fractional noises and
+/// applications, SIAM Rev. 10 (1968) 422–437; their law continued to α ≥ 1.
 pub fn covariance(exponent: f64, count: usize) -> Mat<f64> {
     let beyond = exponent - 1.0;
     let z = -beyond * FRAC_PI_2;

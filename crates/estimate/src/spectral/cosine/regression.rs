@@ -22,7 +22,8 @@ pub struct Regression {
 }
 
 impl Regression {
-    /// The whitened weights of one β, of the columns and errors that it was made of: their sums of products are the covariance.
+    /// The whitened weights of one β, of the columns and errors that it was made of: their sums of products
+    /// are the covariance.
     pub fn weights(&self, columns: &[&[f64]], errors: &Errors, of: usize) -> Vec<f64> {
         let mut weights = vec![0.0; self.residual.len()];
         for (j, column) in columns.iter().enumerate() {
@@ -44,7 +45,8 @@ const BLOCK: usize = 1024;
 ///
 /// # Errors
 ///
-/// [`Error::TooFew`] for no more coefficients than columns; [`Error::Decomposition`] where the columns depend on each other.
+/// [`Error::TooFew`] for no more coefficients than columns; [`Error::Decomposition`] where the columns depend
+/// on each other.
 pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regression, Error> {
     let unknowns = columns.len();
     if y.len() <= unknowns {
@@ -83,7 +85,8 @@ pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regres
     Ok(Regression { coefficients, covariance, residual, leverage, influence })
 }
 
-/// The same beside least squares, β = (XᵀX)⁻¹ Xᵀ y, with its covariance (XᵀX)⁻¹ (XᵀCX) (XᵀX)⁻¹ under these errors.
+/// The same beside least squares, β = (XᵀX)⁻¹ Xᵀ y, with its covariance (XᵀX)⁻¹ (XᵀCX) (XᵀX)⁻¹ under these
+/// errors.
 ///
 /// # Errors
 ///
@@ -146,7 +149,8 @@ impl Projection {
         Some(rest)
     }
 
-    /// The coefficients that further columns have beside the others; None where they depend on each other or on these.
+    /// The coefficients that further columns have beside the others; None where they depend on each other or
+    /// on these.
     pub fn coefficients(&self, columns: &[&[f64]], errors: &Errors) -> Option<Vec<f64>> {
         let rests: Vec<Vec<f64>> = columns.iter().map(|column| self.rest(errors.whiten(column))).collect();
         let products = Mat::from_fn(rests.len(), rests.len(), |i, j| dot(&rests[i], &rests[j]));
@@ -165,8 +169,8 @@ impl Projection {
         column
     }
 
-    /// The standard normal z of a direction: the column's coefficient over its standard deviation. z² is what the sum of
-    /// squares falls by.
+    /// The standard normal z of a direction: the column's coefficient over its standard deviation. z² is what
+    /// the sum of squares falls by.
     pub fn score(&self, direction: &[f64]) -> f64 {
         dot(direction, &self.y)
     }

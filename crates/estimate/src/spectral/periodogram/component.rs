@@ -52,7 +52,8 @@ impl Kernel {
 }
 
 impl Component {
-    /// The sine of least squares, each ordinate weighed by the local level, at the peak with the largest ordinate `peak`.
+    /// The sine of least squares, each ordinate weighed by the local level, at the peak with the largest
+    /// ordinate `peak`.
     pub fn fit(transform: &[Complex<f64>], level: &Level, n: usize, peak: usize) -> Self {
         let window = peak.saturating_sub(FITTED).max(1)..(peak + FITTED + 1).min(transform.len());
         let weights: Vec<f64> = window.clone().map(|k| 1.0 / level.at(k)).collect();

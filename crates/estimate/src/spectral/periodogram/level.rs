@@ -1,4 +1,5 @@
-//! Local level of a periodogram, by medians that single strong ordinates do not move, and how improbable an ordinate is.
+//! Local level of a periodogram, by medians that single strong ordinates do not move, and how improbable an
+//! ordinate is.
 
 use std::f64::consts::LN_2;
 use std::ops::Range;
@@ -15,7 +16,8 @@ const BLOCK_RATIO: f64 = 1.3;
 const STEEP_BLOCK: usize = 100;
 /// Rounds of that.
 const ROUNDS: usize = 2;
-/// The level bends by about so much: second derivative of ln P over ln f. A corner of white noise with f^-α has α²/4.
+/// The level bends by about so much: second derivative of ln P over ln f. A corner of white noise with f^-α
+/// has α²/4.
 const BEND: f64 = 0.5;
 /// Singular values below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-12;
@@ -28,7 +30,8 @@ const TOO_NEAR: usize = 2;
 /// Fewer neighbours say nothing.
 const LEAST_NEIGHBOURS: usize = 10;
 
-/// Expected power of the ordinates: straight lines in ln power over ln k between the medians of blocks, smoothed.
+/// Expected power of the ordinates: straight lines in ln power over ln k between the medians of blocks,
+/// smoothed.
 pub(super) struct Level {
     blocks: Vec<Range<usize>>,
     /// ln k and ln power.
@@ -91,7 +94,8 @@ impl Level {
     pub fn above(&self, power: &[f64], left_out: &[bool], first: usize, factor: f64) -> Vec<usize> {
         let mut found = Vec::new();
         for block in &self.blocks {
-            // The level is monotone from the node in the middle to either end of the block: it is lowest at one of these.
+            // The level is monotone from the node in the middle to either end of the block: it is lowest at
+            // one of these.
             let middle = ((block.start * block.end) as f64).sqrt() as usize;
             let ends = [block.start, middle, middle + 1, block.end - 1];
             let least = ends.iter().map(|k| self.at(*k)).fold(f64::INFINITY, f64::min) * factor;
@@ -104,12 +108,12 @@ impl Level {
 
     /// ln of the probability that noise alone brings ordinate `k` as high above the median of its neighbours.
     ///
-    /// For independent exponential variables of equal mean, M neighbours and the one compared to them, the chance of
-    /// a ratio above r to the m-th smallest neighbour is Π (M − i + 1)/(M − i + 1 + r), i = 1 … m: the
-    /// scatter of the median is in it. The slope of the level is divided out first.
+    /// For independent exponential variables of equal mean, M neighbours and the one compared to them, the
+    /// chance of a ratio above r to the m-th smallest neighbour is Π (M − i + 1)/(M − i + 1 + r), i = 1 … m:
+    /// the scatter of the median is in it. The slope of the level is divided out first.
     ///
-    /// Source: A. Rényi, On the theory of order statistics, Acta Math. Acad. Sci. Hung. 4 (1953) 191–231: the m-th
-    /// smallest of M is Σ E_i/(M − i + 1) with E_i exponential and independent.
+    /// Source: A. Rényi, On the theory of order statistics, Acta Math. Acad. Sci. Hung. 4 (1953) 191–231: the
+    /// m-th smallest of M is Σ E_i/(M − i + 1) with E_i exponential and independent.
     pub fn ln_p(&self, power: &[f64], left_out: &[bool], k: usize) -> f64 {
         let side = (k / 5).clamp(NEIGHBOURS.start, NEIGHBOURS.end);
         let window = k.saturating_sub(side).max(1)..(k + side + 1).min(power.len());
@@ -140,8 +144,9 @@ fn blocks(end: usize) -> Vec<Range<usize>> {
     blocks
 }
 
-/// The points of least squares that are near to the given ones and bend little: over three neighbours 2 Δ apart the second
-/// derivative has the standard deviation BEND/√Δ, so that what is smoothed is the same whatever the spacing.
+/// The points of least squares that are near to the given ones and bend little: over three neighbours 2 Δ
+/// apart the second derivative has the standard deviation BEND/√Δ, so that what is smoothed is the same
+/// whatever the spacing.
 fn smoothed(points: &[(f64, f64)], std: &[f64]) -> Vec<(f64, f64)> {
     let n = points.len();
     if n < 3 {
@@ -166,8 +171,8 @@ fn smoothed(points: &[(f64, f64)], std: &[f64]) -> Vec<(f64, f64)> {
     }
 }
 
-/// The middle one, the lower of two, and its expectation for exponential variables of mean one; the values lose
-/// their order.
+/// The middle one, the lower of two, and its expectation for exponential variables of mean one; the values
+/// lose their order.
 fn median(values: &mut [f64]) -> (f64, f64) {
     let middle = values.len().div_ceil(2);
     let expected = (0..middle).map(|i| 1.0 / (values.len() - i) as f64).sum();

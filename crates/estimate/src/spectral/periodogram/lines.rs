@@ -6,12 +6,13 @@ use super::component::Component;
 use super::level::Level;
 use crate::stats::chi_squared_p;
 
-/// Nominal probability that a series of noise has a line. By simulation it is 1.0 to 1.6 times as great, for the scatter of
-/// the slope that is divided out: below 10⁻³.
+/// Nominal probability that a series of noise has a line. By simulation it is 1.0 to 1.6 times as great, for
+/// the scatter of the slope that is divided out: below 10⁻³.
 const FALSE_LINE: f64 = 5e-4;
 /// The lowest ordinate at which a line is sought: below there are too few neighbours.
 const FIRST: usize = 7;
-/// The neighbours of an ordinate are looked at when it has this share of what a line needs at least above the level.
+/// The neighbours of an ordinate are looked at when it has this share of what a line needs at least above the
+/// level.
 const WORTH_A_LOOK: f64 = 0.6;
 /// Ordinates on each side of a line that are left out: a sine is fitted to them.
 const TAKEN: f64 = 2.0;
@@ -30,13 +31,14 @@ const WIDEST: f64 = 0.1;
 
 /// A sine in the series.
 ///
-/// Sought from the seventh ordinate on, at the full resolution: an ordinate over the median of its neighbours (a fifth
-/// of its number on either side, 24 to 200) that noise reaches in less than one of a thousand series. A sine of least
-/// squares is fitted to the ordinates up to eight away and subtracted with all that leaks from it, and the search
-/// repeated. The two ordinates on either side of each sine are left out, and beyond them what is too high for noise.
+/// Sought from the seventh ordinate on, at the full resolution: an ordinate over the median of its neighbours
+/// (a fifth of its number on either side, 24 to 200) that noise reaches in less than one of a thousand
+/// series. A sine of least squares is fitted to the ordinates up to eight away and subtracted with all that
+/// leaks from it, and the search repeated. The two ordinates on either side of each sine are left out, and
+/// beyond them what is too high for noise.
 ///
-/// A line that is no steady sine leaves weaker ones beside it. Within 2 % of its frequency what is d ordinates away and
-/// weaker than 1/d of it is part of it, and not listed.
+/// A line that is no steady sine leaves weaker ones beside it. Within 2 % of its frequency what is d
+/// ordinates away and weaker than 1/d of it is part of it, and not listed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     /// Frequency (Hz).
@@ -141,7 +143,8 @@ fn leave_out(left_out: &mut [bool], low: f64, high: f64) {
     (low..end).for_each(|k| left_out[k] = true);
 }
 
-/// How far on either side of a line the ordinates are too high for noise, in blocks that grow with the distance.
+/// How far on either side of a line the ordinates are too high for noise, in blocks that grow with the
+/// distance.
 fn contaminated(order: f64, power: &[f64], left_out: &[bool], level: &Level) -> (f64, f64) {
     let widest = (WIDEST * order).max(TAKEN);
     let distance = |sign: f64| {

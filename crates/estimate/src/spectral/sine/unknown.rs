@@ -30,8 +30,8 @@ pub struct Strongest {
     pub band: f64,
 }
 
-/// The sine of the greatest power in a band of frequencies, in all of some series together: on the grid of [`power_along`], then between its
-/// neighbours there. None without a frequency in the band.
+/// The sine of the greatest power in a band of frequencies, in all of some series together: on the grid of
+/// [`power_along`], then between its neighbours there. None without a frequency in the band.
 pub fn strongest(
     series: &[Series<'_>],
     cell: f64,

@@ -10,8 +10,8 @@ use crate::whittle::{EXPONENTS, LONGEST};
 /// Multiplicative steps of a start.
 const START_STEPS: usize = 30;
 
-/// θ: for each source the flicker at the lowest frequency f₀, its exponent, and the white variance of a reading; then the
-/// factor of what is known, of each group of it.
+/// θ: for each source the flicker at the lowest frequency f₀, its exponent, and the white variance of a
+/// reading; then the factor of what is known, of each group of it.
 pub(super) struct Model<'a> {
     mixture: &'a Mixture<'a>,
     /// Real parts of the spectral matrices: those of P are real.
@@ -91,7 +91,8 @@ impl<'a> Model<'a> {
         density
     }
 
-    /// What is declared of the factors: half of ((κ − 1)/u)², with first and second derivative, for each that may move.
+    /// What is declared of the factors: half of ((κ − 1)/u)², with first and second derivative, for each that
+    /// may move.
     fn declared(&self, theta: &[f64]) -> impl Iterator<Item = (usize, [f64; 3])> {
         let first = 3 * self.sources();
         let factors = self.mixture.known.iter().enumerate().filter(|(_, known)| known.relative_std > 0.0);
@@ -170,8 +171,8 @@ impl Likelihood for Model<'_> {
             .sum()
     }
 
-    /// With p a source's density, ∂cost/∂p_a = n (k_aᵀP⁻¹k_a − k_aᵀP⁻¹ŜP⁻¹k_a), and the Fisher information of p_a and p_b is
-    /// n (k_aᵀP⁻¹k_b)².
+    /// With p a source's density, ∂cost/∂p_a = n (k_aᵀP⁻¹k_a − k_aᵀP⁻¹ŜP⁻¹k_a), and the Fisher information of
+    /// p_a and p_b is n (k_aᵀP⁻¹k_b)².
     fn slope(&self, theta: &[f64]) -> Slope {
         let unknowns = theta.len();
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);

@@ -36,8 +36,8 @@ impl Estimate {
         (self.value - half, self.value + half)
     }
 
-    /// The same on a logarithmic scale, v e^(± z u/v): for an amplitude, an rms or a density, whose logarithm is nearer
-    /// to normal. For a value of 0 from 0 to the one-sided bound.
+    /// The same on a logarithmic scale, v e^(± z u/v): for an amplitude, an rms or a density, whose logarithm
+    /// is nearer to normal. For a value of 0 from 0 to the one-sided bound.
     pub fn log_interval(&self, probability: f64) -> (f64, f64) {
         if self.value <= 0.0 {
             return (0.0, coverage_factor(2.0 * probability - 1.0, f64::INFINITY) * self.std);

@@ -20,10 +20,11 @@ pub struct Group {
 }
 
 impl Group {
-    /// The ratio as a standard normal variable: for m ordinates, m I/P has the gamma distribution of shape m, and
-    /// 3 √m ((I/P)^(1/3) − 1 + 1/(9 m)) is normal to a part in a thousand.
+    /// The ratio as a standard normal variable: for m ordinates, m I/P has the gamma distribution of shape m,
+    /// and 3 √m ((I/P)^(1/3) − 1 + 1/(9 m)) is normal to a part in a thousand.
     ///
-    /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931) 684–688.
+    /// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17
+    /// (1931) 684–688.
     pub fn deviation(&self) -> f64 {
         3.0 * self.count.sqrt() * (self.ratio.cbrt() - 1.0 + 1.0 / (9.0 * self.count))
     }
@@ -66,7 +67,8 @@ fn joined(a: &Group, b: &Group) -> Group {
     }
 }
 
-/// Probability of a greater Σ of squared deviations, `unknowns` of them fitted; None with no more groups than that.
+/// Probability of a greater Σ of squared deviations, `unknowns` of them fitted; None with no more groups than
+/// that.
 pub(super) fn p_value(groups: &[Group], unknowns: usize) -> Option<f64> {
     let freedom = groups.len().checked_sub(unknowns).filter(|freedom| *freedom > 0)?;
     Some(chi_squared_p(groups.iter().map(|group| group.deviation().powi(2)).sum(), freedom as f64))

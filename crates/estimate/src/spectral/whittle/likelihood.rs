@@ -36,7 +36,8 @@ pub(super) struct Binned {
 }
 
 impl Binned {
-    /// The flicker of amplitude one and its first two derivatives with respect to α: e^(−αx) (1 − α (2 − α) u).
+    /// The flicker of amplitude one and its first two derivatives with respect to α: e^(−αx) (1 − α (2 − α)
+    /// u).
     fn flicker(&self, exponent: f64) -> [f64; 3] {
         let (x, u, power) = (self.x, self.lacking, (-exponent * self.x).exp());
         let (seen, slope) = (1.0 - exponent * (2.0 - exponent) * u, 2.0 * (1.0 - exponent) * u);
@@ -82,15 +83,16 @@ impl Data {
     }
 }
 
-/// P = θ₀ (f/f₀)^−θ₁ (1 − θ₁ (2 − θ₁) u) + c θ_(2+g), f₀ the lowest frequency, u what a mirrored series lacks; g the group and c the shape of the white
-/// part of a series.
+/// P = θ₀ (f/f₀)^−θ₁ (1 − θ₁ (2 − θ₁) u) + c θ_(2+g), f₀ the lowest frequency, u what a mirrored series
+/// lacks; g the group and c the shape of the white part of a series.
 ///
-/// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of zero: that part is absent.
+/// The amplitude is held at the lowest frequency, where flicker is seen best. A θ₀ or white θ of zero: that
+/// part is absent.
 pub(super) struct Model<'a> {
     pub data: &'a Data,
     pub white: White,
-    /// The flicker of every bin, as [`Binned::flicker`], for the exponent that was asked for last: most points are looked at twice, and in
-    /// many searches the exponent is held.
+    /// The flicker of every bin, as [`Binned::flicker`], for the exponent that was asked for last: most
+    /// points are looked at twice, and in many searches the exponent is held.
     shapes: RefCell<(f64, Vec<[f64; 3]>)>,
 }
 
@@ -165,8 +167,8 @@ impl Likelihood for Model<'_> {
         self.parts(theta).map(term).sum()
     }
 
-    /// Cost and derivatives. With s = ∂P/∂θ / P and q = ∂²P/∂θ² / P the gradient of an ordinate is (1 − I/P) s, its second
-    /// derivative (2 I/P − 1) s sᵀ + (1 − I/P) q, and the expectation of that s sᵀ.
+    /// Cost and derivatives. With s = ∂P/∂θ / P and q = ∂²P/∂θ² / P the gradient of an ordinate is (1 − I/P)
+    /// s, its second derivative (2 I/P − 1) s sᵀ + (1 − I/P) q, and the expectation of that s sᵀ.
     fn slope(&self, theta: &[f64]) -> Slope {
         let unknowns = theta.len();
         let (mut cost, mut gradient) = (0.0, vec![0.0; unknowns]);

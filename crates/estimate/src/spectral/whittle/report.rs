@@ -15,8 +15,8 @@ impl WhittleFit {
         self.sum([shape, -x * shape], None)
     }
 
-    /// Density A f^-α + 2 σ² Δt of readings `step_s` apart (unit²/Hz), with the white noise of `series`; white noise of
-    /// one density is that density at any step.
+    /// Density A f^-α + 2 σ² Δt of readings `step_s` apart (unit²/Hz), with the white noise of `series`;
+    /// white noise of one density is that density at any step.
     pub fn density(&self, series: usize, step_s: f64, frequency_hz: f64) -> Estimate {
         let x = frequency_hz.ln();
         let shape = (-self.exponent.value * x).exp();
@@ -35,15 +35,15 @@ impl WhittleFit {
         self.sum(power_law(self.exponent.value, low_hz, high_hz), None)
     }
 
-    /// Variance of readings `step_s` apart in a band, ∫ (A f^-α + 2 σ² Δt) df (unit²), with the white noise of `series`
-    /// as in [`WhittleFit::density`]. NaN unless 0 < low ≤ high.
+    /// Variance of readings `step_s` apart in a band, ∫ (A f^-α + 2 σ² Δt) df (unit²), with the white noise
+    /// of `series` as in [`WhittleFit::density`]. NaN unless 0 < low ≤ high.
     pub fn band_variance(&self, series: usize, step_s: f64, low_hz: f64, high_hz: f64) -> Estimate {
         let white = self.white.density(step_s) * (high_hz - low_hz);
         self.sum(power_law(self.exponent.value, low_hz, high_hz), Some((series, white)))
     }
 
-    /// A times the first of `flicker` and the white variance of a series times what stands beside it. `flicker[1]` is the
-    /// derivative of the first with respect to α.
+    /// A times the first of `flicker` and the white variance of a series times what stands beside it.
+    /// `flicker[1]` is the derivative of the first with respect to α.
     fn sum(&self, flicker: [f64; 2], white: Option<(usize, f64)>) -> Estimate {
         let amplitude = self.amplitude.value;
         let mut slope = vec![0.0; self.covariance.nrows()];
@@ -62,8 +62,9 @@ impl WhittleFit {
     }
 }
 
-/// ∫ f^-α df and its derivative with respect to α, −∫ ln f f^-α df: with u = ln f about the middle m of the band, half
-/// its width h and z = (1 − α) h, e^((1−α) m) 2 h sinh z/z and −m times that − e^((1−α) m) 2 h² (z cosh z − sinh z)/z².
+/// ∫ f^-α df and its derivative with respect to α, −∫ ln f f^-α df: with u = ln f about the middle m of the
+/// band, half its width h and z = (1 − α) h, e^((1−α) m) 2 h sinh z/z and −m times that − e^((1−α) m) 2 h² (z
+/// cosh z − sinh z)/z².
 fn power_law(exponent: f64, low_hz: f64, high_hz: f64) -> [f64; 2] {
     if !(low_hz > 0.0 && low_hz <= high_hz) {
         return [f64::NAN; 2];

@@ -13,7 +13,8 @@ const START_STEPS: usize = 10;
 impl Model<'_> {
     /// Least cost with flicker, from starts over all exponents and from those given.
     pub fn best(&self, given: &[Vec<f64>]) -> Result<Optimum, Error> {
-        // With the exponent held the other unknowns get their least cost, so that no step from there loses the flicker.
+        // With the exponent held the other unknowns get their least cost, so that no step from there loses
+        // the flicker.
         let mut starts: Vec<Optimum> = (0..STARTS)
             .filter_map(|i| {
                 let share = i as f64 / (STARTS - 1) as f64;
@@ -38,11 +39,11 @@ impl Model<'_> {
         best
     }
 
-    /// A start for one exponent: half the mean ordinate each for flicker and white noise, then multiplicative steps that
-    /// each lower the cost.
+    /// A start for one exponent: half the mean ordinate each for flicker and white noise, then multiplicative
+    /// steps that each lower the cost.
     ///
-    /// Source: C. Févotte and J. Idier, Algorithms for nonnegative matrix factorization with the β-divergence, Neural
-    /// Computation 23 (2011) 2421–2456, β = 0.
+    /// Source: C. Févotte and J. Idier, Algorithms for nonnegative matrix factorization with the
+    /// β-divergence, Neural Computation 23 (2011) 2421–2456, β = 0.
     fn start(&self, exponent: f64) -> Vec<f64> {
         let mut theta = self.white_only();
         let (sum, count) = self.data.bins.iter().fold((0.0, 0.0), |(sum, count), bin| {

@@ -32,7 +32,8 @@ pub const RULES: [Rule<AxesCalibration>; 13] = [
     (" is not applied in ", |_, _| LEFT_OUT),
 ];
 
-/// What a reading that does not belong to the rest moves the prediction of itself by: its share in it times its distance from what the others predict.
+/// What a reading that does not belong to the rest moves the prediction of itself by: its share in it times
+/// its distance from what the others predict.
 pub fn doubtful(axes: &AxesCalibration, one: &DoubtfulReading) -> Effect {
     let readings = axes.readings.iter();
     let leverage = readings.flat_map(|all| {

@@ -15,7 +15,8 @@ pub const RULES: [Rule<CoilCalibration>; 4] = [
     ("the current was recorded in one direction only", |_, _| NOT_SHOWN),
 ];
 
-/// What is fitted beside constant and offset: the largest distance of the fitted field from their line, among the levels.
+/// What is fitted beside constant and offset: the largest distance of the fitted field from their line, among
+/// the levels.
 fn bend(coil: &CoilCalibration) -> Effect {
     let constants = coil.constant_nt_per_a.as_ref().zip(coil.offset_nt.as_ref());
     let Some((fit, (k, offset))) = coil.constant.as_ref().zip(constants) else { return Effect::NOT_HELD };

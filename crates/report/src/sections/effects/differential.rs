@@ -55,7 +55,8 @@ pub fn of_fit(fit: &DifferentialFit) -> Vec<Finding> {
     fit.findings.iter().map(|words| Finding::of(words, effect(words))).collect()
 }
 
-/// The rms that a thing adds to the difference, all axes together; None where the finding is about no such thing.
+/// The rms that a thing adds to the difference, all axes together; None where the finding is about no such
+/// thing.
 fn contribution(fit: &DifferentialFit, words: &str) -> Option<f64> {
     let cause = fit.contributions.iter().find(|one| !one.what.is_empty() && words.contains(&one.what))?;
     Some(cause.reduction_nt2().max(0.0).sqrt())

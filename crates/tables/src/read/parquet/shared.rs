@@ -9,7 +9,8 @@ pub trait Source: Read + Seek + Send {}
 
 impl<T: Read + Seek + Send> Source for T {}
 
-/// A source that several threads read, each from places of its own. (`File` itself will not do: its clones share one place.)
+/// A source that several threads read, each from places of its own. (`File` itself will not do: its clones
+/// share one place.)
 #[derive(Clone)]
 pub struct Shared {
     source: Arc<Mutex<dyn Source>>,
