@@ -214,7 +214,7 @@ mod tests {
             found(&constants(), turned(3.0, 0.01), &Conditions::default(), Uncertainty::default());
         assert_eq!(values, [6400.0, 3.0]);
         assert!(covariance[1][0].abs() < 1e-12 && (covariance[1][1] - 0.01 * 0.01).abs() < 1e-9);
-        assert!(findings[0].contains("do not agree"));
+        assert!(findings[0].contains("disagree"));
     }
 
     #[test]
