@@ -36,7 +36,7 @@ enum Command {
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series average --window 10 > result.json"
     )]
     Average(AverageArgs),
-    /// Resample to whole multiples of a step in UTC; frequencies above the new Nyquist frequency are filtered out
+    /// Resample to whole multiples of a step in UTC, with a low-pass filter against aliasing
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/logger.csv | series resample --step 60 > result.json"
     )]

@@ -173,9 +173,7 @@ fn recordings_are_joined_or_told_apart() {
     let k = apart.sensitivity_nt_per_v.expect("k");
     assert!((k.value() / K - (1.0 - 0.5e-4)).abs() < 5e-6, "{k:?}");
     assert!(k.std().expect("a std") > 0.1, "{k:?}");
-    assert!(
-        apart.sensitivity.expect("a fit").findings.iter().any(|finding| finding.contains("disagree"))
-    );
+    assert!(apart.sensitivity.expect("a fit").findings.iter().any(|finding| finding.contains("disagree")));
 }
 
 #[test]
