@@ -1,9 +1,9 @@
 //! The conditions under which the calibration was made.
 
 use common::{Certificate, Document, Recording};
+use page::number::{self, bare};
 
 use crate::sheet::Sheet;
-use page::number::{self, bare};
 
 /// Temperatures and fields of the document, and what the laboratory states besides.
 pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate) {

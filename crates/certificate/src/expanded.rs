@@ -1,10 +1,10 @@
 //! A result with its expanded uncertainty.
 
 use common::Quantity;
-
-use crate::sheet::blank_cell;
 use page::number::{as_known, bare, figures, uncertain};
 use page::{Cell, Table};
+
+use crate::sheet::blank_cell;
 
 /// From standard uncertainty to 95 % interval of a normal distribution.
 pub const NORMAL: f64 = 1.959_963_984_540_054;

@@ -1,10 +1,10 @@
 //! A certificate as HTML: one file without script and network, for the screen and for paper.
 
+use page::escape::escape;
+use page::{Cell, Header, Table, number};
 use std::fmt::Write;
 
 use crate::sheet::{BLANK, Field, Item, Part, Sheet};
-use page::escape::escape;
-use page::{Cell, Header, Table, number};
 
 const STYLE: &str = include_str!("style.css");
 /// A table with fewer rows stays on one page.

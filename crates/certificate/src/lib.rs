@@ -18,11 +18,8 @@ mod sheet;
 pub use html::{Paper, render};
 pub use sheet::{Field, Item, Part, Sheet};
 
-use common::{Certificate, Document};
-
+use common::{Certificate, Document, Error};
 use conformity::Spec;
-
-use common::Error;
 
 /// What is asked of a certificate.
 #[derive(Clone, Debug, Default)]

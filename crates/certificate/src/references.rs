@@ -1,11 +1,11 @@
 //! How the results are traceable: each standard that the calibration rests on, with its own certificate.
 
 use common::{Axis, Certificate, Document, Reference, ReferenceKind, procedure};
+use page::number::{bare, figures};
+use page::{Cell, Table};
 
 use crate::expanded::Expanded;
 use crate::sheet::{Sheet, blank_cell};
-use page::number::{bare, figures};
-use page::{Cell, Table};
 
 const CLAUSE: &str = "7.8.4.1 c";
 

@@ -6,12 +6,11 @@ mod directions;
 mod residuals;
 mod sensors;
 
-use common::{Certificate, Document};
+use common::{Certificate, Document, Error};
+use conformity::Joint;
 
 use crate::expanded::Expanded;
 use crate::sheet::Sheet;
-use common::Error;
-use conformity::Joint;
 
 /// Results, those from before an adjustment, and whose they are.
 pub fn part(

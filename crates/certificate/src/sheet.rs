@@ -1,7 +1,6 @@
 //! A certificate before it is written: parts with fields, words and tables.
 
 use common::Certificate;
-
 use page::{Cell, Table};
 
 /// A line to be filled in by hand.

@@ -12,7 +12,6 @@ use crate::joint::Joint;
 use crate::range::calibrated_nt;
 use crate::temperature::{Part, asked};
 use crate::verdict::{Missing, Rule, Shown, ShownValue};
-
 use crate::{Requirement, RequirementKind};
 use sensor::{Case, Sensor};
 

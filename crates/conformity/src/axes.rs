@@ -7,7 +7,6 @@ use crate::directions::Directions;
 use crate::joint::Joint;
 use crate::temperature::{Part, asked};
 use crate::verdict::{Missing, Shown, ShownValue};
-
 use crate::{Requirement, each_sensor, sensor_name};
 
 const PAIRS: [(Axis, Axis); 3] = [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)];

@@ -2,7 +2,6 @@ use common::number::{bare, duration, p_value, significant};
 use common::{Axis, Document, SensorNoise};
 
 use crate::verdict::{Missing, Shown, ShownValue};
-
 use crate::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability the spectrum is not of the form that is integrated.

@@ -4,7 +4,6 @@ use common::{Axis, Document, OffsetDrift, Quantity};
 use crate::joint::Joint;
 use crate::temperature::{Coefficients, Part, asked};
 use crate::verdict::{Missing, Shown, ShownValue, normal_std};
-
 use crate::{Requirement, each_sensor, sensor_name};
 
 /// Below this probability a yearly term is more than chance.

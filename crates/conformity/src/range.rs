@@ -2,7 +2,6 @@ use common::number::{significant, uncertain};
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
 use crate::verdict::{Missing, Shown, ShownValue, normal_std};
-
 use crate::{each_sensor, sensor_name};
 
 /// Declared and found widths of a code that differ by more than this share are told.

@@ -1,11 +1,9 @@
-use common::Document;
-
-use crate::verdict::{Missing, Rule, ShownValue, Side, Verdict};
-
-use crate::{ID, Judged, Requirement, RequirementKind, Spec, judge};
-use common::Error;
+use common::{Document, Error};
 use page::number::{bare, counted, significant, uncertain};
 use page::{Cell, Effect, Finding, Item, Section, Table};
+
+use crate::verdict::{Missing, Rule, ShownValue, Side, Verdict};
+use crate::{ID, Judged, Requirement, RequirementKind, Spec, judge};
 
 const VERDICT: Effect = Effect::Unstated("a verdict on the result");
 

@@ -15,6 +15,11 @@ pub fn across(other: Axis) -> String {
     format!("the transverse field ({other})")
 }
 
+/// Whether a name is of a field across a sensor, or of its past.
+pub fn is_across(name: &str) -> bool {
+    Axis::ALL.into_iter().any(|other| name.contains(&across(other)))
+}
+
 /// What is known of the Sun.
 pub const SUN: [&str; 6] =
     ["sun_azimuth_rad", "sun_azimuth_deg", "sun_elevation_rad", "sun_elevation_deg", "sunlit", "eclipse"];

@@ -1,7 +1,7 @@
 //! What to record next, in words: what can be done where the recordings were made.
 
 use crate::channel::Reader;
-use crate::covariates::SUN;
+use crate::covariates::{self, ALONG, SUN};
 use crate::observed::Observed;
 
 /// Where recordings were made, by what can be done there.
@@ -58,8 +58,8 @@ impl Site {
         if covariate.contains("temperature") {
             return self.of_temperature().into();
         }
-        let across = covariate.contains("across");
-        if across || covariate.contains("along") {
+        let across = covariates::is_across(covariate);
+        if across || covariate.contains(ALONG) {
             return self.of_field(across).into();
         }
         match self {
@@ -137,10 +137,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn what_follows_a_field_asks_for_other_directions() {
+        let across = covariates::across(common::Axis::Y);
+        for site in [Site::Coils, Site::Orbit, Site::Pair, Site::Scalar, Site::Alone] {
+            for covariate in [across.clone(), format!("the past of {across}")] {
+                assert_eq!(site.unexplained(&covariate), site.of_field(true));
+            }
+            assert_eq!(site.unexplained(&format!("the past of {ALONG}")), site.of_field(false));
+        }
+    }
+
+    #[test]
     fn no_coil_is_asked_for_where_there_is_none() {
-        for covariate in
-            ["time_s", "sensor_temperature_c", "the field across it (y)", "the field along it", "load_a"]
-        {
+        let across = covariates::across(common::Axis::Y);
+        for covariate in ["time_s", "sensor_temperature_c", &across, ALONG, "load_a"] {
             let words = |site: Site| site.unexplained(covariate);
             for site in [Site::Orbit, Site::Pair, Site::Scalar, Site::Alone] {
                 let words = words(site);

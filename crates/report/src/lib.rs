@@ -10,10 +10,9 @@ mod sections;
 pub use page::{Cell, Effect, Finding, Header, Item, Page, Section, Table};
 pub use sections::findings;
 
-use page::{number, plot};
-
 use common::Document;
 use common::number::counted;
+use page::{number, plot};
 
 /// What is asked of the report.
 #[derive(Clone, Debug, Default)]

@@ -105,7 +105,7 @@ pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
     (number > 0).then(|| {
         let one = &series[recording];
         format!(
-            "{} of {count} are outliers (p < {DISTURBED}), the largest by {} nT in \"{}\", row {}: --robust down-weights such rows",
+            "{} of {count} are outliers (p < {DISTURBED}), the largest by {} nT in \"{}\", row {}: --robust leaves them out",
             counted(number, "row"),
             significant(value, 3),
             one.id,

@@ -30,7 +30,7 @@ struct Cli {
     stage: StageIo,
     #[command(flatten)]
     fit: FitArgs,
-    /// Down-weight outliers
+    /// Leave out rows that are outliers
     #[arg(long)]
     robust: bool,
     /// Fit one constant magnitude of the field in recordings without a reference

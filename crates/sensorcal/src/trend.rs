@@ -125,7 +125,7 @@ pub fn fit(
     let values = fit.coefficients();
     let predicted = |row: usize| (0..unknowns).map(|j| design[(row, j)] * values[j]).sum::<f64>();
     found.dates.residual_nt = (0..y.len()).map(|row| y[row] - predicted(row)).collect();
-    let verdict = if p < TOLD_BELOW { "is real" } else { "is not significant" };
+    let verdict = if p < TOLD_BELOW { "is significant" } else { "is not significant" };
     let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
     found.findings.push(format!(
         "the trend {verdict} under correlated noise ({}); its standard uncertainty would be {} nT a year under white noise, {} under flicker noise, {} under a random walk",

@@ -1,12 +1,12 @@
 //! Directions of sensors or coils in their frame, and the angles between them.
 
 use common::{Axis, Document, uncertainty};
+use conformity::Joint;
 use nalgebra::Vector3;
 
 use super::Expanded;
 use super::Sheet;
 use crate::expanded::NORMAL;
-use conformity::Joint;
 
 /// The tables of one set of directions, `sensors` or `coils`.
 pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, frame: &str) {

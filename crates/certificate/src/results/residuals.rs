@@ -1,9 +1,9 @@
 //! What the calibration leaves of its own readings.
 
 use common::Document;
+use page::{Cell, Table};
 
 use super::Sheet;
-use page::{Cell, Table};
 
 /// The rms and the largest residual of each fit.
 pub fn table(sheet: &mut Sheet, document: &Document) {

@@ -2,12 +2,12 @@
 //! model has.
 
 use common::{AdoptedEffect, Axis, Document, Quantity, SensorCalibration, uncertainty};
-
-use super::Expanded;
-use super::Sheet;
 use conformity::{Joint, offset_path};
 use page::Table;
 use page::words::key;
+
+use super::Expanded;
+use super::Sheet;
 
 /// The tables of the sensors.
 pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint) {

@@ -17,7 +17,7 @@ const QUADROTOR: &str = include_str!("../../../../fixtures/ingest/real/quadrotor
 const DAY_S: f64 = 86_400.0;
 
 /// What diffmag says of instruments whose filters differ.
-const UNLIKE: &str = "do not answer alike";
+const UNLIKE: &str = "the responses of the instruments differ";
 /// What it says of a matrix that is not one.
 const MOVES: &str = "the matrix is not constant";
 /// Standard uncertainties beyond which an offset of a clock is one.

@@ -1,9 +1,9 @@
 //! What the document comes to, in one sentence.
 
 use common::{Axis, Calibration, Document, OneOrEach, Quantity};
+use page::words::counted;
 
 use crate::number::{figures, significant};
-use page::words::counted;
 
 /// Below this probability the residuals do not go with the noise that was declared.
 const UNLIKELY: f64 = 0.01;

@@ -1,12 +1,12 @@
 //! Directions of sensors and coils.
 
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, PairComparison, ScaleResult};
+use page::words::{cells, counted, sentence};
 
 use super::axes_map;
 use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Finding, Item, Section, Table, number};
-use page::words::{cells, counted, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

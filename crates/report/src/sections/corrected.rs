@@ -1,12 +1,12 @@
 //! The field that `correct` made of the readings.
 
 use common::{Axis, Document, Recording};
+use page::words::{counted, slug};
 
 use super::clock::Clock;
 use super::effects;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Finding, Section, Table, number};
-use page::words::{counted, slug};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 4;

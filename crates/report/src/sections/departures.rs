@@ -1,9 +1,9 @@
 //! Departures from a line or a model: what was looked for, and what was found.
 
 use common::Departure;
+use page::words::key;
 
 use crate::{Cell, Table};
-use page::words::key;
 
 /// A table of departures; rows are added by [`add`].
 pub fn table(of: &str) -> Table {

@@ -1,11 +1,11 @@
 //! What the model left out: each diagnosis with its residuals before and after.
 
 use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Verdict};
+use page::words::{key, rounded, sentence};
 
 use super::residuals::{Names, plots};
 use crate::plot::Plot;
 use crate::{Cell, Effect, Finding, Section, Table, number};
-use page::words::{key, rounded, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -3,12 +3,12 @@
 use common::{
     Axis, DifferentialCalibration, DifferentialFit, Document, DriftForm, EventInstrument, EventKind,
 };
+use page::words::{counted, sentence};
 
 use super::effects;
 use super::{difference, differential_matrix, fourteen, instruments};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
-use page::words::{counted, sentence};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -1,11 +1,11 @@
 //! The field of each coil along its axis.
 
 use common::{CoilSurvey, Document, Quantity};
+use page::words::slug;
 
 use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Section, Table};
-use page::words::slug;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -1,11 +1,11 @@
 //! Which of two or three instruments the noise is of, and how they agree from short to long averages.
 
 use common::{Axis, DifferentialFit, OwnNoise, PerAxis, ReferenceNoise};
+use page::words::sentence;
 
 use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table, number};
-use page::words::sentence;
 
 /// What noise of the reference does to the matrix, and the noise of each instrument as far as it can be told.
 pub fn noise(section: &mut Section, fit: &DifferentialFit) {

@@ -30,9 +30,8 @@ mod temperature;
 mod temperature_loops;
 
 use common::Document;
-use std::collections::HashSet;
-
 use page::words;
+use std::collections::HashSet;
 
 use crate::{Effect, Finding, Item, Page, Section, Table, number};
 

@@ -1,10 +1,10 @@
 //! Physics adopted beyond the basic model.
 
 use common::{AdoptedEffect, Document};
+use page::words::key;
 use serde_json::Value;
 
 use crate::{Cell, Section, Table};
-use page::words::key;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

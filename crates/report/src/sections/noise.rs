@@ -1,12 +1,12 @@
 //! Noise of each sensor: merged spectrum with its fit and the floor of the codes, Allan deviation.
 
 use common::{AllanDeviation, Axis, Document, Quantity, SensorNoise};
+use page::words::rounded;
 
 use super::effects::{self, findings};
 use super::nulling::{add_lines, lines_table};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
-use page::words::rounded;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

@@ -1,10 +1,10 @@
 //! What the nulling leaves: spectra in each condition of the site.
 
 use common::{Axis, Document, SpectralLine};
+use page::words::{cells, rounded};
 
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
-use page::words::{cells, rounded};
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {

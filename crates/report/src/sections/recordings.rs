@@ -1,12 +1,12 @@
 //! What was recorded, and drawings of what no stage has read.
 
 use common::{Document, Recording, procedure};
+use page::words::{counted, key, slug};
 use std::collections::BTreeMap;
 
 use super::clock::Clock;
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
 use crate::{Section, Table};
-use page::words::{counted, key, slug};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;

@@ -1,11 +1,11 @@
 //! Residuals before and after, against time and what they may follow.
 
 use common::ResidualSeries;
+use page::words::{key, slug};
 
 use super::clock::Clock;
 use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use page::words::{key, slug};
 
 /// Where what is left spans less than this share of what there was, it also has a plot of its own.
 const FLAT: f64 = 0.4;

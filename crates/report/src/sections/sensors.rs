@@ -1,12 +1,12 @@
 //! Each sensor: sensitivity, offset, deviation from the line, reversals, error budget.
 
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
+use page::words::counted;
 
 use super::departures;
 use super::effects::{self, findings};
 use crate::plot::{Dimension, Mark, Plot, Series};
 use crate::{Cell, Section, Table};
-use page::words::counted;
 
 /// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
