@@ -321,9 +321,9 @@ def jobs(programs: Path) -> list[Job]:
                 program("correct"), "-q", "--calibration", str(fixtures / "correct/flight/input.json"), made["path"], "-o", str(made["result"])
             ],
             peer="correct",
-            libraries=["polars", "pyarrow"],
+            libraries=["polars", "pyarrow", "Polars, reading and writing the result"],
             rows=10_000_000,
-            note="The peers apply a matrix. `correct` also subtracts three effects and gives each sample its uncertainty; most of the time goes into the derivatives of the field by about twenty parameters in every row.",
+            note="The peers apply a matrix to three columns and write four; the last one reads the twelve columns that `correct` wrote and writes them again. `correct` also subtracts three effects and gives each sample its uncertainty, for which it takes the derivatives of the field by fifteen parameters in every row: half of its time.",
         ),
         Job(
             name="spectrum",

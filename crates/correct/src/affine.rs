@@ -1,9 +1,7 @@
 //! The correction where no effect acts behind the field: a matrix, and a quadratic form for its uncertainty.
 
 use nalgebra::{Matrix3, SMatrix, Vector3, Vector4};
-use physics::{Error, Inverter};
-
-use crate::known::UncertainParameters;
+use physics::{Direction, Error, Inverter};
 
 /// B = M y + o and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of
 /// the recording.
@@ -17,13 +15,9 @@ pub struct Affine {
 const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 impl Affine {
-    /// From the field of four readings and its derivatives, which determine all others. `noise_nt2` is the
-    /// variance of one reading of each sensor.
-    pub fn of(
-        inverter: Inverter<'_>,
-        known: &UncertainParameters,
-        noise_nt2: Vector3<f64>,
-    ) -> Result<Self, Error> {
+    /// From the field of four readings and its derivatives, which determine all others. `sources` are those of
+    /// [`crate::known`]; `noise_nt2` is the variance of one reading of each sensor.
+    pub fn of(inverter: Inverter<'_>, sources: &[Direction], noise_nt2: Vector3<f64>) -> Result<Self, Error> {
         let mut readings = vec![Vector3::zeros()];
         readings.extend((0..3).map(|k| Vector3::ith(k, 1.0)));
         let solved = inverter.field(&readings)?;
@@ -35,11 +29,9 @@ impl Affine {
                 rows[0],
             ])
         };
-        let derivatives: Vec<SMatrix<f64, 3, 4>> =
-            solved.by_parameters(&known.parameters)?.iter().map(|rows| affine(rows)).collect();
         let mut forms = [SMatrix::zeros(); 6];
-        for source in &known.sources {
-            let moved: SMatrix<f64, 3, 4> = source.iter().map(|(at, moved)| derivatives[*at] * *moved).sum();
+        for moved in solved.along(sources)? {
+            let moved = affine(&moved);
             for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
                 let product = moved.row(i).transpose() * moved.row(j);
                 *form += (product + product.transpose()) / 2.0;

@@ -1,20 +1,9 @@
-//! What the correction rests on: every parameter of the chain behind the field that is known with an
-//! uncertainty, and the joint uncertainty of all of them.
+//! What the correction rests on: the uncertainties of the parameters of the chain behind the field, jointly.
 
 use common::uncertainty::{self, By, root};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
 use physics::frames::{matrix, tangents};
-use physics::{EffectInstance, Parameter, Role, Unit};
-
-/// Parameters with a root of their covariance.
-#[derive(Clone, Debug)]
-pub struct UncertainParameters {
-    /// The parameters that have an uncertainty.
-    pub parameters: Vec<Parameter>,
-    /// Independent sources, by how each moves the parameters: those that it moves, by their number. Their
-    /// outer products add up to the covariance.
-    pub sources: Vec<Vec<(usize, f64)>>,
-}
+use physics::{Direction, EffectInstance, Parameter, Role, Unit};
 
 /// A parameter of the chain as a sum of parameters of the document.
 struct Stated {
@@ -22,38 +11,34 @@ struct Stated {
     by: Vec<(String, f64)>,
 }
 
-impl UncertainParameters {
-    /// As a document states them with their joint uncertainty, for readings in `unit`: k and O of each
-    /// sensor, the directions of the sensors, and the parameters of `effects`, which stand at these `places`
-    /// of `model.effects`.
-    pub fn of(
-        document: &Document,
-        joint: &Uncertainty,
-        (effects, places): (&[EffectInstance], &[usize]),
-        unit: Unit,
-    ) -> Result<Self, common::Error> {
-        let mut stated: Vec<Stated> =
-            Axis::ALL.iter().flat_map(|axis| constants(document, *axis, unit)).collect();
-        stated.extend(turns(document));
-        stated.extend(model(document, effects, places));
-        let moves = joint.root(&by(&stated));
-        let moving: Vec<usize> =
-            (0..stated.len()).filter(|at| moves.iter().any(|moves| moves[*at] != 0.0)).collect();
-        let covariance: Vec<Vec<f64>> = moving
-            .iter()
-            .map(|a| moving.iter().map(|b| moves.iter().map(|moves| moves[*a] * moves[*b]).sum()).collect())
-            .collect();
-        // No more sources than parameters, and each beginning one parameter later.
-        let sources = root(&covariance).map_err(|found| {
-            common::Error::document("calibration.uncertainty", found, "moves that make a covariance")
-        })?;
-        let sparse =
-            |moves: Vec<f64>| moves.into_iter().enumerate().filter(|(_, moved)| *moved != 0.0).collect();
-        Ok(UncertainParameters {
-            parameters: moving.iter().map(|at| stated[*at].parameter).collect(),
-            sources: sources.into_iter().map(sparse).collect(),
-        })
-    }
+/// Independent sources of uncertainty of a document with its joint uncertainty, by how each moves the
+/// parameters of the chain; their outer products add up to the covariance. For readings in `unit`: k and O of
+/// each sensor, the directions of the sensors, and the parameters of `effects`, which stand at these `places`
+/// of `model.effects`.
+pub fn sources(
+    document: &Document,
+    joint: &Uncertainty,
+    (effects, places): (&[EffectInstance], &[usize]),
+    unit: Unit,
+) -> Result<Vec<Direction>, common::Error> {
+    let mut stated: Vec<Stated> =
+        Axis::ALL.iter().flat_map(|axis| constants(document, *axis, unit)).collect();
+    stated.extend(turns(document));
+    stated.extend(model(document, effects, places));
+    let moves = joint.root(&by(&stated));
+    let moving: Vec<usize> =
+        (0..stated.len()).filter(|at| moves.iter().any(|moves| moves[*at] != 0.0)).collect();
+    let covariance: Vec<Vec<f64>> = moving
+        .iter()
+        .map(|a| moving.iter().map(|b| moves.iter().map(|moves| moves[*a] * moves[*b]).sum()).collect())
+        .collect();
+    // No more sources than parameters, and each beginning one parameter later.
+    let sources = root(&covariance).map_err(|found| {
+        common::Error::document("calibration.uncertainty", found, "moves that make a covariance")
+    })?;
+    let parameters = || moving.iter().map(|at| stated[*at].parameter);
+    let direction = |moves: Vec<f64>| parameters().zip(moves).filter(|(_, moved)| *moved != 0.0).collect();
+    Ok(sources.into_iter().map(direction).collect())
 }
 
 /// The parameters of the chain by how they move with those of the document.

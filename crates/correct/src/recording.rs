@@ -2,12 +2,12 @@
 
 use common::{Axis, Document, Recording, Uncertainty};
 use nalgebra::{Matrix3, Vector3};
-use physics::{Context, EffectInstance, Inverter, References, Row, Setting, Stage, Unit};
+use physics::{Context, Direction, EffectInstance, Inverter, References, Row, Setting, Stage, Unit};
 use rayon::prelude::*;
 
 use crate::affine::Affine;
 use crate::flags::{self, Limits};
-use crate::known::UncertainParameters;
+use crate::known;
 use crate::noise;
 use crate::{Error, Frame};
 
@@ -109,10 +109,9 @@ impl<'a> Corrector<'a> {
         let mut left = Vec::new();
         let solution = loop {
             let (places, effects): (Vec<usize>, Vec<EffectInstance>) = acting.iter().cloned().unzip();
-            let known =
-                UncertainParameters::of(self.document, &self.joint, (&effects, &places), context.unit)?;
+            let sources = known::sources(self.document, &self.joint, (&effects, &places), context.unit)?;
             let solved = Inverter::new(&basic, &effects, &context)
-                .and_then(|inverter| Solution::of(inverter, &known, noise_nt2, &readings));
+                .and_then(|inverter| Solution::of(inverter, &sources, noise_nt2, &readings));
             match solved {
                 Err(physics::Error::Missing { who, what, .. })
                     if acting.iter().any(|(_, effect)| effect.kind.name() == who) =>
@@ -168,23 +167,20 @@ enum Solution {
 impl Solution {
     fn of(
         inverter: Inverter<'_>,
-        known: &UncertainParameters,
+        sources: &[Direction],
         noise_nt2: Vector3<f64>,
         readings: &[Vector3<f64>],
     ) -> Result<Self, physics::Error> {
         if inverter.is_affine() {
-            return Ok(Solution::Affine(Box::new(Affine::of(inverter, known, noise_nt2)?)));
+            return Ok(Solution::Affine(Box::new(Affine::of(inverter, sources, noise_nt2)?)));
         }
         let solved = inverter.field(readings)?;
         let mut covariance = solved.covariance_of_readings(noise_nt2)?;
-        let derivatives = solved.by_parameters(&known.parameters)?;
-        covariance.par_iter_mut().enumerate().for_each(|(row, covariance)| {
-            for source in &known.sources {
-                let moved: Vector3<f64> =
-                    source.iter().map(|(at, moved)| derivatives[*at][row] * *moved).sum();
+        for moved in solved.along(sources)? {
+            for (covariance, moved) in covariance.iter_mut().zip(moved) {
                 *covariance += moved * moved.transpose();
             }
-        });
+        }
         Ok(Solution::Rows { field: solved.field_sen, covariance, rows: solved.rows })
     }
 

@@ -4,6 +4,8 @@ use common::{Axis, Column, Columns, Document, Recording, procedure, range};
 use rayon::prelude::*;
 use std::io;
 use std::path::Path;
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread;
 use tables::{BATCH_ROWS, Batch, Format, Reader, Writer};
 
 use crate::iaga::{IagaWriter, Station};
@@ -62,35 +64,84 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
     check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
     let mut output = Output { request, format, names: &names, sheet: None, tally: Tally::default() };
-    let mut series = None;
-    let mut whole: Option<Recording> = None;
-    for batch in batches {
-        let batch = batch?;
-        let columns = names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
-        range::rows(&name, batch.first_row, columns)?;
-        let recording = recording_of(&template, &names, batch);
-        if !corrector.row_by_row() {
-            match &mut whole {
-                None => whole = Some(recording),
-                Some(whole) => join(whole, recording),
+    let pieces = Pieces { corrector: &corrector, template: &template, names: &names, name: &name };
+    // Rows are corrected while those before them are written.
+    thread::scope(|scope| {
+        let (ready, corrected) = sync_channel(1);
+        scope.spawn(move || pieces.correct(batches, &ready));
+        for piece in corrected {
+            let (recording, corrected) = piece?;
+            if !output.write(&recording, corrected)? {
+                return Ok(output.tally);
             }
-            continue;
         }
+        output.finish(&template)
+    })
+}
+
+/// Readings with their field, or why there is none.
+type Piece = Result<(Recording, Corrected), Error>;
+
+/// A table that is corrected piece by piece.
+struct Pieces<'a> {
+    corrector: &'a Corrector<'a>,
+    template: &'a Recording,
+    /// Of its columns.
+    names: &'a [String],
+    /// As errors call it.
+    name: &'a str,
+}
+
+impl Pieces<'_> {
+    /// Hands on the pieces in their order, until an error or until none is wanted any more. A table that has
+    /// to be corrected as a whole is one piece.
+    fn correct(self, batches: Batches<'_>, ready: &SyncSender<Piece>) {
+        let mut series = None;
+        let mut whole: Option<Recording> = None;
+        for batch in batches {
+            let piece = match self.read(batch) {
+                Ok(recording) if !self.corrector.row_by_row() => {
+                    match &mut whole {
+                        None => whole = Some(recording),
+                        Some(whole) => join(whole, recording),
+                    }
+                    continue;
+                }
+                Ok(recording) => self.rows(recording, &mut series),
+                Err(error) => Err(error),
+            };
+            let failed = piece.is_err();
+            if ready.send(piece).is_err() || failed {
+                return;
+            }
+        }
+        if let Some(recording) = whole {
+            let corrected = self.corrector.correct(&recording, self.name, None);
+            // Where nobody waits for it any more, it is not wanted.
+            let _ = ready.send(corrected.map(|corrected| (recording, corrected)));
+        }
+    }
+
+    fn read(&self, batch: Result<Batch, tables::Error>) -> Result<Recording, Error> {
+        let batch = batch?;
+        let columns = self.names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
+        range::rows(self.name, batch.first_row, columns)?;
+        Ok(recording_of(self.template, self.names, batch))
+    }
+
+    /// Corrects rows that stand each for itself. `series` is the length and step, s, that the first of them
+    /// determine.
+    fn rows(&self, recording: Recording, series: &mut Option<Option<[f64; 2]>>) -> Piece {
         let step = || recording.column("time_s").and_then(noise::length_and_step_s);
         let series = *series.get_or_insert_with(|| step().map(|[_, step_s]| [DAY_S, step_s]));
         let corrected: Vec<Corrected> = (0..recording.rows().div_ceil(ROWS_AT_ONCE))
             .into_par_iter()
-            .map(|number| corrector.correct(&piece(&template, &recording, number), &name, series))
+            .map(|number| {
+                self.corrector.correct(&piece(self.template, &recording, number), self.name, series)
+            })
             .collect::<Result<_, Error>>()?;
-        if !output.write(&recording, Corrected::joined(corrected))? {
-            return Ok(output.tally);
-        }
+        Ok((recording, Corrected::joined(corrected)))
     }
-    if let Some(recording) = whole {
-        let corrected = corrector.correct(&recording, &name, None)?;
-        output.write(&recording, corrected)?;
-    }
-    output.finish(&template)
 }
 
 /// Where corrected rows go. It is opened when the first of them are there, so that what is refused leaves
@@ -205,10 +256,13 @@ fn template(request: &Request<'_>) -> Result<Recording, Error> {
     Ok(Recording { columns: Columns::new(), table: None, start, ..found.clone() })
 }
 
+/// The rows of a table.
+type Batches<'a> = Box<dyn Iterator<Item = Result<Batch, tables::Error>> + Send + 'a>;
+
 /// A table that is read.
 struct Sheets<'a> {
     names: Vec<String>,
-    batches: Box<dyn Iterator<Item = Result<Batch, tables::Error>> + 'a>,
+    batches: Batches<'a>,
     /// As errors call it.
     name: String,
     format: Format,

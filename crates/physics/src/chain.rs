@@ -84,7 +84,8 @@ pub fn predict_with_jacobian(
                 .iter()
                 .map(|effect| effect.parameters.iter().map(|value| Dual::from(*value)).collect())
                 .collect();
-            seed(basic, &mut lifted, &mut values, parameters);
+            let directions: Vec<Direction> = parameters.iter().map(|one| vec![(*one, 1.0)]).collect();
+            seed(basic, &mut lifted, &mut values, &directions);
             let values: Vec<&[Dual]> = values.iter().map(Vec::as_slice).collect();
             let lifted = run(&lifted, effects, &values, context)?;
             let of = |series: &[Vector3<Dual>], lane: usize| {
@@ -101,20 +102,26 @@ pub fn predict_with_jacobian(
     Ok((prediction, derivatives.into_iter().flatten().collect()))
 }
 
-/// Gives each of at most [`LANES`] parameters the derivative 1 in a lane of its own.
+/// Parameters that move together, each by how much.
+pub type Direction = Vec<(Parameter, f64)>;
+
+/// Carries the derivatives along at most [`LANES`] directions, each in a lane of its own.
 pub(crate) fn seed(
     basic: &Basic,
     lifted: &mut Basic<Dual>,
     values: &mut [Vec<Dual>],
-    parameters: &[Parameter],
+    directions: &[Direction],
 ) {
-    for (lane, parameter) in parameters.iter().enumerate() {
+    let each = directions.iter().enumerate().flat_map(|(lane, direction)| {
+        direction.iter().map(move |(parameter, moved)| (*parameter, unit(lane) * *moved))
+    });
+    for (parameter, moved) in each {
         // What a small turn adds to a direction.
         let added = |column: Vector3<f64>, which: usize| {
-            let turn = std::array::from_fn(|k| if k == which { unit(lane) } else { Dual::from(0.0) });
+            let turn = std::array::from_fn(|k| if k == which { moved } else { Dual::from(0.0) });
             frames::turned_at_length(&column, turn) - column.map(Dual::from)
         };
-        match *parameter {
+        match parameter {
             Parameter::CoilTurn(axis, which) => {
                 let added = added(column(&basic.eta, axis), which);
                 lifted.eta.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
@@ -123,8 +130,8 @@ pub(crate) fn seed(
                 let added = added(column(&basic.mu, axis), which);
                 lifted.mu.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
             }
-            Parameter::Effect(effect, number) => values[effect][number] += unit(lane),
-            constant => lifted.constant_mut(constant).into_iter().for_each(|value| *value += unit(lane)),
+            Parameter::Effect(effect, number) => values[effect][number] += moved,
+            constant => lifted.constant_mut(constant).into_iter().for_each(|value| *value += moved),
         }
     }
 }

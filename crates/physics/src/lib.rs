@@ -49,7 +49,7 @@ mod real;
 mod setting;
 
 pub use catalogue::Kind;
-pub use chain::{LeftOut, Prediction, predict, predict_acting, predict_with_jacobian};
+pub use chain::{Direction, LeftOut, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
 pub use effect::{About, Acts, Effect, ParameterInfo, Place, Role, Stage, Surroundings};

@@ -4,18 +4,18 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::{PASSES, REACHES, Row, Solved, Step};
-use crate::chain::seed;
+use crate::chain::{Direction, seed};
 use crate::lanes::{self, Dual, LANES};
-use crate::{Basic, Error, Parameter};
+use crate::{Basic, Error};
 
 /// A derivative has settled when a pass changes it by no more than this share of its largest value.
 const TOLERANCE: f64 = 1e-9;
 
 impl Solved<'_> {
-    /// ∂B/∂θ for each of some parameters and each row, nT per unit of the parameter, the readings held: F(B,
-    /// θ) = y gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
-    pub fn by_parameters(&self, parameters: &[Parameter]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
-        let all: Vec<Vec<Vec<Vector3<f64>>>> = parameters
+    /// ∂B/∂θ · d for each of some directions d of the parameters and each row, nT, the readings held: F(B, θ) = y
+    /// gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
+    pub fn along(&self, directions: &[Direction]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
+        let all: Vec<Vec<Vec<Vector3<f64>>>> = directions
             .par_chunks(LANES)
             .map(|some| self.derivatives(some, some.len(), |_, _| Vector3::zeros()))
             .collect::<Result<_, Error>>()?;
@@ -56,48 +56,61 @@ impl Solved<'_> {
         }
     }
 
-    /// The same passes as for the field, with derivatives carried along in so many lanes: by one parameter in
-    /// each; without parameters, by the readings of each row, which change along a direction in each lane, in
-    /// nT along the sensors.
+    /// The same passes as for the field, with derivatives carried along in so many lanes: along one direction
+    /// of the parameters in each; without these, by the readings of each row, which change by `moved` in each
+    /// lane, in nT along the sensors.
     fn derivatives(
         &self,
-        parameters: &[Parameter],
+        directions: &[Direction],
         lanes: usize,
-        direction: impl Fn(usize, usize) -> Vector3<f64>,
+        moved: impl Fn(usize, usize) -> Vector3<f64>,
     ) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let sensitivity = self.inverter.basic.sensors.map(|sensor| sensor.sensitivity);
         let (mut basic, mut values) = (self.inverter.basic.lift(), self.inverter.values());
-        seed(self.inverter.basic, &mut basic, &mut values, parameters);
-        let mut derivatives = vec![vec![Vector3::zeros(); self.rows.len()]; lanes];
+        seed(self.inverter.basic, &mut basic, &mut values, directions);
+        // None before the first pass.
+        let mut derivatives: Vec<Vec<Vector3<f64>>> = Vec::new();
         for pass in 0..PASSES {
-            // Where neither a parameter nor yet the field has a derivative, the readings have none.
-            let still = pass == 0 && parameters.is_empty();
+            // Where neither the parameters nor yet the field has a derivative, the readings have none.
+            let still = pass == 0 && directions.is_empty();
             let readings = if still { None } else { Some(self.pass(&basic, &values, &derivatives)?) };
-            let (mut moved, mut largest): (f64, f64) = (0.0, 0.0);
-            for (lane, derivative) in derivatives.iter_mut().enumerate() {
+            let finite = |row: usize| {
+                readings.as_ref().is_none_or(|readings| readings[row].iter().all(lanes::is_finite))
+            };
+            let known: Vec<bool> =
+                (0..self.rows.len()).map(|row| self.rows[row] != Row::Missing && finite(row)).collect();
+            let change = |lane: usize| {
+                let slope = |reading: &Vector3<Dual>| {
+                    Vector3::from_fn(|i, _| lanes::slope(&reading[i], lane) * sensitivity[i])
+                };
                 let difference: Vec<Vector3<f64>> = (0..self.rows.len())
-                    .map(|row| {
-                        let reading = readings.as_ref().map(|readings| &readings[row]);
-                        let finite = reading.is_none_or(|reading| reading.iter().all(lanes::is_finite));
-                        if self.rows[row] == Row::Missing || !finite {
-                            return Vector3::zeros();
-                        }
-                        let slope = |i: usize| {
-                            reading.map_or(0.0, |reading| lanes::slope(&reading[i], lane) * sensitivity[i])
-                        };
-                        direction(row, lane) - Vector3::from_fn(|i, _| slope(i))
+                    .map(|row| match (&readings, known[row]) {
+                        (_, false) => Vector3::zeros(),
+                        (None, true) => moved(row, lane),
+                        (Some(readings), true) => moved(row, lane) - slope(&readings[row]),
                     })
                     .collect();
-                let change = self.step.of(&difference);
-                for (row, derivative) in derivative.iter_mut().enumerate() {
-                    *derivative += change[row];
+                self.step.of(&difference)
+            };
+            let changes: Vec<Vec<Vector3<f64>>> = (0..lanes).map(change).collect();
+            if derivatives.is_empty() {
+                derivatives = changes;
+                if self.is_exact() {
+                    break;
+                }
+                continue;
+            }
+            let (mut changed, mut largest): (f64, f64) = (0.0, 0.0);
+            for (derivative, change) in derivatives.iter_mut().zip(&changes) {
+                for (row, (derivative, change)) in derivative.iter_mut().zip(change).enumerate() {
+                    *derivative += change;
                     if self.rows[row] == Row::Found {
-                        moved = moved.max(change[row].amax());
+                        changed = changed.max(change.amax());
                         largest = largest.max(derivative.amax());
                     }
                 }
             }
-            if moved <= TOLERANCE * largest || self.is_exact() {
+            if changed <= TOLERANCE * largest {
                 break;
             }
         }
@@ -111,7 +124,7 @@ impl Solved<'_> {
         Ok(derivatives)
     }
 
-    /// The readings of the field with what is known of its derivatives.
+    /// The readings of the field with what is known of its derivatives; none are known before the first pass.
     fn pass(
         &self,
         basic: &Basic<Dual>,
@@ -119,12 +132,11 @@ impl Solved<'_> {
         derivatives: &[Vec<Vector3<f64>>],
     ) -> Result<Vec<Vector3<Dual>>, Error> {
         let by = |row: usize, k: usize, lane: usize| derivatives.get(lane).map_or(0.0, |of| of[row][k]);
-        let field: Vec<Vector3<Dual>> = self
-            .at
-            .iter()
-            .enumerate()
-            .map(|(row, at)| Vector3::from_fn(|k, _| lanes::dual(at[k], |lane| by(row, k, lane))))
-            .collect();
+        let lift = |(row, at): (usize, &Vector3<f64>)| match derivatives {
+            [] => at.map(Dual::from),
+            _ => Vector3::from_fn(|k, _| lanes::dual(at[k], |lane| by(row, k, lane))),
+        };
+        let field: Vec<Vector3<Dual>> = self.at.iter().enumerate().map(lift).collect();
         self.inverter.read(basic, values, &field)
     }
 }

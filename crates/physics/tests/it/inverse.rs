@@ -144,7 +144,7 @@ fn derivatives_agree_with_differences() {
             }
             solve(&basic, &effects).0
         };
-        let found = solved.by_parameters(&[parameter]).expect("a derivative").remove(0);
+        let found = solved.along(&[vec![(parameter, 1.0)]]).expect("a derivative").remove(0);
         check(&format!("{parameter:?}"), found, step, moved(step), moved(-step));
     }
     for (which, number, step) in [(0, 0, 0.1), (1, 2, 0.1), (2, 0, 1e-4)] {
@@ -154,10 +154,11 @@ fn derivatives_agree_with_differences() {
             solve(&basic, &effects).0
         };
         let found =
-            solved.by_parameters(&[Parameter::Effect(which, number)]).expect("a derivative").remove(0);
+            solved.along(&[vec![(Parameter::Effect(which, number), 1.0)]]).expect("a derivative").remove(0);
         check(&format!("effect {which} {number}"), found, step, moved(step), moved(-step));
     }
-    let turned = solved.by_parameters(&[Parameter::SensorTurn(Axis::X, 0)]).expect("a derivative").remove(0);
+    let turned =
+        solved.along(&[vec![(Parameter::SensorTurn(Axis::X, 0), 1.0)]]).expect("a derivative").remove(0);
     assert!(turned.iter().all(|row| row.amax() < 70_000.0) && turned.iter().any(|row| row.amax() > 10_000.0));
     // Errors of the readings: with the lag the reading of z is worth less, and the errors of neighbours come
     // in.
