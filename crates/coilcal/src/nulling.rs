@@ -125,8 +125,9 @@ fn field(
         let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
         return Err(Fault::document(format!("{path}.time_s"), "no such times", expected).into());
     };
-    let filled = series::filled(&even.column).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
+    let rows = even.column.len();
+    let filled = series::filled(even.column).map_err(|missing| {
+        let found = format!("{missing} of {} missing", counted(rows, "reading"));
         let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
         Fault::document(format!("{path}.sensor_{axis}"), found, expected)
     })?;

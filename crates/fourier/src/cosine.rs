@@ -1,7 +1,11 @@
+use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
 use crate::{Complex, Forward, forward};
+
+/// Coefficients that one thread makes at once.
+const PIECE: usize = 1 << 14;
 
 /// The cosine transform of N real numbers, of unit scale: sums of squares about the mean stay.
 #[derive(Clone)]
@@ -35,7 +39,12 @@ fn turn(k: usize, points: usize) -> Complex<f64> {
     Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / points as f64)
 }
 
-fn transform(plan: &Forward, values: &[f64], middle: f64, turn: impl Fn(usize) -> Complex<f64>) -> Vec<f64> {
+fn transform(
+    plan: &Forward,
+    values: &[f64],
+    middle: f64,
+    turn: impl Fn(usize) -> Complex<f64> + Sync,
+) -> Vec<f64> {
     let points = values.len();
     let even = values.iter().step_by(2);
     let odd = values.iter().skip(1).step_by(2).rev();
@@ -45,6 +54,8 @@ fn transform(plan: &Forward, values: &[f64], middle: f64, turn: impl Fn(usize) -
     drop(input);
     let scale = (2.0 / points as f64).sqrt();
     (1..points)
+        .into_par_iter()
+        .with_min_len(PIECE)
         .map(|k| {
             let at = if k < output.len() { output[k] } else { output[points - k].conj() };
             scale * (at * turn(k)).re

@@ -1,6 +1,7 @@
 //! Recordings whose readings stand in a file beside the document (`table`).
 
 use common::{Column, Document, Error, Recording};
+use rayon::prelude::*;
 use std::path::Path;
 use tables::{Reader, Writer};
 
@@ -106,13 +107,13 @@ fn one(recording: &mut Recording, folder: &Path, path: &str) -> Result<(), Error
     };
     let reader = tables::beside(folder, table).and_then(|file| Reader::open(&file, None)).map_err(refused)?;
     let names = reader.columns().to_vec();
-    let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
+    let mut pieces: Vec<Vec<Vec<f64>>> = vec![Vec::new(); names.len()];
     for batch in reader {
         let batch = batch.map_err(refused)?;
-        columns.iter_mut().zip(batch.columns).for_each(|(column, more)| column.extend(more));
+        pieces.iter_mut().zip(batch.columns).for_each(|(column, more)| column.push(more));
     }
-    columns.iter_mut().for_each(Vec::shrink_to_fit);
-    recording.columns = names.into_iter().zip(columns.into_iter().map(Column::from)).collect();
+    let columns: Vec<Column> = pieces.into_par_iter().map(|pieces| pieces.concat().into()).collect();
+    recording.columns = names.into_iter().zip(columns).collect();
     let path = path.trim_end_matches(".table");
     recording.check(path)?;
     dropped::check(recording, path)

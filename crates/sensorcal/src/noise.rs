@@ -110,13 +110,14 @@ fn read<'a>(
         );
         return Err(Fault::document(column, "readings in V without a sensitivity", expected).into());
     };
-    let filled = series::filled(&even.column).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(even.column.len(), "reading"));
+    let rows = even.column.len();
+    let filled = series::filled(even.column).map_err(|missing| {
+        let found = format!("{missing} of {} missing", counted(rows, "reading"));
         let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
         Fault::document(&column, found, expected)
     })?;
     let step_s = even.step_s;
-    let field_nt: Vec<f64> = filled.iter().map(|value| k * value).collect();
+    let field_nt: Vec<f64> = filled.into_iter().map(|value| k * value).collect();
     let count = field_nt.len() as f64;
     let mean_nt = field_nt.iter().sum::<f64>() / count;
     let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();

@@ -5,7 +5,7 @@
 //! jitter scatters about it, and a jump moves it from one row on for good: by less than a step, as whole
 //! steps are missing rows.
 
-use crate::stats::median;
+use crate::stats::{median, median_of};
 
 /// Rows on either side of a jump that are held against each other.
 const BESIDE: usize = 16;
@@ -54,6 +54,8 @@ pub struct Jump {
 pub struct Cadence {
     /// The usual step, s.
     pub step_s: f64,
+    /// The mean of the intervals where they are alike, else their median, s.
+    pub usual_s: f64,
     /// The unit of the last digit in which all times are written, counted from the first, where they are, s.
     pub digit_s: Option<f64>,
     /// In the order of rows.
@@ -66,18 +68,21 @@ impl Cadence {
         if time.len() < 3 {
             return None;
         }
-        let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let usual = median(&intervals);
+        let interval = |row: usize| time[row] - time[row - 1];
+        let usual_s = usual(time);
         let digit_s = digit(time);
-        let step_s = finer(time, usual);
-        let phases = Phases::of(time, &intervals, step_s);
+        let step_s = finer(time, usual_s);
         let least = (LEAST * step_s).max(DIGITS * digit_s.unwrap_or(0.0)).max(rounding(time));
-        let jumps = if phases.straight(0.5 * least) { Vec::new() } else { phases.jumps(least) };
+        let jumps = if straight(time, step_s, 0.5 * least) {
+            Vec::new()
+        } else {
+            Phases::of(time, step_s).jumps(least)
+        };
         let jumps = jumps
             .into_iter()
-            .map(|(row, by_s, std_s)| Jump { row, by_s, std_s, interval_s: intervals[row - 1] })
+            .map(|(row, by_s, std_s)| Jump { row, by_s, std_s, interval_s: interval(row) })
             .collect();
-        Some(Self { step_s, digit_s, jumps })
+        Some(Self { step_s, usual_s, digit_s, jumps })
     }
 
     /// The rows between jumps.
@@ -109,6 +114,32 @@ fn digit(time: &[f64]) -> Option<f64> {
     })
 }
 
+/// The mean of the intervals where each is within a thousandth of it, else their median.
+fn usual(time: &[f64]) -> f64 {
+    let intervals = || time.windows(2).map(|pair| pair[1] - pair[0]);
+    let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+    if intervals().all(|interval| (interval - mean).abs() <= LEAST * mean) {
+        return mean;
+    }
+    median_of(&mut intervals().collect::<Vec<f64>>())
+}
+
+/// The place of each row, counted in steps from the first.
+pub fn places(time: &[f64], step_s: f64) -> impl Iterator<Item = f64> {
+    let between = time.windows(2).map(move |pair| ((pair[1] - pair[0]) / step_s).round().max(1.0));
+    std::iter::once(0.0).chain(between).scan(0.0, |place, by| {
+        *place += by;
+        Some(*place)
+    })
+}
+
+/// Whether all times lie within a tolerance of their places on the line through the ends.
+fn straight(time: &[f64], step_s: f64, tolerance: f64) -> bool {
+    let count = places(time, step_s).last().unwrap_or(0.0);
+    let line = (time[time.len() - 1] - time[0]) / count;
+    time.iter().zip(places(time, step_s)).all(|(t, place)| (t - time[0] - line * place).abs() <= tolerance)
+}
+
 /// The step by runs of rows without a gap, which a last digit does not round; `usual` where there is no such
 /// run.
 fn finer(time: &[f64], usual: f64) -> f64 {
@@ -138,20 +169,10 @@ struct Compared {
 }
 
 impl Phases {
-    fn of(time: &[f64], intervals: &[f64], step_s: f64) -> Self {
-        let mut place = vec![0.0];
-        for interval in intervals {
-            place.push(place[place.len() - 1] + (interval / step_s).round().max(1.0));
-        }
+    fn of(time: &[f64], step_s: f64) -> Self {
+        let place: Vec<f64> = places(time, step_s).collect();
         let phase = time.iter().zip(&place).map(|(t, place)| t - time[0] - place * step_s).collect();
         Self { place, phase }
-    }
-
-    /// Whether all lie within a tolerance of the line through the ends.
-    fn straight(&self, tolerance: f64) -> bool {
-        let last = self.place.len() - 1;
-        let slope = self.phase[last] / self.place[last];
-        self.place.iter().zip(&self.phase).all(|(place, phase)| (phase - slope * place).abs() <= tolerance)
     }
 
     /// First rows after jumps, with size and standard deviation.

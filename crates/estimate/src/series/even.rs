@@ -1,8 +1,7 @@
 //! Whether times are even but for rows that were never written, and a series made even where they are not.
 
-use crate::cadence::{Cadence, rounding};
+use crate::cadence::{self, Cadence, rounding};
 use crate::resample::pchip;
-use crate::stats::median;
 
 /// What the last digit rounds, in its units: a half, and what a line through rounded times is off.
 const ROUNDED: f64 = 0.75;
@@ -33,18 +32,15 @@ pub struct Places {
 impl Places {
     /// Of times that rise, all there; None for others, and for fewer than two.
     pub fn of(time: &[f64]) -> Option<Self> {
-        let intervals: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        if intervals.is_empty() || !intervals.iter().all(|interval| *interval > 0.0 && interval.is_finite()) {
+        let rises = |pair: &[f64]| pair[1] > pair[0] && (pair[1] - pair[0]).is_finite();
+        if time.len() < 2 || !time.windows(2).all(rises) {
             return None;
         }
-        let usual_s = median(&intervals);
         let cadence = Cadence::of(time);
-        let fine_s = cadence.as_ref().map_or(usual_s, |cadence| cadence.step_s);
+        let only_s = time[1] - time[0];
+        let (fine_s, usual_s) = cadence.as_ref().map_or((only_s, only_s), |of| (of.step_s, of.usual_s));
         let digit_s = cadence.and_then(|cadence| cadence.digit_s).unwrap_or(0.0);
-        let mut places = vec![0];
-        for interval in &intervals {
-            places.push(places[places.len() - 1] + (interval / fine_s).round().max(1.0) as usize);
-        }
+        let places: Vec<usize> = cadence::places(time, fine_s).map(|place| place as usize).collect();
         let last = time.len() - 1;
         let scatter = |start_s: f64, step_s: f64| {
             let off = places.iter().zip(time).map(|(place, t)| (t - start_s - *place as f64 * step_s).abs());

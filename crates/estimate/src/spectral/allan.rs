@@ -1,5 +1,7 @@
 //! Overlapping Allan deviation of an evenly sampled series.
 
+use rayon::prelude::*;
+
 use crate::whittle::WhittleFit;
 use crate::{Error, stats};
 
@@ -47,20 +49,21 @@ pub struct AllanPoint {
 pub fn overlapping(
     samples: &[f64],
     step_s: f64,
-    exponent: impl Fn(f64) -> f64,
+    exponent: impl Fn(f64) -> f64 + Sync,
 ) -> Result<Vec<AllanPoint>, Error> {
     let longest = samples.len() / LEAST_AVERAGES;
     if longest == 0 {
         return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_AVERAGES });
     }
     let sums = sums(samples);
-    let lengths = std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|m| *m <= longest);
+    let lengths: Vec<usize> =
+        std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|m| *m <= longest).collect();
     let point = |m: usize| {
         let averaging_s = m as f64 * step_s;
         let freedom = freedom(sums.len(), m, exponent(averaging_s));
         AllanPoint { averaging_s, deviation: variance(&sums, m).sqrt(), freedom, pairs: sums.len() - 2 * m }
     };
-    Ok(lengths.map(point).collect())
+    Ok(lengths.into_par_iter().map(point).collect())
 }
 
 /// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is
