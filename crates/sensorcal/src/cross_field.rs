@@ -145,9 +145,8 @@ fn own_covariance(
         .iter()
         .map(|error| problem.taken_up(&fit.design, &fit.linear, error))
         .collect::<Result<Vec<Vec<f64>>, Error>>()?;
-    let entry = |i: usize, j: usize| {
-        fit.scatter[(i, j)] + shifts.iter().map(|shift| shift[i] * shift[j]).sum::<f64>()
-    };
+    let entry =
+        |i: usize, j: usize| fit.scatter(i, j) + shifts.iter().map(|shift| shift[i] * shift[j]).sum::<f64>();
     Ok(places.iter().map(|i| places.iter().map(|j| entry(*i, *j)).collect()).collect())
 }
 
@@ -171,7 +170,7 @@ fn squared(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Candidate {
 
 /// χ² of all the parameters together.
 fn significance(fit: &Fit, (first, count): (usize, usize), freedom: f64) -> TestResult {
-    let block = Mat::from_fn(count, count, |i, j| fit.scatter[(first + i, first + j)]);
+    let block = Mat::from_fn(count, count, |i, j| fit.scatter(first + i, first + j));
     let values = Mat::from_fn(count, 1, |i, _| fit.values[first + i]);
     let form = estimate::correlated::Whitening::of(std::slice::from_ref(&block))
         .map(|white| white.apply(values.as_ref()).squared_norm_l2())

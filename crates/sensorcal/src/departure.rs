@@ -182,7 +182,7 @@ impl<'f> Beside<'f> {
         if tried.freedom < 1.0 || tried.rank <= unknowns {
             return Ok(None);
         }
-        let (size, std) = (tried.coefficients[unknowns], tried.variance(unknowns).sqrt());
+        let (size, std) = (tried.coefficients[unknowns], tried.covariance(unknowns, unknowns).sqrt());
         let p_value = tried.mixture.p_value(&[unknowns])?;
         Ok(Some(Tried { size, std, p_value, gain: (size / std).powi(2) }))
     }

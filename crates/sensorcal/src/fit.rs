@@ -87,8 +87,8 @@ impl<'a, 'b> Problem<'a, 'b> {
 pub struct Fit {
     /// Values of the unknowns.
     pub values: Vec<f64>,
-    /// Covariance from scatter.
-    pub scatter: Mat<f64>,
+    /// A factor of the linear fit's covariance.
+    widened: f64,
     /// Covariance from what is known with an uncertainty, common to all readings.
     pub common: Mat<f64>,
     /// How the unknowns move with what is known with an uncertainty: parameters of the document.
@@ -108,9 +108,14 @@ impl Fit {
         self.by.iter().map(|(path, moved)| (path.clone(), of(moved))).collect()
     }
 
+    /// Covariance from scatter.
+    pub fn scatter(&self, i: usize, j: usize) -> f64 {
+        self.widened * self.linear.covariance(i, j)
+    }
+
     /// Standard uncertainty from scatter.
     pub fn type_a(&self, unknown: usize) -> f64 {
-        self.scatter[(unknown, unknown)].sqrt()
+        self.scatter(unknown, unknown).sqrt()
     }
 
     /// Standard uncertainty from what is common.
@@ -120,7 +125,7 @@ impl Fit {
 
     /// Covariance of both kinds.
     pub fn covariance(&self, i: usize, j: usize) -> f64 {
-        self.scatter[(i, j)] + self.common[(i, j)]
+        self.scatter(i, j) + self.common[(i, j)]
     }
 
     /// A value with its uncertainty.
@@ -130,8 +135,7 @@ impl Fit {
 
     /// Widens what comes from scatter by a factor of the variance.
     pub fn widen(&mut self, factor: f64) {
-        let unknowns = self.scatter.nrows();
-        self.scatter = Mat::from_fn(unknowns, unknowns, |i, j| factor * self.scatter[(i, j)]);
+        self.widened *= factor;
     }
 
     /// Σ of the squared whitened residuals, in units of the noise that was allowed for.
@@ -228,7 +232,7 @@ impl Problem<'_, '_> {
         }
         Ok(Fit {
             values: (0..unknowns).map(|unknown| self.value(state, unknown)).collect(),
-            scatter: linear.covariance(),
+            widened: 1.0,
             common,
             by,
             design: design.clone(),

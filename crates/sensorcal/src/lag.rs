@@ -230,10 +230,7 @@ impl Lagged<'_, '_> {
                 .filter(|(_, place)| place.is_some())
                 .map(|(path, _)| path.clone())
                 .collect(),
-            covariance: fitted
-                .iter()
-                .map(|a| fitted.iter().map(|b| fit.scatter[(*a, *b)]).collect())
-                .collect(),
+            covariance: fitted.iter().map(|a| fitted.iter().map(|b| fit.scatter(*a, *b)).collect()).collect(),
             by: fit.by(&fitted),
         };
         Conditions { effects: effects.collect(), covariance: covariance.collect(), paths, block: Some(block) }

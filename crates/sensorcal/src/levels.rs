@@ -241,7 +241,7 @@ pub fn three_point(levels: &[Level], fit: &Fit, part: Part) -> IndexMap<String, 
         let place = |i: usize| 2 * central[i] + which;
         let value: f64 = (0..central.len()).map(|i| weights[i] * fit.values[place(i)]).sum();
         let row = |i: usize| -> f64 {
-            (0..central.len()).map(|j| weights[i] * weights[j] * fit.scatter[(place(i), place(j))]).sum()
+            (0..central.len()).map(|j| weights[i] * weights[j] * fit.scatter(place(i), place(j))).sum()
         };
         let variance: f64 = (0..central.len()).map(row).sum();
         Quantity::new(unit * value, unit * variance.sqrt())

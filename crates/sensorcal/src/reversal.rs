@@ -235,7 +235,7 @@ pub fn one(
     let common = by_temperature.as_ref().map_or(0.0, |by| conditions.variance(by));
     let by_sensitivity_nt = offset * k_std / k;
     let variance = scatter_nt2 + by_sensitivity_nt.powi(2) + common;
-    let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.variance(i).sqrt());
+    let quantity = |i: usize| Quantity::new(fit.coefficients[i], fit.covariance(i, i).sqrt());
     let reversal = Reversal {
         recording: recording.id.clone(),
         offset_nt: Quantity::new(offset, variance.sqrt()),
@@ -272,7 +272,7 @@ fn scatter(
     let variance = plain.sum_of_squares / plain.freedom;
     let independent = plain.covariance[(0, 0)] * variance;
     let floor = if variance.sqrt() < 0.5 * code_nt { code_nt * code_nt / 24.0 } else { 0.0 };
-    let own = fit.variance(0);
+    let own = fit.covariance(0, 0);
     Ok(if series.shape.is_known() { own } else { own.max(independent) } + floor)
 }
 

@@ -110,8 +110,8 @@ pub fn fit(
     let wandering = Wandering::of(design, &y, &own, &time, &shared)?;
     let fit = &wandering.all;
     let of = |fit: &Mixture, i: usize| {
-        let (values, covariance) = (fit.coefficients(), fit.covariance());
-        Quantity::new(values[i], covariance[(i, i)].sqrt()).covered_by(fit.coverage_factor(i, 0.95))
+        Quantity::new(fit.coefficients()[i], fit.covariance(i, i).sqrt())
+            .covered_by(fit.coverage_factor(i, 0.95))
     };
     for (name, alone) in &wandering.alone {
         found.trend_by_noise_nt_per_year.insert((*name).to_string(), of(alone, 1));

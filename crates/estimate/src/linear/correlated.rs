@@ -146,20 +146,12 @@ pub struct CorrelatedFit {
     pub log_likelihood: f64,
 }
 
-/// Probability of the intervals that covariances are scaled to.
-const COVERED: f64 = 0.95;
-
 impl CorrelatedFit {
-    /// Covariance of the coefficients; of several models scaled so that a standard uncertainty times
-    /// Student's factor is the half-width of the interval that holds the coefficient with 95 % under all of
-    /// them together.
-    pub fn covariance(&self) -> Mat<f64> {
-        self.mixture.covered_covariance(COVERED)
-    }
-
-    /// One element of its diagonal.
-    pub fn variance(&self, coefficient: usize) -> f64 {
-        self.mixture.covered_variance(coefficient, COVERED)
+    /// An element of the covariance of the coefficients; of several models scaled so that a standard
+    /// uncertainty times Student's factor is the half-width of the interval that holds the coefficient with
+    /// 95 % under all of them together.
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.mixture.covered(i, j)
     }
 }
 
@@ -228,7 +220,7 @@ pub fn fit(
         Scale::Known => f64::INFINITY,
     };
     let mixture = Mixture::of(components, freedom);
-    let coefficients = mixture.coefficients();
+    let coefficients = mixture.coefficients().to_vec();
     let residuals: Vec<f64> = (0..y.len())
         .map(|i| y[i] - (0..unknowns).map(|j| design[(i, j)] * coefficients[j]).sum::<f64>())
         .collect();
@@ -283,13 +275,13 @@ mod tests {
         for k in 0..2 {
             assert!((one.coefficients[k] - plain.coefficients[k]).abs() < 1e-12);
             let variance = plain.covariance[(k, k)] * plain.sum_of_squares / plain.freedom;
-            assert!((one.covariance()[(k, k)] / variance - 1.0).abs() < 1e-12);
+            assert!((one.covariance(k, k) / variance - 1.0).abs() < 1e-12);
         }
         assert!((one.variance_factor - plain.sum_of_squares / plain.freedom / 4.0).abs() < 1e-12);
         // The same twice weighs alike and changes nothing.
         let two = fit(design.as_ref(), &y, &[white.clone(), white], Scale::Fitted).expect("a fit");
         assert!((two.mixture.weights()[0] - 0.5).abs() < 1e-12);
-        assert!((two.covariance()[(1, 1)] - one.covariance()[(1, 1)]).abs() < 1e-15);
+        assert!((two.covariance(1, 1) - one.covariance(1, 1)).abs() < 1e-15);
     }
 
     #[test]
@@ -319,7 +311,7 @@ mod tests {
         let both = Mat::from_fn(11, 11, |i, j| if i == j { 1.01 } else { 1.0 });
         let found = fit(design.as_ref(), &y, &[Whitening::of(&[both]).expect("a factor")], Scale::Fitted)
             .expect("a fit");
-        let unit = |k: usize| found.covariance()[(k, k)] / found.variance_factor;
+        let unit = |k: usize| found.covariance(k, k) / found.variance_factor;
         assert!((unit(0) - (1.0 + 0.01 / 11.0)).abs() < 1e-12);
         assert!((unit(1) - 0.01 / 110.0).abs() < 1e-12);
     }

@@ -3,9 +3,12 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
+use std::sync::OnceLock;
 
 use crate::{Error, stats};
 
+/// Probability of the intervals that covariances are scaled to.
+const COVERED: f64 = 0.95;
 /// Components with less weight than this change no digit that is printed.
 const NEGLIGIBLE: f64 = 1e-12;
 /// Steps to a half-width at most, and its relative accuracy.
@@ -36,6 +39,9 @@ pub struct Mixture {
     components: Vec<Component>,
     weights: Vec<f64>,
     freedom: f64,
+    mean: Vec<f64>,
+    /// Of each coefficient, once it is asked for: the interval over that of Student's factor alone.
+    wider: Vec<OnceLock<f64>>,
 }
 
 impl Mixture {
@@ -47,7 +53,12 @@ impl Mixture {
         // Of one model the weight is one, whatever its likelihood.
         let weights =
             if relative.len() == 1 { vec![1.0] } else { relative.iter().map(|r| r / sum).collect() };
-        Self { components, weights, freedom }
+        let unknowns = components.first().map_or(0, |one| one.coefficients.len());
+        let mut mixture = Self { components, weights, freedom, mean: Vec::new(), wider: Vec::new() };
+        let of = |at: usize| mixture.weighty().map(|(one, weight)| weight * one.coefficients[at]).sum();
+        mixture.mean = (0..unknowns).map(of).collect();
+        mixture.wider = vec![OnceLock::new(); unknowns];
+        mixture
     }
 
     /// Probability of each model.
@@ -56,47 +67,31 @@ impl Mixture {
     }
 
     /// Σ w_m β_m.
-    pub fn coefficients(&self) -> Vec<f64> {
-        let unknowns = self.components.first().map_or(0, |one| one.coefficients.len());
-        (0..unknowns).map(|i| self.mean(i)).collect()
+    pub fn coefficients(&self) -> &[f64] {
+        &self.mean
     }
 
-    /// Σ w_m (C_m + (β_m − β)(β_m − β)ᵀ).
-    pub fn covariance(&self) -> Mat<f64> {
-        let mean = self.coefficients();
-        let mut covariance = Mat::zeros(mean.len(), mean.len());
-        for (one, weight) in self.weighty() {
-            let away = |i: usize| one.coefficients[i] - mean[i];
-            for i in 0..mean.len() {
-                for j in 0..mean.len() {
-                    covariance[(i, j)] += weight * (one.covariance[(i, j)] + away(i) * away(j));
-                }
-            }
-        }
-        covariance
+    /// An element of Σ w_m (C_m + (β_m − β)(β_m − β)ᵀ).
+    pub fn covariance(&self, i: usize, j: usize) -> f64 {
+        let away = |one: &Component, at: usize| one.coefficients[at] - self.mean[at];
+        let of = |(one, weight): (&Component, f64)| {
+            weight * (one.covariance[(i, j)] + away(one, i) * away(one, j))
+        };
+        self.weighty().map(of).sum()
     }
 
-    /// The same, scaled so that every standard deviation times Student's factor is the half-width of the
-    /// interval that holds its coefficient with `probability`.
-    pub fn covered_covariance(&self, probability: f64) -> Mat<f64> {
-        let covariance = self.covariance();
-        let unknowns = covariance.nrows();
-        let wider: Vec<f64> = (0..unknowns).map(|i| self.wider(i, probability)).collect();
-        Mat::from_fn(unknowns, unknowns, |i, j| wider[i] * wider[j] * covariance[(i, j)])
-    }
-
-    /// One element of its diagonal.
-    pub fn covered_variance(&self, coefficient: usize, probability: f64) -> f64 {
-        self.parts(coefficient).map(|part| part.variance()).sum::<f64>()
-            * self.wider(coefficient, probability).powi(2)
-    }
-
-    fn wider(&self, coefficient: usize, probability: f64) -> f64 {
-        self.coverage_factor(coefficient, probability) / stats::coverage_factor(probability, self.freedom)
+    /// The same, scaled so that every standard deviation times Student's factor is the
+    /// half-width of the interval that holds its coefficient with 95 %.
+    pub fn covered(&self, i: usize, j: usize) -> f64 {
+        let [wider, other] = [i, j].map(|at| {
+            let factor = || self.coverage_factor(at, COVERED) / stats::coverage_factor(COVERED, self.freedom);
+            self.wider[at].get_or_init(factor)
+        });
+        wider * other * self.covariance(i, j)
     }
 
     fn parts(&self, coefficient: usize) -> impl Iterator<Item = Part> {
-        let mean = self.mean(coefficient);
+        let mean = self.mean[coefficient];
         self.weighty().map(move |(one, weight)| Part {
             weight,
             away: one.coefficients[coefficient] - mean,
@@ -156,10 +151,6 @@ impl Mixture {
             Ok(weight * stats::f_p(form / count as f64, count as f64, self.freedom))
         };
         self.weighty().map(of).sum()
-    }
-
-    fn mean(&self, coefficient: usize) -> f64 {
-        self.weighty().map(|(one, weight)| weight * one.coefficients[coefficient]).sum()
     }
 
     fn weighty(&self) -> impl Iterator<Item = (&Component, f64)> {
@@ -233,7 +224,7 @@ mod tests {
         // The same twice changes nothing.
         let twice = Mixture::of(vec![component(0.3, 2.0, 0.5), component(0.1, 2.0, 0.5)], 10.0);
         assert!((twice.coverage_factor(0, 0.95) - 2.228_138_85).abs() < 1e-6);
-        assert!((twice.covariance()[(0, 0)] - 0.25).abs() < 1e-12);
+        assert!((twice.covariance(0, 0) - 0.25).abs() < 1e-12);
     }
 
     #[test]
@@ -243,9 +234,8 @@ mod tests {
         let half = two.coverage_factor(0, 0.95) * 5f64.sqrt();
         let outside =
             0.5 * (stats::two_sided_p(half, f64::INFINITY) + stats::two_sided_p(half / 3.0, f64::INFINITY));
-        assert!((outside - 0.05).abs() < 1e-9 && (two.covariance()[(0, 0)] - 5.0).abs() < 1e-12);
-        let covered =
-            two.covered_covariance(0.95)[(0, 0)].sqrt() * stats::coverage_factor(0.95, f64::INFINITY);
+        assert!((outside - 0.05).abs() < 1e-9 && (two.covariance(0, 0) - 5.0).abs() < 1e-12);
+        let covered = two.covered(0, 0).sqrt() * stats::coverage_factor(0.95, f64::INFINITY);
         assert!((covered - half).abs() < 1e-9);
         // Two values far apart: the interval holds both, and 95 % of all reach into the outer tails of each.
         let apart = Mixture::of(vec![component(0.5, -10.0, 1.0), component(0.5, 10.0, 1.0)], f64::INFINITY);
