@@ -58,8 +58,16 @@ pub fn file_name(id: &str) -> String {
 ///
 /// # Errors
 ///
-/// What cannot be written.
+/// What cannot be written; two tables of one name.
 pub fn write(output: Option<&Path>, text: &str, tables: &[Table]) -> Result<(), Error> {
+    let twice =
+        tables.iter().enumerate().find(|(at, one)| tables[..*at].iter().any(|other| other.path == one.path));
+    if let Some((_, table)) = twice {
+        return Err(Error::Request(format!(
+            "the readings of two recordings would go to {}; expected ids that differ in letters, digits, \"-\", \"_\" or \".\"",
+            table.path
+        )));
+    }
     let output = named(output);
     let mut sink = Sink::open(output)?;
     if output.is_some() {
@@ -148,6 +156,14 @@ mod tests {
         assert!(read_in.recordings[0].at_hand("recordings[0]").is_ok());
         put_back(&mut read_in);
         assert_eq!(read_in, before);
+    }
+
+    #[test]
+    fn two_tables_of_one_name_are_refused() {
+        let one = Table { path: "a-b.parquet".into(), columns: Vec::new() };
+        let tables = [one, Table { path: "a-b.parquet".into(), columns: Vec::new() }];
+        let message = write(None, "{}", &tables).expect_err("refused").to_string();
+        assert!(message.contains("the readings of two recordings would go to a-b.parquet"), "{message}");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use common::number::counted;
 use common::{Document, Error, HistoryEntry, Recording};
+use program::beside::{self, INLINE_ROWS, Table};
 use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::{apart, manual, progress};
 use rayon::prelude::*;
@@ -63,6 +64,9 @@ struct CampaignArgs {
     /// Write the sequence of settings as CSV instead of the document
     #[arg(long)]
     run_sheet: bool,
+    /// Write recordings of more than 10 000 rows beside the document, as Parquet
+    #[arg(long, conflicts_with = "run_sheet")]
+    beside: bool,
 }
 
 #[derive(Args)]
@@ -135,7 +139,7 @@ fn main() -> ExitCode {
 }
 
 fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
-    let CampaignArgs { io, seed, truth, run_sheet } = args;
+    let CampaignArgs { io, seed, truth, run_sheet, beside } = args;
     separate(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
@@ -152,13 +156,15 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
     let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
     document.history.push(history(arguments, input.sha256()));
+    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
+    let long = document.recordings.iter_mut().filter(|one| *beside && one.rows() > INLINE_ROWS);
+    let tables: Vec<Table> = long.map(|one| Table::of(one, beside::file_name(&one.id))).collect();
     // What is refused is refused before a file is written.
     let (text, truth_text) = (document.to_text()?, what_is_true.to_text()?);
     if let Some(path) = truth {
         pipe::write(Some(path), &truth_text)?;
     }
-    pipe::write(io.output.as_deref(), &text)?;
-    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
+    beside::write(io.output.as_deref(), &text, &tables)?;
     let recordings = counted(document.recordings.len(), "recording");
     say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));
     Ok(())

@@ -51,6 +51,34 @@ fn recordings(document: &Value) -> Vec<Value> {
 }
 
 #[test]
+fn long_recordings_go_beside_the_document() {
+    let plan = json!({
+        "fluxcal": 1,
+        "instrument": {"noise": {"white_rms_nt": 0.01}},
+        "procedures": [
+            {"procedure": "sensor_noise", "id": "shield", "series": [
+                {"length_s": 120.0, "step_s": 0.01},
+                {"length_s": 100.0, "step_s": 1.0}
+            ]}
+        ]
+    });
+    let whole = document(&plan);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("campaign.json");
+    let path = file.to_str().expect("UTF-8");
+    let run = testkit::run(SIMULATE, &["campaign", "--beside", "-o", path], &plan.to_string());
+    assert!(run.code == 0 && run.stderr.contains("12100 rows"), "{}", run.stderr);
+    let text = std::fs::read_to_string(&file).expect("a document");
+    let mut beside = common::Document::parse(&text).expect("a document");
+    assert_eq!(beside.recordings[0].table.as_deref(), Some("shield-1.parquet"));
+    assert_eq!((beside.recordings[0].rows(), beside.recordings[1].rows()), (0, 100));
+    program::beside::read(&mut beside, folder.path(), &["sensor_noise"]).expect("the table");
+    let of = |recording: &common::Recording| recording.column("sensor_x_nt").expect("readings").to_vec();
+    let whole = common::Document::parse(&whole.to_string()).expect("a document");
+    assert!(of(&beside.recordings[0]) == of(&whole.recordings[0]), "the same readings to the last digit");
+}
+
+#[test]
 fn the_truth_goes_to_its_own_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("truth.json");
