@@ -1,38 +1,19 @@
-//! Which recordings reach a target in the least time, and which orientations of the block determine the
-//! directions best (`axescal design`).
+//! Sets of orientations, ranked by the worst direction they leave.
 //!
-//! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives
-//! of the fit, `least` the search, `limits` what limits it, `basis` the plan before and after, `report` the
-//! answer. With `--number` sets of orientations are ranked alone: for nominal axes (μ = η = 1), each coil
-//! driven once in each orientation and every sensor read, the information of an orientation on the 12
-//! off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the derivatives by a turn of the block, which the
-//! theodolites leave uncertain by s. Informations add; the score of a set is the largest standard deviation
-//! in the inverse of its sum (NASA eq. 62).
-
-mod basis;
-mod command;
-mod given;
-mod information;
-mod least;
-mod limits;
-mod radius;
-mod report;
-mod search;
-
-pub use basis::{given, ordinary, proof};
-pub use command::{Arguments, main};
-pub use given::{Given, Setting, Times};
-pub use report::{Cost, Hours, Plan, Predicted, Recorded, Request, plan};
+//! For nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
+//! information of an orientation on the 12 off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the
+//! derivatives by a turn of the block, which the theodolites leave uncertain by s. Informations add; the score
+//! of a set is the largest standard deviation in the inverse of its sum (NASA eq. 62).
 
 use common::Matrix3x3;
 use common::number::counted;
-use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
+use nalgebra::{DMatrix, Matrix3, Vector3};
 use physics::frames::{self, ARCSEC};
 use serde::{Deserialize, Serialize};
 
+use super::information::{Pieces, Readings, TURNS};
+use super::search::{Field, Information, Scored};
 use crate::Error;
-use information::{Pieces, Readings, TURNS};
-use search::{Field, Scored};
 
 /// Errors of one reading and of one orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,8 +66,6 @@ pub struct Row {
     /// `exhaustive` or `exchange`.
     pub search: String,
 }
-
-type Information = SMatrix<f64, TURNS, TURNS>;
 
 /// The best `number` of the candidates, and the table up to `table_to`.
 pub fn design(

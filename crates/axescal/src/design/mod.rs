@@ -1,0 +1,23 @@
+//! Which recordings reach a target in the least time, and which orientations of the block determine the
+//! directions best (`axescal design`).
+//!
+//! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives
+//! of the fit, `least` the search, `limits` what limits it, `basis` the plan before and after, `report` the
+//! answer. With `--number` sets of orientations are ranked alone: `ranking`, by the `search` among them.
+
+mod basis;
+mod command;
+mod given;
+mod information;
+mod least;
+mod limits;
+mod radius;
+mod ranking;
+mod report;
+mod search;
+
+pub use basis::{given, ordinary, proof};
+pub use command::{Arguments, main};
+pub use given::{Given, Setting, Times};
+pub use ranking::{Design, ErrorModel, OneMore, Row, design, worst_arcsec};
+pub use report::{Cost, Hours, Plan, Predicted, Recorded, Request, plan};
