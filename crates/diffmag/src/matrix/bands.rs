@@ -1,9 +1,7 @@
 //! The matrix as a transfer function, T = R Z(f): whether it is real and the same at all periods.
 
 mod transfer;
-mod words;
-
-pub use words::findings;
+pub mod words;
 
 use std::ops::Range;
 

@@ -23,7 +23,7 @@ pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, E
     found.findings.extend(found.quiet_disturbed.iter().flat_map(windows::quiet_findings));
     let in_bands = bands::bands(pair, fits, &noise);
     found.bands = told(in_bands, "whether the matrix is the same at all periods", &mut found.findings)?;
-    found.findings.extend(found.bands.iter().flat_map(bands::findings));
+    found.findings.extend(found.bands.iter().flat_map(bands::words::findings));
     Ok(Some(found))
 }
 

@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::check;
 use super::fit::FittedNoise;
+use super::grid::Grid;
 use super::noise::Problem;
 use super::octaves::{COLUMNS, Differences, Octave, OctaveFit, UNKNOWNS};
+use super::partial::Partial;
 use super::pyramid::Pyramid;
 use super::slow::Slow;
-use super::{Grid, Partial};
 use crate::Error;
 
 /// Fewer samples than these do not tell noise from drift.

@@ -1,8 +1,9 @@
 use common::IteratedDrift;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
+use super::columns::Columns;
+use super::joint::Joint;
 use super::moments::Moments;
-use super::{Columns, Joint};
 use crate::Error;
 use estimate::dot;
 use estimate::line_search;
