@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-use super::{Fault, Rule};
+use super::fault::{Fault, Rule};
 use crate::Error;
 use crate::commands::Writes;
 use crate::mutate::json::UNKNOWN;

@@ -1,19 +1,7 @@
-//! Plots: what is drawn ([`Plot`]), and how it becomes SVG.
+//! What is drawn.
 
 use crate::number;
 use crate::table::{Cell, Header, Table};
-
-mod csv;
-mod ellipse;
-mod scale;
-mod svg;
-mod thin;
-mod ticks;
-
-pub use csv::csv;
-pub use ellipse::ellipse;
-pub use svg::{STYLES, svg, swatch};
-pub use thin::thinned;
 
 /// A plot.
 #[derive(Clone, Debug, Default)]

@@ -4,8 +4,9 @@ use common::{Axis, Document, Error as Fault, Noise};
 use physics::Basic;
 use std::collections::BTreeMap;
 
+use super::memory;
+use super::partial::Partial;
 use super::windows::Window;
-use super::{Partial, memory};
 use crate::design::{Rows, Scales};
 use crate::ends::{self, At};
 use crate::factor::Factor;
