@@ -16,7 +16,6 @@ mod checks;
 pub mod design;
 mod directions;
 mod drive;
-mod error;
 mod freedom;
 mod joint;
 mod means;
@@ -37,7 +36,7 @@ mod start;
 mod unknowns;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use model::AxesProblem;
 pub use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup, Together};
 pub use observe::observe;
@@ -50,7 +49,17 @@ use common::{AxesCalibration, Document};
 
 /// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
 /// `calibration.axes.subset`; everything else stays as it was.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+    directed(document, options).map_err(|error| {
+        error.of_fit(|why| {
+            format!(
+                "the fit of the directions failed: {why}. Readings may be paired with the wrong orientations, or the start may be far off: try --robust, or --start=document with a first model"
+            )
+        })
+    })
+}
+
+fn directed(mut document: Document, options: &Options) -> Result<Document, Error> {
     let modelled::Solved { observations, solution, split } = modelled::solve_without(&document, options)?;
     let mut found = result::describe(&document, &observations, &solution, options)?;
     let axes = &mut document.calibration.get_or_insert_default().axes;

@@ -84,7 +84,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let plain = first_fit(&problem, start)?;
     let unseen = rank::unseen_turns(problem.meaning(), &plain.svd);
     if !unseen.is_empty() {
-        return Err(Error::RankShort(rank::explain(&problem, &freedom, &plain.state, &unseen)));
+        return Err(Error::Unanswerable(rank::explain(&problem, &freedom, &plain.state, &unseen)));
     }
     let known_scale = observations.noise != NoiseSource::Residuals;
     let doubtful = readings::doubtful(&problem, &plain, known_scale)?;
@@ -114,7 +114,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let mut noise = NoiseFactors::ONE;
     if !scattering.is_empty() {
         if estimate.spread.degrees_of_freedom < 0.5 {
-            return Err(Error::RankShort(format!(
+            return Err(Error::Unanswerable(format!(
                 "{} {} no degrees of freedom to estimate the noise; declare it in instrument.noise, or record more orientations",
                 counted(problem.readings(), "reading"),
                 plural(problem.readings(), "leaves", "leave")
@@ -251,7 +251,7 @@ fn rejected(
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
         let readings = &observations.readings;
         let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
-        return Err(Error::RankShort(format!(
+        return Err(Error::Unanswerable(format!(
             "{} of {} {} to another model than the rest. {}",
             out.len(),
             counted(weights.len(), "reading"),
@@ -336,7 +336,7 @@ fn check_certainty(
     let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
     let noise_nt = mean_std_nt(problem);
     if worst / noise_nt * GOOD_NOISE * drive <= LARGEST_STD {
-        return Err(Error::RankShort(misfit(observations, residuals_nt, noise_nt, drive)));
+        return Err(Error::Unanswerable(misfit(observations, residuals_nt, noise_nt, drive)));
     }
     // The weakest combination: a few rounds of the power method on the covariance of the turns.
     let mut weakest = vec![0.0; problem.unknowns()];
@@ -350,7 +350,7 @@ fn check_certainty(
         weakest = product.into_iter().map(|x| x / norm).collect();
     }
     let explained = rank::explain(problem, freedom, state, &[weakest]);
-    Err(Error::RankShort(format!(
+    Err(Error::Unanswerable(format!(
         "{explained} (formally the rank is full, but a direction would be uncertain by {}°)",
         significant(worst.to_degrees().min(90.0), 2)
     )))

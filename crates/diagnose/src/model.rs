@@ -27,7 +27,7 @@ impl<'a> Model<'a> {
         let settings = settings(&observed);
         let (unknowns, priors) = possible(document, &observed, &settings).into_iter().unzip();
         let mut model = Self { observed, unknowns, priors, centres: Vec::new(), settings };
-        let effects = physics::adopt(document).map_err(|error| Error::Document(error.at("model")))?;
+        let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
         let mut state = State {
             base: vec![0.0; model.unknowns.len()],
             effects: Vec::new(),

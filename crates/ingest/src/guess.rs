@@ -9,7 +9,7 @@ mod temperatures;
 mod time;
 
 use common::number::counted;
-use common::{Error as Fault, to_text};
+use common::to_text;
 use serde_json::json;
 use std::path::Path;
 
@@ -110,12 +110,12 @@ pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>)
     if guess.doubts.is_empty() {
         return Ok((guess.mapping, guess.notes));
     }
-    Err(Error::Document(Fault::Request(format!(
+    Err(Error::Request(format!(
         "{}: the file leaves open: {}. Write a mapping with\n  ingest guess {} > map.json\n\
          look at it, edit it, then\n  ingest --map map.json {}",
         source.shown,
         guess.doubts.join("; "),
         source.shown,
         source.shown
-    ))))
+    )))
 }

@@ -82,7 +82,7 @@ pub fn design(
     let sizes: Vec<(usize, Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
     let best = sizes.iter().find(|(size, ..)| *size == number).map(|(_, best, _)| best.clone());
     let best = best.filter(|best| best.worst.is_finite()).ok_or_else(|| {
-        Error::RankShort(format!(
+        Error::Unanswerable(format!(
             "no {number} of the {} candidate orientations determine the directions; {}",
             candidates.len(),
             if number < 3 {
@@ -126,28 +126,28 @@ pub fn worst_arcsec(orientations: &[Matrix3<f64>], error_model: &ErrorModel) -> 
     Field { information: all }.score((0..orientations.len()).collect()).worst
 }
 
-fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<(), common::Error> {
+fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<(), Error> {
     let errors = [model.noise_nt, model.quantisation_nt, model.theodolite_arcsec];
     if !(model.drive_nt.is_finite() && model.drive_nt > 0.0)
         || errors.iter().any(|e| !e.is_finite() || *e < 0.0)
     {
-        return Err(common::Error::Request(
+        return Err(Error::Request(
             "the drive must be a positive number and no error negative or infinite".into(),
         ));
     }
     if model.noise_nt + model.quantisation_nt < 1e-9 * model.drive_nt {
-        return Err(common::Error::Request(
+        return Err(Error::Request(
             "without noise or quantisation all sets are equally exact; give --noise-nt".into(),
         ));
     }
     if candidates.len() < 3 {
-        return Err(common::Error::Request(format!(
+        return Err(Error::Request(format!(
             "{}; at least 3 are needed",
             counted(candidates.len(), "candidate orientation")
         )));
     }
     if number > candidates.len() || number < 2 {
-        return Err(common::Error::Request(format!(
+        return Err(Error::Request(format!(
             "{} of {}; choose at least 3 and at most {}",
             counted(number, "orientation"),
             counted(candidates.len(), "candidate"),

@@ -35,7 +35,7 @@ impl<'a> Model<'a> {
             })
             .collect();
         let wanted: Vec<Parameter> = mapped.iter().flatten().copied().collect();
-        let failed = |error: physics::Error| Error::Document(error.at(&self.observed.runs[run].path));
+        let failed = |error: physics::Error| error.at(&self.observed.runs[run].path);
         let (prediction, found) =
             physics::predict_with_jacobian(&basic, &effects, &context, &wanted).map_err(failed)?;
         let mut found = found.into_iter();

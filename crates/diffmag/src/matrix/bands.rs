@@ -60,7 +60,7 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
             let (of, step_s) = &spectra[band.spectra];
             let found = transfer(of, band.ordinates.clone(), j, eta, &density, band.effective, *step_s);
             column.push(found.ok_or_else(|| {
-                Error::Undetermined("the field does not vary in three directions in a band of periods".into())
+                Error::Unanswerable("the field does not vary in three directions in a band of periods".into())
             })?);
         }
     }

@@ -31,8 +31,7 @@ pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, E
 fn told<T>(found: Result<T, Error>, name: &str, findings: &mut Vec<String>) -> Result<Option<T>, Error> {
     let why = match found {
         Ok(found) => return Ok(Some(found)),
-        Err(Error::Estimate(why)) => why.to_string(),
-        Err(Error::Undetermined(why)) => why,
+        Err(Error::Fit(why) | Error::Unanswerable(why)) => why,
         Err(other) => return Err(other),
     };
     findings.push(format!("{name} cannot be determined: {why}"));

@@ -28,9 +28,9 @@ impl Schemas {
             let path = folder.join(format!("{name}.schema.json"));
             let text = fs::read(&path).map_err(|e| Error::file(&path, "read", e))?;
             let schema: Value = serde_json::from_slice(&text)
-                .map_err(|e| Error::request(format!("{}: no JSON ({e})", path.display())))?;
+                .map_err(|e| Error::Request(format!("{}: no JSON ({e})", path.display())))?;
             jsonschema::validator_for(&schema)
-                .map_err(|e| Error::request(format!("{}: no schema ({e})", path.display())))
+                .map_err(|e| Error::Request(format!("{}: no schema ({e})", path.display())))
         };
         Ok(Self { document: of("document")?, mapping: of("mapping")?, truth: of("truth")? })
     }

@@ -173,7 +173,7 @@ fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let small = nalgebra::Matrix3::from_fn(|i, k| matrix[(i, k)]);
     let inverse = small
         .try_inverse()
-        .ok_or_else(|| Error::Undetermined("the field does not vary in three directions there".into()))?;
+        .ok_or_else(|| Error::Unanswerable("the field does not vary in three directions there".into()))?;
     Ok(Mat::from_fn(3, 3, |i, k| inverse[(i, k)]))
 }
 
