@@ -99,20 +99,17 @@ pub(crate) fn run(
 ) -> Result<AcRun, Error> {
     let path = format!("recordings[{recording}]");
     if !(hz.is_finite() && hz > 0.0) {
-        return Err(common::Error::document(
+        return Err(Error::document(
             format!("{path}.conditions.drive_hz"),
             hz.to_string(),
             "the frequency of the drive, a positive number",
-        )
-        .into());
+        ));
     }
-    let time = context
-        .times("an AC drive")
-        .map_err(|source| Error::Physics { path: format!("{path}.columns"), source })?;
+    let time = context.times("an AC drive").map_err(|error| error.at(&format!("{path}.columns")))?;
     let cycles = hz * (time.last().copied().unwrap_or(0.0) - time.first().copied().unwrap_or(0.0));
     let each_cycle = time.len() as f64 / cycles;
     if cycles.is_nan() || cycles < LEAST_CYCLES || each_cycle <= 2.0 {
-        return Err(common::Error::document(
+        return Err(Error::document(
             format!("{path}.columns.time_s"),
             format!(
                 "{} cycles of {hz} Hz with {} samples in each",
@@ -120,15 +117,14 @@ pub(crate) fn run(
                 significant(each_cycle, 3)
             ),
             "at least one cycle, sampled more than twice in each",
-        )
-        .into());
+        ));
     }
     let undetermined = |column: &str, error: estimate::Error| {
-        Error::from(common::Error::document(
+        Error::document(
             format!("{path}.columns.{column}"),
             format!("readings that do not determine a sine of {hz} Hz ({error})"),
             "a large part of a cycle or more, sampled more than twice a cycle",
-        ))
+        )
     };
     let fit = |values: &[f64], column: &str, quantiser: Option<Quantiser>| {
         fits.sine(recording, column, || {
@@ -172,7 +168,7 @@ pub(crate) fn run(
 }
 
 fn hidden(recording: &str, sensor: Axis) -> Error {
-    Error::RankShort(format!(
+    Error::Unanswerable(format!(
         "recording \"{recording}\": the readings of sensor {sensor} stay within one quantisation step of the converter, which hides smaller fields; drive the other coils slightly as well (a dither of a few steps)"
     ))
 }
@@ -262,7 +258,7 @@ fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Resu
         let size = normal.norm();
         let quadrature = drive.iter().map(|coil| coil.im.abs()).fold(0.0, f64::max);
         if normal.determinant().norm() < 1e-9 * size.powi(3) && quadrature > OUT_OF_PHASE * size.sqrt() {
-            return Err(Error::RankShort(format!(
+            return Err(Error::Unanswerable(format!(
                 "coils out of phase in fewer than three independent runs of an orientation: the phase of sensor {sensor} cannot be separated from the coils'. Drive the coils in phase, or each in turn as the main one (\"{hz} Hz\")"
             )));
         }

@@ -91,6 +91,9 @@ impl Places {
     }
 }
 
+/// Those of the sensors, μ, and of the coils, η.
+pub(crate) type Directions = (Matrix3<f64>, Matrix3<f64>);
+
 /// The model's effects that act in a recording for axescal.
 pub(crate) fn effects(document: &Document) -> Result<Vec<EffectInstance>, Error> {
     let all = physics::adopt(document).map_err(|error| error.at("model"))?;
@@ -107,7 +110,7 @@ pub(crate) fn added(
     document: &Document,
     effects: &[EffectInstance],
     places: &Places,
-    directions: Option<(Matrix3<f64>, Matrix3<f64>)>,
+    directions: Option<Directions>,
 ) -> Result<Added, Error> {
     let references = References::of(document);
     let mut all = Added { recordings: vec![Vec::new(); document.recordings.len()], left_out: Vec::new() };

@@ -21,48 +21,44 @@ pub(crate) fn columns(recording: &Recording, path: &str, sensors: &[Axis]) -> Re
         recording.axis_column("coil", *axis, "a").or(recording.axis_column("coil", *axis, "v")).is_some()
     });
     let present: Vec<&str> = recording.columns.keys().map(String::as_str).collect();
-    let missing = |what: String| common::Error::document(format!("{path}.columns"), present.join(", "), what);
+    let missing = |what: String| Error::document(format!("{path}.columns"), present.join(", "), what);
     if !drives {
         return Err(missing(
             "the drive of the coils, coil_x_a, coil_y_a, coil_z_a (or in V over the resistors)".into(),
-        )
-        .into());
+        ));
     }
     for axis in Axis::ALL {
         if ["a", "v"].iter().all(|unit| recording.axis_column("coil", axis, unit).is_some()) {
-            return Err(missing(format!("coil_{axis}_a or coil_{axis}_v, not both")).into());
+            return Err(missing(format!("coil_{axis}_a or coil_{axis}_v, not both")));
         }
     }
     for (axis, unit) in Axis::ALL.into_iter().flat_map(|axis| [(axis, "a"), (axis, "v")]) {
         let Some(column) = recording.axis_column("coil", axis, unit) else { continue };
         if !column.is_empty() && column.iter().all(|drive| drive.is_nan()) {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("{path}.columns.coil_{axis}_{unit}"),
                 "a drive that is null in every row",
                 "at least one row with a drive; write 0 where the coil was off, or remove the recording",
-            )
-            .into());
+            ));
         }
     }
     let in_unit =
         |unit: &str| Axis::ALL.iter().any(|axis| recording.axis_column("sensor", *axis, unit).is_some());
     if in_unit("v") && in_unit("nt") {
-        return Err(missing("the sensors of a recording all in V, or all in nT".into()).into());
+        return Err(missing("the sensors of a recording all in V, or all in nT".into()));
     }
     for &sensor in sensors {
         let Some((name, column)) = sensor_column(recording, sensor) else {
             return Err(missing(format!(
                 "also sensor_{sensor}_v (or sensor_{sensor}_nt), the readings of sensor {sensor}; where the instrument has no such sensor, list those it has in instrument.sensors"
-            ))
-            .into());
+            )));
         };
         if column.iter().all(|reading| reading.is_nan()) {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("{path}.columns.{name}"),
                 format!("{}, all of them null", counted(column.len(), "reading")),
                 "at least one reading; remove the recording, or the sensor from instrument.sensors",
-            )
-            .into());
+            ));
         }
     }
     Ok(())
@@ -82,15 +78,14 @@ pub(crate) fn constants(
         let coil = calibration.and_then(|calibration| calibration.coil(axis));
         let known = coil.and_then(|coil| coil.constant_nt_per_a.as_ref()).map(common::Quantity::value);
         if driven && known.is_none_or(|constant| constant == 0.0) {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("calibration.coils.{axis}.constant_nt_per_a"),
                 format!(
                     "{}, though {path} drives coil {axis}",
                     if known.is_some() { "zero" } else { "nothing" }
                 ),
                 "the coil constant in nT/A; run coilcal first, or write it there",
-            )
-            .into());
+            ));
         }
     }
     for &sensor in &all.sensors {
@@ -102,12 +97,11 @@ pub(crate) fn constants(
         let nominal =
             document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
         let Some(nominal) = nominal else {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("calibration.sensors.{sensor}.sensitivity_nt_per_v"),
                 format!("nothing, though recording \"{}\" reads sensor {sensor} in V", recording.id),
                 "the sensitivity in nT/V; run sensorcal first, or write it there",
-            )
-            .into());
+            ));
         };
         let said = format!(
             "sensor {sensor} is not calibrated; its nominal sensitivity of {nominal} nT/V was taken as exact"
@@ -137,7 +131,7 @@ pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> R
             let units = [(1e-9, "T"), (1e-6, "mT"), (1e-5, "G"), (1e-3, "µT"), (1e-2, "mG")];
             let guess = units.iter().find(|(factor, _)| (ratio / factor).ln().abs() < 0.7);
             let guess = guess.map_or_else(String::new, |(_, unit)| format!("; they look like {unit}"));
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("recordings[{index}].columns.{name}"),
                 format!(
                     "readings of at most {} nT where the coils produce {} nT, a scale of {}",
@@ -149,8 +143,7 @@ pub(crate) fn scale(recordings: &[(usize, &Recording)], all: &Observations) -> R
                     "readings in {} and constants in nT, a scale near 1{guess}. Convert the column, or correct the sensitivity or the coil constants",
                     if name.ends_with("_v") { "V" } else { "nT" }
                 ),
-            )
-            .into());
+            ));
         }
     }
     Ok(())

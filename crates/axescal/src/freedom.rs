@@ -105,31 +105,28 @@ fn check_known(
                 .any(|id| observations.orientations.iter().any(|group| group.recordings.contains(id)))
     };
     if axes.is_some_and(own) {
-        return Err(common::Error::document(
+        return Err(Error::document(
             "calibration.axes.coils",
             "directions that axescal found from these same recordings",
             "known coils from another source, in calibration.axes.known_coils; otherwise the readings count twice",
-        )
-        .into());
+        ));
     }
     let order: Vec<String> = (0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect();
     if given.covariance.is_some() && given.covariance_order.as_ref().is_some_and(|given| *given != order) {
-        return Err(common::Error::document(
+        return Err(Error::document(
             "calibration.axes.coils.covariance_order",
             "another order",
             format!("column by column, {}", order.join(", ")),
-        )
-        .into());
+        ));
     }
     let negative =
         |axis: Axis| given.std_arcsec.as_ref().and_then(|std| std.get(axis)).is_some_and(|std| std < 0.0);
     if Axis::ALL.into_iter().any(negative) {
-        return Err(common::Error::document(
+        return Err(Error::document(
             "calibration.axes.coils.std_arcsec",
             "a negative number",
             "a standard uncertainty, which is not negative",
-        )
-        .into());
+        ));
     }
     Ok(())
 }
@@ -168,12 +165,11 @@ fn known_coils(
             }
         }
         Some(_) => {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 "calibration.axes.coils.covariance",
                 "a matrix that is not 9x9",
                 "9x9, over the elements of `matrix` column by column, as covariance_order says",
-            )
-            .into());
+            ));
         }
         None => {
             for (n, &axis) in coils.iter().enumerate() {
@@ -187,7 +183,7 @@ fn known_coils(
         return Ok(Some(KnownCoils { directions, whitening: None }));
     }
     let inverse_root = covariance.clone().cholesky().and_then(|root| root.l().try_inverse()).ok_or_else(|| {
-        common::Error::document(
+        Error::document(
             "calibration.axes.coils",
             "an uncertainty that is zero for one direction and not for another, or a covariance that is not positive",
             "a covariance, or std_arcsec, that is positive for every coil that is driven",

@@ -121,7 +121,7 @@ pub(crate) fn adopt(
             covariance: directions::rows(&(&map * &split.own * map.transpose())),
             by: split.by.iter().map(|(path, by)| (path.clone(), of(by))).collect(),
         })
-        .map_err(|found| Error::RankShort(format!("the covariance of the directions is {found}")))?;
+        .map_err(|found| Error::Unanswerable(format!("the covariance of the directions is {found}")))?;
     if let Some(axes) = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut()) {
         for (each, path) in [
             (&mut axes.offsets_nt, uncertainty::added_offset as fn(Axis) -> String),

@@ -12,11 +12,11 @@
 mod ac;
 mod added;
 mod assumptions;
+mod certainty;
 mod checks;
 pub mod design;
 mod directions;
 mod drive;
-mod error;
 mod freedom;
 mod joint;
 mod means;
@@ -31,13 +31,14 @@ mod rank;
 mod readings;
 mod result;
 mod scales;
+mod scatter;
 mod solve;
 mod spread;
 mod start;
 mod unknowns;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use model::AxesProblem;
 pub use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup, Together};
 pub use observe::observe;
@@ -47,11 +48,36 @@ pub use unknowns::{AxesState, Freedom, KnownCoils};
 pub use words::summary;
 
 use common::{AxesCalibration, Document};
+use modelled::Modelled;
 
 /// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
 /// `calibration.axes.subset`; everything else stays as it was.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let modelled::Solved { observations, solution, split } = modelled::solve_without(&document, options)?;
+pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+    directed(document, options).map_err(|error| {
+        error.of_fit(|why| {
+            format!(
+                "the fit of the directions failed: {why}. Readings may be paired with the wrong orientations, or the start may be far off: try --robust, or --start=document with a first model"
+            )
+        })
+    })
+}
+
+fn directed(mut document: Document, options: &Options) -> Result<Document, Error> {
+    // Observe and solve; what effects add depends on the directions, and is known better with those found.
+    let modelled = Modelled::of(&document, options)?;
+    let mut observations = modelled.observe(None)?;
+    let mut solution = solve(&document, &observations, options)?;
+    for _ in 1..modelled.rounds() {
+        let state = &solution.fit.state;
+        observations = modelled.observe(Some((state.mu, state.eta)))?;
+        solution = solve(&document, &observations, options)?;
+    }
+
+    // What the directions owe to what was known before.
+    let by_effects = modelled.by(&observations, &solution)?;
+    let split = joint::restate(&document, &observations, &mut solution, by_effects)?;
+
+    // Tell.
     let mut found = result::describe(&document, &observations, &solution, options)?;
     let axes = &mut document.calibration.get_or_insert_default().axes;
     if options.is_subset() {

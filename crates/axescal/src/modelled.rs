@@ -8,10 +8,9 @@ use common::{AdoptedEffect, Document, Quantity};
 use faer::Mat;
 use physics::{EffectInstance, LeftOut, Role};
 
-use crate::added::{Added, Places, added, effects};
-use crate::joint::{self, Split};
+use crate::added::{Added, Directions, Places, added, effects};
 use crate::observe::observe_without;
-use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, ac, solve};
+use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, ac};
 
 /// Words for what the gradients add.
 const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
@@ -20,55 +19,49 @@ const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
 /// the second round leaves of what the first one had wrong.
 const ROUNDS: usize = 2;
 
-/// Readings without what the model's effects add to them, and the directions that follow from them.
-pub(crate) struct Solved {
-    pub observations: Observations,
-    pub solution: Solution,
-    pub split: Split,
-}
-
-/// Takes the effects off and solves.
-pub(crate) fn solve_without(document: &Document, options: &Options) -> Result<Solved, Error> {
-    let fits = ac::Fits::default();
-    let mut observations = observe_without(document, options, &Added::default(), &fits)?;
-    let effects = effects(document)?;
-    let places = Places::of(document);
-    if effects.is_empty() && !places.act() {
-        let mut solution = solve(document, &observations, options)?;
-        let split = joint::restate(document, &observations, &mut solution, Vec::new())?;
-        return Ok(Solved { observations, solution, split });
-    }
-    let mut directions = None;
-    let mut rounds = 0;
-    loop {
-        let added = added(document, &effects, &places, directions)?;
-        observations = observe_without(document, options, &added, &fits)?;
-        let mut solution = solve(document, &observations, options)?;
-        rounds += 1;
-        if rounds == ROUNDS {
-            let taken = Taken { document, options, effects: &effects, places: &places, fits: &fits };
-            let by = taken.by(&observations, &solution)?;
-            let split = joint::restate(document, &observations, &mut solution, by)?;
-            observations.findings.extend(words(&effects, &places, &added));
-            return Ok(Solved { observations, solution, split });
-        }
-        directions = Some((solution.fit.state.mu, solution.fit.state.eta));
-    }
-}
-
-/// What was taken off the readings of a document.
-struct Taken<'a> {
+/// The readings of a document, less what the model's effects and the gradients add to them.
+pub(crate) struct Modelled<'a> {
     document: &'a Document,
     options: &'a Options,
-    effects: &'a [EffectInstance],
-    places: &'a Places,
-    fits: &'a ac::Fits,
+    effects: Vec<EffectInstance>,
+    places: Places,
+    fits: ac::Fits,
 }
 
-impl Taken<'_> {
+impl<'a> Modelled<'a> {
+    /// What acts in the recordings.
+    pub fn of(document: &'a Document, options: &'a Options) -> Result<Self, Error> {
+        let (effects, places) = (effects(document)?, Places::of(document));
+        Ok(Self { document, options, effects, places, fits: ac::Fits::default() })
+    }
+
+    fn acts(&self) -> bool {
+        !self.effects.is_empty() || self.places.act()
+    }
+
+    /// In how many rounds directions and effects settle, each with the directions of the one before.
+    pub fn rounds(&self) -> usize {
+        if self.acts() { ROUNDS } else { 1 }
+    }
+
+    /// The readings, with sensors and coils in these directions; None: as the document states them.
+    pub fn observe(&self, directions: Option<Directions>) -> Result<Observations, Error> {
+        if !self.acts() || directions.is_none() {
+            // Of recordings that cannot be read, no effect says why.
+            let as_read = observe_without(self.document, self.options, &Added::default(), &self.fits)?;
+            if !self.acts() {
+                return Ok(as_read);
+            }
+        }
+        let added = added(self.document, &self.effects, &self.places, directions)?;
+        let mut observations = observe_without(self.document, self.options, &added, &self.fits)?;
+        observations.findings.extend(words(&self.effects, &self.places, &added));
+        Ok(observations)
+    }
+
     /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
     /// unit, Δ the change of the readings.
-    fn by(&self, observations: &Observations, solution: &Solution) -> Result<By, Error> {
+    pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By, Error> {
         let adopted: Vec<&AdoptedEffect> =
             self.document.model.iter().flat_map(|model| &model.effects).collect();
         let mut by = Vec::new();
@@ -79,14 +72,14 @@ impl Taken<'_> {
                 if std <= 0.0 || info.role == Role::Epoch {
                     continue;
                 }
-                let mut moved = self.effects.to_vec();
+                let mut moved = self.effects.clone();
                 moved[number].parameters[place] += std;
-                let shift = self.shift((&moved, self.places), std, observations, solution)?;
+                let shift = self.shift((&moved, &self.places), std, observations, solution)?;
                 by.push((uncertainty::effect(stated, info.name), shift));
             }
         }
         for (path, std, moved) in self.places.moved(self.document) {
-            by.push((path, self.shift((self.effects, &moved), std, observations, solution)?));
+            by.push((path, self.shift((&self.effects, &moved), std, observations, solution)?));
         }
         Ok(by)
     }
@@ -101,7 +94,7 @@ impl Taken<'_> {
     ) -> Result<Vec<f64>, Error> {
         let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
         let moved = added(self.document, effects, places, directions)?;
-        let moved = observe_without(self.document, self.options, &moved, self.fits)?;
+        let moved = observe_without(self.document, self.options, &moved, &self.fits)?;
         let change = |(before, after): (&Observation, &Observation)| {
             (after.value_nt - before.value_nt) / (before.std_nt * solution.noise.of(before) * std)
         };

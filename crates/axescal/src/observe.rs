@@ -34,12 +34,11 @@ pub(crate) fn observe_without(
         .filter(|(_, recording)| recording.procedure == procedure::AXES_ORIENTATION)
         .collect();
     if recordings.is_empty() {
-        return Err(common::Error::document(
+        return Err(Error::document(
             "recordings",
             "no recording with \"procedure\": \"axes_orientation\"",
             "at least one, with the drive of the coils, the readings of the sensors and the orientation",
-        )
-        .into());
+        ));
     }
     let sensors = sensors(document, &recordings, options)?;
     let references = References::of(document);
@@ -59,8 +58,10 @@ pub(crate) fn observe_without(
     for &(index, recording) in &recordings {
         let path = format!("recordings[{index}]");
         checks::columns(recording, &path, &all.sensors)?;
-        let context = Context::new(document, recording, references)
-            .map_err(|source| Error::Physics { path: physics_path(&path, recording, &source), source })?;
+        let context = Context::new(document, recording, references).map_err(|error| {
+            let path = physics_path(&path, recording, &error);
+            error.at(&path)
+        })?;
         all.unit = context.unit;
         let basic = checks::constants(document, recording, &context, &path, &mut all)?;
         let same = conditions.iter().position(|seen| {
@@ -141,20 +142,14 @@ fn sensors(
     if sensors.is_empty()
         && document.instrument.as_ref().is_some_and(|instrument| instrument.sensors.is_some())
     {
-        return Err(common::Error::document(
-            "instrument.sensors",
-            "an empty list",
-            "the sensors that it has",
-        )
-        .into());
+        return Err(Error::document("instrument.sensors", "an empty list", "the sensors that it has"));
     }
     if sensors.is_empty() {
-        return Err(common::Error::document(
+        return Err(Error::document(
             format!("recordings[{}].columns", recordings[0].0),
             "no sensor_*_v and no sensor_*_nt",
             "the readings of the sensors",
-        )
-        .into());
+        ));
     }
     Ok(sensors)
 }
@@ -264,7 +259,7 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> 
     all.coils =
         Axis::ALL.into_iter().filter(|axis| most > 0.0 && largest(*axis) > LEAST_DRIVE * most).collect();
     if all.coils.is_empty() {
-        return Err(Error::RankShort(
+        return Err(Error::Unanswerable(
             "no reading was taken with a coil driven; directions need at least one drive for each coil"
                 .into(),
         ));

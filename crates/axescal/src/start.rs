@@ -92,10 +92,10 @@ fn first_model(
     options: &Options,
 ) -> Result<AxesState, Error> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_, common::Error> {
+    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_, Error> {
         let mut matrix =
             from.and_then(|part| part.matrix).map(|rows| frames::matrix(&rows)).ok_or_else(|| {
-                common::Error::document(
+                Error::document(
                     format!("calibration.axes.{part}.matrix"),
                     "nothing",
                     format!("a 3x3 matrix whose columns are unit vectors, which {why} asks for"),

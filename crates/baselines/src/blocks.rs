@@ -183,7 +183,7 @@ fn directions(products: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let scaled = Mat::from_fn(size, size, |i, j| products[(i, j)] * scale(i) * scale(j));
     let eigen = scaled.self_adjoint_eigen(Side::Lower).map_err(|error| {
         let reason = format!("{error:?}");
-        Error::Estimate(estimate::Error::Decomposition { rows: size, columns: size, reason })
+        estimate::Error::Decomposition { rows: size, columns: size, reason }
     })?;
     let values = eigen.S().column_vector();
     let kept: Vec<usize> = (0..size).filter(|k| values[*k] > ROUNDING).collect();

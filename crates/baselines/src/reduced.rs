@@ -47,7 +47,7 @@ fn directions(screen: &Screen, columns: &[usize]) -> Result<Vec<Combination>, Er
         Mat::from_fn(size, size, |i, j| screen.product(columns[i], columns[j]) / (length[i] * length[j]));
     let eigen = products.self_adjoint_eigen(Side::Lower).map_err(|error| {
         let reason = format!("{error:?}");
-        Error::Estimate(estimate::Error::Decomposition { rows: size, columns: size, reason })
+        estimate::Error::Decomposition { rows: size, columns: size, reason }
     })?;
     let values = eigen.S().column_vector();
     let most = (0..size).map(|k| values[k]).fold(0.0, f64::max);

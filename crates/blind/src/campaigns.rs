@@ -3,7 +3,7 @@
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
-use testkit::programs::{self, Programs};
+use testkit::programs::Programs;
 
 use crate::Error;
 use crate::folder::{self, Asked, Folder};
@@ -34,7 +34,7 @@ pub fn orbit(arguments: &Campaign) -> Result<String, Error> {
     // A program that does not take a scalar magnetometer without coils refuses the document.
     let answer = match answered(&folder, &Asked::diagnose(&programs), case) {
         Ok(answer) => Some(answer),
-        Err(Error::Program(programs::Error::Program { .. })) => None,
+        Err(Error::Program { .. }) => None,
         Err(error) => return Err(error),
     };
     Ok(orbit::section(&flight, answer.as_ref()))

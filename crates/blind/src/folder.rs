@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use testkit::programs::{self, Programs};
+use testkit::programs::Programs;
 
 use crate::Error;
 
@@ -111,7 +111,7 @@ impl Folder {
             let besides = besides.get(*case).map_or(&[][..], Vec::as_slice);
             let arguments = [asked.arguments, besides].concat();
             match self.answer(&Asked { arguments: &arguments, ..*asked }, case, &answers) {
-                Err(Error::Program(programs::Error::Program { words, .. })) => {
+                Err(Error::Program { words, .. }) => {
                     let answer = answers.join(format!("{case}.json"));
                     write(&answer, &json!({"failed": words}).to_string())
                 }
@@ -160,7 +160,7 @@ pub fn digest(bytes: &[u8]) -> String {
 
 /// The JSON of a file.
 pub fn value<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
-    serde_json::from_str(&read(path)?).map_err(|source| Error::unreadable(path, source))
+    serde_json::from_str(&read(path)?).map_err(|source| Error::file(path, "read", source.into()))
 }
 
 /// The text of a file.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use recorded::Stages;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
-use testkit::programs::{self, Programs};
+use testkit::programs::Programs;
 
 use crate::Error;
 use crate::arguments::Make;
@@ -102,7 +102,7 @@ fn answered(folder: &Folder, programs: &Programs, untouched: &Case) -> Result<(S
             let outcome = Outcome::of(untouched.truth.clone(), &answer);
             Ok((outcome.said(), outcome.verdict == "agrees"))
         }
-        Err(Error::Program(programs::Error::Program { words, .. })) => Ok((words, false)),
+        Err(Error::Program { words, .. }) => Ok((words, false)),
         Err(error) => Err(error),
     }
 }

@@ -9,7 +9,6 @@
 
 mod arguments;
 mod campaigns;
-mod error;
 mod folder;
 mod history;
 mod hosted;
@@ -26,6 +25,6 @@ mod wilson;
 
 pub use arguments::{Answer, Make, Scoring};
 pub use campaigns::{Campaign, month, orbit};
-pub use error::Error;
 pub use steps::{answer, make, score, summary};
 pub use tally::{Arguments as Tally, run as tally};
+pub use testkit::programs::Error;

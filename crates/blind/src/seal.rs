@@ -63,14 +63,12 @@ pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>
         let text = texts.get(case).map_or("", String::as_str);
         let found = digest(text.as_bytes());
         if found != *sealed {
-            return Err(Error::Seal {
-                path: truths.into(),
-                case: case.clone(),
-                found,
-                sealed: sealed.clone(),
-            });
+            return Err(refused(format!(
+                "{}: the truth of {case} has SHA-256 {found}; expected {sealed}, as seals.txt has it. Make the set again",
+                truths.display()
+            )));
         }
-        opened.push(serde_json::from_str(text).map_err(|source| Error::unreadable(truths, source))?);
+        opened.push(serde_json::from_str(text).map_err(|source| Error::file(truths, "read", source.into()))?);
     }
     let note = folder.path().join("opened.json");
     let own = answers.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -78,7 +76,11 @@ pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>
     if note.is_file() {
         let known: BTreeMap<String, String> = folder::value(&note)?;
         if known.get(&own) != Some(&now) {
-            return Err(Error::Late { answers: answers.into(), opened: note });
+            return Err(refused(format!(
+                "{}: these answers were not there when the truths were opened ({}); make a fresh set for them with blind make",
+                answers.display(),
+                note.display()
+            )));
         }
     } else {
         let mut there = BTreeMap::from([(own, now)]);
@@ -92,6 +94,10 @@ pub fn open(folder: &Folder, truths: &Path, answers: &Path) -> Result<Vec<Truth>
         write(&note, &(json(&note, &there)? + "\n"))?;
     }
     Ok(opened)
+}
+
+fn refused(words: String) -> Error {
+    common::Error::Request(words).into()
 }
 
 fn digest_of_answers(answers: &Path, stored: &BTreeMap<String, String>) -> Result<String, Error> {

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
-use testkit::programs::{self, Programs};
+use testkit::programs::Programs;
 
 use crate::Error;
 use crate::folder::{self, Asked, Folder};
@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
                 let answer = folder::value(&answers.join(format!("{}.json", truth.case)))?;
                 (seconds, Ok(Outcome::of(truth.clone(), &answer)))
             }
-            Err(Error::Program(programs::Error::Program { words, .. })) => (f64::NAN, Err(words)),
+            Err(Error::Program { words, .. }) => (f64::NAN, Err(words)),
             Err(error) => return Err(error),
         };
         let counted = Counted { truth, outcome, seconds };

@@ -28,7 +28,7 @@ pub fn calibrate(
     let readings = &coil.readings;
     let levels = levels(readings);
     if levels.len() < 3 {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "coil {}: {} recorded; a straight line and its lack-of-fit test need at least three, preferably on both sides of zero",
             coil.coil,
             counted(levels.len(), "different drive")
@@ -71,7 +71,7 @@ pub fn calibrate(
             covariance: [1, 0].map(|i| [1, 0].map(|j| scattered(i, j)).to_vec()).to_vec(),
             by: measured_with(document, coil, k),
         })
-        .map_err(Error::Undetermined)?;
+        .map_err(Error::Unanswerable)?;
     let std = paths.each_ref().map(|path| joint.std(path));
     let type_b = |i: usize| (std[1 - i].powi(2) - type_a(i).powi(2)).max(0.0).sqrt();
     let coverage = paths.each_ref().map(|path| stats::coverage_factor(0.95, joint.degrees_of_freedom(path)));

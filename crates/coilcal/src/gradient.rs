@@ -2,8 +2,7 @@
 
 use common::number::counted;
 use common::{
-    Axis, CoilSurvey, Document, Error as Fault, GradientCoil, OffCentre, Quantity, Recording, SurveyPlaces,
-    procedure,
+    Axis, CoilSurvey, Document, GradientCoil, OffCentre, Quantity, Recording, SurveyPlaces, procedure,
 };
 use estimate::linear::{self, LinearFit};
 use faer::Mat;
@@ -36,7 +35,7 @@ fn survey(
 ) -> Result<CoilSurvey, Error> {
     let need = |name: &str, what: &str| {
         recording.column(name).ok_or_else(|| {
-            Fault::document(format!("{path}.columns"), format!("no `{name}`"), what.to_string())
+            Error::document(format!("{path}.columns"), format!("no `{name}`"), what.to_string())
         })
     };
     let position = need("position_m", "`position_m`, the position along the coil's axis from its centre")?;
@@ -48,7 +47,7 @@ fn survey(
         .filter(|row| current[*row] != 0.0)
         .collect();
     if rows.is_empty() && current.contains(&0.0) {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "recording \"{}\": coil {coil} is never driven ({path}.columns: its current is 0 from row 0 on); a gradient can only be measured in the coil's own field: drive the coil, or remove the recording",
             recording.id
         )));
@@ -61,7 +60,7 @@ fn survey(
     let powers =
         POWERS.iter().take(places.len().saturating_sub(1).min(POWERS.len())).copied().collect::<Vec<_>>();
     if places.len() < 3 {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "recording \"{}\": {} along coil {coil}; a gradient needs at least three, on both sides of the coil's centre",
             recording.id,
             counted(places.len(), "position")

@@ -7,7 +7,6 @@
 
 mod constant;
 mod departures;
-mod error;
 mod gradient;
 mod levels;
 mod nulling;
@@ -15,7 +14,7 @@ mod readings;
 mod scatter;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use words::summary;
 
 use common::{Axis, Document, Uncertainty, procedure};
@@ -35,13 +34,21 @@ impl Default for Options {
     }
 }
 
+/// Where no recording is for this stage.
+const NOTHING: &str = "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages across a resistor) with `reference_nt`, or readings in the nulled field";
+
 /// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes
 /// them to `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document
 /// says of it.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+    calibrated(document, options)
+        .map_err(|error| error.of_fit(|why| format!("the coil constant could not be fitted: {why}")))
+}
+
+fn calibrated(mut document: Document, options: &Options) -> Result<Document, Error> {
     let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL];
     if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {
-        return Err(Error::Nothing);
+        return Err(Error::Request(NOTHING.into()));
     }
     let mut joint = Uncertainty::of(&document)?;
     for coil in Axis::ALL {

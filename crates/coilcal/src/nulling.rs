@@ -2,8 +2,8 @@
 
 use common::number::counted;
 use common::{
-    Axis, Document, Error as Fault, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity,
-    Recording, SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
+    Axis, Document, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity, Recording,
+    SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
 };
 use estimate::even::{Evened, evened};
 use estimate::spectrum::{Spectrum, welch};
@@ -76,7 +76,7 @@ fn site(recording: &Recording, index: usize) -> Result<String, Error> {
     let site = recording.conditions.extra.get("site").and_then(|site| site.as_str());
     site.map(str::to_string).ok_or_else(|| {
         let path = format!("recordings[{index}].conditions.site");
-        Fault::document(path, "no such key", "the condition of the site, as in \"weekday-day\"").into()
+        Error::document(path, "no such key", "the condition of the site, as in \"weekday-day\"")
     })
 }
 
@@ -93,7 +93,7 @@ fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Resu
     }
     if spectra.is_empty() {
         let expected = "`sensor_x_nt` or `sensor_x_v`, or those of another sensor";
-        return Err(Fault::document(path, "no readings", expected).into());
+        return Err(Error::document(path, "no readings", expected));
     }
     Ok(Series { recording, rate_hz: 1.0 / step_s, uneven_s, spectra, band_hz: [0.0, 0.0] })
 }
@@ -116,20 +116,20 @@ fn field(
                 let expected = format!(
                     "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v"
                 );
-                Fault::document(format!("{path}.sensor_{axis}_v"), "readings in V without a sensitivity", expected)
+                Error::document(format!("{path}.sensor_{axis}_v"), "readings in V without a sensitivity", expected)
             })?;
             (column, scale)
         }
     };
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), column) else {
         let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
-        return Err(Fault::document(format!("{path}.time_s"), "no such times", expected).into());
+        return Err(Error::document(format!("{path}.time_s"), "no such times", expected));
     };
     let rows = even.column.len();
     let filled = series::filled(even.column).map_err(|missing| {
         let found = format!("{missing} of {} missing", counted(rows, "reading"));
         let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
-        Fault::document(format!("{path}.sensor_{axis}"), found, expected)
+        Error::document(format!("{path}.sensor_{axis}"), found, expected)
     })?;
     Ok(Some(Evened { column: filled.into_iter().map(|value| value * scale).collect(), ..even }))
 }

@@ -4,10 +4,11 @@ use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use crate::uncertainty::joint::Uncertainty;
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
-    GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, Uncertainty,
-    json, parse, to_text,
+    GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, json, parse,
+    to_text,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.

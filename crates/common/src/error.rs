@@ -45,6 +45,9 @@ pub enum Error {
     /// The data do not allow the answer: which rank, which rows, what measurement would help.
     #[error("{0}")]
     Unanswerable(String),
+    /// An estimation failed: why.
+    #[error("the fit failed: {0}")]
+    Fit(String),
     /// A file or stream failed.
     #[error("{path}: cannot be {action}: {source}")]
     File {
@@ -63,6 +66,11 @@ impl Error {
         Error::Document { path: path.into(), found: found.into(), expected: expected.into() }
     }
 
+    /// A file or stream that cannot be `read`, `written` or `run`.
+    pub fn file(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
+        Error::File { path: path.into(), action, source }
+    }
+
     /// The error with its JSON path below another one.
     pub(crate) fn below(self, parent: &str) -> Self {
         match self {
@@ -78,10 +86,18 @@ impl Error {
         }
     }
 
+    /// The error with other words for a fit that failed, given why.
+    pub fn of_fit(self, words: impl FnOnce(&str) -> String) -> Self {
+        match self {
+            Error::Fit(why) => Error::Unanswerable(words(&why)),
+            error => error,
+        }
+    }
+
     /// The code with which a program ends on this error.
     pub fn exit_code(&self) -> ExitCode {
         match self {
-            Error::Unanswerable(_) => ExitCode::Unanswerable,
+            Error::Unanswerable(_) | Error::Fit(_) => ExitCode::Unanswerable,
             Error::At { error, .. } => error.exit_code(),
             _ => ExitCode::Refused,
         }
@@ -93,5 +109,20 @@ impl Error {
             Error::Document { path, .. } => Some(path),
             _ => None,
         }
+    }
+}
+
+/// An error of a library, as a program tells it: in its own words, as those of a request that cannot be met,
+/// unless the library says otherwise.
+pub trait Told: std::error::Error + Sized {
+    /// The program's error.
+    fn told(self) -> Error {
+        Error::Request(self.to_string())
+    }
+}
+
+impl<E: Told> From<E> for Error {
+    fn from(error: E) -> Self {
+        error.told()
     }
 }

@@ -84,7 +84,7 @@ pub use differential::{
     TransferBands, WindowMean,
 };
 pub use document::Document;
-pub use error::{Error, ExitCode};
+pub use error::{Error, ExitCode, Told};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use finite::all_finite;
 pub use history::HistoryEntry;

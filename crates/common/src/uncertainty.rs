@@ -13,7 +13,7 @@
 //! all parameters and the corrected field with what is stated.
 
 mod drive;
-mod joint;
+pub(crate) mod joint;
 mod of_document;
 mod paths;
 mod stated;

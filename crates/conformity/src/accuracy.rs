@@ -1,6 +1,7 @@
 //! The error of a corrected field, as a budget over a whole sphere of fields.
 
 mod across;
+mod gaps;
 mod sensor;
 
 use common::number::{bare, fixed, signed, significant};
@@ -13,6 +14,7 @@ use crate::range::calibrated_nt;
 use crate::temperature::{Part, asked};
 use crate::verdict::{Missing, Rule, Shown, ShownValue};
 use crate::{Requirement, RequirementKind};
+use gaps::Gaps;
 use sensor::{Case, Sensor};
 
 /// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
@@ -229,31 +231,6 @@ fn words(size: f64, terms: &[(&'static str, f64)], case: &Case) -> String {
         significant(size, 3),
         largest.join(", ")
     )
-}
-
-/// What is not in the budget, with the sensors of which that holds.
-#[derive(Default)]
-struct Gaps(Vec<(String, Vec<Axis>)>);
-
-impl Gaps {
-    fn add(&mut self, axis: Axis, why: &str) {
-        match self.0.iter_mut().find(|(known, _)| known == why) {
-            Some((_, axes)) if axes.contains(&axis) => {}
-            Some((_, axes)) => axes.push(axis),
-            None => self.0.push((why.into(), vec![axis])),
-        }
-    }
-
-    fn sentences(self) -> Vec<String> {
-        let sentence = |(why, axes): (String, Vec<Axis>)| match axes.as_slice() {
-            [axis] => format!("sensor {axis}: {why}"),
-            axes => {
-                let names: Vec<&str> = axes.iter().map(|axis| axis.letter()).collect();
-                format!("sensors {}: {why}", names.join(", "))
-            }
-        };
-        self.0.into_iter().map(sentence).collect()
-    }
 }
 
 /// Directions evenly over the sphere (a Fibonacci lattice), and both senses of each axis of SEN.

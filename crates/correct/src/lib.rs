@@ -10,7 +10,6 @@
 //! (`Kind::row_by_row`); otherwise it takes them whole.
 
 mod affine;
-mod error;
 pub mod flags;
 mod iaga;
 mod known;
@@ -19,7 +18,7 @@ mod recording;
 mod table;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use iaga::Station;
 pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
@@ -56,6 +55,9 @@ impl Frame {
     }
 }
 
+/// Where no recording is to be corrected.
+const NOTHING: &str = "no recording holds readings of three sensors; correct needs `sensor_x_v`, `sensor_y_v` and `sensor_z_v`, or the same in nT";
+
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
@@ -75,7 +77,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             let expected = "the readings under `columns`; correct a long series as the file that it is, with --calibration and this \
                             document";
             let found = "a file beside the document";
-            return Err(common::Error::document(format!("{path}.table"), found, expected).into());
+            return Err(Error::document(format!("{path}.table"), found, expected));
         }
         if !is_corrected(recording) {
             continue;
@@ -83,7 +85,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         check_sensitivities(&document, recording, &path)?;
         match corrector.correct(recording, &path, None) {
             Ok(corrected) => done.push((index, corrected)),
-            Err(Error::Hidden(why)) => {
+            Err(Error::Unanswerable(why)) => {
                 done.push((index, Corrected::not_invertible(recording.rows())));
                 hidden = hidden.or(Some(why));
             }
@@ -93,10 +95,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if done.is_empty() {
         let mut all = document.recordings.iter().enumerate();
         all.try_for_each(|(index, one)| one.at_hand(&format!("recordings[{index}]")))?;
-        return Err(Error::Nothing);
+        return Err(Error::Request(NOTHING.into()));
     }
     if let Some(why) = hidden.filter(|_| done.iter().all(|(_, corrected)| !corrected.has_field())) {
-        return Err(Error::Hidden(why));
+        return Err(Error::Unanswerable(why));
     }
     for (index, corrected) in done {
         let columns = &mut document.recordings[index].columns;
@@ -115,10 +117,10 @@ fn is_corrected(recording: &Recording) -> bool {
 }
 
 /// Without any calibration there is nothing to correct with.
-fn check(document: &Document) -> Result<(), common::Error> {
+fn check(document: &Document) -> Result<(), Error> {
     let calibration = document.calibration.as_ref();
     if calibration.is_none_or(|calibration| calibration.sensors.is_none() && calibration.axes.is_none()) {
-        return Err(common::Error::document(
+        return Err(Error::document(
             "calibration",
             "neither `sensors` nor `axes`",
             "what scalarcal, or sensorcal and axescal found, or what you state in their place",
@@ -128,7 +130,7 @@ fn check(document: &Document) -> Result<(), common::Error> {
 }
 
 /// Readings are in one unit, and those in V have a sensitivity.
-fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -> Result<(), common::Error> {
+fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -> Result<(), Error> {
     for axis in Axis::ALL {
         let [volts, field] = ["v", "nt"].map(|unit| recording.axis_column("sensor", axis, unit).is_some());
         let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
@@ -139,18 +141,18 @@ fn check_sensitivities(document: &Document, recording: &Recording, path: &str) -
         if volts && field {
             let found = format!("sensor_{axis}_v beside sensor_{axis}_nt");
             let expected = "readings in V or in nT; remove one of the two columns";
-            return Err(common::Error::document(format!("{path}.columns"), found, expected));
+            return Err(Error::document(format!("{path}.columns"), found, expected));
         }
         if volts && stated.or(nominal).is_none() {
             let expected =
                 format!("calibration.sensors.{axis}.{key}, or instrument.nominal_sensitivity_nt_per_v");
             let path = format!("{path}.columns.sensor_{axis}_v");
-            return Err(common::Error::document(path, "readings in V without a sensitivity", expected));
+            return Err(Error::document(path, "readings in V without a sensitivity", expected));
         }
         if stated.is_some_and(|value| value == 0.0 || !value.is_finite()) {
             let path = format!("calibration.sensors.{axis}.{key}");
             let expected = "the field for each unit of the reading, which is not zero";
-            return Err(common::Error::document(path, "0", expected));
+            return Err(Error::document(path, "0", expected));
         }
     }
     Ok(())

@@ -125,7 +125,7 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
     if request.output.is_none() {
         progress::give_way();
     }
-    let tally = correct::correct_table(&request).map_err(|error| text.locate(error.into()))?;
+    let tally = correct::correct_table(&request).map_err(|error| text.locate(error))?;
     if !cli.io.quiet {
         pipe::say(&correct::table_summary(&tally, &document, cli.recording.as_deref(), frame));
     }
@@ -147,7 +147,7 @@ fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
     };
     let options = ingest::Options { mapping, readings: Readings::Inline, ..ingest::Options::default() };
     let document = Document { fluxcal: common::FORMAT_VERSION, ..Document::default() };
-    let mut ingested = ingest::run(document, &[file], &options).map_err(common::Error::from)?;
+    let mut ingested = ingest::run(document, &[file], &options)?;
     if !cli.io.quiet {
         pipe::say(&ingested.words);
     }

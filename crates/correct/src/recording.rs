@@ -91,7 +91,7 @@ impl<'a> Corrector<'a> {
         path: &str,
         length_and_step_s: Option<[f64; 2]>,
     ) -> Result<Corrected, Error> {
-        let at = |error: physics::Error| Error::from(error.at(path));
+        let at = |error: physics::Error| error.at(path);
         let Setting { basic, context } =
             Setting::of(self.document, recording, self.references).map_err(at)?;
         let readings = readings(recording, context.unit, context.rows);
@@ -119,7 +119,9 @@ impl<'a> Corrector<'a> {
                     acting.retain(|(_, effect)| effect.kind.name() != who);
                     left.push(format!("{who} is not corrected: {what} is missing"));
                 }
-                Err(error @ physics::Error::Hidden { .. }) => return Err(Error::Hidden(error.to_string())),
+                Err(error @ physics::Error::Hidden { .. }) => {
+                    return Err(Error::Unanswerable(error.to_string()));
+                }
                 other => break other.map_err(at)?,
             }
         };

@@ -247,7 +247,7 @@ fn template(request: &Request<'_>) -> Result<Recording, Error> {
     let found = request.calibration.recordings.iter().find(|recording| recording.id == id);
     let found = found.ok_or_else(|| {
         let ids: Vec<&str> = request.calibration.recordings.iter().map(|r| r.id.as_str()).take(30).collect();
-        common::Error::Request(format!(
+        Error::Request(format!(
             "there is no recording \"{id}\" in the calibration's document; expected one of: {}",
             ids.join(", ")
         ))
@@ -288,11 +288,10 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
         }
         (None, Some(format)) => (Reader::from_read(io::stdin(), format, &stdin, None)?, stdin, format),
         (None, None) => {
-            return Err(common::Error::Request(
+            return Err(Error::Request(
                 "the format of standard input is unknown; expected --from csv or --from ndjson, or a file"
                     .into(),
-            )
-            .into());
+            ));
         }
     };
     Ok(Sheets { names: reader.columns().to_vec(), batches: Box::new(reader), name, format })
@@ -323,13 +322,12 @@ fn check_columns(document: &Document, recording: &Recording, name: &str) -> Resu
     if !crate::is_corrected(recording) {
         let sensors = Axis::ALL.map(|axis| format!("sensor_{axis}_v")).join(", ");
         let found: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
-        return Err(common::Error::Request(format!(
+        return Err(Error::Request(format!(
             "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; for other names write a mapping: ingest guess {name} > map.json, then correct --map map.json",
             found.join(", ")
-        ))
-        .into());
+        )));
     }
-    Ok(crate::check_sensitivities(document, recording, name)?)
+    crate::check_sensitivities(document, recording, name)
 }
 
 /// Whether the reader of standard output has gone.

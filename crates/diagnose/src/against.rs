@@ -17,12 +17,11 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
     let mut changed = document.clone();
     changed.recordings.retain(|own| simulated.recordings.iter().any(|other| other.id == own.id));
     if changed.recordings.is_empty() {
-        return Err(common::Error::Request(format!(
+        return Err(Error::Request(format!(
             "the simulation has none of the document's recordings: it has {}, the document has {}; expected the same `id`s",
             ids(simulated),
             ids(document)
-        ))
-        .into());
+        )));
     }
     let kept = changed.clone();
     let (model, start) = Model::of(&kept, Observed::of(&kept)?)?;
@@ -32,15 +31,14 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
         let id = &run.recording.id;
         let found = simulated.recordings.iter().find(|other| other.id == *id);
         let Some(values) = found.and_then(|other| other.column(&channel.column)) else {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("{}.columns.{}", run.path, channel.column),
                 format!("a column that the simulation of \"{id}\" does not have"),
                 "the same columns of readings in both",
-            )
-            .into());
+            ));
         };
         if values.len() != run.recording.rows() {
-            return Err(common::Error::document(
+            return Err(Error::document(
                 format!("{}.columns.{}", run.path, channel.column),
                 format!(
                     "{} where the simulation of \"{id}\" has {}",
@@ -48,8 +46,7 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
                     values.len()
                 ),
                 "the same rows in both, at the same times",
-            )
-            .into());
+            ));
         }
         let recording = changed.recordings.iter_mut().find(|recording| recording.id == *id);
         let Some(column) = recording.and_then(|recording| recording.columns.get_mut(&channel.column)) else {

@@ -55,9 +55,7 @@ fn root_of_inverse(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
             |i, j| if scale[j] > 0.0 { columns[(i, j)] * scale[j] } else { 0.0 },
         );
     let gram = scaled.transpose() * &scaled;
-    let failed = |reason: String| {
-        Error::Estimate(estimate::Error::Decomposition { rows: count, columns: count, reason })
-    };
+    let failed = |reason: String| estimate::Error::Decomposition { rows: count, columns: count, reason };
     let eigen = gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
     let values: Vec<f64> = (0..count).map(|k| eigen.S().column_vector()[k]).collect();
     let along: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();

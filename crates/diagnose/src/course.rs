@@ -88,7 +88,7 @@ pub fn search(
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
         let (fit, noise, left) = match beside(document, model, &ground, &additions) {
-            Err(Error::Undetermined(_)) => {
+            Err(Error::Unanswerable(_)) => {
                 let answer = answer.unexplained("no fit with it converges");
                 let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
                 return concluded(model, before, (base, base_noise, first), origin, codes, answer, last);

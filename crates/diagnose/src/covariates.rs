@@ -69,7 +69,7 @@ pub fn fields(model: &Model<'_>, state: &State) -> Result<Vec<Vec<Vector3<f64>>>
         .map(|run| {
             let (basic, context) = model.setting(state, run);
             let predicted = physics::predict(&basic, &[], &context);
-            let predicted = predicted.map_err(|e| Error::Document(e.at(&model.observed.runs[run].path)))?;
+            let predicted = predicted.map_err(|e| e.at(&model.observed.runs[run].path))?;
             Ok(predicted.field_sen)
         })
         .collect()

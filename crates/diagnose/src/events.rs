@@ -3,15 +3,17 @@
 //! Matched filters go over all rows by Fourier transform, with the noise's response as it is in the middle of
 //! a recording; what they find is then held against the residual exactly.
 
+mod fitted;
 mod freeze;
 mod pass;
 mod settle;
 
+pub use fitted::fitted;
 pub use settle::settled_in_time;
 
 use common::Axis;
 use estimate::events::{Departures, Product};
-use physics::{EffectInstance, Kind, Parameter, Role};
+use physics::{EffectInstance, Kind, Parameter};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -250,29 +252,4 @@ fn moment(
     };
     let p = at_least_one(rest.p(exact.gain / scatter, exact.rank), looks);
     Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true }))
-}
-
-/// An effect with its amplitudes fitted to a residual, and what that gains.
-pub fn fitted(
-    fitter: &Fitter<'_, '_>,
-    fit: &Fit,
-    effect: &EffectInstance,
-) -> Result<(EffectInstance, f64, usize), Error> {
-    let with = fitter.model.with(&fit.state, effect.clone());
-    let number = with.effects.len() - 1;
-    let amplitudes: Vec<usize> = effect
-        .kind
-        .parameters()
-        .iter()
-        .enumerate()
-        .filter(|(_, info)| info.role == Role::Amplitude)
-        .map(|(k, _)| k)
-        .collect();
-    let parameters: Vec<Parameter> = amplitudes.iter().map(|k| Parameter::Effect(number, *k)).collect();
-    let gain = fitter.gain_of(fit, &fitter.model.derivatives(&with, &parameters)?)?;
-    let mut effect = effect.clone();
-    for (at, value) in amplitudes.iter().zip(&gain.coefficients) {
-        effect.parameters[*at] = *value;
-    }
-    Ok((effect, gain.gain, gain.rank))
 }

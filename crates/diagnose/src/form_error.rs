@@ -126,7 +126,7 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
     let beside: Vec<Vec<f64>> = scaled.iter().map(|column| left(columns_of(&basis), column)).collect();
     let own = DMatrix::from_fn(count, count, |i, j| dot(&beside[i], &beside[j]));
     let Some(factor) = (DMatrix::identity(count, count) + own).cholesky() else {
-        return Err(Error::Undetermined("what the effects' forms leave is not finite".into()));
+        return Err(Error::Unanswerable("what the effects' forms leave is not finite".into()));
     };
     let mean = factor.solve(&DVector::from_fn(count, |j, _| dot(&beside[j], &fit.white)));
     let squares = factor.inverse() + &mean * mean.transpose();

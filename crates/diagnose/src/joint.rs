@@ -111,7 +111,7 @@ pub fn adopted(
     };
     joint
         .put(block)
-        .map_err(|found| Error::Undetermined(format!("the covariance of what was fitted is {found}")))?;
+        .map_err(|found| Error::Unanswerable(format!("the covariance of what was fitted is {found}")))?;
     Ok((joint, parameters))
 }
 

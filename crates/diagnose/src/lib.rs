@@ -38,7 +38,6 @@ mod covariates;
 mod decide;
 mod dependence;
 mod dictionary;
-mod error;
 mod events;
 mod evidence;
 mod experiment;
@@ -74,8 +73,8 @@ mod what;
 mod whitening;
 mod words;
 
+pub use common::Error;
 pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
-pub use error::Error;
 pub use words::summary;
 
 use common::{Diagnosis, Document, Quantity, Verdict};
@@ -206,11 +205,10 @@ pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
 /// The same; `told` hears what is being done.
 pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) -> Result<Document, Error> {
     if !(options.level > 0.0 && options.level < 1.0) {
-        return Err(common::Error::Request(format!(
+        return Err(Error::Request(format!(
             "a level of {}; expected a probability of false claims between 0 and 1, such as 0.01",
             options.level
-        ))
-        .into());
+        )));
     }
     let original = match &options.against {
         Some(simulated) => against::against(&document, simulated)?,

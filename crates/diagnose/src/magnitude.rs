@@ -49,7 +49,7 @@ pub fn channel(of: &mut Run<'_>, run: usize, at: usize) -> Result<Option<Channel
     };
     if of.setting.basic.mu.try_inverse().is_none() {
         let error = physics::Error::InOnePlane { recording: of.recording.id.clone() };
-        return Err(Error::Document(error.at(&of.path)));
+        return Err(error.at(&of.path));
     }
     let readings: Vec<Vector3<f64>> =
         x.iter().zip(y).zip(z).map(|((x, y), z)| Vector3::new(*x, *y, *z)).collect();

@@ -71,8 +71,7 @@ impl<'a> Observed<'a> {
                 observed.notes.push(what);
                 continue;
             }
-            let setting = Setting::of(document, recording, references)
-                .map_err(|error| Error::Document(error.at(&path)))?;
+            let setting = Setting::of(document, recording, references).map_err(|error| error.at(&path))?;
             check_coils(&setting, &path)?;
             check_sensors(document, &setting, &path)?;
             let times = setting.context.times("the search");
@@ -93,14 +92,13 @@ impl<'a> Observed<'a> {
                 observed.add(run)?;
             }
         }
-        if observed.channels.is_empty() { Err(Error::Nothing(why(document))) } else { Ok(observed) }
+        if observed.channels.is_empty() { Err(nothing(document)) } else { Ok(observed) }
     }
 
     /// Adds the channels of a recording that can be predicted.
     fn add(&mut self, run: Run<'a>) -> Result<(), Error> {
         let Setting { basic, context } = &run.setting;
-        let prediction =
-            physics::predict(basic, &[], context).map_err(|error| Error::Document(error.at(&run.path)))?;
+        let prediction = physics::predict(basic, &[], context).map_err(|error| error.at(&run.path))?;
         let (prefix, suffix) =
             if run.differential() { ("test", "nt") } else { ("sensor", context.unit.suffix()) };
         let mut found: Vec<(Reader, String, f64)> = Axis::ALL
@@ -179,8 +177,8 @@ impl<'a> Observed<'a> {
     }
 }
 
-/// What stands in the recordings in place of readings that can be predicted.
-fn why(document: &Document) -> String {
+/// Where no recording can be predicted: what stands in them instead.
+fn nothing(document: &Document) -> Error {
     let of = |recording: &Recording| {
         let readings =
             |values: &[f64]| counted(values.iter().filter(|value| value.is_finite()).count(), "reading");
@@ -193,7 +191,10 @@ fn why(document: &Document) -> String {
         format!("\"{}\" ({}) has {columns}", recording.id, recording.procedure)
     };
     let all: Vec<String> = document.recordings.iter().map(of).collect();
-    if all.is_empty() { "there is none".into() } else { all.join("; ") }
+    let why = if all.is_empty() { "there is none".into() } else { all.join("; ") };
+    Error::Request(format!(
+        "no recording whose readings can be predicted: {why}; diagnose needs readings of sensors (`sensor_x_v`, `sensor_x_nt`, …), of a scalar magnetometer in a coil, or of two magnetometers side by side"
+    ))
 }
 
 fn check_sensors(document: &Document, setting: &Setting<'_>, path: &str) -> Result<(), Error> {
@@ -209,7 +210,7 @@ fn check_sensors(document: &Document, setting: &Setting<'_>, path: &str) -> Resu
                  state it"
             );
             let found = "volts of a sensor whose sensitivity is not known";
-            return Err(common::Error::document(format!("{path}.columns.{column}"), found, expected).into());
+            return Err(Error::document(format!("{path}.columns.{column}"), found, expected));
         }
     }
     Ok(())
@@ -225,7 +226,7 @@ fn check_coils(setting: &Setting<'_>, path: &str) -> Result<(), Error> {
             let found = format!("a drive of coil {coil}, whose constant is not known");
             let expected =
                 format!("calibration.coils.{coil}.constant_nt_per_a; run coilcal first, or state it");
-            return Err(common::Error::document(path, found, expected).into());
+            return Err(Error::document(path, found, expected));
         }
     }
     Ok(())

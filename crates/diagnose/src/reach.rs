@@ -73,7 +73,7 @@ fn log_determinant(jacobian: &Mat<f64>) -> Result<f64, Error> {
     let scaled = Mat::from_fn(jacobian.nrows(), count, |i, k| jacobian[(i, k)] / squares[k].sqrt());
     let eigen = (scaled.transpose() * &scaled).self_adjoint_eigen(faer::Side::Lower).map_err(|error| {
         let reason = format!("{error:?}");
-        Error::Estimate(estimate::Error::Decomposition { rows: count, columns: count, reason })
+        estimate::Error::Decomposition { rows: count, columns: count, reason }
     })?;
     let values = (0..count).map(|k| eigen.S().column_vector()[k].max(ROUNDING).ln());
     Ok(values.sum::<f64>() + squares.iter().map(|square| square.ln()).sum::<f64>())

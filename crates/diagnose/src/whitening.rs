@@ -185,11 +185,11 @@ fn whitening(
     let campaign = observed.span().map_or(0.0, |(_, length)| OLDEST * length);
     let oldest = if declared { campaign.max(length) } else { length * noise::SLOWEST };
     let refused = |error: NoiseError| {
-        Error::Document(common::Error::document(
+        Error::document(
             observed.runs[channel.run].path.clone(),
             error.to_string(),
             "a noise that is declared with an exponent from 0 to 2, and times in order",
-        ))
+        )
     };
     let whitening = Whitening::of(noise, time.as_deref(), rows, oldest).map_err(refused)?;
     if declared || whitening.is_white() {

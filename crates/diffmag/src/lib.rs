@@ -22,7 +22,6 @@
 
 mod calibration;
 mod clock;
-mod error;
 mod files;
 mod matrix;
 mod noise;
@@ -31,7 +30,7 @@ mod significance;
 pub mod stream;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use files::Columns;
 pub use matrix::fourteen;
 pub use words::summary;

@@ -54,6 +54,7 @@ pub use spectral::{allan, cosine, cross_spectrum, haar, periodogram, sine, sourc
 pub(crate) use nonlinear::scoring;
 pub(crate) use spectral::{bins, plans};
 
+use common::Told;
 use thiserror::Error;
 
 /// Why an estimate could not be made.
@@ -102,4 +103,10 @@ pub enum Error {
         /// What was found.
         found: f64,
     },
+}
+
+impl Told for Error {
+    fn told(self) -> common::Error {
+        common::Error::Fit(self.to_string())
+    }
 }

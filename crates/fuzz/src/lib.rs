@@ -18,7 +18,6 @@ pub mod check;
 pub mod commands;
 pub mod corpus;
 pub mod draw;
-mod error;
 pub mod finding;
 pub mod follow;
 pub mod kind;
@@ -28,4 +27,4 @@ pub mod programs;
 pub mod run;
 pub mod session;
 
-pub use error::Error;
+pub use common::Error;

@@ -38,7 +38,7 @@ pub fn add(corpus: &mut Corpus, programs: &Programs) -> Result<(), Error> {
             PROCESSOR_S,
         )?;
         if done.end != End::Code(0) {
-            return Err(Error::request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
+            return Err(Error::Request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
         }
         corpus.seeds.push(Seed::new(format!("made by {line}"), kind, done.stdout));
     }

@@ -54,7 +54,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
-    pipe::finish(PROGRAM, run(Cli::parse()).map_err(|error| anyhow::Error::from(common::Error::from(error))))
+    pipe::finish(PROGRAM, run(Cli::parse()).map_err(anyhow::Error::from))
 }
 
 fn run(cli: Cli) -> Result<(), Error> {
@@ -89,7 +89,7 @@ fn run(cli: Cli) -> Result<(), Error> {
     let alike = alike.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     let lines: Vec<String> =
         alike.iter().map(|(likeness, count)| format!("  {count} × {likeness}")).collect();
-    Err(Error::Found(format!(
+    Err(Error::Unanswerable(format!(
         "{} findings of {} kinds\n{}",
         summary.findings.len(),
         alike.len(),

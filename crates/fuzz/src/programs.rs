@@ -32,7 +32,7 @@ impl Programs {
         let built = Command::new(&cargo).args(["build", "--release"]).status();
         match built.map_err(|source| Error::file(&cargo, "run", source))? {
             status if status.success() => Ok(()),
-            _ => Err(Error::request("the programs could not be built; cargo says above why")),
+            _ => Err(Error::Request("the programs could not be built; cargo says above why".into())),
         }
     }
 
@@ -53,7 +53,7 @@ impl Programs {
         let missing = NAMES.iter().find(|name| !folder.join(name).is_file());
         match missing {
             None => Ok(Self { folder }),
-            Some(name) => Err(Error::request(format!(
+            Some(name) => Err(Error::Request(format!(
                 "no program {name} in {}; build all of them (`cargo build` for tests, which `cargo test --workspace` does by \
                  itself, `cargo build --release` for `just fuzz`), or say where they are with --programs",
                 folder.display()

@@ -110,10 +110,10 @@ impl Session {
             let workers: Vec<_> = (0..cores)
                 .map(|_| thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work))
                 .collect::<Result<_, _>>()
-                .map_err(|e| Error::request(format!("no thread: {e}")))?;
+                .map_err(|e| Error::Request(format!("no thread: {e}")))?;
             let mut ended = workers.into_iter().map(|worker| worker.join());
             ended.try_for_each(|ended| {
-                ended.unwrap_or_else(|_| Err(Error::request("a thread panicked; see above")))
+                ended.unwrap_or_else(|_| Err(Error::Request("a thread panicked; see above".into())))
             })
         })?;
         let mut summary = summary.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());

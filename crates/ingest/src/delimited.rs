@@ -14,7 +14,7 @@ use crate::text::{Source, decoded, lines, split_line};
 use crate::times::Times;
 
 pub use fields::fields;
-use parser::Parser;
+use parser::{Parser, Slot};
 
 /// Reads a file.
 ///
@@ -92,14 +92,6 @@ fn header<'a>(source: &'a Source, mapping: &Mapping) -> Result<Header<'a>, Error
         number += 1;
     }
     Ok((names, first_row, rest))
-}
-
-/// Where the value of a column of the file goes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Slot {
-    Skipped,
-    Value(usize),
-    Time(usize),
 }
 
 fn slots(

@@ -4,13 +4,13 @@
 mod columns;
 mod content;
 mod notation;
+mod open;
 mod sample;
 mod temperatures;
 mod time;
 
-use common::number::counted;
-use common::{Error as Fault, to_text};
-use serde_json::json;
+pub use open::Guess;
+
 use std::path::Path;
 
 use tables::Content;
@@ -20,38 +20,6 @@ use crate::mapping::Mapping;
 use crate::text::Source;
 
 use sample::Sample;
-
-/// A guess.
-pub struct Guess {
-    /// To save, look at and edit.
-    pub mapping: Mapping,
-    /// What the file does not say, in words: an empty list where it says all.
-    pub doubts: Vec<String>,
-    /// What was taken as usual.
-    pub notes: Vec<String>,
-}
-
-impl Guess {
-    /// The mapping as text.
-    pub fn to_text(&self) -> String {
-        to_text(&json!(self.mapping))
-    }
-
-    /// Words for people.
-    pub fn words(&self, file: &Path) -> String {
-        let (all, known) = (self.mapping.columns.len(), self.doubts.is_empty());
-        let mut lines =
-            vec![format!("ingest guess: {}: {} of readings", file.display(), counted(all, "column"))];
-        lines.extend(self.notes.iter().map(|note| format!("  {note}")));
-        lines.extend(self.doubts.iter().map(|doubt| format!("  to be settled: {doubt}")));
-        lines.push(if known {
-            "  nothing is open: check it, then ingest --map MAP FILE".into()
-        } else {
-            "  edit the mapping, then ingest --map MAP FILE".into()
-        });
-        lines.join("\n")
-    }
-}
 
 /// Guesses how a file of columns is read; `quantity` is what its vector readings are called (`sensor`).
 ///
@@ -110,12 +78,12 @@ pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>)
     if guess.doubts.is_empty() {
         return Ok((guess.mapping, guess.notes));
     }
-    Err(Error::Document(Fault::Request(format!(
+    Err(Error::Request(format!(
         "{}: the file leaves open: {}. Write a mapping with\n  ingest guess {} > map.json\n\
          look at it, edit it, then\n  ingest --map map.json {}",
         source.shown,
         guess.doubts.join("; "),
         source.shown,
         source.shown
-    ))))
+    )))
 }

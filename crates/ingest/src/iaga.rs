@@ -11,7 +11,7 @@ mod rows;
 use tables::Place;
 
 use crate::piece::Piece;
-use crate::text::{Source, decoded};
+use crate::text::Source;
 use crate::{Error, Options};
 
 pub use components::convert;
@@ -90,11 +90,4 @@ fn check_interval(
             "a header with the interval of the rows; correct it, or use the rows with --trust-rows",
         )),
     }
-}
-
-/// A line's text without its bar and the blanks before that.
-fn without_bar(line: &[u8]) -> String {
-    let text = decoded(line);
-    let text = text.trim_end();
-    text.strip_suffix('|').unwrap_or(text).trim_end().to_string()
 }

@@ -18,7 +18,6 @@
 mod cdf;
 mod clock;
 mod delimited;
-mod error;
 mod fill;
 mod guess;
 mod iaga;
@@ -39,7 +38,7 @@ mod units;
 mod usgs;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use guess::{Guess, guess};
 pub use mapping::{ColumnMapping, Mapping, SourceColumn, TimeMapping};
 pub use program::beside::{INLINE_ROWS, Table};

@@ -117,7 +117,7 @@ fn main() -> ExitCode {
 
 fn guess(args: &GuessArgs) -> anyhow::Result<()> {
     apart::check(args.output.as_deref(), [args.file.as_path()])?;
-    let guess = ingest::guess(&args.file, &args.quantity).map_err(Fault::from)?;
+    let guess = ingest::guess(&args.file, &args.quantity)?;
     pipe::write(args.output.as_deref(), &guess.to_text())?;
     if !args.quiet {
         pipe::say(&guess.words(&args.file));
@@ -161,7 +161,7 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
         declination_base_arcmin: args.declination_base_arcmin,
         readings,
     };
-    let mut ingested = ingest::run(document, &args.files, &options).map_err(Fault::from)?;
+    let mut ingested = ingest::run(document, &args.files, &options)?;
     ingested.document.history.push(HistoryEntry {
         stage: PROGRAM.name.into(),
         version: PROGRAM.version.into(),

@@ -1,6 +1,6 @@
 //! A series as a recording of a document, and the table beside it.
 
-use common::{Column, Columns, Document, Error as Fault, Extra, Recording};
+use common::{Column, Columns, Document, Extra, Recording};
 use program::beside::{INLINE_ROWS, Table, file_name};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -38,7 +38,7 @@ pub fn add(
     if let Some(index) = document.recordings.iter().position(|known| known.id == id) {
         let found = format!("\"{id}\" there already");
         let expected = "another id for the new recording; set it with --id";
-        return Err(Fault::document(format!("recordings[{index}].id"), found, expected).into());
+        return Err(Error::document(format!("recordings[{index}].id"), found, expected));
     }
     let jumps = jumps(&series, begin_ns);
     let words = words::words(&series, &pieces, &gaps, &jumps, step_s, start.as_deref(), &id);

@@ -8,6 +8,7 @@ use tables::Place;
 
 use crate::clock::{self, Clock, SECOND_NS};
 use crate::piece::Piece;
+use crate::text::fault;
 use crate::{Error, Keep};
 
 /// Gaps that are listed one by one.
@@ -163,21 +164,21 @@ fn check_alike(pieces: &[Piece]) -> Result<(), Error> {
                  --add joins them in a document",
                 first.shown, second.shown
             );
-            return Err(Error::request(message));
+            return Err(Error::Request(message));
         }
         if first.clock != second.clock {
             let message = format!(
                 "{} and {}: one states when it was taken, the other does not; expected files of one clock",
                 first.shown, second.shown
             );
-            return Err(Error::request(message));
+            return Err(Error::Request(message));
         }
         if first.clock == Clock::None {
             let message = format!(
                 "{} and {} have no times, so that their order is not known; expected `time` in the mapping, or one file",
                 first.shown, second.shown
             );
-            return Err(Error::request(message));
+            return Err(Error::Request(message));
         }
     }
     Ok(())
@@ -193,7 +194,7 @@ fn falling(piece: &Piece, sort: bool) -> Result<usize, Error> {
             let found = format!("{} after {} on line {}", time(*row), time(row - 1), piece.lines[row - 1]);
             let expected =
                 "increasing times; the clock was set back there. If rows are only out of order, use --sort";
-            Err(Error::at(&piece.shown, Place::Line(piece.lines[*row].into()), found, expected))
+            Err(fault(&piece.shown, Place::Line(piece.lines[*row].into()), found, expected))
         }
         _ => Ok(falls.len()),
     }
@@ -269,7 +270,7 @@ fn disagreement(pieces: &[Piece], same: &[(i64, u32, u32)], column: &str, values
     );
     let expected =
         "one reading for each time; --keep first or --keep last selects the file to use where they disagree";
-    Error::at(&second.shown, Place::Line(line.into()), found, expected)
+    fault(&second.shown, Place::Line(line.into()), found, expected)
 }
 
 impl Gaps {

@@ -39,7 +39,7 @@ impl Source {
     /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet nor
     /// CDF.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let failed = |source| Error::Table(tables::Error::File { path: path.into(), action: "read", source });
+        let failed = |source| Error::file(path, "read", source);
         let (bytes, shown) = if path == Path::new("-") {
             let mut bytes = Vec::new();
             std::io::stdin().read_to_end(&mut bytes).map_err(failed)?;
@@ -52,7 +52,7 @@ impl Source {
         let kind = Content::of(&shown, &bytes)?;
         if kind == Content::Document {
             let expected = "a file of readings; to add recordings to a document, name it with --add";
-            return Err(Error::at(&shown, Place::Whole, "a fluxcal document", expected));
+            return Err(fault(&shown, Place::Whole, "a fluxcal document", expected));
         }
         let as_it_is = kind.is_binary() || is_plain(&bytes);
         let original_sha256 = (!as_it_is).then(|| sha256(&bytes));
@@ -67,8 +67,14 @@ impl Source {
 
     /// A fault of this file.
     pub fn fault(&self, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
-        Error::at(&self.shown, place, found, expected)
+        fault(&self.shown, place, found, expected)
     }
+}
+
+/// A fault at a place of a file.
+pub fn fault(file: &str, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
+    let (found, expected) = (found.into(), expected.into());
+    tables::Error::Data { source_name: file.into(), place, found, expected }.into()
 }
 
 fn sha256(bytes: &[u8]) -> String {

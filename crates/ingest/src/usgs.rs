@@ -3,26 +3,14 @@
 
 mod json;
 mod pcdcp;
+mod said;
 
-use indexmap::IndexMap;
-use serde_json::Value;
 use tables::{Content, Place};
 
 use crate::iaga::convert;
 use crate::piece::Piece;
 use crate::text::Source;
 use crate::{Error, Options};
-
-/// What such a file says.
-struct Said {
-    station: String,
-    /// Components by letter; D in minutes of arc.
-    letters: Vec<char>,
-    times_ns: Vec<i64>,
-    columns: Vec<Vec<f64>>,
-    lines: Vec<u32>,
-    header: IndexMap<String, Value>,
-}
 
 /// Reads a file; None for one that is neither.
 ///

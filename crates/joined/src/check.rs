@@ -1,7 +1,7 @@
 //! Columns that are one, and units that cannot be the same.
 
 use common::number::significant;
-use common::{Axis, Column, Error as Fault};
+use common::{Axis, Column};
 use estimate::tsqr::Tsqr;
 
 use crate::Error;
@@ -27,7 +27,7 @@ pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -
                 let found = format!("the same readings as in `{instrument}_{axis}_nt`");
                 let expected = "readings along another axis; was a column copied?";
                 let at = format!("{path}.columns.{instrument}_{other}_nt");
-                return Err(Fault::document(at, found, expected).into());
+                return Err(Error::document(at, found, expected));
             }
         }
     }
@@ -38,9 +38,7 @@ pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -
             if spread(&difference) <= ALIKE * spread(&reference[i]) {
                 let found = format!("the same readings as in `reference_{axis}_nt`");
                 let expected = "readings of a second instrument; was a column copied?";
-                return Err(
-                    Fault::document(format!("{path}.columns.test_{other}_nt"), found, expected).into()
-                );
+                return Err(Error::document(format!("{path}.columns.test_{other}_nt"), found, expected));
             }
         }
     }
@@ -52,7 +50,7 @@ pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -
     let mut factor = Tsqr::new(3);
     factor.push(&columns.each_ref().map(Vec::as_slice));
     if in_a_plane(&factor, [0, 1], 2)? {
-        return Err(Error::Undetermined(IN_A_PLANE.into()));
+        return Err(Error::Unanswerable(IN_A_PLANE.into()));
     }
     let size =
         |columns: &[Column; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
@@ -60,7 +58,7 @@ pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -
     if !(1.0 / UNITS..=UNITS).contains(&ratio) {
         let found = format!("changes {} times those of the reference", significant(ratio, 3));
         let expected = "readings of both instruments in nT; are those of one in V, or in µT?";
-        return Err(Fault::document(format!("{path}.columns.test_x_nt"), found, expected).into());
+        return Err(Error::document(format!("{path}.columns.test_x_nt"), found, expected));
     }
     Ok(())
 }

@@ -2,7 +2,7 @@
 //! them together.
 
 use common::number::counted;
-use common::{Axis, Column, Columns, Document, Error as Fault, Recording, procedure};
+use common::{Axis, Column, Columns, Document, Recording, procedure};
 
 use super::grid::Grid;
 use super::piece::Piece;
@@ -135,7 +135,7 @@ fn scalar(document: &Document) -> Result<Option<Gathered>, Error> {
             format!("{} in which the vector and the scalar magnetometer read", counted(together, "row"));
         let expected = "at least five: do the two recordings overlap in time?";
         let path = format!("recordings[{}].columns", scalars[0].0);
-        return Err(Fault::document(path, found, expected).into());
+        return Err(Error::document(path, found, expected));
     }
     let [of_scalar, of_vector] = reads;
     let at: Vec<f64> = (0..grid.rows).map(|row| grid.time_s(row)).collect();

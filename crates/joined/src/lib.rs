@@ -11,11 +11,10 @@
 
 use common::number::{counted, duration};
 use common::time::Start;
-use common::{Axis, Column, Document, Error as Fault, Gap, NoiseOfSensors, Recording, procedure};
+use common::{Axis, Column, Document, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
 
 mod check;
-mod error;
 mod gather;
 mod grid;
 mod piece;
@@ -24,7 +23,7 @@ mod segments;
 mod words;
 
 pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
-pub use error::Error;
+pub use common::Error;
 pub use gather::{Gathered, gathered};
 use grid::Grid;
 pub use piece::Jump;
@@ -34,6 +33,8 @@ pub use segments::{Boundary, Segment};
 
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;
+/// Where no recording is for this.
+const NOTHING: &str = "no recording with the procedure `differential`; diffmag needs `reference_x_nt`, … and `test_x_nt`, … of two magnetometers side by side";
 /// Names of the instruments, as their columns begin.
 const NAMES: [&str; 3] = ["reference", "test", "third"];
 /// Readings that are missing stand on straight lines; with more than one in so many missing these would be
@@ -82,7 +83,7 @@ impl Instrument {
             duration(self.end_s())
         );
         let expected = "recordings that overlap in time; look at `start` and at the clocks";
-        Fault::document(format!("{}.columns.time_s", other.pieces[0].path), found, expected).into()
+        Error::document(format!("{}.columns.time_s", other.pieces[0].path), found, expected)
     }
 }
 
@@ -242,7 +243,7 @@ pub fn read(document: &Document) -> Result<Pair, Error> {
         .enumerate()
         .filter(|(_, recording)| recording.procedure == procedure::DIFFERENTIAL)
         .collect();
-    let (first, _) = *found.first().ok_or(Error::Nothing)?;
+    let (first, _) = *found.first().ok_or_else(|| Error::Request(NOTHING.into()))?;
     let start = earliest(&found)?;
     let mut instruments = NAMES.map(|name| Instrument { name, pieces: Vec::new() });
     for (index, recording) in &found {
@@ -263,9 +264,7 @@ pub fn read(document: &Document) -> Result<Pair, Error> {
             let name = instrument.name;
             let expected =
                 format!("`{name}_x_nt`, … of the {name} instrument, in this recording or in one of its own");
-            return Err(
-                Fault::document(format!("recordings[{first}].columns"), "no such column", expected).into()
-            );
+            return Err(Error::document(format!("recordings[{first}].columns"), "no such column", expected));
         }
     }
     join(&found, [reference, test, third])
@@ -288,7 +287,7 @@ fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
         let message = format!("no such key, where recordings[{with}] has one");
         let expected =
             "`start` in all recordings that are joined or in none: else their times have no common zero";
-        return Err(Fault::document(format!("recordings[{without}].start"), message, expected).into());
+        return Err(Error::document(format!("recordings[{without}].start"), message, expected));
     }
     let starts = found.iter().filter_map(|(_, recording)| recording.start());
     Ok(starts.min_by(|a, b| a.unix_s.total_cmp(&b.unix_s)))
@@ -301,7 +300,7 @@ fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, E
     if rows < LEAST {
         let found = counted(rows, "row");
         let expected = "at least five: a regression has four unknowns for each axis";
-        return Err(Fault::document(format!("{path}.columns"), found, expected).into());
+        return Err(Error::document(format!("{path}.columns"), found, expected));
     }
     rising(recording, path, origin_s)
 }
@@ -311,19 +310,17 @@ fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, 
     recording.at_hand(path)?;
     let Some(time) = recording.column("time_s") else {
         let expected = "`time_s`: samples are put together by their times";
-        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+        return Err(Error::document(format!("{path}.columns"), "no such column", expected));
     };
     let key = format!("{path}.columns.time_s");
     if let Some(row) = time.iter().position(|t| !t.is_finite()) {
         let found = format!("null in row {row}");
         let expected = "a time in every row; leave out rows of which nobody knows when they were";
-        return Err(Fault::document(key, found, expected).into());
+        return Err(Error::document(key, found, expected));
     }
     if let Some(row) = time.windows(2).position(|pair| pair[1] <= pair[0]) {
         let found = format!("{} after {} in row {}", time[row + 1], time[row], row + 1);
-        return Err(
-            Fault::document(key, found, "times that rise; sort the rows, and take doubles out").into()
-        );
+        return Err(Error::document(key, found, "times that rise; sort the rows, and take doubles out"));
     }
     Ok(time.iter().map(|t| t + origin_s).collect())
 }
@@ -335,7 +332,7 @@ fn read_by(recording: &Recording, path: &str) -> Result<Vec<usize>, Error> {
     let numbers: Vec<usize> = (0..NAMES.len()).filter(|number| has(NAMES[*number])).collect();
     if numbers.is_empty() {
         let expected = "`reference_x_nt`, … or `test_x_nt`, …: the readings of an instrument";
-        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+        return Err(Error::document(format!("{path}.columns"), "no such column", expected));
     }
     Ok(numbers)
 }
@@ -354,7 +351,7 @@ fn order(instrument: &mut Instrument) -> Result<(), Error> {
             );
             let expected =
                 "pieces of one instrument that follow each other; take out what was recorded twice";
-            return Err(Fault::document(format!("{}.columns.time_s", pair[1].path), found, expected).into());
+            return Err(Error::document(format!("{}.columns.time_s", pair[1].path), found, expected));
         }
     }
     Ok(())
@@ -367,12 +364,12 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     let sparse = |together: usize| {
         let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
         let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
-        Fault::document(format!("{path}.columns.time_s"), found, expected)
+        Error::document(format!("{path}.columns.time_s"), found, expected)
     };
     // Before a place is made for each moment: recordings may lie years apart.
     let most = reference.moments(grid.step_s).min(test.moments(grid.step_s));
     if most.saturating_mul(WHOLE) < grid.rows {
-        return Err(sparse(most).into());
+        return Err(sparse(most));
     }
     let boundaries = segments::boundaries(&grid, &reference, &test);
     let pauses = segments::pauses(&grid, &reference, &test);
@@ -385,10 +382,10 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     if together < LEAST {
         let found = format!("{} in which both instruments read", counted(together, "row"));
         let expected = "at least five: do the two recordings overlap in time?";
-        return Err(Fault::document(format!("{path}.columns"), found, expected).into());
+        return Err(Error::document(format!("{path}.columns"), found, expected));
     }
     if together * WHOLE < grid.rows {
-        return Err(sparse(together).into());
+        return Err(sparse(together));
     }
     let [reference, test] = reads;
     check::check(&paths, &reference.columns, &test.columns)?;
@@ -429,7 +426,7 @@ fn reference_noise(found: &[(usize, &Recording)]) -> Result<Option<NoiseOfSensor
     if let Some(axis) = Axis::ALL.into_iter().find(|axis| noise.of(*axis).is_none()) {
         let expected = "that of each of the reference's three axes, or one for all";
         let key = format!("recordings[{index}].conditions.reference_noise.{axis}");
-        return Err(Fault::document(key, "no noise", expected).into());
+        return Err(Error::document(key, "no noise", expected));
     }
     Ok(Some(noise))
 }

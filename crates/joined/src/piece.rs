@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use common::number::{counted, duration};
-use common::{Column, Error as Fault, Recording};
+use common::{Column, Recording};
 use estimate::cadence::Cadence;
 use estimate::even::{EXACT, Places};
 use estimate::resample::{Resampled, resample};
@@ -145,9 +145,7 @@ fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<
 fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Piece, Error> {
     let Some(places) = Places::of(time) else {
         let expected = "at least two times that rise";
-        return Err(
-            Fault::document(format!("{path}.columns.time_s"), counted(time.len(), "row"), expected).into()
-        );
+        return Err(Error::document(format!("{path}.columns.time_s"), counted(time.len(), "row"), expected));
     };
     if places.count() as f64 > SPARSE * time.len() as f64 {
         let interval = |row: usize| time[row + 1] - time[row];
@@ -159,9 +157,7 @@ fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Pie
             duration(places.usual_s)
         );
         let expected = "times of one clock; was it set there? Put the rows before and after into recordings of their own";
-        return Err(
-            Fault::document(format!("{path}.columns.time_s[{}]", longest + 1), found, expected).into()
-        );
+        return Err(Error::document(format!("{path}.columns.time_s[{}]", longest + 1), found, expected));
     }
     let piece = Piece {
         path: path.to_owned(),
@@ -187,17 +183,17 @@ fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Pie
 
 fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Column, Error> {
     let Some(column) = recording.columns.get(name) else {
-        return Err(Fault::document(format!("{path}.columns"), "no such column", expected.clone()).into());
+        return Err(Error::document(format!("{path}.columns"), "no such column", expected.clone()));
     };
     let known: Vec<f64> = column.iter().copied().filter(|value| value.is_finite()).collect();
     if known.len() < LEAST {
         let found = counted(known.len(), "reading");
-        return Err(Fault::document(format!("{path}.columns.{name}"), found, "at least five").into());
+        return Err(Error::document(format!("{path}.columns.{name}"), found, "at least five"));
     }
     if known.iter().all(|value| *value == known[0]) {
         let found = format!("the constant reading {}", known[0]);
         let expected = "readings that follow the field; was the instrument connected?";
-        return Err(Fault::document(format!("{path}.columns.{name}"), found, expected).into());
+        return Err(Error::document(format!("{path}.columns.{name}"), found, expected));
     }
     Ok(column.clone())
 }

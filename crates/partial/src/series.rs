@@ -76,8 +76,7 @@ pub fn take_from<S: Series>(
     let failed = |source| unreadable(Path::new(shown), source);
     let mut head = Vec::new();
     input.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
-    let refused = |error: tables::Error| Fault::Request(error.to_string());
-    let format = match Content::of(shown, &head).map_err(refused)? {
+    let format = match Content::of(shown, &head)? {
         Content::Delimited => Format::Csv,
         Content::NdJson => Format::NdJson,
         Content::Document => {
@@ -96,15 +95,14 @@ pub fn take_from<S: Series>(
     };
     // Whole lines of it tell the columns.
     let lines = head.iter().rposition(|byte| *byte == b'\n').map_or(head.len(), |end| end + 1);
-    let there =
-        Reader::from_read(Cursor::new(head[..lines].to_vec()), format, shown, None).map_err(refused)?;
+    let there = Reader::from_read(Cursor::new(head[..lines].to_vec()), format, shown, None)?;
     let there = there.columns().to_vec();
     let open = |names: &[&str]| Reader::from_read(Cursor::new(head).chain(input), format, shown, Some(names));
     rows(series, shown, &there, open, 0.0)
 }
 
 fn table<S: Series>(series: &S, path: &Path, start_s: f64) -> Result<S::Partial, Fault> {
-    let there = columns(path).map_err(|error| Fault::Request(error.to_string()))?;
+    let there = columns(path)?;
     rows(series, &path.display().to_string(), &there, |names| Reader::open(path, Some(names)), start_s)
 }
 
@@ -117,14 +115,13 @@ fn rows<S: Series>(
     start_s: f64,
 ) -> Result<S::Partial, Fault> {
     let of_file = |reason: String| Fault::Request(format!("{shown}: {reason}"));
-    let unreadable = |error: tables::Error| Fault::Request(error.to_string());
     let refused = |error| of_file(told::<S>(error));
     let (names, mut taking) = series.begin(there).map_err(|missing| {
         of_file(format!("found the columns {}; expected {missing} among them", there.join(", ")))
     })?;
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    for batch in open(&names).map_err(unreadable)? {
-        let mut batch = batch.map_err(unreadable)?;
+    for batch in open(&names)? {
+        let mut batch = batch?;
         let columns = names.iter().copied().zip(batch.columns.iter().map(Vec::as_slice));
         range::rows(shown, batch.first_row, columns)?;
         if start_s != 0.0 {
@@ -149,7 +146,7 @@ fn columns(path: &Path) -> Result<Vec<String>, tables::Error> {
 }
 
 fn unreadable(path: &Path, source: std::io::Error) -> Fault {
-    Fault::File { path: path.into(), action: "read", source }
+    Fault::file(path, "read", source)
 }
 
 fn document<S: Series>(series: &S, path: &Path, text: &str) -> Result<S::Partial, Fault> {

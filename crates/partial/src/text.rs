@@ -3,7 +3,6 @@
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::io::BufRead;
-use std::path::Path;
 
 use crate::{Error, Partial, merge};
 
@@ -96,6 +95,6 @@ pub fn merge_lines<P: Partial>(
 
 /// The next lines, as many as are read at once unless the source ends.
 fn some_lines(source: &mut dyn BufRead, name: &str) -> Result<Vec<String>, common::Error> {
-    let unreadable = |source| common::Error::File { path: Path::new(name).into(), action: "read", source };
+    let unreadable = |source| common::Error::file(name, "read", source);
     source.lines().take(LINES).collect::<Result<_, _>>().map_err(unreadable)
 }

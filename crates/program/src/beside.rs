@@ -74,18 +74,11 @@ pub fn write(output: Option<&Path>, text: &str, tables: &[Table]) -> Result<(), 
         sink.write(text)?;
     }
     let folder = output.and_then(Path::parent).unwrap_or(Path::new(""));
-    tables.iter().try_for_each(|table| table.write(folder)).map_err(refused)?;
+    tables.iter().try_for_each(|table| table.write(folder))?;
     if output.is_none() {
         sink.write(text)?;
     }
     sink.finish()
-}
-
-fn refused(error: tables::Error) -> Error {
-    match error {
-        tables::Error::File { path, action, source } => Error::File { path, action, source },
-        error => Error::Request(error.to_string()),
-    }
 }
 
 /// Reads the tables of the recordings that follow one of these procedures into their columns. `folder` is

@@ -122,8 +122,7 @@ fn open(file: &Path) -> Result<(String, Box<dyn BufRead>), Error> {
     let Some(file) = pipe::named(Some(file)) else {
         return Ok((STANDARD_INPUT.into(), Box::new(io::stdin().lock())));
     };
-    let opened =
-        File::open(file).map_err(|source| Error::File { path: file.into(), action: "read", source })?;
+    let opened = File::open(file).map_err(|source| Error::file(file, "read", source))?;
     Ok((file.display().to_string(), Box::new(BufReader::new(opened))))
 }
 

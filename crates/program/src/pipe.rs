@@ -187,7 +187,7 @@ fn bytes(file: Option<&Path>) -> Result<(Vec<u8>, String), Error> {
 }
 
 fn unreadable(path: &Path, source: io::Error) -> Error {
-    Error::File { path: path.into(), action: "read", source }
+    Error::file(path, "read", source)
 }
 
 /// A stage's name and version, as its history entry states them.
@@ -221,32 +221,26 @@ fn quoted(file: &str) -> String {
 /// Runs a stage: document in, `run`, words to standard error, document out.
 ///
 /// `arguments` is what the history records of the request. Nothing is written when anything fails.
-pub fn stage<E>(
+pub fn stage(
     program: Program,
     stage: &StageIo,
     arguments: Vec<String>,
-    run: impl FnOnce(Document) -> Result<Document, E>,
+    run: impl FnOnce(Document) -> Result<Document, Error>,
     words: impl FnOnce(&Document) -> String,
-) -> Result<(), Error>
-where
-    Error: From<E>,
-{
+) -> Result<(), Error> {
     stage_or(program, stage, arguments, |file| program.ingest(file), run, words)
 }
 
 /// As [`stage`], where another command than `ingest` reads a file of readings that was given as the document: `command` makes it of the
 /// file's name.
-pub fn stage_or<E>(
+pub fn stage_or(
     program: Program,
     stage: &StageIo,
     mut arguments: Vec<String>,
     command: impl Fn(&str) -> String,
-    run: impl FnOnce(Document) -> Result<Document, E>,
+    run: impl FnOnce(Document) -> Result<Document, Error>,
     words: impl FnOnce(&Document) -> String,
-) -> Result<(), Error>
-where
-    Error: From<E>,
-{
+) -> Result<(), Error> {
     let StageIo { io, drop_recordings } = stage;
     let (input, mut document, input_sha256) = Input::outlined(io.file.as_deref(), command)?;
     let located = |error: Error| input.locate(error);
@@ -260,7 +254,7 @@ where
         counted(rows, "row"),
         counted(document.recordings.len(), "recording")
     ));
-    let mut document = run(document).map_err(Error::from).map_err(located)?;
+    let mut document = run(document).map_err(located)?;
     let said = (!io.quiet).then(|| words(&document));
     beside::put_back(&mut document);
     if *drop_recordings {

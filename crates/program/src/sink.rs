@@ -41,7 +41,7 @@ impl Sink {
             progress::give_way();
             return Ok(Self { path: "standard output".into(), target: Target::Stdout });
         };
-        let failed = |source| Error::File { path: path.into(), action: "written", source };
+        let failed = |source| Error::file(path, "written", source);
         let (file, unfinished) = files::create(path).map_err(failed)?;
         Ok(Self { path: path.into(), target: Target::File(file, unfinished) })
     }
@@ -59,7 +59,7 @@ impl Sink {
         match (&self.target, result) {
             (_, Ok(())) => Ok(true),
             (Target::Stdout, Err(error)) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
-            (_, Err(source)) => Err(Error::File { path: self.path.clone(), action: "written", source }),
+            (_, Err(source)) => Err(Error::file(&self.path, "written", source)),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use clap::Parser;
 use program::pipe::{self, Program};
-use recorded::{Arguments, Error};
+use recorded::Arguments;
 use std::process::ExitCode;
 
 const PROGRAM: Program = Program { name: "recorded", version: env!("CARGO_PKG_VERSION"), takes: &[] };
@@ -25,9 +25,5 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    recorded::run(&cli.arguments).map_err(|error| match error {
-        Error::Common(error) => error,
-        other => common::Error::Request(other.to_string()),
-    })?;
-    Ok(())
+    Ok(recorded::run(&cli.arguments).map_err(common::Error::from)?)
 }

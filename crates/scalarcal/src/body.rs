@@ -9,7 +9,7 @@
 //! Source: P. Leliak, Identification and evaluation of magnetic-field sources of magnetic airborne detector
 //! equipped aircraft, IRE Trans. ANE-8 (1961) 95.
 
-use common::{Axis, BodyIron, Document, Error as Fault, PerAxis, Quantity, Recording};
+use common::{Axis, BodyIron, Document, PerAxis, Quantity, Recording};
 use estimate::{Svd, stats};
 use faer::Mat;
 use indexmap::IndexMap;
@@ -57,8 +57,7 @@ pub fn stated(document: &Document) -> Result<(), Error> {
         return Ok(());
     }
     let expected = "the calibration of the sensors alone, as scalarcal writes it from recordings away from the body, or those recordings with conditions.mounted: false";
-    Err(Fault::document("calibration.sensors", "no calibration of all three sensors for --known", expected)
-        .into())
+    Err(Error::document("calibration.sensors", "no calibration of all three sensors for --known", expected))
 }
 
 /// h over the magnitude, and the six elements of H − 1.

@@ -150,7 +150,7 @@ fn message(
             "state more prior values of the sensors under `calibration`, or smaller uncertainties"
         }
     };
-    Error::Undetermined(format!(
+    Error::Unanswerable(format!(
         "the rotations do not determine the calibration: {words}. {}; or {known}",
         capital(&remedy)
     ))

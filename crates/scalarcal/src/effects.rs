@@ -1,7 +1,7 @@
 //! Effects of the catalogue that are fitted together with the sensors, and those of the model, which are
 //! taken off.
 
-use common::{Axis, Document, Error as Fault};
+use common::{Axis, Document};
 use nalgebra::{Matrix3, Vector3};
 use physics::{
     Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, Within,
@@ -28,11 +28,10 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
         let about = kind.about();
         let linear = about.parameters.iter().all(|parameter| parameter.role == Role::Amplitude);
         if !linear || about.stage < Stage::Block || !about.invertible {
-            return Err(Fault::Request(format!(
+            return Err(Error::Request(format!(
                 "--with {}: {} is not linear in its parameters at the sensors and cannot be fitted from the magnitude; run diagnose on the result, which searches for it",
                 about.name, about.title
-            ))
-            .into());
+            )));
         }
         let of = |axis: Option<Axis>, column: Option<String>| EffectInstance {
             kind: *kind,
@@ -48,11 +47,10 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
                 let columns = columns(document, *kind);
                 if columns.is_empty() {
                     let needs = about.needs.join(", ");
-                    return Err(Fault::Request(format!(
+                    return Err(Error::Request(format!(
                         "--with {}: it needs {needs}, and no recording has it",
                         about.name
-                    ))
-                    .into());
+                    )));
                 }
                 all.extend(columns.into_iter().map(|column| of(None, Some(column))));
             }
@@ -104,7 +102,7 @@ pub fn following(
     let mut contributions: Vec<Vec<[Vec<f64>; 3]>> = Vec::new();
     for one in series {
         let (setting, sensors) = setting(document, one, basic)?;
-        let refused = |source| Error::Physics { path: one.path(), source };
+        let refused = |error: physics::Error| error.at(&one.path());
         let (_, moved) = predict_with_jacobian(&setting.basic, effects, &setting.context, &derivatives)
             .map_err(refused)?;
         // What is read too much by e makes the output larger by e/k.
@@ -129,7 +127,7 @@ pub fn following(
                 "{}.{name} changes no reading of these recordings: the quantity that it follows does not vary",
                 kind.name()
             );
-            return Err(Error::Undetermined(message));
+            return Err(Error::Unanswerable(message));
         }
         let unit = scales.magnitude_nt / largest;
         let follows = std::array::from_fn(|axis| {
@@ -179,7 +177,7 @@ fn setting<'a>(
     basic: &Basic,
 ) -> Result<(Setting<'a>, [f64; 3]), Error> {
     let recording = &document.recordings[series.index];
-    let refused = |source| Error::Physics { path: series.path(), source };
+    let refused = |error: physics::Error| error.at(&series.path());
     let mut setting = Setting::of(document, recording, References::of(document)).map_err(refused)?;
     let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
     let rows = setting.context.rows;
@@ -224,7 +222,7 @@ pub fn taken_off(
         if acting.is_empty() {
             continue;
         }
-        let refused = |source| Error::Physics { path: with.path(), source };
+        let refused = |error: physics::Error| error.at(&with.path());
         let plain = predict(&setting.basic, &[], &setting.context).map_err(refused)?;
         let full = predict(&setting.basic, &acting, &setting.context).map_err(refused)?;
         for axis in 0..3 {

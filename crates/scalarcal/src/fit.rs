@@ -64,7 +64,7 @@ pub struct FittedState {
 ///
 /// # Errors
 ///
-/// [`Error::Undetermined`] without more rows than parameters, [`Error::Estimate`] where there is no minimum.
+/// [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no minimum.
 pub fn fit(
     model: &Model,
     sums: &Sums<'_>,
@@ -75,7 +75,7 @@ pub fn fit(
     let freedom = sums.plain.rows() as f64 - count as f64;
     if freedom < 1.0 {
         let rows = sums.plain.rows();
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "{rows} complete rows for {count} parameters; expected more rows than parameters"
         )));
     }
@@ -83,7 +83,7 @@ pub fn fit(
     // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger.
     // Where no minimum is found so, they are taken to be as linear least squares leaves them.
     let begin = |explains: bool| -> Result<FittedState, Error> {
-        let mut failed = Error::Undetermined("there is no calibration to begin with".into());
+        let mut failed = Error::Unanswerable("there is no calibration to begin with".into());
         let mut best: Option<FittedState> = None;
         for start in starts {
             let left = match explained(model, &upper, start) {

@@ -47,11 +47,11 @@ impl<'a> Vectors<'a> {
         let mut contexts = Vec::new();
         for one in series {
             let recording = &document.recordings[one.index];
-            let refused = |source| Error::Physics { path: one.path(), source };
+            let refused = |error: physics::Error| error.at(&one.path());
             let context = Context::new(document, recording, references).map_err(refused)?;
             let lacks = |what: &str, expected: &str| {
                 let found = format!("no {what} beside the readings of \"{}\"", one.id);
-                Err(common::Error::document(format!("{}.columns", one.path()), found, expected).into())
+                Err(Error::document(format!("{}.columns", one.path()), found, expected))
             };
             if context.ambient_nt.len() < context.rows && context.ambient(0).norm() == 0.0 {
                 return lacks(
@@ -131,7 +131,7 @@ impl<'a> Vectors<'a> {
             if svd.rank() < 4 || (0..3).any(|axis| mu.column(axis).norm() == 0.0) {
                 let message = "the known field, rotated by the attitude, lies in one plane of SEN, which does not determine the calibration. \
                                Record more attitudes, so that the field lies along each sensor in both directions";
-                return Err(Error::Undetermined(message.into()));
+                return Err(Error::Unanswerable(message.into()));
             }
             for axis in 0..3 {
                 mu.column_mut(axis).normalize_mut();

@@ -30,7 +30,6 @@ mod determined;
 mod directions;
 mod effects;
 mod ends;
-mod error;
 mod factor;
 mod files;
 mod findings;
@@ -57,13 +56,14 @@ mod vector;
 mod weakest;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use files::Columns;
 pub use options::Options;
 pub use read::Source;
 pub use words::summary;
 
-use common::{Document, Error as Fault};
+use common::Document;
+use joined::Gathered;
 use solved::{Detail, Solved};
 
 /// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what
@@ -73,8 +73,12 @@ use solved::{Detail, Solved};
 ///
 /// No recording that can be used; rotations that do not determine the calibration, in words; a second run
 /// with --known on recordings from which what is known was found.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
     let gathered = joined::gathered(&document)?;
+    adopted(document, gathered, options).map_err(words::failed)
+}
+
+fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options) -> Result<Document, Error> {
     let ((mut solved, detail), told) = match gathered {
         Some(gathered) => (calibrated(&gathered.document, options)?, gathered.told),
         None => (calibrated(&document, options)?, Vec::new()),
@@ -82,7 +86,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
         let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
-        return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
+        return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
     let options = &Options { known: options.known && solved.body.is_none(), ..options.clone() };
     solved.told.splice(0..0, told);

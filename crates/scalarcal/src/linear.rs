@@ -56,7 +56,7 @@ impl Mixture {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Estimate`] where the decomposition fails.
+    /// [`crate::Error::Fit`] where the decomposition fails.
     pub fn add(
         &mut self,
         weight: f64,

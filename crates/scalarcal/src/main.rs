@@ -152,12 +152,9 @@ impl KnownArgs {
                 Some((input, document)) => (Some(input), document.clone()),
                 None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
             };
-            let document = stream::document(joined, document, &options).map_err(|error| {
-                let error = Error::from(error);
-                match input {
-                    Some(input) => input.locate(error),
-                    None => error,
-                }
+            let document = stream::document(joined, document, &options).map_err(|error| match input {
+                Some(input) => input.locate(error),
+                None => error,
             })?;
             Ok((document, input.map(Input::sha256)))
         };

@@ -291,7 +291,7 @@ impl Groups {
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Estimate`] where a decomposition fails.
+    /// [`crate::Error::Fit`] where a decomposition fails.
     pub fn average(
         &self,
         found: &mut FittedState,
@@ -320,7 +320,7 @@ impl Groups {
 ///
 /// # Errors
 ///
-/// [`crate::Error::Estimate`] where a decomposition fails.
+/// [`crate::Error::Fit`] where a decomposition fails.
 pub fn mixture(filtered: &[Filtered], known: &PriorRows, state: &[f64]) -> Result<Mixture, crate::Error> {
     let mut all = Mixture::default();
     for one in filtered {

@@ -1,7 +1,7 @@
 //! The recordings that scalarcal uses: readings of the three sensors with the magnitude of the field.
 
 use common::number::{counted, quoted, significant};
-use common::{Axis, Document, Error as Fault, Quantity, Recording, procedure};
+use common::{Axis, Document, Quantity, Recording, procedure};
 use estimate::stats::median_of;
 use physics::Unit;
 
@@ -129,7 +129,7 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
                     names(one, "")
                 )
             });
-            return Err(Fault::document("recordings", found, expected).into());
+            return Err(Error::document("recordings", found, expected));
         };
         let expected = format!(
             "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or --constant-magnitude if the field was constant"
@@ -138,14 +138,12 @@ pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>
         let found = format!(
             "no magnitude of the field beside the readings of \"{id}\" (its other columns: {beside})"
         );
-        return Err(Fault::document(format!("recordings[{index}].columns"), found, expected).into());
+        return Err(Error::document(format!("recordings[{index}].columns"), found, expected));
     };
     if let Some((other, index)) = units.iter().find(|(other, _)| *other != unit) {
         let found =
             format!("readings in {} where recordings[{first}] has them in {}", other.suffix(), unit.suffix());
-        return Err(
-            Fault::document(format!("recordings[{index}].columns"), found, "one unit throughout").into()
-        );
+        return Err(Error::document(format!("recordings[{index}].columns"), found, "one unit throughout"));
     }
     for series in &all {
         check(series, unit, document)?;
@@ -227,7 +225,7 @@ fn magnitude(
         let Some(value) = value else {
             let path = format!("recordings[{index}].conditions.{MAGNITUDE}");
             let expected = "a positive number, or {\"value\": number, \"std\": number}";
-            return Err(Fault::document(path, stated.to_string(), expected).into());
+            return Err(Error::document(path, stated.to_string(), expected));
         };
         return Ok(Some((Source::Stated, vec![value; recording.rows()])));
     }
@@ -240,7 +238,7 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
     if series.rows.is_empty() {
         let found =
             format!("no row of \"{}\" in which all three sensors and the reference were read", series.id);
-        return Err(Fault::document(format!("{path}.columns"), found, "rows without a null").into());
+        return Err(Error::document(format!("{path}.columns"), found, "rows without a null"));
     }
     for (axis, readings) in Axis::ALL.iter().zip(&series.readings) {
         if readings.len() > 1 && readings.iter().all(|reading| *reading == readings[0]) {
@@ -248,14 +246,14 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
                 format!("the reading {} in all {}", quoted(readings[0]), counted(readings.len(), "row"));
             let expected = format!("a rotated sensor; is {axis} connected, or did the logger freeze?");
             let column = format!("{path}.columns.sensor_{axis}_{}", unit.suffix());
-            return Err(Fault::document(column, found, expected).into());
+            return Err(Error::document(column, found, expected));
         }
     }
     for (a, b) in [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)] {
         if series.len() > 1 && series.readings[a.index()] == series.readings[b.index()] {
             let found = format!("the readings of sensor_{a}_{}", unit.suffix());
             let column = format!("{path}.columns.sensor_{b}_{}", unit.suffix());
-            return Err(Fault::document(column, found, "readings of its own; was a column copied?").into());
+            return Err(Error::document(column, found, "readings of its own; was a column copied?"));
         }
     }
     if series.source == Source::Constant {
@@ -279,7 +277,7 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         };
         size_of(&Axis::ALL.map(along), magnitude)
     });
-    Ok(in_units(column, magnitude, read)?)
+    in_units(column, magnitude, read)
 }
 
 /// The usual length of the readings at the nominal sensitivity, nT.
@@ -295,7 +293,7 @@ pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
 /// # Errors
 ///
 /// A magnitude that is in another unit, at a place of the document.
-pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Fault> {
+pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Error> {
     let unlike = read.filter(|read| !(1.0 / ALIKE..=ALIKE).contains(&(read / magnitude)));
     if (PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&magnitude) && unlike.is_none() {
         return Ok(());
@@ -311,7 +309,7 @@ pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(),
         Some((unit, _)) => format!("nT; is it in {unit}?"),
         None => "both in nT; is one of them in another unit, or a sensitivity wrong?".into(),
     };
-    Err(Fault::document(column, found, expected))
+    Err(Error::document(column, found, expected))
 }
 
 /// How large a field the readings along the axes are of, nT: offsets that are not stated can make them longer

@@ -180,7 +180,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
             covariance: (0..size).map(|i| (0..size).map(|j| symmetric(i, j)).collect()).collect(),
             by,
         })
-        .map_err(|wrong| Error::Undetermined(format!("the covariance of the calibration is {wrong}")))?;
+        .map_err(|wrong| Error::Unanswerable(format!("the covariance of the calibration is {wrong}")))?;
     joint.forget(&added);
     Ok(joint)
 }
@@ -190,14 +190,14 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
 ///
 /// # Errors
 ///
-/// [`Error::Undetermined`] where the decomposition fails.
+/// [`Error::Unanswerable`] where the decomposition fails.
 fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let count = whole.nrows();
     let scale: Vec<f64> = (0..count).map(|k| whole[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
     let scaled =
         Mat::from_fn(count, count, |i, j| 0.5 * (share[(i, j)] + share[(j, i)]) / (scale[i] * scale[j]));
     let own = scaled.self_adjoint_eigen(faer::Side::Lower).map_err(|_| {
-        Error::Undetermined("the covariance of the calibration has no eigenvalues that can be found".into())
+        Error::Unanswerable("the covariance of the calibration has no eigenvalues that can be found".into())
     })?;
     let (values, vectors) = (own.S().column_vector(), own.U());
     Ok(Mat::from_fn(count, count, |i, j| {

@@ -17,7 +17,7 @@ const SETTLED: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// [`Error::Undetermined`] where more than half of the residuals are zero.
+/// [`Error::Unanswerable`] where more than half of the residuals are zero.
 pub fn kept(
     model: &Model,
     rows: &mut Rows<'_>,
@@ -53,7 +53,7 @@ pub fn kept(
         state = fit(model, &sums, known, std::slice::from_ref(&state))?.state;
     }
     let weights = rows.weights.take().ok_or_else(|| {
-        Error::Undetermined(
+        Error::Unanswerable(
             "more than half of the residuals are zero; --robust cannot estimate a scale".into(),
         )
     })?;

@@ -23,7 +23,7 @@ const RANK_TOLERANCE: f64 = 1e-9;
 ///
 /// # Errors
 ///
-/// [`Error::Estimate`] where a decomposition fails; windows that cannot be.
+/// [`Error::Fit`] where a decomposition fails; windows that cannot be.
 pub fn of_rows(
     document: &Document,
     solved: &Solved,

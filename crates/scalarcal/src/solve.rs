@@ -44,7 +44,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     if constant && !is_stated(document, unit) {
         let expected = "`instrument.nominal_sensitivity_nt_per_v` or `conditions.magnitude_nt`, to set the scale of the field";
         let found = "neither a sensitivity nor a magnitude, with --constant-magnitude";
-        return Err(common::Error::document("instrument", found, expected).into());
+        return Err(Error::document("instrument", found, expected));
     }
     if constant && series.len() > 1 {
         told.push(format!("one magnitude is assumed for all {}", counted(series.len(), "recording")));
@@ -54,8 +54,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         series.iter_mut().for_each(|one| one.magnitude_nt.fill(scales.magnitude_nt));
     }
     let effects = asked(document, options)?;
-    let mut adopted =
-        physics::adopt(document).map_err(|source| Error::Physics { path: "model".into(), source })?;
+    let mut adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
     // What is fitted anew is not taken off.
     adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
     let stated = stated_magnitude(document, &series)?;
@@ -107,7 +106,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
         last = Some((model, beforehand, found, plain));
     }
     let (model, beforehand, mut found, mut plain) =
-        last.ok_or_else(|| Error::Undetermined("no rows".into()))?;
+        last.ok_or_else(|| Error::Unanswerable("no rows".into()))?;
     let held = held(&model, &beforehand, options, (constant, stated));
     let known = used(&beforehand, options);
     let mut kept = current;
@@ -231,7 +230,7 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
         let path = format!("{}.conditions.{}", series[other].path(), crate::read::MAGNITUDE);
         let found = "a magnitude stated with an uncertainty, and recordings with a different magnitude";
         let expected = "one magnitude for all recordings, or none with an uncertainty; otherwise calibrate them one by one";
-        return Err(common::Error::document(path, found, expected).into());
+        return Err(Error::document(path, found, expected));
     }
     Ok(Some(first.1))
 }

@@ -1,6 +1,6 @@
 //! Whether the calibration holds over the time: that of parts against that of all.
 
-use common::{Error as Fault, ScalarStability, ScalarWindow};
+use common::{ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};
 
 use crate::fit::PriorRows;
@@ -142,17 +142,16 @@ fn by_time(series: &[Series], length_s: f64) -> Result<Vec<(usize, usize, usize)
         let Some(times) = times else {
             let found = format!("no increasing times of the rows of \"{}\"", one.id);
             let expected = "`time_s`, which --windows needs";
-            return Err(Fault::document(format!("{}.columns.time_s", one.path()), found, expected).into());
+            return Err(Error::document(format!("{}.columns.time_s", one.path()), found, expected));
         };
         let Some((first, last)) = times.first().zip(times.last()) else { continue };
         let window = |time: f64| ((time - first) / length_s).floor();
         if window(*last) >= MOST_WINDOWS {
-            return Err(Fault::Request(format!(
+            return Err(Error::Request(format!(
                 "--windows {length_s}: found {} windows in \"{}\"; expected at most {MOST_WINDOWS}: use longer ones",
                 window(*last) + 1.0,
                 one.id
-            ))
-            .into());
+            )));
         }
         let mut from = 0;
         for to in 1..=times.len() {

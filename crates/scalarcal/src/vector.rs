@@ -197,7 +197,7 @@ fn undetermined(model: &Model, jacobian: &Mat<f64>) -> Error {
     let names =
         weakest::least(&information).map(|(_, weakest)| weakest::named(model, &weakest)).unwrap_or_default();
     let list: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
-    Error::Undetermined(format!(
+    Error::Unanswerable(format!(
         "field and attitude do not determine the calibration: {} cannot be determined. Record more attitudes, so that the field lies along each \
          sensor in both directions and between them",
         if list.is_empty() { "some parameters".into() } else { list.join(", ") }

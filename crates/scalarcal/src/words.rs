@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
 use common::number::{counted, p_value, signed, significant, uncertain};
-use common::{Axis, Document, ScalarCalibration};
+use common::{Axis, Document, Error, ScalarCalibration};
 use std::fmt::Write;
 
 /// What was found, with ± and units, and what looks wrong.
@@ -119,4 +119,13 @@ fn describe(scalar: &ScalarCalibration) -> String {
     }
     text += "  ± is one standard uncertainty";
     text
+}
+
+/// What is said of a fit that failed.
+pub(crate) fn failed(error: Error) -> Error {
+    error.of_fit(|why| {
+        format!(
+            "the calibration failed: {why}. Check for outliers (--robust), and for a reference in another unit"
+        )
+    })
 }

@@ -207,5 +207,5 @@ impl Allowed {
 
 /// What a noise cannot be, as a refusal.
 pub fn undetermined(error: noise::NoiseError) -> Error {
-    Error::Undetermined(error.to_string())
+    Error::Unanswerable(error.to_string())
 }

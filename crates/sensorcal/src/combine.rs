@@ -36,7 +36,7 @@ pub fn into(
     seen: &Seen<'_>,
     (sensor, joint): (Axis, &mut Uncertainty),
 ) -> Result<(), Error> {
-    let mut put = |block: Block| joint.put(block).map_err(Error::Undetermined);
+    let mut put = |block: Block| joint.put(block).map_err(Error::Unanswerable);
     let offset = uncertainty::sensor_offset(sensor);
     if let Some(constants) = seen.constants {
         let Joined { gain, finding } = joined(constants, seen.turned, seen.conditions);

@@ -1,7 +1,7 @@
 //! What temperatures do to a sensor, as it was found, for the other procedures.
 
 use common::uncertainty::Block;
-use common::{Axis, Error as Fault};
+use common::{Axis, Error};
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
 use crate::fit::KnownParameters;
@@ -73,7 +73,7 @@ impl Conditions {
         context: &Context<'_>,
         sensor: Axis,
         path: &str,
-    ) -> Result<Option<Contribution>, Fault> {
+    ) -> Result<Option<Contribution>, Error> {
         if self.effects.is_empty() || !self.known_in(context) {
             return Ok(None);
         }

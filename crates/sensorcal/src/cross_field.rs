@@ -9,8 +9,7 @@
 use common::number::p_value;
 use common::uncertainty::{self, Block};
 use common::{
-    Axis, CrossFieldFit, CrossFieldLevels, Document, Error as Fault, FTest, FitNoise, Quantity, TestResult,
-    procedure,
+    Axis, CrossFieldFit, CrossFieldLevels, Document, FTest, FitNoise, Quantity, TestResult, procedure,
 };
 use estimate::stats;
 use faer::Mat;
@@ -68,7 +67,7 @@ pub fn coefficients(
         let found = "no orientation of the block";
         let expected =
             "`orientation` or `theodolite`, which give the directions of the transverse fields at the sensor";
-        return Err(Fault::document(format!("{}.conditions", run.path), found, expected).into());
+        return Err(Error::document(format!("{}.conditions", run.path), found, expected));
     }
     let k = runs[0].basic.sensors[sensor.index()].sensitivity;
     let shape = noise(runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k);

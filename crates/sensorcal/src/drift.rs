@@ -2,7 +2,7 @@
 //! than a day to a week is offset).
 
 use common::number::{counted, plural};
-use common::{Axis, Document, DriftDates, Error as Fault, OffsetDrift, Quantity, procedure};
+use common::{Axis, Document, DriftDates, OffsetDrift, Quantity, procedure};
 
 use crate::Error;
 use crate::conditions::Conditions;
@@ -23,7 +23,7 @@ pub fn drift(
     for (path, recording) in recordings(document, procedure::OFFSET_DRIFT, sensor)? {
         let Some(start) = recording.start() else {
             let expected = "the date of the recording, as in 1977-05-26T14:44:35Z";
-            return Err(Fault::document(format!("{path}.start"), "no such key", expected).into());
+            return Err(Error::document(format!("{path}.start"), "no such key", expected));
         };
         let Outcome { reversal, scatter_nt2, by_temperature, .. } =
             reversal::one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
@@ -43,7 +43,7 @@ pub fn drift(
     }
     dates.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     if dates.len() < 3 {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "sensor {sensor}: `offset_drift` was recorded on {}; a mean and its scatter need 3 dates, a trend 5, a yearly term {}",
             counted(dates.len(), "date"),
             ANNUAL_FROM.1

@@ -188,7 +188,7 @@ impl Problem<'_, '_> {
         if settled {
             return self.finish(&at.state, linear, &at.design);
         }
-        Err(Error::Undetermined(format!(
+        Err(Error::Unanswerable(format!(
             "recording \"{}\": the fit does not converge within {} iterations; are drives and temperatures collinear?",
             self.runs[0].context.recording.id, ITERATION.most
         )))
@@ -358,7 +358,7 @@ impl Problem<'_, '_> {
         let basic = &state.basics[number];
         let (prediction, derivatives) =
             physics::predict_with_jacobian(basic, &state.effects, &run.context, parameters)
-                .map_err(|error| Error::Document(error.at(&run.path)))?;
+                .map_err(|error| error.at(&run.path))?;
         let of = |series: &[nalgebra::Vector3<f64>]| series.iter().map(|v| v[run.sensor.index()]).collect();
         Ok((
             of(&prediction.readings),

@@ -100,7 +100,7 @@ pub fn parts(
     let parts: Vec<Part> =
         Part::ALL.into_iter().enumerate().filter(|(at, _)| moved(*at)).map(|(_, p)| p).collect();
     if parts.is_empty() {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "sensor {sensor}: neither temperature varies by more than {MOVED_K} K in any `temperature_run`; a coefficient needs at least two temperatures, a curvature three"
         )));
     }

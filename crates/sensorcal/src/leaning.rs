@@ -4,7 +4,7 @@
 //! A recording in which the field across changes has its own k, O and leans. Recordings in which it is held
 //! show something only together: they share k and O, and, where the block stood alike, the leans.
 
-use common::{Axis, Error as Fault, Misalignment, Quantity};
+use common::{Axis, Misalignment, Quantity};
 use faer::Mat;
 use physics::{Parameter, frames::ARCSEC};
 
@@ -48,7 +48,7 @@ impl Across {
             let run = &runs[*first];
             let found = format!("no field across sensor {} that changes", run.sensor);
             let expected = "drive on a coil transverse to the sensor, at zero and with both signs: within one recording at one setting of the sensor, or one constant field in each of several";
-            return Err(Fault::document(format!("{}.columns", run.path), found, expected).into());
+            return Err(Error::document(format!("{}.columns", run.path), found, expected));
         }
         let mut groups: Vec<Vec<usize>> = changing.into_iter().map(|number| vec![number]).collect();
         for number in &held {

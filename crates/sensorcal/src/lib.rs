@@ -25,7 +25,6 @@ mod cross_field;
 mod departure;
 mod drift;
 mod effects;
-mod error;
 mod fit;
 mod heated;
 mod lag;
@@ -46,7 +45,7 @@ mod trend;
 mod wander;
 mod words;
 
-pub use error::Error;
+pub use common::Error;
 pub use words::summary;
 
 use common::uncertainty::{self, Block};
@@ -106,11 +105,14 @@ struct SensorFindings {
     left_out: Vec<LeftOut>,
 }
 
+/// Where no recording is for this stage.
+const NOTHING: &str = "no recording with the procedure `sensor_sensitivity`, `sensor_offset_reversal`, `sensor_noise`, `offset_drift`, `temperature_run` or `cross_field`; sensorcal needs readings of a sensor in a coil's field or in a shield";
+
 /// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to
 /// `model.effects`; a sensor without a recording of a kind keeps what the document says of it.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     if !document.recordings.iter().any(|recording| MINE.contains(&recording.procedure.as_str())) {
-        return Err(Error::Nothing);
+        return Err(Error::Request(NOTHING.into()));
     }
     let sides = Sides::of(&document, options.axes_std_deg);
     let mut found: Vec<SensorFindings> =
@@ -133,10 +135,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         }
         adopt::adopt(&mut document, sensor, &found);
         if let Some(block) = found.conditions.block.take() {
-            joint.put(block).map_err(Error::Undetermined)?;
+            joint.put(block).map_err(Error::Unanswerable)?;
         }
         if let Some(block) = found.across.take().filter(|_| adopt::across_matters(&found.calibration)) {
-            joint.put(block).map_err(Error::Undetermined)?;
+            joint.put(block).map_err(Error::Unanswerable)?;
         }
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
         let entry = sensors.entry(sensor).get_or_insert_default();

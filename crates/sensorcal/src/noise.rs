@@ -2,8 +2,8 @@
 
 use common::number::{bare, counted, p_value, significant};
 use common::{
-    AllanDeviation, Axis, BandRms, Document, Error as Fault, MergedSpectrum, Noise, NoiseSeriesResult,
-    Quantity, Recording, SensorNoise, SpectralLine, procedure, series,
+    AllanDeviation, Axis, BandRms, Document, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording,
+    SensorNoise, SpectralLine, procedure, series,
 };
 use estimate::even::evened;
 use estimate::periodogram::{Periodogram, periodogram};
@@ -102,19 +102,19 @@ fn read<'a>(
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), reading) else {
         let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
-        return Err(Fault::document(format!("{path}.columns.time_s"), "no such times", expected).into());
+        return Err(Error::document(format!("{path}.columns.time_s"), "no such times", expected));
     };
     let Some((k, _)) = sensitivity(unit) else {
         let expected = format!(
             "calibration.sensors.{sensor}.sensitivity_nt_per_v, instrument.nominal_sensitivity_nt_per_v or a `sensor_sensitivity` recording"
         );
-        return Err(Fault::document(column, "readings in V without a sensitivity", expected).into());
+        return Err(Error::document(column, "readings in V without a sensitivity", expected));
     };
     let rows = even.column.len();
     let filled = series::filled(even.column).map_err(|missing| {
         let found = format!("{missing} of {} missing", counted(rows, "reading"));
         let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
-        Fault::document(&column, found, expected)
+        Error::document(&column, found, expected)
     })?;
     let step_s = even.step_s;
     let field_nt: Vec<f64> = filled.into_iter().map(|value| k * value).collect();
@@ -124,7 +124,7 @@ fn read<'a>(
     if field_nt.iter().all(|field| *field == field_nt[0]) {
         let found = format!("the constant reading {}", reading[0]);
         let expected = "readings that vary: was the sensor connected, or is its noise below one quantisation step? Amplify before the converter";
-        return Err(Fault::document(column, found, expected).into());
+        return Err(Error::document(column, found, expected));
     }
     let periodogram = periodogram(&field_nt, step_s)?;
     let code_nt = code(reading).map(|code| code * k);

@@ -1,7 +1,7 @@
 //! The readings of a sensor in a coil's field, with what is wrong told by its place.
 
 use common::number::{bare, counted, significant};
-use common::{Axis, Document, Error as Fault, Recording};
+use common::{Axis, Document, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 
@@ -84,7 +84,7 @@ pub fn recordings<'a>(
         recording.at_hand(&path)?;
         let Some(of) = recording.conditions.sensor else {
             let expected = "\"x\", \"y\" or \"z\", the sensor that is calibrated";
-            return Err(Fault::document(format!("{path}.conditions.sensor"), "no such key", expected).into());
+            return Err(Error::document(format!("{path}.conditions.sensor"), "no such key", expected));
         };
         if of == sensor {
             found.push((path, recording));
@@ -107,13 +107,13 @@ pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<
         (None, Some(field)) => Ok((field, Unit::Nanotesla)),
         (Some(_), Some(_)) => {
             let found = format!("both `sensor_{sensor}_v` and `sensor_{sensor}_nt`");
-            Err(Fault::document(columns, found, "one of them").into())
+            Err(Error::document(columns, found, "one of them"))
         }
         (None, None) => {
             let found = format!("no readings of sensor {sensor}");
             let expected =
                 format!("`sensor_{sensor}_v`, or `sensor_{sensor}_nt` of an instrument that gives field");
-            Err(Fault::document(columns, found, expected).into())
+            Err(Error::document(columns, found, expected))
         }
     }
 }
@@ -129,7 +129,7 @@ pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result
     if let Some(other) = runs.iter().find(|run| run.context.unit != runs[0].context.unit) {
         let found = "a unit other than that of the recording before";
         let expected = "one unit for all recordings of a sensor's procedure";
-        return Err(Fault::document(format!("{}.columns", other.path), found, expected).into());
+        return Err(Error::document(format!("{}.columns", other.path), found, expected));
     }
     Ok(runs)
 }
@@ -143,7 +143,7 @@ fn run<'a>(
 ) -> Result<Run<'a>, Error> {
     let Some(coil) = recording.conditions.coil else {
         let expected = "\"x\", \"y\" or \"z\", the coil along which the sensor is turned";
-        return Err(Fault::document(format!("{path}.conditions.coil"), "no such key", expected).into());
+        return Err(Error::document(format!("{path}.conditions.coil"), "no such key", expected));
     };
     let (reading, unit) = output(recording, &path, sensor)?;
     let reading = reading.to_vec();
@@ -152,7 +152,7 @@ fn run<'a>(
     if !["a", "v"].iter().any(|unit| recording.axis_column("coil", coil, unit).is_some()) {
         let expected = format!("`coil_{coil}_a`, or `coil_{coil}_v` across the precision resistor");
         let found = format!("no drive of coil {coil}");
-        return Err(Fault::document(format!("{path}.columns"), found, expected).into());
+        return Err(Error::document(format!("{path}.columns"), found, expected));
     }
     let mut basic = Basic::of(document, unit);
     for driven in Axis::ALL {
@@ -161,7 +161,7 @@ fn run<'a>(
         if driven_at_all && constant == 0.0 {
             let key = format!("calibration.coils.{driven}.constant_nt_per_a");
             let expected = "the constant of a coil that carries current; coilcal finds it, or state it there";
-            return Err(Fault::document(key, "no such key", expected).into());
+            return Err(Error::document(key, "no such key", expected));
         }
     }
     let oriented = recording.conditions.orientation.is_some() || recording.conditions.theodolite.is_some();
@@ -173,7 +173,7 @@ fn run<'a>(
             significant(cosine.clamp(-1.0, 1.0).acos().to_degrees(), 3)
         );
         let expected = "the orientation in which the sensor was aligned with the coil";
-        return Err(Fault::document(format!("{path}.conditions.orientation"), found, expected).into());
+        return Err(Error::document(format!("{path}.conditions.orientation"), found, expected));
     }
     let direction = if oriented { cosine.signum() } else { 1.0 };
     basic.mu.set_column(sensor.index(), &(along * direction));
@@ -195,14 +195,14 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         run.rows.iter().map(|row| (direction * run.applied_nt(*row), run.reading[*row])).collect();
     if points.len() < 4 {
         let found = format!("{} in a known field", counted(points.len(), "reading"));
-        return Err(Fault::document(column, found, "at least four").into());
+        return Err(Error::document(column, found, "at least four"));
     }
     let line = Line::through(&points);
     let largest = points.iter().map(|point| point.0.abs()).fold(0.0, f64::max);
     if line.bb <= 1e-18 * points.len() as f64 * largest * largest {
         let key = format!("{}.columns.coil_{}", run.path, run.coil);
         let expected = "fields on both sides of zero; one field alone does not determine a sensitivity";
-        return Err(Fault::document(key, "a drive that never changes", expected).into());
+        return Err(Error::document(key, "a drive that never changes", expected));
     }
     if line.vv <= 1e-12 * line.mean.1 * line.mean.1 {
         let found = format!("the constant reading {}", bare(line.mean.1));
@@ -212,7 +212,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
             "readings that follow the {} nT by which the field changes; was the sensor connected?",
             significant(span, 4)
         );
-        return Err(Fault::document(column, found, expected).into());
+        return Err(Error::document(column, found, expected));
     }
     // The ends may be clipped: where the inner half follows the field better, the first line goes through it.
     let inner: Vec<(f64, f64)> =
@@ -224,7 +224,7 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
         let percent = significant(100.0 * explained, 3);
         let found = format!("readings that follow the field of coil {} by {percent} % only", run.coil);
         let expected = "a sensor aligned with the driven coil; are columns, sensor or coil swapped, or is the output clipped?";
-        return Err(Fault::document(column, found, expected).into());
+        return Err(Error::document(column, found, expected));
     }
     let sensitivity = line.bb / line.bv;
     let stated = run.basic.sensors[sensor.index()].sensitivity;
@@ -238,12 +238,12 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     let ratio = sensitivity / stated;
     if sensitivity < 0.0 {
         let expected = "readings that rise with it; is the sensor reversed (`conditions.orientation`), or the sign of a drive lost?";
-        return Err(Fault::document(column, "readings that fall as the field rises", expected).into());
+        return Err(Error::document(column, "readings that fall as the field rises", expected));
     }
     if compared && !(1.0 / STATED_WITHIN..=STATED_WITHIN).contains(&ratio) {
         let found = format!("a sensitivity of {} nT per unit of reading", bare(sensitivity));
         let expected = format!("about {}, as stated; are units, columns or coils mixed up?", bare(stated));
-        return Err(Fault::document(column, found, expected).into());
+        return Err(Error::document(column, found, expected));
     }
     let first = &mut run.basic.sensors[sensor.index()];
     first.sensitivity = sensitivity;

@@ -5,8 +5,7 @@
 
 use common::number::{counted, plural};
 use common::{
-    Axis, Document, Error as Fault, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset,
-    ReversalPairs, procedure,
+    Axis, Document, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset, ReversalPairs, procedure,
 };
 use estimate::correlated::{self, Scale};
 use estimate::stats;
@@ -180,29 +179,28 @@ pub fn one(
     let (reading, unit) = output(recording, path, sensor)?;
     let Some(position) = recording.column("position") else {
         let expected = "`position`, +1 or −1 in the order taken";
-        return Err(Fault::document(format!("{path}.columns"), "no such column", expected).into());
+        return Err(Error::document(format!("{path}.columns"), "no such column", expected));
     };
     let key = format!("{path}.columns.position");
     if let Some(row) = position.iter().position(|p| p.is_finite() && p.abs() != 1.0) {
         let found = format!("{} in row {row}", position[row]);
-        return Err(Fault::document(key, found, "+1 or −1, the two positions of the sensor").into());
+        return Err(Error::document(key, found, "+1 or −1, the two positions of the sensor"));
     }
     let rows: Vec<usize> =
         (0..recording.rows()).filter(|row| reading[*row].is_finite() && position[*row].is_finite()).collect();
     let (ups, downs) = [1.0, -1.0].map(|p| rows.iter().filter(|row| position[**row] == p).count()).into();
     if ups < 2 || downs < 2 {
         let found = format!("{} in position +1 and {downs} in −1", counted(ups, "reading"));
-        return Err(Fault::document(
+        return Err(Error::document(
             key,
             found,
             "at least two in each; one position alone does not determine an offset",
-        )
-        .into());
+        ));
     }
     let Some((k, k_std)) = sensitivity(unit) else {
         let key = format!("calibration.sensors.{sensor}.sensitivity_nt_per_v");
         let expected = "the sensitivity, from a `sensor_sensitivity` recording or stated there, or `instrument.nominal_sensitivity_nt_per_v`";
-        return Err(Fault::document(key, "no such key", expected).into());
+        return Err(Error::document(key, "no such key", expected));
     };
     let context =
         Context::new(document, recording, References::of(document)).map_err(|error| error.at(path))?;
@@ -322,7 +320,7 @@ impl Series<'_> {
                 counted(rows.len(), "reading"),
                 plural(rows.len(), "determines", "determine")
             );
-            return Err(Error::Undetermined(more));
+            return Err(Error::Unanswerable(more));
         }
         let noise = allowed.describe(&fit);
         Ok((fit, noise))

@@ -36,7 +36,7 @@ pub fn take_out(
             run.rows.retain(|row| !flat.contains(row));
         }
         if run.rows.len() < 4 {
-            return Err(Error::Undetermined(format!(
+            return Err(Error::Unanswerable(format!(
                 "recording \"{}\": the output of sensor {sensor} is saturated in all but {}; smaller fields are needed",
                 run.context.recording.id,
                 counted(run.rows.len(), "reading")

@@ -76,7 +76,7 @@ pub fn calibrate(
     let problem = Problem { allowed: &allowed, ..problem };
     let line = problem.solve()?;
     if line.linear.freedom < 2.0 {
-        return Err(Error::Undetermined(format!(
+        return Err(Error::Unanswerable(format!(
             "sensor {sensor}: {}; a straight line and its scatter need at least four",
             counted(line.linear.residuals.len(), "reading")
         )));

@@ -50,7 +50,7 @@ impl Wandering {
         let mean = own.iter().sum::<f64>() / count as f64;
         let largest = y.iter().map(|value| value.abs()).fold(0.0, f64::max);
         if mean <= 1e-24 * largest * largest {
-            return Err(Error::Undetermined(
+            return Err(Error::Unanswerable(
                 "the offsets of all dates are identical; were they copied?".into(),
             ));
         }
@@ -74,7 +74,7 @@ impl Wandering {
         let mut scale = 1.0;
         for (shape, (_, probability)) in shapes.iter().zip(FORMS) {
             let covariance = noise::covariance(shape, count, Some(time_s))
-                .map_err(|error| Error::Undetermined(error.to_string()))?;
+                .map_err(|error| Error::Unanswerable(error.to_string()))?;
             let wander = Wander::of(design, y, &own, &covariance)?;
             scale = wander.scale();
             // Over the logarithm of q.

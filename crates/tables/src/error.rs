@@ -1,3 +1,4 @@
+use common::Told;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -33,6 +34,15 @@ pub enum Error {
         /// The system's word.
         source: std::io::Error,
     },
+}
+
+impl Told for Error {
+    fn told(self) -> common::Error {
+        match self {
+            Error::File { path, action, source } => common::Error::File { path, action, source },
+            other => common::Error::Request(other.to_string()),
+        }
+    }
 }
 
 /// A place in a table.

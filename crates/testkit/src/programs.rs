@@ -5,6 +5,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use common::Told;
 use thiserror::Error;
 
 /// Why a program gave no answer.
@@ -25,10 +26,19 @@ pub enum Error {
     },
 }
 
+impl Told for Error {
+    fn told(self) -> common::Error {
+        match self {
+            Error::Common(error) => error,
+            other => common::Error::Request(other.to_string()),
+        }
+    }
+}
+
 impl Error {
     /// A file that cannot be `read`, `written` or `run`.
     pub fn file(path: impl Into<PathBuf>, action: &'static str, source: std::io::Error) -> Self {
-        Error::Common(common::Error::File { path: path.into(), action, source })
+        Error::Common(common::Error::file(path, action, source))
     }
 }
 

@@ -11,8 +11,9 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use super::basis;
+use super::ranking::{Design, ErrorModel, design};
 use super::report::{self, Request};
-use super::{Design, ErrorModel, basis, design};
 
 /// What is asked of `axescal design`.
 #[derive(Args, Clone, Debug)]

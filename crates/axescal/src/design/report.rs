@@ -197,7 +197,7 @@ fn out_of_reach(request: Request, best: f64) -> Error {
     } else {
         "the orientations do not determine the directions; their rotations must be about at least two different axes".into()
     };
-    Error::RankShort(format!(
+    Error::Unanswerable(format!(
         "{}\" for {of} with a probability of {} is out of reach: {reached}. Ask for less (--target-arcsec), or state better theodolites, \
          a stronger drive or less noise",
         bare(request.target_arcsec),

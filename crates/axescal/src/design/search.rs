@@ -1,15 +1,18 @@
 //! The best set among candidates: all sets, or an exchange search where there are too many.
 
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 use physics::frames::ARCSEC;
 use rayon::prelude::*;
 
-use super::Information;
+use super::information::TURNS;
 
 /// Sets up to this number are all tried; beyond, the search exchanges members.
 const MOST_SETS: f64 = 1.5e6;
 /// Beginnings of the exchange search.
 const BEGINNINGS: usize = 24;
+
+/// What an orientation says on the directions; informations add.
+pub type Information = SMatrix<f64, TURNS, TURNS>;
 
 /// The candidates with their information.
 pub struct Field {
@@ -31,7 +34,7 @@ impl Field {
     pub fn score(&self, mut members: Vec<usize>) -> Scored {
         members.sort_unstable();
         let sum = members.iter().fold(Information::zeros(), |sum, &member| sum + self.information[member]);
-        let scale = SVector::<f64, 12>::from_fn(|k, _| sum[(k, k)]).max();
+        let scale = SVector::<f64, TURNS>::from_fn(|k, _| sum[(k, k)]).max();
         let worst = match sum.cholesky() {
             Some(root) if root.l_dirty().diagonal().min().powi(2) > 1e-9 * scale => {
                 let variance = root.inverse().diagonal().max();

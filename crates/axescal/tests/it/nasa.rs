@@ -86,7 +86,6 @@ fn which_orientations_suffice() {
     assert!(off_diagonal_error(&solved("table-4-1-2-4", &Options::default())) < 5e-5);
     let refused = |name: &str| {
         let error = axescal::run(document(name), &Options::default()).expect_err("not determined");
-        let error = common::Error::from(error);
         assert_eq!(error.exit_code(), common::ExitCode::Unanswerable);
         error.to_string()
     };

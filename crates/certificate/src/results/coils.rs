@@ -2,8 +2,8 @@
 
 use common::{Document, Quantity};
 
-use super::Expanded;
-use super::Sheet;
+use crate::expanded::Expanded;
+use crate::sheet::Sheet;
 
 /// The tables of the coils.
 pub fn tables(sheet: &mut Sheet, document: &Document) {

@@ -3,8 +3,8 @@
 use common::{Axis, Document};
 use estimate::stats;
 
-use super::Expanded;
-use super::Sheet;
+use crate::expanded::Expanded;
+use crate::sheet::Sheet;
 
 /// η and d of T = R η + d.
 pub fn tables(sheet: &mut Sheet, document: &Document) {

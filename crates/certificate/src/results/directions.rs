@@ -4,9 +4,9 @@ use common::{Axis, Document, uncertainty};
 use conformity::Joint;
 use nalgebra::Vector3;
 
-use super::Expanded;
-use super::Sheet;
+use crate::expanded::Expanded;
 use crate::expanded::NORMAL;
+use crate::sheet::Sheet;
 
 /// The tables of one set of directions, `sensors` or `coils`.
 pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, frame: &str) {

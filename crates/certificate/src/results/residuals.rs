@@ -3,7 +3,7 @@
 use common::Document;
 use page::{Cell, Table};
 
-use super::Sheet;
+use crate::sheet::Sheet;
 
 /// The rms and the largest residual of each fit.
 pub fn table(sheet: &mut Sheet, document: &Document) {

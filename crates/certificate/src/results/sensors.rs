@@ -6,8 +6,8 @@ use conformity::{Joint, offset_path};
 use page::Table;
 use page::words::key;
 
-use super::Expanded;
-use super::Sheet;
+use crate::expanded::Expanded;
+use crate::sheet::Sheet;
 
 /// The tables of the sensors.
 pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint) {

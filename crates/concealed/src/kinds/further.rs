@@ -1,8 +1,9 @@
 //! Further kinds, and further forms of the kinds in [`super::ALL`].
 
+use super::single::{Single, single, stepped};
 use super::{
-    Single, age, block, channel, cores, craft, environment, facility, grids, ground, lagging, logger, loops,
-    metal, pair, single, stepped, vehicles, warmth,
+    age, block, channel, cores, craft, environment, facility, grids, ground, lagging, logger, loops, metal,
+    pair, vehicles, warmth,
 };
 use crate::draw::Draw;
 use crate::effect::Effect;

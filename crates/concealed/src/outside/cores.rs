@@ -1,6 +1,6 @@
 //! In the core and in the mount.
 
-use super::{in_one, mean, moments, rate, span};
+use super::means::{in_one, mean, moments, rate, span};
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::finer::ode;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::in_one;
+use super::means::{in_one, mean};
 use crate::draw::Draw;
 use crate::effect::Effect;
 use crate::finer::ode;
@@ -182,7 +182,7 @@ pub fn relay(_: &Campaign, draw: &mut Draw) -> Effect {
 /// dB and s in nT.
 pub fn load(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let current = |run: &Run, t: f64| run.column("panel_current_a").map_or(0.0, |current| current(t));
-    let mean = super::mean(campaign, current);
+    let mean = mean(campaign, current);
     in_one("sensitivity with the current of a load", draw, move |campaign, run, sensor, size| {
         gained(campaign, run, sensor, |t| size * (current(run, t) - mean))
     })

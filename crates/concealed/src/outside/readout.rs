@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use super::{in_one, mean, span, walk};
+use super::means::{direction, in_one, mean, span};
+use super::walk;
 use crate::draw::Draw;
 use crate::effect::{Effect, in_block};
 use crate::finer::ode;
@@ -140,7 +141,7 @@ fn beside_strings(current: f64, width: f64) -> f64 {
 ///
 /// Source: O'Sullivan and Weinberg 1977, The sequential switching shunt regulator S3R, ESA SP-126.
 pub fn strings(_: &Campaign, draw: &mut Draw) -> Effect {
-    let (along, width) = (super::direction(draw), draw.between(0.25, 0.5));
+    let (along, width) = (direction(draw), draw.between(0.25, 0.5));
     let act = in_block(move |_, run, size| {
         let current = |t: f64| run.column("panel_current_a").map_or(0.0, |current| current(t));
         run.times.iter().map(|t| along * (size * beside_strings(current(*t), width))).collect()

@@ -2,7 +2,8 @@
 
 use nalgebra::{Rotation3, Vector3};
 
-use super::{direction, moments, span, walk};
+use super::means::{direction, moments, span};
+use super::walk;
 use crate::draw::Draw;
 use crate::effect::{Effect, in_geo};
 use crate::finer::dipole;

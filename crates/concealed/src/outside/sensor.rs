@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-use super::{in_one, rate, slip, walk};
+use super::means::{direction, in_one, mean, moments, rate, span};
+use super::{slip, walk};
 use crate::draw::Draw;
 use crate::effect::{Effect, in_block, in_geo};
 use crate::scene::{Campaign, Run};
@@ -47,7 +48,7 @@ pub fn pinning(_: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// Source: Bowden and Tabor 1950, The Friction and Lubrication of Solids (stick and slip).
 pub fn friction(_: &Campaign, draw: &mut Draw) -> Effect {
-    let (about, most_k) = (super::direction(draw), draw.between(1.0, 2.0));
+    let (about, most_k) = (direction(draw), draw.between(1.0, 2.0));
     let act = in_block(move |campaign, run, size| {
         let twist = slip::departures(run.times.iter().map(|t| run.temperatures[0](*t)), most_k);
         let turned = |(t, twist): (&f64, &f64)| {
@@ -80,10 +81,10 @@ pub fn heat_flow(_: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// dB and s in nT; with this b the departure has no part that is proportional to the field.
 pub fn warm_bend(campaign: &Campaign, draw: &mut Draw) -> Effect {
-    let mean_k = super::mean(campaign, |run, t| run.temperatures[0](t));
+    let mean_k = mean(campaign, |run, t| run.temperatures[0](t));
     in_one("bend that is proportional to temperature", draw, move |campaign, run, sensor, size| {
         let field = |run: &Run, t: f64| run.along(&campaign.bench, sensor, t);
-        let moment = |power: i32| super::mean(campaign, |run, t| field(run, t).powi(power));
+        let moment = |power: i32| mean(campaign, |run, t| field(run, t).powi(power));
         let trimmed = (moment(4) / moment(2)).sqrt();
         let bent = |t: &f64| {
             let (warm, x) = ((run.temperatures[0](*t) - mean_k) / 10.0, field(run, *t) / trimmed);
@@ -102,7 +103,7 @@ pub fn warm_bend(campaign: &Campaign, draw: &mut Draw) -> Effect {
 ///
 /// s in seconds of arc, tau between 2 and 6 % of the campaign.
 pub fn humidity(campaign: &Campaign, draw: &mut Draw) -> Effect {
-    let tau = super::span(campaign) * draw.between(0.02, 0.06);
+    let tau = span(campaign) * draw.between(0.02, 0.06);
     let seed = draw.below(1 << 20) as u64;
     in_one("axis that turns with an unrecorded humidity", draw, move |campaign, run, sensor, size| {
         let mut air = Draw::new(&format!("air/{}", run.id), seed);
@@ -129,7 +130,7 @@ pub fn swing(campaign: &Campaign, draw: &mut Draw) -> Effect {
     let step = campaign.runs[0].step_s();
     let (period, tau) = (step * draw.between(2.5, 7.0), step * draw.between(12.0, 30.0));
     let knocks: Vec<(f64, f64)> =
-        super::moments(campaign, 40, draw).into_iter().map(|at| (at, draw.normal())).collect();
+        moments(campaign, 40, draw).into_iter().map(|at| (at, draw.normal())).collect();
     let act = in_geo(move |campaign, run, size| {
         let turned = |t: &f64| knocks.iter().map(|(at, a)| a * swinging(t - at, period, tau)).sum::<f64>();
         let around = |t: &f64| Vector3::z().cross(&run.field_geo(&campaign.bench, *t));
@@ -195,7 +196,7 @@ mod tests {
         let campaign = campaign(4);
         let effect = warm_bend(&campaign, &mut Draw::new("bend", 1));
         let (sensor, added) = (effect.sensors[0], of_sensor(&campaign, &effect));
-        let mean_k = super::super::mean(&campaign, |run, t| run.temperatures[0](t));
+        let mean_k = super::super::means::mean(&campaign, |run, t| run.temperatures[0](t));
         let (mut slope, mut size) = (0.0, 0.0);
         for (run, added) in campaign.runs.iter().zip(&added) {
             for (t, value) in run.times.iter().zip(added) {

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-use super::{direction, moments, slip, span};
+use super::means::{direction, moments, span};
+use super::slip;
 use crate::draw::Draw;
 use crate::effect::{Effect, in_geo};
 use crate::scene::Campaign;

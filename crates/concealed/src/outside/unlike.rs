@@ -3,8 +3,9 @@
 
 use nalgebra::{DVector, Vector3};
 
+use super::FURTHER;
+use super::means::rate;
 use super::tests::campaign;
-use super::{FURTHER, rate};
 use crate::base;
 use crate::draw::Draw;
 use crate::effect::{Effect, in_block, in_geo};

@@ -2,7 +2,7 @@
 //! [`crate::groups`]), 0.1 to 100 times the noise, one effect or up to four, each off its formula by up to a
 //! fifth.
 
-use super::Set;
+use super::set::Set;
 use crate::as_recorded::as_recorded;
 use crate::base;
 use crate::case::{self, Case, Concealed};

@@ -1,7 +1,7 @@
 //! Long recordings: thousands of rows, in which what is small against the noise of a reading is large against
 //! that of them all, and in which no formula is quite that of the effect.
 
-use super::Set;
+use super::set::Set;
 use crate::case::{self, Case, Concealed};
 use crate::draw::Draw;
 use crate::form;

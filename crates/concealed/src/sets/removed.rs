@@ -1,7 +1,7 @@
 //! A catalogue with the entry removed: one effect of every name in turn, its name and those that would be
 //! right as well taken out.
 
-use super::Set;
+use super::set::Set;
 use crate::case::{self, Case, Concealed};
 use crate::draw::Draw;
 use crate::form;

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use physics::Kind;
 use physics::frames::ARCSEC;
 
-use super::Gaps;
 use super::across::Across;
+use super::gaps::Gaps;
 use crate::Requirement;
 use crate::axes::turn_per_k;
 use crate::joint::{self, Joint};

@@ -76,7 +76,7 @@ fn what_is_predicted_is_corrected() {
         let corrected = correct::run(document, &Options::default());
         if !kind.about().invertible {
             let error = corrected.expect_err("no inverse");
-            assert!(matches!(&error, Error::Hidden(why) if why.contains(kind.name())), "{error}");
+            assert!(matches!(&error, Error::Unanswerable(why) if why.contains(kind.name())), "{error}");
             continue;
         }
         let document = corrected.unwrap_or_else(|error| panic!("{}: {error}", kind.name()));

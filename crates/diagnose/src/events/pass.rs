@@ -5,7 +5,7 @@ use faer::Mat;
 use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
-use super::fitted;
+use super::fitted::fitted;
 use crate::Error;
 use crate::algebra::square;
 use crate::channel::{Channel, Reader};

@@ -4,8 +4,8 @@ use common::{Axis, Calibration, Document};
 use nalgebra::Vector3;
 use physics::{Parameter, Unit, frames};
 
-use super::Model;
-use super::basic::{Instrument, Unknown, instrument_of};
+use super::state::Model;
+use super::unknown::{Instrument, Unknown, instrument_of};
 
 impl Model<'_> {
     /// Holds the constants of the sensors within a share of themselves, or in radians, offsets within that of

@@ -7,18 +7,44 @@
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{Parameter, frames};
+use physics::{Parameter, Role, frames};
 
-use super::basic::{Instrument, Unknown};
-use super::{Model, State};
+use super::state::{Model, State};
+use super::unknown::{Instrument, Unknown};
 
+/// A time constant or a level goes no farther beyond its plausible range than by this factor.
+const FARTHEST: f64 = 10.0;
 /// A step that turns a sensor by more than this is left as it is, rad.
 const FARTHEST_TURN: f64 = 0.5;
 
 impl Model<'_> {
+    /// A state moved along a step over the unknowns.
+    pub fn advance(&self, state: &State, step: &[f64]) -> State {
+        let mut next = state.clone();
+        let base = self.unknowns.len();
+        next.base.iter_mut().zip(step).for_each(|(value, s)| *value += s);
+        self.straighten(state, &mut next);
+        let free = self.free(state);
+        for ((effect, parameter), s) in free.iter().zip(&step[base..]) {
+            let info = &next.effects[*effect].kind.parameters()[*parameter];
+            let value = &mut next.effects[*effect].parameters[*parameter];
+            if info.role == Role::Shape {
+                let largest = if info.name == "frequency_hz" { 1e-2 } else { 1.0 };
+                let moved = *value * s.clamp(-largest, largest).exp();
+                *value = moved.clamp(info.low / FARTHEST, info.high * FARTHEST);
+            } else {
+                *value += s;
+            }
+        }
+        for (column, s) in next.columns.iter_mut().zip(&step[base + free.len()..]) {
+            column.coefficient += s;
+        }
+        next
+    }
+
     /// Brings the constants of all sensors, moved from one state to the next by a step, to where readings
     /// move in a straight line.
-    pub(super) fn straighten(&self, before: &State, next: &mut State) {
+    fn straighten(&self, before: &State, next: &mut State) {
         for run in 0..self.observed.runs.len() {
             let instrument = self.instrument(run);
             if (0..run).any(|earlier| self.instrument(earlier) == instrument) {

@@ -109,7 +109,7 @@ pub fn own(part: &Pair) -> Result<Option<ClockDifference>, Error> {
     };
     match clock() {
         Ok(clock) => Ok(clock),
-        Err(Error::Estimate(_) | Error::Undetermined(_)) => Ok(None),
+        Err(Error::Fit(_) | Error::Unanswerable(_)) => Ok(None),
         Err(other) => Err(other),
     }
 }

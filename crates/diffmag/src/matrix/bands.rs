@@ -1,9 +1,7 @@
 //! The matrix as a transfer function, T = R Z(f): whether it is real and the same at all periods.
 
 mod transfer;
-mod words;
-
-pub use words::findings;
+pub mod words;
 
 use std::ops::Range;
 
@@ -62,7 +60,7 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
             let (of, step_s) = &spectra[band.spectra];
             let found = transfer(of, band.ordinates.clone(), j, eta, &density, band.effective, *step_s);
             column.push(found.ok_or_else(|| {
-                Error::Undetermined("the field does not vary in three directions in a band of periods".into())
+                Error::Unanswerable("the field does not vary in three directions in a band of periods".into())
             })?);
         }
     }

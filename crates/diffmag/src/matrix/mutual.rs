@@ -1,10 +1,7 @@
 //! The fourteen parameters as a document has them: what is known of either instrument in, angles and ratios
 //! out.
 
-use common::{
-    Angle, DifferentialCalibration, Error as Fault, FourteenParameters, KnownInstrument, Magnetometer,
-    Quantity,
-};
+use common::{Angle, DifferentialCalibration, FourteenParameters, KnownInstrument, Magnetometer, Quantity};
 use indexmap::IndexMap;
 use nalgebra::{Matrix3, SMatrix, SVector};
 
@@ -33,8 +30,8 @@ pub fn parameters(
     let stated = known.cloned().unwrap_or_default();
     let five = five(&stated)?;
     let wrong = |error: fourteen::Error| match error {
-        fourteen::Error::Known { found, expected, .. } => Fault::document(PATH, found, expected).into(),
-        other => Error::Undetermined(other.to_string()),
+        fourteen::Error::Known { found, expected, .. } => Error::document(PATH, found, expected),
+        other => Error::Unanswerable(other.to_string()),
     };
     let found = fourteen::solve(&eta, &covariance, &five).map_err(wrong)?;
     let numerical = fourteen::solve_numerically(&eta, &five).map_err(wrong)?;
@@ -49,7 +46,7 @@ pub fn parameters(
 fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
     if let Some(key) = stated.non_orthogonality_arcsec.keys().find(|key| !PAIRS.contains(&key.as_str())) {
         let path = format!("{PATH}.non_orthogonality_arcsec.{key}");
-        return Err(Fault::document(path, "a pair of axes of that name", "`xy`, `yz` or `xz`").into());
+        return Err(Error::document(path, "a pair of axes of that name", "`xy`, `yz` or `xz`"));
     }
     let epsilon = PAIRS.map(|pair| {
         let given = stated.non_orthogonality_arcsec.get(pair);

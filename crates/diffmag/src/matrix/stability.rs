@@ -23,7 +23,7 @@ pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, E
     found.findings.extend(found.quiet_disturbed.iter().flat_map(windows::quiet_findings));
     let in_bands = bands::bands(pair, fits, &noise);
     found.bands = told(in_bands, "whether the matrix is the same at all periods", &mut found.findings)?;
-    found.findings.extend(found.bands.iter().flat_map(bands::findings));
+    found.findings.extend(found.bands.iter().flat_map(bands::words::findings));
     Ok(Some(found))
 }
 
@@ -31,8 +31,7 @@ pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, E
 fn told<T>(found: Result<T, Error>, name: &str, findings: &mut Vec<String>) -> Result<Option<T>, Error> {
     let why = match found {
         Ok(found) => return Ok(Some(found)),
-        Err(Error::Estimate(why)) => why.to_string(),
-        Err(Error::Undetermined(why)) => why,
+        Err(Error::Fit(why) | Error::Unanswerable(why)) => why,
         Err(other) => return Err(other),
     };
     findings.push(format!("{name} cannot be determined: {why}"));

@@ -18,6 +18,7 @@ use crate::Error;
 use crate::constancy::{self, Estimate, Fitted};
 use crate::regression::AxisFit;
 use joined::Pair;
+use stretch::whole;
 
 /// Fewest and most windows.
 const WINDOWS: (usize, usize) = (4, 12);
@@ -39,11 +40,6 @@ pub fn divide(pair: &Pair) -> Option<Vec<Range<usize>>> {
     let windows: Vec<Range<usize>> =
         (0..count).map(|i| i * samples..end(i)).filter(|rows| 2 * whole(pair, rows) > rows.len()).collect();
     (windows.len() >= WINDOWS.0).then_some(windows)
-}
-
-/// Samples in which nothing is missing.
-fn whole(pair: &Pair, rows: &Range<usize>) -> usize {
-    pair.whole[rows.clone()].iter().filter(|whole| **whole).count()
 }
 
 /// η and offset in each window, and whether they are one.

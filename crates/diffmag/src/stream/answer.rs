@@ -4,11 +4,12 @@ use serde::Serialize;
 
 use super::check;
 use super::fit::FittedNoise;
+use super::grid::Grid;
 use super::noise::Problem;
 use super::octaves::{COLUMNS, Differences, Octave, OctaveFit, UNKNOWNS};
+use super::partial::Partial;
 use super::pyramid::Pyramid;
 use super::slow::Slow;
-use super::{Grid, Partial};
 use crate::Error;
 
 /// Fewer samples than these do not tell noise from drift.
@@ -114,13 +115,13 @@ pub struct StreamFit {
 ///
 /// # Errors
 ///
-/// [`Error::Undetermined`] for fewer than 128 samples, [`Error::Estimate`] where the reference's axes do not
+/// [`Error::Unanswerable`] for fewer than 128 samples, [`Error::Fit`] where the reference's axes do not
 /// vary or depend on each other.
 pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
     let span = partial.grid.zip(partial.span_s()).filter(|_| partial.samples >= LEAST);
     let (grid, span_s) = span.ok_or_else(|| {
         let found = partial.samples;
-        Error::Undetermined(format!("{found} whole samples; a series of statistics needs at least {LEAST}"))
+        Error::Unanswerable(format!("{found} whole samples; a series of statistics needs at least {LEAST}"))
     })?;
     let partial = &partial.closed();
     check::columns(&partial.factor)?;

@@ -1,7 +1,7 @@
 //! Columns of which no matrix can be told.
 
+use common::Axis;
 use common::number::significant;
-use common::{Axis, Error as Fault};
 use estimate::tsqr::Tsqr;
 
 use crate::Error;
@@ -13,7 +13,7 @@ pub const TEST: [usize; 3] = [4, 5, 6];
 
 /// Refuses readings that never change, columns that are one, and other units.
 pub fn columns(factor: &Tsqr) -> Result<(), Error> {
-    let refused = |reason: String| Err(Error::Document(Fault::Request(reason)));
+    let refused = |reason: String| Err(Error::Request(reason));
     let names = |instrument: &str| Axis::ALL.map(|axis| format!("{instrument}_{axis}_nt"));
     let all: Vec<String> = names("reference").into_iter().chain(names("test")).collect();
     let places = [REFERENCE, TEST].concat();
@@ -39,7 +39,7 @@ pub fn columns(factor: &Tsqr) -> Result<(), Error> {
     }
     let [x, y, z] = REFERENCE;
     if in_a_plane(factor, [x, y], z)? {
-        return Err(Error::Undetermined(IN_A_PLANE.into()));
+        return Err(Error::Unanswerable(IN_A_PLANE.into()));
     }
     let size = |squares: &[f64]| squares.iter().sum::<f64>().sqrt();
     let ratio = size(&squares[3..]) / size(&squares[..3]);

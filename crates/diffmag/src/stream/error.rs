@@ -35,8 +35,4 @@ pub enum Error {
     },
 }
 
-impl From<Error> for common::Error {
-    fn from(error: Error) -> Self {
-        common::Error::Request(error.to_string())
-    }
-}
+impl common::Told for Error {}

@@ -1,7 +1,7 @@
 use estimate::even::{NEAR, Places};
 use serde::{Deserialize, Serialize};
 
-use super::Error;
+use super::error::Error;
 
 /// A time may be so far from its place, in steps.
 const OFF: f64 = 0.4;

@@ -3,11 +3,12 @@ use partial::{Covered, MOST};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::error::Error;
+use super::grid::Grid;
 use super::moments::{Block, CHANNELS};
 use super::profile::Profile;
 use super::pyramid::Pyramid;
 use super::tile::{self, TILE};
-use super::{Error, Grid};
 
 /// A whole sample of a tile that a piece does not hold whole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

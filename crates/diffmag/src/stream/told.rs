@@ -7,7 +7,8 @@ use common::{
 
 use estimate::stats;
 
-use super::{AxisFit, Estimate, Partial, StreamFit, answer};
+use super::answer::{AxisFit, Estimate, StreamFit, answer};
+use super::partial::Partial;
 use crate::drift::LEVEL;
 use crate::{Error, mutual, words};
 

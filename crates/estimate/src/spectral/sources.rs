@@ -3,12 +3,14 @@
 use faer::{Mat, Side, c64};
 
 use crate::Error;
-use crate::cross_spectrum::CrossSpectra;
 use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
 use crate::stats::chi_squared_p;
 use crate::whittle::Estimate;
 
 mod likelihood;
+mod mixture;
+
+pub use mixture::{KnownNoise, Mixture};
 
 use likelihood::Model;
 
@@ -21,28 +23,6 @@ const WHITE: f64 = 5.412;
 const HELD: f64 = 1.0;
 /// Groups of ordinates that are held against the model have at least so many for each series.
 const GROUP: f64 = 20.0;
-
-/// Series that are sums of independent sources.
-pub struct Mixture<'a> {
-    /// Their spectral matrices, of the whole series without a taper.
-    pub spectra: &'a CrossSpectra,
-    /// From one sample to the next, s.
-    pub step_s: f64,
-    /// What each source gives to each series.
-    pub columns: Vec<Vec<f64>>,
-    /// What is in them besides and is known.
-    pub known: Vec<KnownNoise>,
-}
-
-/// Sources of known noise, up to one factor with an uncertainty.
-pub struct KnownNoise {
-    /// What each gives to each series.
-    pub columns: Vec<Vec<f64>>,
-    /// Density of each at the frequencies of the spectra (unit²/Hz).
-    pub densities: Vec<Vec<f64>>,
-    /// Relative standard uncertainty of the densities, the same factor in all.
-    pub relative_std: f64,
-}
 
 /// Noise of one source: P(f) = A f^-α + 2 σ² Δt.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-use super::{Fault, Rule};
+use super::fault::{Fault, Rule};
 use crate::Error;
 use crate::commands::Writes;
 use crate::mutate::json::UNKNOWN;
@@ -28,9 +28,9 @@ impl Schemas {
             let path = folder.join(format!("{name}.schema.json"));
             let text = fs::read(&path).map_err(|e| Error::file(&path, "read", e))?;
             let schema: Value = serde_json::from_slice(&text)
-                .map_err(|e| Error::request(format!("{}: no JSON ({e})", path.display())))?;
+                .map_err(|e| Error::Request(format!("{}: no JSON ({e})", path.display())))?;
             jsonschema::validator_for(&schema)
-                .map_err(|e| Error::request(format!("{}: no schema ({e})", path.display())))
+                .map_err(|e| Error::Request(format!("{}: no schema ({e})", path.display())))
         };
         Ok(Self { document: of("document")?, mapping: of("mapping")?, truth: of("truth")? })
     }

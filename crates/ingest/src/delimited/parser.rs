@@ -3,13 +3,20 @@
 use common::number::counted;
 use tables::LINE_LIMIT;
 
-use super::Slot;
 use super::fields::{fields, next_field};
 use crate::mapping::Mapping;
 use crate::number;
 use crate::parts::{Room, RowFault};
 use crate::text::{decoded, quoted, split_line};
 use crate::times::Times;
+
+/// Where the value of a column of the file goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Slot {
+    Skipped,
+    Value(usize),
+    Time(usize),
+}
 
 /// How the rows of a file are read.
 pub struct Parser<'a> {

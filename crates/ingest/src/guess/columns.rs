@@ -1,6 +1,6 @@
 //! What the columns of readings are, and in which unit.
 
-use super::Guess;
+use super::open::Guess;
 use super::sample::{Cells, Sample};
 use super::time::plain;
 use super::{content, temperatures};

@@ -2,8 +2,8 @@
 
 use jiff::fmt::strtime::{self, BrokenDownTime};
 
-use super::Guess;
 use super::content;
+use super::open::Guess;
 use super::sample::{Cells, Sample};
 use crate::mapping::TimeMapping;
 

@@ -5,9 +5,8 @@ use common::Extra;
 use serde_json::Value;
 use tables::Place;
 
-use super::without_bar;
 use crate::Error;
-use crate::text::{Source, lines};
+use crate::text::{Source, decoded, lines};
 
 /// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W
 /// sensor axes.
@@ -219,6 +218,13 @@ fn interval_s(words: &str) -> Option<f64> {
             if number.is_empty() { index.checked_sub(1).map_or("1", |before| parts[before]) } else { number };
         Some(number.parse::<f64>().unwrap_or(1.0) * unit_s)
     })
+}
+
+/// A line's text without its bar and the blanks before that.
+fn without_bar(line: &[u8]) -> String {
+    let text = decoded(line);
+    let text = text.trim_end();
+    text.strip_suffix('|').unwrap_or(text).trim_end().to_string()
 }
 
 #[cfg(test)]

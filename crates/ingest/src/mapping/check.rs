@@ -1,6 +1,6 @@
 //! What the types of a mapping do not say: whether it can be followed.
 
-use common::Error as Fault;
+use common::Error;
 use common::number::bare;
 use std::collections::HashSet;
 
@@ -17,15 +17,15 @@ impl Mapping {
     /// # Errors
     ///
     /// What is no mapping or cannot be followed, with its JSON path.
-    pub fn parse(text: &str) -> Result<Self, Fault> {
+    pub fn parse(text: &str) -> Result<Self, Error> {
         let mapping: Mapping = common::at_path(text)?;
         mapping.check()?;
         Ok(mapping)
     }
 
     /// What the types do not say.
-    fn check(&self) -> Result<(), Fault> {
-        let refused = |path: &str, found: String, expected: &str| Err(Fault::document(path, found, expected));
+    fn check(&self) -> Result<(), Error> {
+        let refused = |path: &str, found: String, expected: &str| Err(Error::document(path, found, expected));
         if self.version != 1 {
             return refused(
                 "fluxcal-mapping",
@@ -75,9 +75,9 @@ impl Mapping {
 }
 
 impl TimeMapping {
-    fn check(&self) -> Result<(), Fault> {
+    fn check(&self) -> Result<(), Error> {
         let refused = |key: &str, found: String, expected: &str| {
-            Err(Fault::document(format!("time.{key}"), found, expected))
+            Err(Error::document(format!("time.{key}"), found, expected))
         };
         match (self.columns.len(), self.step_s) {
             (0, None) => {
@@ -147,9 +147,9 @@ impl TimeMapping {
 }
 
 impl ColumnMapping {
-    fn check(&self, path: &str) -> Result<(), Fault> {
+    fn check(&self, path: &str) -> Result<(), Error> {
         let refused = |key: &str, found: String, expected: &str| {
-            Err(Fault::document(format!("{path}.{key}"), found, expected))
+            Err(Error::document(format!("{path}.{key}"), found, expected))
         };
         let good = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
         if self.to.is_empty() || !self.to.bytes().all(good) || self.to == "time_s" {
@@ -180,15 +180,15 @@ impl ColumnMapping {
     }
 
     /// What makes the document's value of the file's.
-    pub fn conversion(&self) -> Result<Conversion, Fault> {
+    pub fn conversion(&self) -> Result<Conversion, Error> {
         self.conversion_at("columns")
     }
 
-    fn conversion_at(&self, path: &str) -> Result<Conversion, Fault> {
+    fn conversion_at(&self, path: &str) -> Result<Conversion, Error> {
         let (sign, offset) = (f64::from(self.sign.unwrap_or(1)), self.offset.unwrap_or(0.0));
         let from = format!("column {}", self.from);
         let refused = |key: &str, found: String, expected: String| {
-            Err(Fault::document(format!("{path}.{key}"), found, expected))
+            Err(Error::document(format!("{path}.{key}"), found, expected))
         };
         let scale = self.scale.unwrap_or(1.0);
         let scaled = Ok(Conversion { factor: sign * scale, offset });

@@ -5,7 +5,7 @@ use indexmap::IndexMap;
 use serde_json::Value;
 use tables::Place;
 
-use super::Said;
+use super::said::Said;
 use crate::Error;
 use crate::clock::{self, Zone};
 use crate::text::Source;

@@ -7,7 +7,7 @@
 use indexmap::IndexMap;
 use tables::Place;
 
-use super::Said;
+use super::said::Said;
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
 use crate::text::{Source, decoded, lines, quoted};

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::Plot;
+use super::drawn::Plot;
 
 /// The points of a plot: a line each, with the name of its series.
 pub fn csv(plot: &Plot) -> String {

@@ -1,4 +1,4 @@
-use super::{Mark, Point, Series};
+use super::drawn::{Mark, Point, Series};
 
 /// Points of an ellipse.
 const POINTS: usize = 72;

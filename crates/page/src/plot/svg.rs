@@ -1,8 +1,8 @@
 use std::fmt::Write;
 
+use super::drawn::{Mark, Plot, Point, Series};
 use super::scale::Scale;
 use super::ticks::Tick;
-use super::{Mark, Plot, Point, Series};
 use crate::escape::escape;
 
 /// Size of a drawing; a map is as high as it must be.

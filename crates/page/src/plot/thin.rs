@@ -1,6 +1,6 @@
 use std::collections::HashMap;
 
-use super::{Plot, Point, Series};
+use super::drawn::{Plot, Point, Series};
 use crate::number;
 
 /// Columns of a drawing in which the lowest and the highest point stand for all.

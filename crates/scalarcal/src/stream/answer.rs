@@ -1,11 +1,12 @@
 //! The calibration of what is kept of a long series.
 
-use common::{Axis, Document, Error as Fault, Noise};
+use common::{Axis, Document, Noise};
 use physics::Basic;
 use std::collections::BTreeMap;
 
+use super::memory;
+use super::partial::Partial;
 use super::windows::Window;
-use super::{Partial, memory};
 use crate::design::{Rows, Scales};
 use crate::ends::{self, At};
 use crate::factor::Factor;
@@ -22,7 +23,7 @@ use crate::solved::{Detail, Solved};
 use crate::stability::{self, Part};
 use crate::terms::{ONE, Terms};
 use crate::weakest::frame;
-use crate::{Error, Options, checks, declared, determined, start};
+use crate::{Error, Options, checks, declared, determined, start, words};
 
 /// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is
 /// known of instrument and facility. Its recordings are not read.
@@ -31,12 +32,16 @@ use crate::{Error, Options, checks, declared, determined, start};
 ///
 /// As [`crate::run`]; a document whose model has effects, which could be taken off rows only; options that
 /// need rows.
-pub fn document(partial: &Partial, mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn document(partial: &Partial, document: Document, options: &Options) -> Result<Document, Error> {
+    adopted(partial, document, options).map_err(words::failed)
+}
+
+fn adopted(partial: &Partial, mut document: Document, options: &Options) -> Result<Document, Error> {
     let (solved, detail, windows) = solve(partial, &document, options)?;
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same series";
         let expected = "one from another source: with --known each reading would count twice";
-        return Err(Fault::document("calibration.scalar.recordings", found, expected).into());
+        return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
     let seen = seen(partial, &document, &solved, &detail, &windows, options)?;
     result::adopt(&mut document, &solved, (&detail, seen), options)?;
@@ -54,25 +59,23 @@ fn solve(
     if options.robust || options.constant_magnitude || options.vector || !options.with.is_empty() {
         let message =
             "--robust, --constant-magnitude, --vector and --with need rows, which a stream does not keep";
-        return Err(Fault::Request(message.into()).into());
+        return Err(Error::Request(message.into()));
     }
-    let adopted =
-        physics::adopt(document).map_err(|source| Error::Physics { path: "model".into(), source })?;
+    let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
     if !adopted.is_empty() {
         let found = "effects, which a stream cannot subtract from the readings";
         let expected = "none; correct the readings, or calibrate a document with rows";
-        return Err(Fault::document("model.effects", found, expected).into());
+        return Err(Error::document("model.effects", found, expected));
     }
     let (unit, source) = (partial.unit(), partial.source());
     let (windows, left_out) = used(partial);
     let columns = Terms::new(ONE + 1).count();
     let raw = Factor::joined(columns, windows.values().map(|window| &window.factor));
     if raw.rows() == 0 {
-        return Err(Fault::Request(
+        return Err(Error::Request(
             "no row in which all three sensors and the reference were read; expected rows without a null"
                 .into(),
-        )
-        .into());
+        ));
     }
     check(partial, document, &raw)?;
     let mean_nt = raw.product(columns - 2, columns - 1) / raw.product(columns - 2, columns - 2);
@@ -159,7 +162,7 @@ fn used(partial: &Partial) -> (Places, Vec<(String, u64)>) {
 fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Error> {
     let (unit, terms) = (partial.unit(), Terms::new(ONE + 1));
     let name = |axis: Axis| format!("sensor_{axis}_{}", unit.suffix());
-    let refused = |message: String| Err(Fault::Request(message).into());
+    let refused = |message: String| Err(Error::Request(message));
     let square = |a: Axis, b: Axis| {
         let place = |axis: Axis| terms.place(axis.index(), ONE).expect("a product without F");
         raw.product(place(a), place(b))
@@ -193,7 +196,7 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
     let length = (4.0 * (0..3).map(own).sum::<f64>() / raw.rows() as f64).sqrt();
     let column = if partial.source() == read::Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
     let read = read::by_nominal(length, unit, document);
-    read::in_units(column.into(), magnitude_nt, read).map_err(Error::from)
+    read::in_units(column.into(), magnitude_nt, read)
 }
 
 /// What is said where noise with memory was not looked for.

@@ -33,7 +33,7 @@ const NOISE_TAKES: f64 = 0.1;
 ///
 /// # Errors
 ///
-/// [`Error::Estimate`] where a decomposition fails.
+/// [`Error::Fit`] where a decomposition fails.
 pub fn widen(
     groups: &Groups,
     found: &mut FittedState,

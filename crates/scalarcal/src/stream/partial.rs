@@ -2,7 +2,7 @@ use partial::{Covered, MOST};
 use physics::Unit;
 use serde::{Deserialize, Serialize};
 
-use super::Error;
+use super::error::Error;
 use super::sample::Sample;
 use super::windows::Closed;
 use crate::ends::Ends;

@@ -72,7 +72,7 @@ fn offsets_that_follow_a_temperature() {
 fn rotations_about_one_axis_are_told_and_a_known_calibration_helps() {
     let campaign = Campaign { turns: Turns::AboutZ, ..Campaign::default() };
     let message = match scalarcal::run(campaign.document(1), &Options::default()) {
-        Err(Error::Undetermined(message)) => message,
+        Err(Error::Unanswerable(message)) => message,
         other => panic!("{:?}", other.map(|document| findings(&document))),
     };
     assert!(

@@ -7,7 +7,8 @@ use physics::frames::{self, ARCSEC};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Sequence, one};
+use super::sensitivity::one;
+use super::sequence::Sequence;
 use crate::bench::{Bench, deviation, positive, samples};
 use crate::planned::{Planned, Reads, Rows};
 

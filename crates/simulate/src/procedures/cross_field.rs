@@ -4,8 +4,8 @@ use common::{Axis, Error, procedure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
 use super::sensitivity::full;
+use super::sequence::Sequence;
 use crate::bench::{Aligned, Bench, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows};
 

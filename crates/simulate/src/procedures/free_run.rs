@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
+use super::sequence::Sequence;
 use crate::bench::Bench;
 use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
 

@@ -11,6 +11,7 @@ mod orbit;
 mod reversal;
 mod sensitivity;
 mod sensor_noise;
+mod sequence;
 mod temperature;
 
 pub use axes::{AcDrive, AxesProcedure, Drive, Orientations};
@@ -24,15 +25,12 @@ pub use orbit::{OrbitProcedure, OrbitTemperature};
 pub use reversal::{DriftProcedure, ReversalProcedure};
 pub use sensitivity::SensitivityProcedure;
 pub use sensor_noise::{NoiseProcedure, NoiseSeries};
+pub use sequence::Sequence;
 pub use temperature::TemperatureProcedure;
 
-use common::Error;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::bench::Bench;
-use crate::planned::Planned;
 
 /// One procedure of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,15 +65,6 @@ pub enum Procedure {
     Orbit(Box<OrbitProcedure>),
 }
 
-/// What every procedure can do.
-pub trait Sequence {
-    /// Rows that it gives; refuses sizes that make no sense. Called before anything is planned.
-    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error>;
-
-    /// Its recordings, without readings.
-    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error>;
-}
-
 impl Procedure {
     /// What it does.
     pub fn sequence(&self) -> &dyn Sequence {
@@ -95,8 +84,4 @@ impl Procedure {
             Procedure::Orbit(procedure) => procedure.as_ref(),
         }
     }
-}
-
-fn one() -> usize {
-    1
 }

@@ -4,7 +4,7 @@ use common::{Axis, Conditions, Error, procedure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
+use super::sequence::Sequence;
 use crate::bench::{Bench, filled, positive, samples};
 use crate::outside::Site;
 use crate::planned::{Begins, Planned, Reads, Rows};

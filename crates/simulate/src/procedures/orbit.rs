@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-use super::Sequence;
+use super::sequence::Sequence;
 use crate::aboard::{Aboard, KnownField, attitude_columns};
 use crate::bench::{Bench, deviation, positive, samples_up_to};
 use crate::orbit::{Orbit, main_field_nt};

@@ -4,7 +4,7 @@ use common::{Axis, Conditions, Error, procedure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
+use super::sequence::Sequence;
 use crate::bench::{Bench, positive, samples};
 use crate::planned::{Begins, Planned, Reads, Rows, Step, Surroundings};
 

@@ -4,7 +4,7 @@ use common::{Axis, Error, procedure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Sequence, one};
+use super::sequence::Sequence;
 use crate::bench::{Aligned, Bench, deviation, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows};
 
@@ -45,6 +45,10 @@ pub(super) fn full() -> f64 {
 
 fn report() -> usize {
     101
+}
+
+pub(super) fn one() -> usize {
+    1
 }
 
 impl Sequence for SensitivityProcedure {

@@ -3,8 +3,8 @@ use common::{Axis, Conditions, Error, procedure};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
 use super::reversal::no_gain;
+use super::sequence::Sequence;
 use crate::bench::{Bench, filled, positive, samples};
 use crate::planned::{Planned, Reads, Rows, Surroundings};
 

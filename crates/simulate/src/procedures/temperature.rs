@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Sequence;
 use super::sensitivity::full;
+use super::sequence::Sequence;
 use crate::bench::{Aligned, Bench, filled, on, positive, samples, sweep};
 use crate::planned::{Planned, Reads, Rows, Step};
 

@@ -3,8 +3,9 @@ use memchr::{memchr, memchr2};
 use std::io::Read;
 
 use super::lines::{Chunk, Lines};
+use super::reader::Reader;
 use super::text::{self, Parse, Parsed, empty_line};
-use super::{Reader, check_wish, select};
+use super::wanted::{check_wish, select};
 use crate::error::quoted;
 use crate::{Error, Place};
 

@@ -12,7 +12,8 @@ use std::sync::Arc;
 use std::sync::Once;
 
 use super::ahead::{ahead, pool};
-use super::{Reader, check_wish, select};
+use super::reader::Reader;
+use super::wanted::{check_wish, select};
 use crate::batch::rows_per_batch;
 use crate::{Batch, Error, Place};
 

@@ -2,9 +2,9 @@ use std::io::Read;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
 
-use super::Reader;
 use super::ahead::{ahead, pool};
 use super::lines::{Chunk, Lines};
+use super::reader::Reader;
 use crate::batch::rows_per_batch;
 use crate::error::listed;
 use crate::{Batch, Error, Place};

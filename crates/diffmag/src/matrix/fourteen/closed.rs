@@ -3,8 +3,8 @@
 use nalgebra::{Matrix3, Vector3};
 use physics::Real;
 
+use super::known::{KnownAxes, KnownFive};
 use super::pair::{Pair, axis, cross, dot};
-use super::{KnownAxes, KnownFive};
 
 /// The reference: β (rad), Z_r, K_xr/K_yr and K_zr/K_yr.
 struct Reference<T: Real> {

@@ -4,9 +4,10 @@
 use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
 use num_dual::Dual64;
 
-use super::known::LOOSE_RAD;
+use super::closed;
+use super::known::{KnownAxes, KnownFive, LOOSE_RAD};
 use super::pair::Pair;
-use super::{ANGLES, BETA, EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES, RATIOS, Tilt, closed};
+use super::parameters::{ANGLES, BETA, EtaCovariance, Fourteen, NAMES, RATIOS, Tilt};
 
 /// π/√3, rad: the standard deviation of an azimuth that may be any.
 pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;

@@ -2,7 +2,7 @@ use common::number::uncertain;
 use nalgebra::Matrix3;
 use thiserror::Error;
 
-use super::EtaCovariance;
+use super::parameters::EtaCovariance;
 
 /// Singular values of η with columns of unit length that are smaller than this share of the largest count as
 /// zero.

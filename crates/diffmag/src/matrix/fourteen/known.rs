@@ -2,7 +2,7 @@ use common::number::{figures, significant};
 use nalgebra::{DMatrix, Matrix3, SMatrix};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::Error;
+use super::error::Error;
 
 /// Cosines of β and γ and eigenvalues of the cosine matrix below this belong to axes that lie in a plane.
 const FLAT: f64 = 1e-6;

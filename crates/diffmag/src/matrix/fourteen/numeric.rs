@@ -6,8 +6,10 @@ use nalgebra::{Matrix3, Vector3};
 use num_dual::Dual64;
 use physics::{Real, frames};
 
+use super::error::{self, Error};
+use super::known::{KnownAxes, KnownFive};
 use super::pair::{Pair, axis, dot};
-use super::{ANGLES, Error, EtaCovariance, KnownAxes, KnownFive, error};
+use super::parameters::{ANGLES, EtaCovariance};
 
 /// β, five ratios, two turns of each of four axes.
 const UNKNOWNS: usize = 14;

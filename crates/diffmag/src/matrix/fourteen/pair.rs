@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use physics::Real;
 
-use super::{ANGLES, BETA, RATIOS};
+use super::parameters::{ANGLES, BETA, RATIOS};
 
 /// A pair of instruments, or the derivative of one.
 #[derive(Clone, Debug)]

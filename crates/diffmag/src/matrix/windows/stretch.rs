@@ -21,6 +21,11 @@ const HELD: f64 = 20.5;
 /// offset are in it.
 const TOO_HIGH: f64 = 1e-3;
 
+/// Samples in which nothing is missing.
+pub fn whole(pair: &Pair, rows: &Range<usize>) -> usize {
+    pair.whole[rows.clone()].iter().filter(|whole| **whole).count()
+}
+
 /// Noise of the difference: that of the whole, which knows the long periods best; or as stretches leave it
 /// that have their own levels, where a step or a bend of the offset is in the whole and would pass for noise.
 pub struct Noise<'a> {
@@ -139,7 +144,7 @@ pub fn estimate(
     let y = &pair.test[j][rows.clone()];
     let fit = spectral::regress(&columns(pair, rows), y, pair.step_s, density)?;
     let covariance = Mat::from_fn(3, 3, |i, k| fit.weighted_covariance[(i, k)]);
-    let bias = bias(&covariance, super::whole(pair, rows) as f64, &fits[j].fit.weighted);
+    let bias = bias(&covariance, whole(pair, rows) as f64, &fits[j].fit.weighted);
     Ok(Estimate { value: fit.weighted[..3].to_vec(), covariance, bias, freedom: f64::INFINITY })
 }
 
@@ -173,7 +178,7 @@ fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let small = nalgebra::Matrix3::from_fn(|i, k| matrix[(i, k)]);
     let inverse = small
         .try_inverse()
-        .ok_or_else(|| Error::Undetermined("the field does not vary in three directions there".into()))?;
+        .ok_or_else(|| Error::Unanswerable("the field does not vary in three directions there".into()))?;
     Ok(Mat::from_fn(3, 3, |i, k| inverse[(i, k)]))
 }
 

@@ -3,6 +3,8 @@
 use common::{DriftExplanations, Quantity};
 use estimate::stats;
 
+use super::joint::LEVEL;
+
 /// Coefficients of the cosine transform that tell the two apart, from the lowest on.
 const COEFFICIENTS: usize = 64;
 /// The weight above which a drift is taken for one.
@@ -152,7 +154,7 @@ impl Explanations {
     /// Whether the readings show a drift, by its weight and by its size over all forms of noise.
     pub fn is_drift(&self) -> bool {
         let z = self.straight_nt_per_day.value() / self.straight_nt_per_day.std().unwrap_or(f64::INFINITY);
-        self.drift >= SURE && stats::two_sided_p(z, f64::INFINITY) < super::LEVEL
+        self.drift >= SURE && stats::two_sided_p(z, f64::INFINITY) < LEVEL
     }
 
     /// As a document has it.

@@ -1,8 +1,9 @@
 use common::IteratedDrift;
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
+use super::columns::Columns;
+use super::joint::Joint;
 use super::moments::Moments;
-use super::{Columns, Joint};
 use crate::Error;
 use estimate::dot;
 use estimate::line_search;
@@ -52,7 +53,7 @@ impl Shape {
 pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<IteratedDrift, Error> {
     let sums = Sums::of(columns, test);
     let inverse = sums.reference.try_inverse().ok_or_else(|| {
-        Error::Undetermined("the three axes of the reference depend on each other".to_owned())
+        Error::Unanswerable("the three axes of the reference depend on each other".to_owned())
     })?;
     let mut eta = inverse * sums.test;
     let d = sums.difference(&eta);

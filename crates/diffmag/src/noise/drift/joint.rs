@@ -4,9 +4,12 @@ use estimate::dot;
 use estimate::{line_search, stats};
 use std::f64::consts::PI;
 
-use super::{Beside, Columns, LEVEL, ROUNDS};
+use super::columns::{Beside, Columns, ROUNDS};
 use crate::Error;
 use crate::difference::Noise;
+
+/// Probability below which a drift is demanded.
+pub const LEVEL: f64 = 0.01;
 
 /// The search of τ ends when ln τ moves less; while the noise is not settled, than the second.
 const ACCURACY: f64 = 1e-7;

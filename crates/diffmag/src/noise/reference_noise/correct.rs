@@ -212,7 +212,7 @@ impl Banded {
                 weights.push(weight);
             }
             banded.covariance = information.try_inverse().ok_or_else(|| {
-                Error::Undetermined("the noise of the reference cannot be estimated from the spectrum".into())
+                Error::Unanswerable("the noise of the reference cannot be estimated from the spectrum".into())
             })?;
             banded.found = banded.covariance * right;
             banded.chi_squared = of_band

@@ -203,7 +203,7 @@ pub fn settle(
 /// The inverse of a matrix whose axes are three.
 pub fn invert(eta: &Matrix3<f64>) -> Result<Matrix3<f64>, Error> {
     eta.try_inverse().ok_or_else(|| {
-        Error::Undetermined(
+        Error::Unanswerable(
             "the matrix between the instruments has no inverse: two axes of the test instrument read the same; compare its \
              connections"
                 .into(),
@@ -214,7 +214,7 @@ pub fn invert(eta: &Matrix3<f64>) -> Result<Matrix3<f64>, Error> {
 /// The inverse of an information, or why there is none.
 pub fn inverse4(information: &Matrix4<f64>) -> Result<Matrix4<f64>, Error> {
     information.try_inverse().filter(|inverse| inverse.iter().all(|value| value.is_finite())).ok_or_else(|| {
-        Error::Undetermined(
+        Error::Unanswerable(
             "the field varied too little to tell the axes apart; record longer, or on more disturbed days".into(),
         )
     })

@@ -6,10 +6,10 @@ use common::EventKind;
 use estimate::events::{Shape, threshold};
 
 use super::attribution::{Source, sources};
+use super::found::{Events, FoundEvent};
 use super::levels::{LONGEST, Levels, Net, PASS, levelled};
 use super::step::{Step, standing};
 use super::view::{Peak, Place, View};
-use super::{Events, FoundEvent};
 use crate::difference::Noise;
 use crate::{Error, axes};
 use joined::Pair;

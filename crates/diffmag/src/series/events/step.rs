@@ -3,8 +3,8 @@
 use common::EventKind;
 
 use super::attribution::Source;
+use super::found::{CONFIRMED, FoundEvent};
 use super::levels::{Levels, Net};
-use super::{CONFIRMED, FoundEvent};
 
 /// A step across disturbed rows needs so many uncertainties, by what the same series does elsewhere; one
 /// between two readings has shown in the filter's answer as well.

@@ -2,7 +2,8 @@
 
 use faer::{Mat, MatMut};
 
-use super::{Control, Damping, Descent, Directions, Minimum, Step, Tolerance, minimise};
+use super::descent::{Control, Damping, Descent, Minimum, Step, Tolerance, minimise};
+use super::directions::Directions;
 use crate::{Error, Svd};
 
 /// A nonlinear least-squares problem whose state may live on a curved space (a unit sphere, say):

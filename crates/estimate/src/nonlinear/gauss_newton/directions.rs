@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::Linear;
+use super::descent::Linear;
 use crate::{Error, Svd};
 
 /// Of products: directions of scaled columns with less than this share of their squared length are rounding.

@@ -3,7 +3,7 @@
 use faer::Mat;
 use rayon::prelude::*;
 
-use super::{Part, Screen, eigen};
+use super::projection::{Part, Screen, eigen};
 use crate::{Error, stats};
 
 /// Share of the draws below which the tail of the distribution is matched.

@@ -2,7 +2,8 @@
 
 use faer::Mat;
 
-use super::{Products, Screen};
+use super::products::Products;
+use super::projection::Screen;
 use crate::Error;
 
 impl Products {

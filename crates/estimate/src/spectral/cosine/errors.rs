@@ -1,6 +1,7 @@
 use faer::{Mat, Side};
 
-use super::{Cosine, memory};
+use super::memory;
+use super::transform::Cosine;
 use crate::Error;
 use crate::linear::dot;
 use crate::whittle::WhittleFit;

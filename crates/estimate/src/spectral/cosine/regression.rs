@@ -1,7 +1,8 @@
 use faer::Mat;
 
-use super::{Errors, bins};
+use super::errors::Errors;
 use crate::Error;
+use crate::bins::bins;
 use crate::linear::dot;
 use crate::positive::Positive;
 use crate::spectral::SpectralFit;

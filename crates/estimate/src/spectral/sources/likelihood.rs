@@ -3,7 +3,7 @@
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
-use super::Mixture;
+use super::mixture::Mixture;
 use crate::scoring::{Likelihood, Slope};
 use crate::whittle::{EXPONENTS, LONGEST};
 

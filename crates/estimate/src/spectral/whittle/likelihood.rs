@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use faer::Mat;
 
-use super::White;
+use super::white::White;
 use crate::Error;
 use crate::periodogram::Periodogram;
 use crate::scoring::{Likelihood, Slope};

@@ -1,11 +1,60 @@
 //! What a fit says about the noise.
 
+use faer::Mat;
+
+use super::choice::Choice;
 use super::estimate::Estimate;
-use super::goodness::{groups, p_value};
+use super::goodness::{Group, groups, p_value};
 use super::likelihood::{EXPONENTS, Model};
-use super::{Choice, WHITE, White, WhittleFit};
+use super::white::White;
 use crate::Error;
 use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
+
+/// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not
+/// being negative.
+const WHITE: f64 = 5.412;
+
+/// Noise of a channel: P(f) = A f^-α + 2 σ² Δt (one-sided, unit²/Hz).
+#[derive(Clone, Debug)]
+pub struct WhittleFit {
+    /// A, the density of the flicker noise at 1 Hz (unit²/Hz). Its value is 0 where flicker is not
+    /// significant (1 %); then α is held at 1, and the uncertainty is that of a one-sided bound.
+    pub amplitude: Estimate,
+    /// One-sided 95 % bound of A where its value is 0.
+    pub amplitude_upper: Option<f64>,
+    /// α. Uncertainty 0 where it is held.
+    pub exponent: Estimate,
+    /// Whether α was stopped by its limits, 0.2 and 2.5: the model is not that of the noise.
+    pub exponent_at_limit: bool,
+    /// Twice the gain in log likelihood that flicker brings. Significant above 7.7.
+    pub flicker_gain: f64,
+    /// What is the same in the white noise of all series.
+    pub white: White,
+    /// σ, rms of the white part of a reading of each series (unit). The value is 0 where white noise is not
+    /// significant (1 %).
+    pub white_rms: Vec<Estimate>,
+    /// One-sided 95 % bound of each σ whose value is 0.
+    pub white_upper: Vec<Option<f64>>,
+    /// The white variances of greatest likelihood, significant or not: σ² (unit²) or the density N
+    /// (unit²/Hz), one for all series or one each. The densities and variances of the model are made of
+    /// these.
+    pub white_variances: Vec<f64>,
+    /// Covariance of (ln A, α, white variances): the inverse of the Fisher information of the likelihood.
+    /// Zero for A and α where flicker is not significant.
+    pub covariance: Mat<f64>,
+    /// −Σ count (ln P + I/P).
+    pub log_likelihood: f64,
+    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; None
+    /// where there was nothing to choose.
+    pub per_reading_p: Option<f64>,
+    /// The same for the density.
+    pub density_p: Option<f64>,
+    /// Groups of at least 30 ordinates against the model; a shorter series is one group.
+    pub groups: Vec<Group>,
+    /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the
+    /// groups; None if there are no more groups than unknowns.
+    pub goodness: Option<f64>,
+}
 
 impl WhittleFit {
     /// Density A f^-α of the flicker noise (unit²/Hz).

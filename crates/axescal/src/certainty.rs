@@ -1,0 +1,119 @@
+//! Whether a fit that has converged answers: directions known well enough, readings that fit.
+
+use common::number::{counted, plural, significant};
+use estimate::Problem;
+use faer::Mat;
+use physics::frames::ARCSEC;
+
+use crate::{AxesProblem, AxesState, Error, Freedom, Observations, rank};
+
+/// A reading of less weight than this is left out.
+const NO_WEIGHT: f64 = 1e-2;
+/// A robust fit that leaves out a larger share than this is refused.
+const MOST_REJECTED: f64 = 0.25;
+/// Noise of a fair reading, as a share of the drive: with it, a direction that is still unknown is so for its
+/// orientations.
+const GOOD_NOISE: f64 = 1e-4;
+/// A direction that is known to no better than this is not known, rad.
+const LARGEST_STD: f64 = 3600.0 * ARCSEC;
+
+/// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are
+/// to blame, else because the readings do not fit.
+pub(crate) fn check(
+    problem: &AxesProblem<'_>,
+    freedom: &Freedom,
+    state: &AxesState,
+    covariance: &Mat<f64>,
+    residuals_nt: &[f64],
+) -> Result<(), Error> {
+    let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
+    let worst = turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    if worst <= LARGEST_STD {
+        return Ok(());
+    }
+    let observations = problem.observations;
+    let readings = &observations.readings;
+    let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    let noise_nt = mean_std_nt(problem);
+    if worst / noise_nt * GOOD_NOISE * drive <= LARGEST_STD {
+        return Err(Error::Unanswerable(misfit(observations, residuals_nt, noise_nt, drive)));
+    }
+    // The weakest combination: a few rounds of the power method on the covariance of the turns.
+    let mut weakest = vec![0.0; problem.unknowns()];
+    turns.iter().for_each(|&k| weakest[k] = 1.0);
+    for _ in 0..100 {
+        let mut product = vec![0.0; weakest.len()];
+        for &i in &turns {
+            product[i] = turns.iter().map(|&j| covariance[(i, j)] * weakest[j]).sum();
+        }
+        let norm = product.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
+        weakest = product.into_iter().map(|x| x / norm).collect();
+    }
+    let explained = rank::explain(problem, freedom, state, &[weakest]);
+    Err(Error::Unanswerable(format!(
+        "{explained} (formally the rank is full, but a direction would be uncertain by {}°)",
+        significant(worst.to_degrees().min(90.0), 2)
+    )))
+}
+
+/// What a robust fit left out. A large share is no longer a matter of single readings.
+pub(crate) fn rejected(
+    problem: &AxesProblem<'_>,
+    weights: &[f64],
+    residuals_nt: &[f64],
+) -> Result<Option<String>, Error> {
+    let observations = problem.observations;
+    let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
+    if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
+        let readings = &observations.readings;
+        let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+        return Err(Error::Unanswerable(format!(
+            "{} of {} {} to another model than the rest. {}",
+            out.len(),
+            counted(weights.len(), "reading"),
+            plural(out.len(), "belongs", "belong"),
+            misfit(observations, residuals_nt, mean_std_nt(problem), drive)
+        )));
+    }
+    Ok((!out.is_empty()).then(|| {
+        let mut orientations: Vec<usize> =
+            out.iter().map(|&k| observations.readings[k].orientation + 1).collect();
+        orientations.sort_unstable();
+        orientations.dedup();
+        let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
+        format!(
+            "{} of {} {} given no weight, in {} {}",
+            out.len(),
+            counted(weights.len(), "reading"),
+            plural(out.len(), "was", "were"),
+            plural(list.len(), "orientation", "orientations"),
+            list.join(", ")
+        )
+    }))
+}
+
+/// The orientations would do, the readings do not belong to them.
+fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, drive: f64) -> String {
+    let rms = |orientation: usize| {
+        let own =
+            observations.readings.iter().zip(residuals_nt).filter(|(r, _)| r.orientation == orientation);
+        let (sum, count) = own.fold((0.0, 0.0), |(sum, count), (_, e)| (sum + e * e, count + 1.0));
+        (sum / f64::max(count, 1.0)).sqrt()
+    };
+    let worst = (0..observations.orientations.len()).max_by(|a, b| rms(*a).total_cmp(&rms(*b))).unwrap_or(0);
+    format!(
+        "the readings do not fit the model: they scatter by {} nT where the coils produce {} nT, most in \
+         orientation {} (\"{}\", {} nT rms). An orientation may be wrong, transposed or with the wrong recording, or a constant, a frequency or a column may be wrong; --robust and --free-scales may show which",
+        significant(noise_nt, 3),
+        significant(drive, 4),
+        worst + 1,
+        observations.orientations[worst].recordings[0],
+        significant(rms(worst), 3)
+    )
+}
+
+/// Mean standard deviation of a reading, nT.
+fn mean_std_nt(problem: &AxesProblem<'_>) -> f64 {
+    let readings = &problem.observations.readings;
+    readings.iter().map(|reading| problem.std_nt(reading)).sum::<f64>() / readings.len() as f64
+}

@@ -1,0 +1,152 @@
+//! What is predicted of the recordings at a state, and what that leaves of the readings.
+
+use common::Axis;
+use nalgebra::Vector3;
+use physics::{Basic, Context, EffectInstance, Parameter, Prediction, frames};
+use rayon::prelude::*;
+
+use super::state::{Model, State};
+use super::unknown::Unknown;
+use crate::Error;
+use crate::magnitude;
+
+/// What is predicted of a run at a state.
+pub(super) struct Seen {
+    pub basic: Basic,
+    pub prediction: Prediction,
+    /// By each parameter; None for those of an effect that does not act there.
+    pub derivatives: Vec<Option<Prediction>>,
+}
+
+impl<'a> Model<'a> {
+    /// Prediction of a run at a state, and its derivatives.
+    pub(super) fn predict(&self, state: &State, run: usize, parameters: &[Parameter]) -> Result<Seen, Error> {
+        let (basic, context) = self.setting(state, run);
+        let acting: Vec<usize> = (0..state.effects.len()).filter(|k| state.acts[*k][run]).collect();
+        let effects: Vec<EffectInstance> = acting.iter().map(|k| state.effects[*k].clone()).collect();
+        let mapped: Vec<Option<Parameter>> = parameters
+            .iter()
+            .map(|parameter| match parameter {
+                Parameter::Effect(effect, number) => {
+                    let at = acting.iter().position(|k| k == effect)?;
+                    Some(Parameter::Effect(at, *number))
+                }
+                other => Some(*other),
+            })
+            .collect();
+        let wanted: Vec<Parameter> = mapped.iter().flatten().copied().collect();
+        let failed = |error: physics::Error| error.at(&self.observed.runs[run].path);
+        let (prediction, found) =
+            physics::predict_with_jacobian(&basic, &effects, &context, &wanted).map_err(failed)?;
+        let mut found = found.into_iter();
+        let derivatives = mapped.iter().map(|m| m.as_ref().and_then(|_| found.next())).collect();
+        Ok(Seen { basic, prediction, derivatives })
+    }
+
+    /// The chain and the conditions of a run at a state.
+    pub fn setting(&self, state: &State, run: usize) -> (Basic, Context<'a>) {
+        let mut basic = self.observed.runs[run].setting.basic.clone();
+        let mut context = self.observed.runs[run].setting.context.clone();
+        let instrument = self.instrument(run);
+        let mut turns = [[[0.0; 2]; 3]; 2];
+        let mut rotation = Vector3::zeros();
+        for (unknown, value) in self.unknowns.iter().zip(&state.base) {
+            match unknown {
+                Unknown::Chain(Parameter::SensorTurn(axis, which), of) if *of == instrument => {
+                    turns[0][axis.index()][*which] = *value;
+                }
+                Unknown::Chain(Parameter::CoilTurn(axis, which), of) if *of == instrument => {
+                    turns[1][axis.index()][*which] = *value;
+                }
+                Unknown::Chain(parameter, of) if *of == instrument => {
+                    if let Some(place) = basic.constant_mut(*parameter) {
+                        *place += value;
+                    }
+                }
+                Unknown::Field(axis) if context.in_coils => {
+                    context.ambient_nt.iter_mut().for_each(|field| field[axis.index()] += value);
+                }
+                Unknown::Turn { setting, about } if *setting == self.settings[run] => {
+                    rotation[*about] = *value;
+                }
+                _ => {}
+            }
+        }
+        for axis in Axis::ALL {
+            let k = axis.index();
+            if turns[0][k] != [0.0; 2] {
+                let turned = frames::turned_at_length(&basic.mu.column(k).into_owned(), turns[0][k]);
+                basic.mu.set_column(k, &turned);
+            }
+            if turns[1][k] != [0.0; 2] {
+                let turned = frames::turned_at_length(&basic.eta.column(k).into_owned(), turns[1][k]);
+                basic.eta.set_column(k, &turned);
+            }
+        }
+        if rotation != Vector3::zeros() {
+            context.orientation.rotation = frames::small_rotation(&rotation) * context.orientation.rotation;
+        }
+        if !self.observed.runs[run].smooth.is_empty() {
+            context.ambient_nt = magnitude::ambient(&self.observed.runs[run], &basic, &context);
+        }
+        (basic, context)
+    }
+
+    /// One in a channel, or ±1 by the position of a reversal; stacked.
+    pub(super) fn level(&self, number: usize) -> Vec<f64> {
+        let channel = &self.observed.channels[number];
+        let position = self.observed.runs[channel.run].recording.column("position");
+        let mut column = vec![0.0; self.observed.rows];
+        for (at, row) in channel.range().zip(&channel.rows) {
+            column[at] = position.map_or(1.0, |position| position[*row]);
+        }
+        column
+    }
+
+    /// What is predicted, nT, stacked.
+    pub fn predicted(&self, state: &State) -> Result<Vec<f64>, Error> {
+        let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
+            .into_par_iter()
+            .map(|run| {
+                let seen = self.predict(state, run, &[])?;
+                let channels = self.observed.channels_of(run);
+                Ok(channels.flat_map(|channel| channel.predicted(&seen.basic, &seen.prediction)).collect())
+            })
+            .collect::<Result<_, Error>>()?;
+        Ok(parts.concat())
+    }
+
+    /// Observed less predicted, nT, over all channels.
+    pub fn residual(&self, state: &State) -> Result<Vec<f64>, Error> {
+        let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
+            .into_par_iter()
+            .map(|run| {
+                let seen = self.predict(state, run, &[])?;
+                let mut part = Vec::new();
+                for channel in self.observed.channels_of(run) {
+                    let predicted = channel.predicted(&seen.basic, &seen.prediction);
+                    part.extend(channel.readings.iter().zip(predicted).map(|(y, p)| channel.to_nt * y - p));
+                }
+                Ok(part)
+            })
+            .collect::<Result<_, Error>>()?;
+        let mut residual = parts.concat();
+        for (number, unknown) in self.unknowns.iter().enumerate() {
+            if let Unknown::Level(channel) = unknown {
+                let level = state.base[number];
+                let column = self.level(*channel);
+                residual.iter_mut().zip(&column).for_each(|(r, c)| *r -= level * c);
+            }
+        }
+        for column in &state.columns {
+            residual.iter_mut().zip(column.values.iter()).for_each(|(r, c)| *r -= column.coefficient * c);
+        }
+        Ok(residual)
+    }
+
+    /// By how much what is predicted changes from one state to another, stacked.
+    pub fn change(&self, from: &State, to: &State) -> Result<Vec<f64>, Error> {
+        let (before, after) = (self.residual(from)?, self.residual(to)?);
+        Ok(before.iter().zip(after).map(|(a, b)| a - b).collect())
+    }
+}

@@ -1,0 +1,151 @@
+//! The recordings with what is unknown of them, and where a fit stands.
+
+use common::Axis;
+use nalgebra::Vector3;
+use physics::{EffectInstance, Kind, Role};
+use std::sync::Arc;
+
+use super::unknown::{Instrument, Unknown, instrument_of};
+use crate::channel::Reader;
+use crate::observed::Observed;
+
+/// What a column of a fit follows.
+#[derive(Clone, Debug)]
+pub struct Follows {
+    /// The recorded column.
+    pub column: String,
+    /// The sensor that follows it.
+    pub axis: Axis,
+    /// Time constant of the first-order lag, s.
+    pub lag_s: f64,
+    /// Its standard uncertainty, s: half the width over which the gain is less than one below its most.
+    pub lag_std_s: Option<f64>,
+}
+
+/// A column that is fitted beside the chain.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// What it is, in words.
+    pub what: String,
+    /// What it follows; None for a single reading.
+    pub follows: Option<Follows>,
+    /// nT for each reading of the stack.
+    pub values: Arc<Vec<f64>>,
+    /// Its coefficient.
+    pub coefficient: f64,
+}
+
+/// Where a fit stands.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Of the unknowns of the base model: by how much they differ from the document.
+    pub base: Vec<f64>,
+    /// Effects that act: the document's, then those found.
+    pub effects: Vec<EffectInstance>,
+    /// In which recordings each acts.
+    pub acts: Vec<Vec<bool>>,
+    /// Columns.
+    pub columns: Vec<Column>,
+}
+
+/// The recordings with what is unknown of them.
+#[derive(Debug)]
+pub struct Model<'a> {
+    /// What was read.
+    pub observed: Observed<'a>,
+    /// The unknowns of the base model.
+    pub unknowns: Vec<Unknown>,
+    /// Their standard uncertainty, where they are known with one beforehand.
+    pub priors: Vec<Option<f64>>,
+    /// Where they are known to be, as shifts from the document.
+    pub centres: Vec<f64>,
+    /// The setting of the block of each run.
+    pub(super) settings: Vec<usize>,
+}
+
+impl Model<'_> {
+    /// A state with one effect more.
+    pub fn with(&self, state: &State, effect: EffectInstance) -> State {
+        let acts = self.acts(&effect);
+        self.with_acting(state, effect, acts)
+    }
+
+    /// In which runs an effect acts, whatever its sizes and shapes.
+    pub fn acts(&self, effect: &EffectInstance) -> Vec<bool> {
+        (0..self.observed.runs.len()).map(|run| self.can_act(run, effect)).collect()
+    }
+
+    /// A state with one effect more, which acts in some runs.
+    pub fn with_acting(&self, state: &State, effect: EffectInstance, acts: Vec<bool>) -> State {
+        let mut next = state.clone();
+        next.effects.push(effect);
+        next.acts.push(acts);
+        next
+    }
+
+    /// Whether an effect acts in a run: it belongs there, and all that it needs is recorded.
+    pub fn can_act(&self, run: usize, effect: &EffectInstance) -> bool {
+        let run = &self.observed.runs[run];
+        let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != run.recording.id);
+        !elsewhere
+            && effect.kind.acts_in(&run.recording.procedure)
+            && physics::predict(&run.setting.basic, std::slice::from_ref(effect), &run.setting.context)
+                .is_ok()
+    }
+
+    /// Parameters of a state's effects that are fitted: all that have a derivative.
+    pub fn free(&self, state: &State) -> Vec<(usize, usize)> {
+        let of = |(number, effect): (usize, &EffectInstance)| {
+            let parameters = effect.kind.parameters().iter().enumerate();
+            let smooth = parameters.filter(move |(_, info)| match effect.kind {
+                Kind::Quantisation => false,
+                Kind::VehiclePass => true,
+                _ => info.role != Role::Epoch,
+            });
+            smooth.map(move |(parameter, _)| (number, parameter)).collect::<Vec<_>>()
+        };
+        state.effects.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its
+    /// standard uncertainty.
+    pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
+        let base = self.priors.iter().zip(&self.centres).zip(&state.base).enumerate();
+        let base = base.filter_map(|(k, ((prior, centre), value))| prior.map(|std| (k, value - centre, std)));
+        base.chain(self.known_of_effects(state)).collect()
+    }
+
+    /// The same of effects. Of a series of harmonics recordings determine only sums; each term is known to be
+    /// of a plausible size.
+    pub fn known_of_effects(&self, state: &State) -> Vec<(usize, f64, f64)> {
+        let series = |(k, (effect, parameter)): (usize, (usize, usize))| {
+            let effect = &state.effects[effect];
+            let info = &effect.kind.parameters()[parameter];
+            (effect.kind == Kind::SunThermoelectricHarmonics)
+                .then(|| (self.unknowns.len() + k, effect.parameters[parameter], info.high))
+        };
+        self.free(state).into_iter().enumerate().filter_map(series).collect()
+    }
+
+    /// Whose constants a run shows.
+    pub(super) fn instrument(&self, run: usize) -> Instrument {
+        instrument_of(&self.observed.runs[run])
+    }
+
+    /// Whether any channel is of a sensor, or of all together.
+    pub fn reads(&self, axis: Axis) -> bool {
+        let of = |reader: Reader| [Reader::Sensor(axis), Reader::Magnitude].contains(&reader);
+        self.observed.channels.iter().any(|channel| of(channel.reader))
+    }
+
+    /// Whether nothing was read but magnitudes.
+    pub fn only_magnitudes(&self) -> bool {
+        self.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude)
+    }
+
+    /// Whether a coil is driven in any recording.
+    pub fn drives(&self, axis: Axis) -> bool {
+        let driven = |current: &Vector3<f64>| current[axis.index()].abs() > 0.0;
+        self.observed.runs.iter().any(|run| run.setting.context.current_a.iter().any(driven))
+    }
+}

@@ -1,0 +1,131 @@
+//! Events of a recording, and the recording without them.
+
+use common::{EventInstrument, EventKind};
+
+use crate::clock::{Shift, late_s};
+use joined::Pair;
+
+/// An event whose size under the final fit is below so many of its uncertainties is none.
+pub const CONFIRMED: f64 = 4.0;
+
+/// An event of the recording, on the test instrument's clock.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundEvent {
+    /// What it is.
+    pub kind: EventKind,
+    /// Where it is.
+    pub instrument: EventInstrument,
+    /// Axis of that instrument.
+    pub axis: usize,
+    /// First row.
+    pub from: usize,
+    /// Last row; of a step the first.
+    pub to: usize,
+    /// nT.
+    pub size: f64,
+    /// nT.
+    pub std: f64,
+    /// Size over uncertainty.
+    pub z: f64,
+}
+
+impl FoundEvent {
+    /// Test axes whose difference has it.
+    pub fn axes(&self) -> std::ops::Range<usize> {
+        match self.instrument {
+            EventInstrument::Reference => 0..3,
+            _ => self.axis..self.axis + 1,
+        }
+    }
+}
+
+/// All events of a recording.
+#[derive(Clone, Debug, Default)]
+pub struct Events {
+    /// In the order of time.
+    pub found: Vec<FoundEvent>,
+    /// Whether there were more than are looked for.
+    pub more: bool,
+    /// How many steps, and how many others, the final fit did not confirm.
+    pub unconfirmed: [usize; 2],
+}
+
+impl Events {
+    /// Whether the same rows are taken out and the steps are in the same places.
+    pub fn same(&self, other: &Self) -> bool {
+        let key = |found: &FoundEvent| (found.kind, found.axis, found.from, found.to);
+        self.found.iter().map(key).eq(other.found.iter().map(key))
+    }
+
+    /// These without those that are not `kept`.
+    pub fn confirmed(&self, kept: &[bool]) -> Self {
+        let mut confirmed = Self { found: Vec::new(), ..self.clone() };
+        for (event, kept) in self.found.iter().zip(kept) {
+            if *kept {
+                confirmed.found.push(event.clone());
+            } else {
+                confirmed.unconfirmed[usize::from(event.kind != EventKind::Step)] += 1;
+            }
+        }
+        confirmed
+    }
+
+    /// The steps alone.
+    pub fn steps(&self) -> Self {
+        let kept: Vec<bool> = self.found.iter().map(|event| event.kind == EventKind::Step).collect();
+        self.confirmed(&kept)
+    }
+
+    /// Of each step its places among the steps that are fitted to the axes, in the order of [`Pair::steps`].
+    pub fn places(&self) -> Vec<[Option<usize>; 3]> {
+        let mut rows: [Vec<usize>; 3] = Default::default();
+        let place = |event: &FoundEvent| {
+            let mut places = [None; 3];
+            if event.kind == EventKind::Step {
+                for axis in event.axes() {
+                    let known = rows[axis].iter().position(|row| *row == event.from);
+                    places[axis] = known.or_else(|| {
+                        rows[axis].push(event.from);
+                        Some(rows[axis].len() - 1)
+                    });
+                }
+            }
+            places
+        };
+        self.found.iter().map(place).collect()
+    }
+
+    /// The pair without its events: steps taken off, the rows of the others missing. The reference's own rows
+    /// are earlier by `shift`.
+    pub fn taken_out(&self, pair: &Pair, shift: Shift) -> Pair {
+        let mut pair = pair.clone();
+        let rows = pair.whole.len();
+        for event in &self.found {
+            let late = late_s(&pair, shift, event.from) / pair.step_s;
+            let own = |row: f64| row.clamp(0.0, rows as f64 - 1.0) as usize;
+            let (from, to) = match event.instrument {
+                EventInstrument::Reference => {
+                    (own((event.from as f64 - late).floor()), own((event.to as f64 - late).ceil()))
+                }
+                _ => (event.from, event.to),
+            };
+            if event.kind != EventKind::Step {
+                pair.whole[from..=to].fill(false);
+                continue;
+            }
+            let column = match event.instrument {
+                EventInstrument::Reference => &mut pair.reference[event.axis],
+                _ => &mut pair.test[event.axis],
+            };
+            column[from..].iter_mut().for_each(|value| *value -= event.size);
+            for axis in event.axes() {
+                if !pair.steps[axis].contains(&event.from) {
+                    pair.steps[axis].push(event.from);
+                    pair.step_stds[axis].push(event.std);
+                }
+            }
+        }
+        pair.bridge();
+        pair
+    }
+}

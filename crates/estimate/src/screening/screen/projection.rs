@@ -1,0 +1,225 @@
+//! Columns projected out of others, and what a group explains of what is left.
+
+use faer::{Mat, MatRef, Side};
+
+use super::products::Products;
+use crate::Error;
+
+/// Directions of scaled columns with less than this share of their squared length are rounding.
+const ROUNDING: f64 = 1e-10;
+/// A column of which projection has left less than this share of the squared length is gone.
+const GONE: f64 = 1e-9;
+
+/// A column is not known by itself when so much of it lies along directions that are gone. Below that it is
+/// known with what is gone held where it is: the size of an effect of a hundredth of the field goes with the
+/// scale of all readings to 1e-4 of that direction.
+const LOST: f64 = 1e-3;
+
+/// A group of columns fitted to what is left.
+#[derive(Clone, Debug)]
+pub struct Gain {
+    /// By how much Σ of the squared residuals falls: χ² of the group's rank if there is nothing of it.
+    pub gain: f64,
+    /// Rank of what is left of its columns.
+    pub rank: usize,
+    /// Its coefficients, zero for columns that are gone.
+    pub coefficients: Vec<f64>,
+    /// Their covariance, infinite variances for columns that are gone.
+    pub covariance: Mat<f64>,
+}
+
+/// Columns and residual, with some of the columns projected out of all others.
+#[derive(Clone, Debug)]
+pub struct Screen {
+    /// What is left of the products of the columns: row i has those with columns 0 to i.
+    left: Vec<Vec<f64>>,
+    /// The same of their products with the residual.
+    along: Vec<f64>,
+    /// The same of the residual's square.
+    squares: f64,
+    /// Squared lengths of the columns as they were.
+    whole: Vec<f64>,
+    rows: usize,
+    /// Rank of what was projected out.
+    used: usize,
+}
+
+/// A column of a screen.
+#[derive(Clone, Debug)]
+pub struct Column {
+    /// What is left of its products with the columns before it and with itself.
+    pub left: Vec<f64>,
+    /// The same with the residual.
+    pub along: f64,
+    /// Its squared length as it was.
+    pub whole: f64,
+}
+
+impl Screen {
+    /// All columns, nothing projected out.
+    pub fn of(products: &Products) -> Self {
+        Self::of_products(products.columns, products.total().as_ref(), products.rows())
+    }
+
+    pub(super) fn of_products(columns: usize, total: MatRef<'_, f64>, rows: usize) -> Self {
+        let mut screen = Self::empty(total[(columns, columns)], rows, 0);
+        for i in 0..columns {
+            let left = (0..=i).map(|j| total[(i, j)]).collect();
+            screen.push(Column { left, along: total[(columns, i)], whole: total[(i, i)] });
+        }
+        screen
+    }
+
+    /// No column yet: the residual's square, its rows, and the rank of what was projected out of it already.
+    pub fn empty(squares: f64, rows: usize, used: usize) -> Self {
+        Self { left: Vec::new(), along: Vec::new(), squares, whole: Vec::new(), rows, used }
+    }
+
+    /// Adds a column behind the others.
+    pub fn push(&mut self, column: Column) {
+        self.left.push(column.left);
+        self.along.push(column.along);
+        self.whole.push(column.whole);
+    }
+
+    /// What is left of a product of two columns; the residual is the last one.
+    pub fn product(&self, i: usize, j: usize) -> f64 {
+        let (high, low) = (i.max(j), i.min(j));
+        match (self.left.get(high), self.along.get(low)) {
+            (Some(row), _) => row[low],
+            (None, Some(along)) => *along,
+            (None, None) => self.squares,
+        }
+    }
+
+    /// How many columns there are.
+    pub fn columns(&self) -> usize {
+        self.whole.len()
+    }
+
+    /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and
+    /// Lovell).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Decomposition`] for products that are not finite.
+    pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
+        let part = Part::of(self, group)?;
+        let across: Vec<Vec<f64>> = (0..=self.columns())
+            .map(|j| {
+                let along = |k: usize| -> f64 {
+                    (0..group.len()).map(|i| part.directions[(i, k)] * self.product(group[i], j)).sum()
+                };
+                (0..part.rank()).map(along).collect()
+            })
+            .collect();
+        let last = self.columns();
+        let left = |i: usize, j: usize| {
+            self.product(i, j) - across[i].iter().zip(&across[j]).map(|(a, b)| a * b).sum::<f64>()
+        };
+        let mut screen = Self::empty(left(last, last), self.rows, self.used + part.rank());
+        for i in 0..last {
+            let row = (0..=i).map(|j| left(i, j)).collect();
+            screen.push(Column { left: row, along: left(i, last), whole: self.whole[i] });
+        }
+        Ok(screen)
+    }
+
+    /// Σ of the squared residuals.
+    pub fn sum_of_squares(&self) -> f64 {
+        self.squares.max(0.0)
+    }
+
+    /// Rows less the rank of what was projected out.
+    pub fn freedom(&self) -> f64 {
+        self.rows as f64 - self.used as f64
+    }
+
+    /// Share of a column's squared length that is left: what of it the fit of others has not swallowed.
+    pub fn visible(&self, column: usize) -> f64 {
+        if self.whole[column] > 0.0 {
+            (self.product(column, column) / self.whole[column]).max(0.0)
+        } else {
+            0.0
+        }
+    }
+
+    /// Fits a group of columns to what is left of the residual.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Decomposition`] for products that are not finite.
+    pub fn gain(&self, group: &[usize]) -> Result<Gain, Error> {
+        let part = Part::of(self, group)?;
+        let along: Vec<f64> = (0..part.rank())
+            .map(|k| (0..group.len()).map(|i| part.directions[(i, k)] * self.along[group[i]]).sum::<f64>())
+            .collect();
+        let mut covariance = &part.directions * part.directions.transpose();
+        for (i, gone) in part.gone.iter().enumerate() {
+            if *gone {
+                covariance[(i, i)] = f64::INFINITY;
+            }
+        }
+        Ok(Gain {
+            gain: along.iter().map(|a| a * a).sum(),
+            rank: part.rank(),
+            coefficients: (0..group.len())
+                .map(|i| (0..part.rank()).map(|k| part.directions[(i, k)] * along[k]).sum())
+                .collect(),
+            covariance,
+        })
+    }
+}
+
+/// Directions within a group along which something is left: D with Dᵀ (CᵀC) D = 1, one column a direction.
+pub(super) struct Part {
+    pub directions: Mat<f64>,
+    gone: Vec<bool>,
+}
+
+impl Part {
+    pub fn of(screen: &Screen, group: &[usize]) -> Result<Self, Error> {
+        let lengths: Vec<f64> = group
+            .iter()
+            .map(
+                |&column| {
+                    if screen.visible(column) > GONE { screen.product(column, column).sqrt() } else { 0.0 }
+                },
+            )
+            .collect();
+        let scaled = Mat::from_fn(group.len(), group.len(), |i, j| {
+            let product = lengths[i] * lengths[j];
+            if product > 0.0 { screen.product(group[i], group[j]) / product } else { 0.0 }
+        });
+        let (values, vectors) = eigen(scaled.as_ref())?;
+        let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k] > ROUNDING).collect();
+        let directions = Mat::from_fn(group.len(), kept.len(), |i, k| {
+            if lengths[i] > 0.0 { vectors[(i, kept[k])] / (values[kept[k]].sqrt() * lengths[i]) } else { 0.0 }
+        });
+        // What the rest hold only together with what is gone is not known by itself.
+        let lost = |i: usize| -> f64 {
+            (0..values.len()).filter(|&k| values[k] <= ROUNDING).map(|k| vectors[(i, k)].powi(2)).sum()
+        };
+        let gone = lengths.iter().enumerate().map(|(i, length)| *length == 0.0 || lost(i) > LOST).collect();
+        Ok(Self { directions, gone })
+    }
+
+    pub fn rank(&self) -> usize {
+        self.directions.ncols()
+    }
+}
+
+/// Eigenvalues and eigenvectors of a symmetric matrix.
+pub(super) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let n = matrix.nrows();
+    let failed = |reason: String| Error::Decomposition { rows: n, columns: n, reason };
+    if n == 0 {
+        return Ok((Vec::new(), Mat::zeros(0, 0)));
+    }
+    if (0..n).any(|i| (0..n).any(|j| !matrix[(i, j)].is_finite())) {
+        return Err(failed("products that are not finite".into()));
+    }
+    let found = matrix.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let values = (0..n).map(|k| found.S().column_vector()[k]).collect();
+    Ok((values, found.U().to_owned()))
+}

@@ -1,0 +1,15 @@
+//! What every effect is written with.
+
+pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surroundings};
+pub use crate::{Context, Error, Real};
+pub use nalgebra::Vector3;
+
+/// Field to which coefficients of powers refer, nT.
+pub const FULL_NT: f64 = 50_000.0;
+/// Seconds in a day.
+pub const DAY_S: f64 = 86_400.0;
+
+/// The two axes across an axis, in cyclic order: for x they are y and z.
+pub fn across(axis: common::Axis) -> [usize; 2] {
+    [(axis.index() + 1) % 3, (axis.index() + 2) % 3]
+}

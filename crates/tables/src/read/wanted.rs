@@ -1,0 +1,59 @@
+//! Which columns are wanted of those that there are.
+
+use std::collections::HashMap;
+
+use crate::error::listed;
+use crate::{COLUMN_LIMIT, Error, Place};
+
+/// Checks the names of a table, and gives the place of each wanted column among them.
+pub fn select(
+    source_name: &str,
+    names: &[String],
+    place: Place,
+    wanted: &[&str],
+) -> Result<Vec<usize>, Error> {
+    if names.len() > COLUMN_LIMIT {
+        return Err(Error::data(
+            source_name,
+            place,
+            format!("{} columns", names.len()),
+            format!("at most {COLUMN_LIMIT}; are rows and columns exchanged?"),
+        ));
+    }
+    let mut places = HashMap::new();
+    for (column, name) in names.iter().enumerate() {
+        if name.is_empty() {
+            return Err(Error::data(
+                source_name,
+                place,
+                format!("no name for column {}", column + 1),
+                "a name for each (pandas: index=False)",
+            ));
+        }
+        if let Some(first) = places.insert(name.as_str(), column) {
+            let found = format!("column {name} twice, as columns {} and {}", first + 1, column + 1);
+            return Err(Error::data(source_name, place, found, "a name of its own for each column"));
+        }
+    }
+    let absent: Vec<_> = wanted.iter().copied().filter(|name| !places.contains_key(name)).collect();
+    if !absent.is_empty() {
+        return Err(Error::data(
+            source_name,
+            place,
+            format!("no column {}", absent.join(", ")),
+            format!("it among those there are: {}", listed(names)),
+        ));
+    }
+    Ok(wanted.iter().map(|name| places[name]).collect())
+}
+
+/// Refuses an empty wish and a name in it twice.
+pub fn check_wish(source_name: &str, wanted: Option<&[&str]>) -> Result<(), Error> {
+    let Some(wanted) = wanted else { return Ok(()) };
+    let twice = wanted.iter().enumerate().find(|(column, name)| wanted[..*column].contains(name));
+    match (wanted.is_empty(), twice) {
+        (true, _) => Err(Error::Request(format!("{source_name}: no columns are wanted; name one at least"))),
+        (_, Some((_, name))) => Err(Error::Request(format!("{source_name}: column {name} is wanted twice"))),
+        _ => Ok(()),
+    }
+}
