@@ -23,6 +23,7 @@ use explanations::{Explanations, explanations};
 /// Windows of which means are told, and the least samples of one.
 const WINDOWS: usize = 12;
 const LEAST_OF_WINDOW: usize = 32;
+
 /// The explanations of the slow change that a fit with a straight drift leaves or takes for one.
 pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explanations> {
     let (days, slope) = (columns.base()[3], straight.coefficients[3]);

@@ -26,6 +26,7 @@ use report::report;
 /// probability of 1 % in three series together and of 0.5 % in one, by simulation: without flicker there is
 /// no exponent, so that the gain has neither of the distributions χ²(1) and χ²(2).
 const FLICKER: f64 = 7.7;
+
 /// Fits A, α and the white noise to the periodograms of one channel by maximum likelihood on the ordinates I,
 ///
 /// −ln L = Σ count (ln P(f) + I/P(f)).
