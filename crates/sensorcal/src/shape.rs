@@ -237,7 +237,7 @@ mod tests {
                 // which is smaller.
                 let within = if time == &even { 0.01 } else { 0.2 };
                 for at in 0..3 {
-                    let [a, b] = [&full, &pass].map(|fit| fit.variance(at).sqrt());
+                    let [a, b] = [&full, &pass].map(|fit| fit.covariance(at, at).sqrt());
                     let apart = (full.coefficients[at] - pass.coefficients[at]).abs() / a;
                     println!(
                         "{noise}, {} s: coefficient {at}: {:.4} as uncertain, {apart:.4} apart",
