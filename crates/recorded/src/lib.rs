@@ -101,7 +101,7 @@ pub fn recorded(data: &Path, programs: Programs, name: Option<&str>) -> Result<R
     let headline = |page: &Option<Page>| page.as_ref().map_or("not run".into(), |page| page.headline.clone());
     let heads = sets.iter().zip(&pages).map(|(set, page)| vec![set.title.to_string(), headline(page)]);
     let mut summary = Page::default();
-    summary.table(&["asked", "found"], &heads.collect::<Vec<_>>());
+    summary.table(&["question", "result"], &heads.collect::<Vec<_>>());
     let known = known::table(pages.iter().flatten().flat_map(|page| page.known.clone()));
     let predicted = sets
         .iter()
@@ -110,7 +110,7 @@ pub fn recorded(data: &Path, programs: Programs, name: Option<&str>) -> Result<R
     let ([hold, of], rows) = prediction::rows(predicted);
     let mut by_hand = Page::default();
     by_hand.say(format!("The programs are within 5 % of it, or better, in {hold} of {of} predictions."));
-    by_hand.table(&["left out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"], &rows);
+    by_hand.table(&["held out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"], &rows);
     let text = INTRODUCTION.to_string() + &summary.text + BY_HAND + &by_hand.text + KNOWN + &known;
     let mut top = Page { text, ..Page::default() };
     for (set, page) in sets.iter().zip(&pages) {

@@ -50,7 +50,7 @@ impl Prediction {
             ratios.map_or(String::new(), |ratios| ratios.join("; ")),
             match self.why.as_str() {
                 _ if self.holds() => "yes".into(),
-                "" => "**no**, for a reason that is not known".into(),
+                "" => "**no**; the reason is not known".into(),
                 why => format!("**no**: {why}"),
             },
         ]

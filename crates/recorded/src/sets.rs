@@ -94,7 +94,7 @@ pub const SETS: &[Set] = &[
     Set {
         name: "boulder-2014",
         folder: "usgs-bou-2014-11",
-        title: "Boulder 2014: a vector against a scalar magnetometer, a storm left out",
+        title: "Boulder 2014: a vector against a scalar magnetometer, a storm held out",
         source: USGS,
         run: boulder::storm,
     },

@@ -62,12 +62,12 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
     page.say(format!(
         "An RM3100 (reference) and the AK09916 of an ICM-20948 (test) side by side on a vehicle that turns freely; means of {STEP_S} s from the launch \
          on, {wild} wild readings of the whole flight left out. The die cools from {} to {} °C and warms to {} °C again, so that \
-         temperature and time go apart: fitted is what was before, 5 minutes short of the coldest moment; left out is what came after.",
+         temperature and time part: what was before is fitted, to 5 minutes short of the coldest moment; what came after is held out.",
         three(temperature[0]),
         three(coldest_c),
         three(temperature[temperature.len() - 1]),
     ));
-    page.head("Left out, rms of x; y; z in nT:");
+    page.head("Held out, rms of x; y; z in nT:");
     let mut rows = Vec::new();
     let mut slopes = String::new();
     for (what, further) in EXPLANATIONS {
@@ -101,9 +101,9 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         }
     }
     page.say("By least squares of this page's own, rms of x; y; z in nT:");
-    page.table(&["explanation", "cooling (fitted)", "coldest and warming (left out)"], &rows);
+    page.table(&["explanation", "cooling (fitted)", "coldest and warming (held out)"], &rows);
     page.say(format!(
-        "The temperature of the die predicts what was left out, and time does not: {slopes} nT/K in x; y; z. What is left is some counts of the AK09916 \
+        "The temperature of the die predicts what was held out, and time does not: {slopes} nT/K in x; y; z. What is left is some counts of the AK09916 \
          (150 nT each) in the fit, and more on the way back, so a line is not all of it."
     ));
     let fitted = split.fitted.recording("flight", "differential");

@@ -75,11 +75,11 @@ pub fn published(stages: &Stages) -> Result<Page, Error> {
                 .collect();
             page.table(&["", "from H", "E", "Z"], &rows);
             page.head(format!(
-                "The survey's matrix comes back; what was left out is met to {} nT, the rounding.",
+                "The survey's matrix comes back; what was held out is met to {} nT, the rounding.",
                 left(&split.left_out)
             ));
             page.say(format!(
-                "Left (rms of x; y; z): {} nT in the first half, {} nT in the second, which was left out; two roundings make {PRINTED_NT}.",
+                "Left (rms of x; y; z): {} nT in the first half, {} nT in the second, which was held out; two roundings make {PRINTED_NT}.",
                 left(&split.fitted),
                 left(&split.left_out)
             ));
@@ -134,8 +134,8 @@ pub fn storm(stages: &Stages) -> Result<Page, Error> {
     let split = Split::at(&series.complete().means(300.0), 4.0 * DAY_S);
     let mut page = Page::default();
     page.say(
-        "The same observatory in another state of the instruments (H and D), means of five minutes, 1 to 7 November 2014; fitted are the days before the \
-         storm, left out those from the 5th on.",
+        "The same observatory in another state of the instruments (H and D), means of five minutes, 1 to 7 November 2014; the days before the \
+         storm are fitted, those from the 5th on held out.",
     );
     let scalar = Scalar {
         fitted: split.fitted,

@@ -88,7 +88,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
         &[
             row(&format!("{fitted_part} (fitted): scatter, levels alone"), scatter_of_each(&raw)),
             row("… with the matrix", scatter_of_each(&fit)),
-            row(&format!("{left_out_part} (left out): scatter, levels alone"), scatter_of_each(&unseen_raw)),
+            row(&format!("{left_out_part} (held out): scatter, levels alone"), scatter_of_each(&unseen_raw)),
             row("… by hand", by_hand.scatter_nt),
             row("… with the matrix", scatter_of_each(&unseen)),
             row("… its level, levels alone", mean_of_each(&unseen_raw)),
@@ -99,7 +99,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
     let (alone, with) = (scatter_of_each(&unseen_raw), scatter_of_each(&unseen));
     let each = |values: [f64; 3]| values.map(three).join("; ");
     page.head(format!(
-        "Of {left_out_part}, unseen, the matrix of {fitted_part} leaves {} nT (x; y; z, scatter); levels alone {}.",
+        "On {left_out_part}, held out, the matrix fitted to {fitted_part} leaves a scatter of {} nT (x; y; z); levels alone leave {} nT.",
         each(with),
         each(alone)
     ));
@@ -107,7 +107,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
     page.say(match worse.as_slice() {
         [] => "The matrix predicts the held-out part better than levels alone in every axis.".to_string(),
         axes => format!(
-            "The matrix predicts what was left out no better than levels alone in {}.",
+            "The matrix predicts what was held out no better than levels alone in {}.",
             axes.join(" and ")
         ),
     });
@@ -115,7 +115,7 @@ pub fn study(stages: &Stages, page: &mut Page, pair: &Pair) -> Result<Option<Val
     if let Some(name) = pair.plot {
         let panels = panels(&levels, &found, [&fitted, &left_out]);
         let title = format!(
-            "test less reference; from the dashed line on ({}) it was left out of the fit",
+            "test less reference; from the dashed line on ({}) it was held out of the fit",
             pair.parts[1]
         );
         let from = left_out.column("time_s").first().map(|t| t / 3600.0);

@@ -57,7 +57,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
     let (full, partial) = (read("set2_full_sphere_mag.csv")?, read("set1_tilt_sphere_mag.csv")?);
     let split = Split::share(&full, 0.6);
     page.head("*Within a run.*");
-    page.say("One run, its later part left out:");
+    page.say("One run, its later part held out:");
     study(
         stages,
         &mut page,
@@ -67,7 +67,7 @@ pub fn marg(stages: &Stages) -> Result<Page, Error> {
         "within a run",
     )?;
     page.head("*From one run to another.*");
-    page.say("One run fitted, another left out:");
+    page.say("One run fitted, another held out:");
     study(
         stages,
         &mut page,

@@ -97,14 +97,14 @@ pub fn study(stages: &Stages, page: &mut Page, scalar: &Scalar) -> Result<(), Er
         ..Prediction::default()
     });
     let [fitted, left_out] = scalar.parts;
-    let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (left out)")];
+    let head = [&format!("{fitted} (fitted)"), &format!("{left_out} (held out)")];
     page.table(
         &["length of the vector less scalar, rms, nT", head[0], head[1], "of which level"],
         &all.iter().map(Left::row).collect::<Vec<_>>(),
     );
     if let Some([_, unseen]) = by_hand {
         let alone = all[1].rms(1);
-        page.head(format!("Left out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
+        page.head(format!("Held out, rms: level alone {} nT, {what} {} nT.", three(alone), three(unseen)));
         let word = if unseen < alone { "better than" } else { "no better than" };
         page.say(format!(
             "By hand, the held-out part is predicted {word} by the level of the fitted part alone."
@@ -163,7 +163,7 @@ pub fn by_scalarcal(stages: &Stages, page: &mut Page, scalar: &Scalar<'_>) -> Re
     let offsets: Vec<String> = parameters.filter(|words| words.starts_with("offset")).collect();
     page.say(format!(
         "With `--known`, sensitivities within 0.1 %, angles within 2 mrad, offsets within 500 nT of what is stated (standard uncertainties): {} nT; the length less the scalar has an rms of {} nT where it was \
-         fitted, and scatters by {} nT in what was left out.",
+         fitted, and scatters by {} nT in what was held out.",
         offsets.join(", "),
         three(rms(nt[0].iter().copied())),
         three(scatter(&nt[1]))
@@ -195,7 +195,7 @@ fn diagnosis(page: &mut Page, document: &Value, all: &[Left], by_hand_nt: Option
     }
     page.diagnosis(document);
     if !all.iter().any(|left| left.what.starts_with("corrected")) {
-        page.say("It wrote no other calibration: what it says of readings left out is its own count.");
+        page.say("It wrote no other calibration: what it says of readings held out is its own count.");
     }
 }
 
@@ -267,7 +267,7 @@ fn draw(page: &mut Page, name: &str, scalar: &Scalar, all: &[Left]) {
     };
     let panel = Panel { y: "nT".into(), lines: all.iter().map(curve).collect() };
     let title = format!(
-        "vector less scalar; from the dashed line on ({}) it was left out of the fit",
+        "vector less scalar; from the dashed line on ({}) it was held out of the fit",
         scalar.parts[1]
     );
     let from = hours(&scalar.left_out).first().copied();

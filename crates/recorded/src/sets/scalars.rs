@@ -30,7 +30,7 @@ pub fn conrad(stages: &Stages) -> Result<Page, Error> {
     let mut page = Page::default();
     page.say(
         "FGE S0252 and the potassium magnetometer GP20S3 on another pier, means of a minute. The FGE's readings are variations: its compensation, −20.68 µT and −43.45 µT, \
-         is added as an offset. Fitted is one day, left out another a week later.",
+         is added as an offset. One day is fitted; another, a week later, is held out.",
     );
     let scalar = Scalar {
         fitted: day("2022-08-03")?,
@@ -129,7 +129,7 @@ pub fn cobenzl(stages: &Stages) -> Result<Page, Error> {
         &rows,
     );
     page.head(format!(
-        "The field believes the log's clock and not the instrument's on {log_fits} of {} days.",
+        "The field agrees with the log's clock, and not with the instrument's, on {log_fits} of {} days.",
         rows.len()
     ));
     page.say(format!(

@@ -140,7 +140,7 @@ pub const UNDETERMINED: &str = "scalarcal refuses: the rotations do not determin
 /// The heads of the table of those rows.
 pub const HEADS: [&str; 5] = [
     "fitted",
-    "left out",
+    "held out",
     "best by hand: spread of the magnitude, % of its mean",
     "scalarcal and correct, %",
     "how scalarcal was run",
