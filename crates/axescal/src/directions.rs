@@ -26,7 +26,3 @@ pub(crate) fn turns(
     }
     map
 }
-
-pub(crate) fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
-    (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
-}

@@ -19,6 +19,6 @@ pub(crate) fn drive(document: &Document, coil: Axis) -> By {
 /// where none is stated.
 pub(crate) fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
     let covariance = joint.covariance_by(&drive(document, coil));
-    let std = |which: usize| Some(covariance[which][which].sqrt()).filter(|std| *std > 0.0);
+    let std = |which: usize| Some(covariance[(which, which)].sqrt()).filter(|std| *std > 0.0);
     [std(0).map(|std| std / constant(document, coil).abs()), std(1)]
 }

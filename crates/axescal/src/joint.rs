@@ -6,10 +6,11 @@
 //! move the directions by −C P ∂x/∂constant. What the prior adds to C by its row of the fit is left out for
 //! that, so that sources bring it in with all that they have in common.
 
+use common::covariance;
 use common::uncertainty::{self, Block, By};
 use common::{Axis, Document, PerAxis, Quantity, Uncertainty};
 use estimate::stats;
-use faer::Mat;
+use faer::{ColRef, Mat};
 
 use crate::drive::{constant, drive};
 use crate::unknowns::Unknown;
@@ -40,7 +41,7 @@ pub(crate) fn restate(
     let first = observations.readings.len();
     for (row, (place, weight)) in problem.priors().iter().enumerate() {
         let truth = truths(document, (observations, &solution.fit.state), solution.meaning[*place]);
-        let variance = joint.root(&truth).iter().map(|moved| moved[0] * moved[0]).sum::<f64>();
+        let variance = joint.covariance_by(&truth).sum();
         // C P for this unknown, P = 1/σ².
         let gain: Vec<f64> = (0..count).map(|k| covariance[(k, *place)] * weight * weight).collect();
         let left = (1.0 - variance * weight * weight).max(0.0).sqrt();
@@ -49,15 +50,7 @@ pub(crate) fn restate(
         by.extend(truth.into_iter().map(|(path, change)| (path, error(change[0]))));
     }
     let own = &rows * rows.transpose();
-    let mut total = own.clone();
-    for moved in joint.root(&by) {
-        for i in 0..count {
-            for j in 0..count {
-                total[(i, j)] += moved[i] * moved[j];
-            }
-        }
-    }
-    solution.covariance = total;
+    solution.covariance = if by.is_empty() { own.clone() } else { &own + joint.covariance_by(&by) };
     Ok(Split { own, by })
 }
 
@@ -101,7 +94,7 @@ pub(crate) fn adopt(
     let coils = directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
     for (name, map) in [("sensors", sensors), ("coils", coils)] {
         parameters.extend(uncertainty::directions(name));
-        rows.extend(directions::rows(&map));
+        rows.extend(covariance::rows(&map));
     }
     // What is to be added to an offset errs against the unknown, the field with it.
     for (path, unknown, sign) in constants(document) {
@@ -111,14 +104,14 @@ pub(crate) fn adopt(
         }
     }
     let map = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
-    let of = |by: &[f64]| rows.iter().map(|row| row.iter().zip(by).map(|(a, b)| a * b).sum()).collect();
+    let of = |by: &[f64]| (&map * ColRef::from_slice(by)).iter().copied().collect();
     let mut joint = Uncertainty::of(document)?;
     joint
         .put(Block {
             name: "axes: readings and theodolites".into(),
             degrees_of_freedom: solution.noise_freedom,
             parameters,
-            covariance: directions::rows(&(&map * &split.own * map.transpose())),
+            covariance: &map * &split.own * map.transpose(),
             by: split.by.iter().map(|(path, by)| (path.clone(), of(by))).collect(),
         })
         .map_err(|found| Error::Unanswerable(format!("the covariance of the directions is {found}")))?;

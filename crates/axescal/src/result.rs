@@ -28,7 +28,10 @@ pub fn describe(
         directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
     let coil_turns =
         directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
-    let covariance = |map: &Mat<f64>| directions::rows(&(map * &solution.covariance * map.transpose()));
+    let covariance = |one: &Mat<f64>, other: &Mat<f64>| one * &solution.covariance * other.transpose();
+    let stated = |axes: &[Axis], matrix: &Matrix3<f64>, turns: &Mat<f64>| {
+        physics::directions(axes, matrix, &covariance(turns, turns))
+    };
     let mut findings = observations.findings.clone();
     findings.extend(solution.findings.iter().cloned());
     let constants = constants(solution, observations, &mut findings);
@@ -37,11 +40,9 @@ pub fn describe(
         .then(|| pair::compare(observations, solution))
         .transpose()?;
     Ok(AxesCalibration {
-        sensors: Some(physics::directions(&observations.sensors, &state.mu, covariance(&sensor_turns))),
-        coils: Some(physics::directions(&observations.coils, &state.eta, covariance(&coil_turns))),
-        cross_covariance: Some(directions::rows(
-            &(&sensor_turns * &solution.covariance * coil_turns.transpose()),
-        )),
+        sensors: Some(stated(&observations.sensors, &state.mu, &sensor_turns)),
+        coils: Some(stated(&observations.coils, &state.eta, &coil_turns)),
+        cross_covariance: Some(common::covariance::rows(&covariance(&sensor_turns, &coil_turns))),
         residual_field_nt: constants.0,
         offsets_nt: constants.1,
         scales: options.free_scales.then(|| scales::describe(calibration, observations, solution)),

@@ -1,10 +1,12 @@
 //! k and B0 of one coil.
 
+use common::covariance;
 use common::number::{counted, p_value};
 use common::uncertainty::{self, Block, By};
 use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Departure, Document, Quantity, Uncertainty};
 use estimate::linear::LinearFit;
 use estimate::stats;
+use faer::Mat;
 
 use crate::Error;
 use crate::departures::{self, DepartureKind, FOUND_BELOW};
@@ -62,13 +64,12 @@ pub fn calibrate(
     let (b0, k) = (fit.coefficients[0], fit.coefficients[1]);
     let type_a = |i: usize| (fit.covariance[(i, i)] * variance).sqrt();
     let paths = [uncertainty::coil_constant(coil.coil), uncertainty::coil_offset(coil.coil)];
-    let scattered = |i: usize, j: usize| fit.covariance[(i, j)] * variance;
     joint
         .put(Block {
             name: format!("coil {}: scatter of the readings", coil.coil),
             degrees_of_freedom: scatter.freedom,
             parameters: paths.to_vec(),
-            covariance: [1, 0].map(|i| [1, 0].map(|j| scattered(i, j)).to_vec()).to_vec(),
+            covariance: Mat::from_fn(2, 2, |i, j| fit.covariance[(1 - i, 1 - j)] * variance),
             by: measured_with(document, coil, k),
         })
         .map_err(Error::Unanswerable)?;
@@ -115,7 +116,7 @@ pub fn calibrate(
     Ok(CoilCalibration {
         constant_nt_per_a: Some(Quantity::new(k, std[0]).covered_by(coverage[0])),
         offset_nt: Some(Quantity::new(b0, std[1]).covered_by(coverage[1])),
-        covariance: Some(joint.covariance(&paths)),
+        covariance: Some(covariance::rows(&joint.covariance(&paths))),
         covariance_order: Some(order.to_vec()),
         constant: Some(Box::new(result)),
         ..CoilCalibration::default()

@@ -27,6 +27,7 @@ mod check;
 mod coil;
 mod column;
 mod column_text;
+pub mod covariance;
 mod diagnosis;
 mod differential;
 mod document;

@@ -6,6 +6,7 @@ mod sensor;
 
 use common::number::{bare, fixed, signed, significant};
 use common::{Axis, Document, uncertainty};
+use faer::{Mat, RowRef};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::directions::Directions;
@@ -48,7 +49,7 @@ struct Budget {
     /// The parameters of the sensors, one sensor after the other, then the nine cosines: the term of each.
     names: Vec<&'static str>,
     /// Columns whose outer products are their covariance.
-    root: Vec<Vec<f64>>,
+    root: Mat<f64>,
     /// Largest field, and the largest along each sensor, nT.
     range_nt: f64,
     along_nt: [f64; 3],
@@ -194,8 +195,7 @@ impl Budget {
 
     /// gᵀ C g.
     fn variance(&self, weights: &[f64]) -> f64 {
-        let moved = |column: &Vec<f64>| column.iter().zip(weights).map(|(c, by)| c * by).sum::<f64>();
-        self.root.iter().map(|column| moved(column).powi(2)).sum()
+        (RowRef::from_slice(weights) * &self.root).squared_norm_l2()
     }
 
     /// Standard uncertainty of each term alone, the largest first.

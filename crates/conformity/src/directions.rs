@@ -1,5 +1,7 @@
+use common::covariance::between;
 use common::uncertainty::directions;
 use common::{Axis, Document};
+use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::matrix;
 
@@ -11,7 +13,7 @@ pub struct Directions {
     pub mu: Matrix3<f64>,
     /// Covariance of the nine cosines, column by column, rad², scaled so that standard uncertainties are
     /// normal.
-    covariance: Vec<Vec<f64>>,
+    covariance: Mat<f64>,
     /// Degrees of freedom behind it, where they are known.
     pub freedom: Option<f64>,
 }
@@ -33,7 +35,7 @@ impl Directions {
         let fit = axes.and_then(|axes| axes.fit.as_ref());
         let freedom = fit.map(|fit| fit.degrees_of_freedom).filter(|freedom| *freedom > 0.0);
         let covariance = joint.covariance(&directions("sensors"));
-        if (0..3).any(|i| (0..3).all(|r| covariance[3 * i + r][3 * i + r] == 0.0)) {
+        if (0..3).any(|i| (0..3).all(|r| covariance[(3 * i + r, 3 * i + r)] == 0.0)) {
             return Err("the directions have no uncertainty; axescal gives one, or state `std_arcsec`");
         }
         Ok(Self { mu, covariance, freedom })
@@ -47,14 +49,13 @@ impl Directions {
     /// Largest standard uncertainty of a direction over all ways that it may turn, rad.
     pub fn largest_std(&self, axis: Axis) -> f64 {
         let first = 3 * axis.index();
-        let own = Matrix3::from_fn(|r, s| self.covariance[first + r][first + s]);
+        let own = Matrix3::from_fn(|r, s| self.covariance[(first + r, first + s)]);
         (0.5 * (own + own.transpose())).symmetric_eigenvalues().max().max(0.0).sqrt()
     }
 
     /// Variance of Σ g_i · m_i (delta method), for weights of one vector a sensor.
     pub fn variance(&self, weights: &[Vector3<f64>; 3]) -> f64 {
-        let weight = |k: usize| weights[k / 3][k % 3];
-        let row = |k: usize| (0..9).map(|l| self.covariance[k][l] * weight(l)).sum::<f64>();
-        (0..9).map(|k| weight(k) * row(k)).sum::<f64>().max(0.0)
+        let weights: Vec<f64> = weights.iter().flatten().copied().collect();
+        between(&self.covariance, &weights, &weights).max(0.0)
     }
 }

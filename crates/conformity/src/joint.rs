@@ -1,8 +1,11 @@
 //! `calibration.uncertainty`, from which every standard uncertainty of a statement of conformity comes.
 
 use common::uncertainty::{self, Block};
-use common::{AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, Uncertainty};
+use common::{
+    AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, Uncertainty, covariance,
+};
 use estimate::stats;
+use faer::{Mat, mat};
 use std::collections::HashMap;
 
 use crate::verdict::normal_std;
@@ -46,13 +49,10 @@ impl Joint {
 
     /// Covariance of parameters, each standard uncertainty that of the normal distribution with the same 95 %
     /// interval.
-    pub fn covariance(&self, parameters: &[String]) -> Vec<Vec<f64>> {
+    pub fn covariance(&self, parameters: &[String]) -> Mat<f64> {
         let wider: Vec<f64> = parameters.iter().map(|path| normal_std(1.0, self.factor(path))).collect();
-        let mut covariance = self.sources.covariance(parameters);
-        for (row, one) in covariance.iter_mut().zip(&wider) {
-            row.iter_mut().zip(&wider).for_each(|(entry, other)| *entry *= one * other);
-        }
-        covariance
+        let covariance = self.sources.covariance(parameters);
+        Mat::from_fn(wider.len(), wider.len(), |i, j| covariance[(i, j)] * (wider[i] * wider[j]))
     }
 
     /// From a parameter's standard uncertainty to its 95 % interval; zero where nothing says it.
@@ -89,7 +89,7 @@ fn beside(document: &Document, calibration: &Calibration) -> Vec<(Block, f64)> {
     Axis::ALL.into_iter().flat_map(of).chain(directions(calibration)).collect()
 }
 
-fn block(name: String, parameters: Vec<String>, covariance: Vec<Vec<f64>>) -> Block {
+fn block(name: String, parameters: Vec<String>, covariance: Mat<f64>) -> Block {
     Block { name, degrees_of_freedom: f64::INFINITY, parameters, covariance, by: Vec::new() }
 }
 
@@ -109,7 +109,7 @@ fn constants(document: &Document, sensor: Axis, found: &SensorCalibration) -> Op
         found.reversal.as_ref().map(|reversal| reversal.coverage_factor_95),
     ];
     let paths = vec![uncertainty::sensitivity(sensor, unit), offset(document, sensor)];
-    let covariance = vec![vec![k * k, both], vec![both, o * o]];
+    let covariance = mat![[k * k, both], [both, o * o]];
     let name = format!("calibration.sensors.{sensor}.covariance");
     Some((block(name, paths, covariance), factors.into_iter().flatten().fold(0.0, f64::max)))
 }
@@ -123,7 +123,7 @@ fn temperatures(sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)>
     };
     let paths = fit.covariance_order.iter().map(path).collect::<Option<_>>()?;
     let name = format!("calibration.sensors.{sensor}.temperature.covariance");
-    Some((block(name, paths, fit.covariance.clone()), fit.noise.coverage_factor_95))
+    Some((block(name, paths, covariance::matrix(&fit.covariance)), fit.noise.coverage_factor_95))
 }
 
 /// The parameters of fields across. One that could not be seen, and that the model does not state, is zero,
@@ -148,7 +148,7 @@ fn across(document: &Document, sensor: Axis, found: &SensorCalibration) -> Optio
         Some((i, j)) => fit.covariance.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0),
         None => variances[a] * f64::from(u8::from(a == b)),
     };
-    let covariance = (0..paths.len()).map(|a| (0..paths.len()).map(|b| entry(a, b)).collect()).collect();
+    let covariance = Mat::from_fn(paths.len(), paths.len(), entry);
     let name = format!("calibration.sensors.{sensor}.cross_field.covariance");
     Some((block(name, paths, covariance), fit.noise.coverage_factor_95))
 }
@@ -173,7 +173,7 @@ fn directions(calibration: &Calibration) -> Option<(Block, f64)> {
     let places = (0..9).map(place).collect::<Option<Vec<usize>>>()?;
     let row =
         |i: &usize| places.iter().map(|j| given.get(*i)?.get(*j).copied()).collect::<Option<Vec<f64>>>();
-    let covariance = places.iter().map(row).collect::<Option<_>>()?;
+    let covariance = covariance::matrix(&places.iter().map(row).collect::<Option<Vec<_>>>()?);
     let block =
         block("calibration.axes.sensors.covariance".into(), uncertainty::directions("sensors"), covariance);
     Some((block, axes.fit.as_ref().map_or(0.0, |fit| fit.coverage_factor_95)))

@@ -1,4 +1,6 @@
+use common::covariance::between;
 use common::{Axis, Document, Quantity, TemperatureOfPart};
+use faer::Mat;
 
 use crate::joint::{Joint, effect};
 use crate::spec::Temperatures;
@@ -111,7 +113,7 @@ pub struct Coefficients {
     names: Vec<String>,
     /// Their paths in the document.
     pub paths: Vec<String>,
-    covariance: Vec<Vec<f64>>,
+    covariance: Mat<f64>,
 }
 
 impl Coefficients {
@@ -156,9 +158,7 @@ impl Coefficients {
     pub fn change(&self, field_nt: f64, warmer: &[(Part, f64)]) -> (f64, f64) {
         let by = self.weights(field_nt, warmer);
         let value = by.iter().zip(&self.values).map(|(by, value)| by * value).sum();
-        let row = |row: &Vec<f64>| row.iter().zip(&by).map(|(entry, by)| entry * by).sum::<f64>();
-        let variance: f64 = self.covariance.iter().zip(&by).map(|(entries, by)| by * row(entries)).sum();
-        (value, variance.max(0.0).sqrt())
+        (value, between(&self.covariance, &by, &by).max(0.0).sqrt())
     }
 
     /// The derivative of that change by each parameter.

@@ -2,6 +2,7 @@
 
 use common::uncertainty::{self, By, root};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
+use faer::{ColRef, Mat};
 use physics::frames::{matrix, tangents};
 use physics::{Direction, EffectInstance, Parameter, Role, Unit};
 
@@ -25,20 +26,18 @@ pub fn sources(
         Axis::ALL.iter().flat_map(|axis| constants(document, *axis, unit)).collect();
     stated.extend(turns(document));
     stated.extend(model(document, effects, places));
-    let moves = joint.root(&by(&stated));
-    let moving: Vec<usize> =
-        (0..stated.len()).filter(|at| moves.iter().any(|moves| moves[*at] != 0.0)).collect();
-    let covariance: Vec<Vec<f64>> = moving
-        .iter()
-        .map(|a| moving.iter().map(|b| moves.iter().map(|moves| moves[*a] * moves[*b]).sum()).collect())
-        .collect();
+    let all = joint.covariance_by(&by(&stated));
+    let moving: Vec<usize> = (0..stated.len()).filter(|at| all[(*at, *at)] != 0.0).collect();
+    let covariance = Mat::from_fn(moving.len(), moving.len(), |a, b| all[(moving[a], moving[b])]);
     // No more sources than parameters, and each beginning one parameter later.
     let sources = root(&covariance).map_err(|found| {
         common::Error::document("calibration.uncertainty", found, "moves that make a covariance")
     })?;
     let parameters = || moving.iter().map(|at| stated[*at].parameter);
-    let direction = |moves: Vec<f64>| parameters().zip(moves).filter(|(_, moved)| *moved != 0.0).collect();
-    Ok(sources.into_iter().map(direction).collect())
+    let direction = |moves: ColRef<'_, f64>| {
+        parameters().zip(moves.iter().copied()).filter(|(_, moved)| *moved != 0.0).collect()
+    };
+    Ok(sources.col_iter().map(direction).collect())
 }
 
 /// The parameters of the chain by how they move with those of the document.

@@ -313,10 +313,8 @@ fn fitted(
     let noise = &ground.noise;
     let fitter = Fitter { model, noise };
     let from = ground.fit.state.effects.len();
-    let hides = state.effects[from..].iter().any(|effect| {
-        let about = effect.kind.about();
-        about.stage == Stage::Converter || !about.invertible
-    });
+    let hides = (state.effects[from..].iter())
+        .any(|effect| effect.kind.about().stage == Stage::Converter || !effect.kind.invertible());
     let mut fit = if hides { fitter.refine(state)? } else { fitter.refine_near(state, &ground.fit)? };
     for number in from..state.effects.len() {
         fit = events::settled_in_time(&fitter, fit, number)?;

@@ -105,7 +105,7 @@ pub fn adopted(
     let block = Block {
         name: "diagnose: readings".into(),
         degrees_of_freedom: rest.known + rest.freedom,
-        covariance: fitted.iter().map(|a| fitted.iter().map(|b| covariance(a, b)).collect()).collect(),
+        covariance: Mat::from_fn(fitted.len(), fitted.len(), |a, b| covariance(fitted[a], fitted[b])),
         parameters: parameters.clone(),
         by,
     };

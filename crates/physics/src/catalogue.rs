@@ -4,7 +4,7 @@ use common::procedure;
 use nalgebra::Vector3;
 
 use crate::effects::*;
-use crate::{About, Effect, Error, ParameterInfo, Place, Real, Surroundings, Thermometer};
+use crate::{About, Effect, ParameterInfo, Place, Real, Result, Surroundings, Thermometer};
 
 macro_rules! catalogue {
     ($($effect:ident),+ $(,)?) => {
@@ -23,13 +23,18 @@ macro_rules! catalogue {
                 match self { $(Kind::$effect => const { &$effect::ABOUT }),+ }
             }
 
+            /// Whether the chain can be run backwards through it.
+            pub fn invertible(self) -> bool {
+                match self { $(Kind::$effect => $effect::INVERTIBLE),+ }
+            }
+
             /// Adds its contribution to a signal; see [`Effect::apply`].
             pub fn apply<T: Real>(
                 self,
                 parameters: &[T],
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
-            ) -> Result<(), Error> {
+            ) -> Result {
                 match self { $(Kind::$effect => $effect::apply(parameters, signal, around)),+ }
             }
         }

@@ -1,37 +1,29 @@
 //! A set of directions with its uncertainty, as the document states it.
 
+use common::covariance::{between, rows};
 use common::{AxesDirections, Axis, OneOrEach, Quantity};
+use faer::Mat;
 use indexmap::IndexMap;
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix3, Matrix3x2, Vector3};
 
 use crate::frames::{self, ARCSEC, angle, tangents};
 
 /// Matrix, uncertainties and angles of the axes that are known; `covariance` is that of the nine elements of
 /// the matrix, column by column.
-pub fn directions(axes: &[Axis], matrix: &Matrix3<f64>, covariance: Vec<Vec<f64>>) -> AxesDirections {
+pub fn directions(axes: &[Axis], matrix: &Matrix3<f64>, covariance: &Mat<f64>) -> AxesDirections {
     let column = |axis: Axis| matrix.column(axis.index()).into_owned();
     // Standard uncertainty of a linear function of the nine elements.
     let std = |weights: &[(Axis, Vector3<f64>)]| -> f64 {
-        let mut variance = 0.0;
-        for (a, left) in weights {
-            for (b, right) in weights {
-                for row in 0..3 {
-                    for other in 0..3 {
-                        variance +=
-                            left[row] * covariance[3 * a.index() + row][3 * b.index() + other] * right[other];
-                    }
-                }
-            }
-        }
-        variance.max(0.0).sqrt()
+        let mut by = [Vector3::zeros(); 3];
+        weights.iter().for_each(|(axis, weight)| by[axis.index()] = *weight);
+        let by: Vec<f64> = by.iter().flatten().copied().collect();
+        between(covariance, &by, &by).max(0.0).sqrt()
     };
     let largest = |axis: Axis| -> f64 {
-        let [a, b] = tangents(&column(axis));
-        let block = |left: &Vector3<f64>, right: &Vector3<f64>| -> f64 {
-            let first = 3 * axis.index();
-            (0..9).map(|k| left[k / 3] * covariance[first + k / 3][first + k % 3] * right[k % 3]).sum()
-        };
-        let ellipse = Matrix2::new(block(&a, &a), block(&a, &b), block(&b, &a), block(&b, &b));
+        let first = 3 * axis.index();
+        let own = Matrix3::from_fn(|r, s| covariance[(first + r, first + s)]);
+        let across = Matrix3x2::from_columns(&tangents(&column(axis)));
+        let ellipse = across.transpose() * own * across;
         ellipse.symmetric_eigenvalues().max().max(0.0).sqrt()
     };
     let mut non_orthogonality = IndexMap::new();
@@ -58,7 +50,7 @@ pub fn directions(axes: &[Axis], matrix: &Matrix3<f64>, covariance: Vec<Vec<f64>
         std_arcsec: Some(OneOrEach::Each(axes.iter().map(|&axis| (axis, largest(axis) / ARCSEC)).collect())),
         off_nominal_arcsec: Some(off_nominal.collect()),
         non_orthogonality_arcsec: (!non_orthogonality.is_empty()).then_some(non_orthogonality),
-        covariance: Some(covariance),
+        covariance: Some(rows(covariance)),
         covariance_order: Some((0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect()),
         extra: Default::default(),
     }

@@ -3,7 +3,7 @@
 use common::Axis;
 use nalgebra::Vector3;
 
-use crate::{Basic, Context, Error, Real};
+use crate::{Basic, Context, Real, Result};
 
 /// What an effect belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -173,8 +173,6 @@ pub struct About {
     pub parameters: &'static [ParameterInfo],
     /// What a recording must hold besides its drive or field: columns, or conditions in words.
     pub needs: &'static [&'static str],
-    /// Whether the chain can be run backwards through it.
-    pub invertible: bool,
 }
 
 /// What an effect sees besides the signal that it changes.
@@ -198,11 +196,9 @@ pub struct Surroundings<'a, T: Real> {
 pub trait Effect {
     /// What it is.
     const ABOUT: About;
+    /// Whether the chain can be run backwards through it: whether the reading determines the field.
+    const INVERTIBLE: bool = true;
 
     /// Adds the contribution to `signal` (one vector a row, nT).
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error>;
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result;
 }

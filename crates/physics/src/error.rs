@@ -1,6 +1,9 @@
 use common::number::counted;
 use thiserror::Error;
 
+/// What a piece of physics returns.
+pub type Result<T = (), E = Error> = std::result::Result<T, E>;
+
 /// Why a recording cannot be predicted or corrected.
 #[derive(Debug, Error, PartialEq)]
 pub enum Error {

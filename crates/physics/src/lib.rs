@@ -53,7 +53,7 @@ pub use chain::{Direction, LeftOut, Prediction, predict, predict_acting, predict
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
 pub use effect::{About, Acts, Effect, ParameterInfo, Place, Role, Stage, Surroundings};
-pub use error::Error;
+pub use error::{Error, Result};
 pub use instance::{EffectInstance, Within, adopt, state_references};
 pub use inverse::{Inverter, Row, Solved, field_in_sen};
 pub use model::{Basic, CoilConstants, SensorConstants, sensitivity};

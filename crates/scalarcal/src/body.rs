@@ -100,19 +100,11 @@ pub fn of(document: &Document, solved: &Solved) -> Result<BodyIron, Error> {
         std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * STEP))
     };
     let slopes: Vec<[f64; NINE]> = (0..2 * NINE).map(by).collect();
-    let stated = common::Uncertainty::of(document)?.covariance_by(&known.by);
-    let mut covariance = Mat::zeros(NINE, NINE);
-    for i in 0..NINE {
-        for j in 0..NINE {
-            let own = stated.get(i).and_then(|row| row.get(j)).copied().unwrap_or(0.0);
-            let both = solved.found.covariance[(i, j)];
-            for a in 0..NINE {
-                for b in 0..NINE {
-                    covariance[(a, b)] +=
-                        slopes[i][a] * own * slopes[j][b] + slopes[NINE + i][a] * both * slopes[NINE + j][b];
-                }
-            }
-        }
+    let [by_own, by_both] = [0, NINE].map(|first| Mat::from_fn(NINE, NINE, |a, i| slopes[first + i][a]));
+    let mut covariance = &by_both * solved.found.covariance.submatrix(0, 0, NINE, NINE) * by_both.transpose();
+    if !known.by.is_empty() {
+        let stated = common::Uncertainty::of(document)?.covariance_by(&known.by);
+        covariance += &by_own * stated * by_own.transpose();
     }
     let svd = Svd::of(covariance.as_ref(), EXACT)?;
     let chi_squared: f64 = svd.solve(&at).iter().zip(&at).map(|(a, b)| a * b).sum();

@@ -27,7 +27,7 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
     for kind in &options.with {
         let about = kind.about();
         let linear = about.parameters.iter().all(|parameter| parameter.role == Role::Amplitude);
-        if !linear || about.stage < Stage::Block || !about.invertible {
+        if !linear || about.stage < Stage::Block || !kind.invertible() {
             return Err(Error::Request(format!(
                 "--with {}: {} is not linear in its parameters at the sensors and cannot be fitted from the magnitude; run diagnose on the result, which searches for it",
                 about.name, about.title

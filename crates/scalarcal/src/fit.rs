@@ -1,7 +1,7 @@
 //! The calibration of least squares from the factors of the products.
 
 use estimate::{Options, Svd, solve};
-use faer::{Mat, Side};
+use faer::{ColRef, Mat, RowRef, Scale, Side};
 
 use crate::Error;
 use crate::factor::Factor;
@@ -147,12 +147,12 @@ fn round(
 
 /// The factor of the products without what noise adds to it.
 fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &Mat<f64>) -> Mat<f64> {
-    without(upper, &added(model, state, (sensor, sums.reference), sums.plain))
+    without(upper, added(model, state, (sensor, sums.reference), sums.plain))
 }
 
 /// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products
 /// of a factor.
-fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Vec<Vec<f64>> {
+fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Mat<f64> {
     let mut noise = vec![0.0; model.terms.columns() + 1];
     let scale = model.scale(state);
     (0..3).for_each(|axis| noise[axis] = sensor * (scale / state[axis]).powi(2));
@@ -173,14 +173,10 @@ pub fn about(model: &Model, found: &FittedState, plain: &[&Factor]) -> Option<Ve
     let of = |factor: &&Factor| {
         let added = added(model, &found.state, (found.sensor, found.reference), factor);
         let scatter = factor.rows() as f64 * found.variance;
-        let with: Vec<f64> = added
-            .iter()
-            .map(|row| row.iter().zip(&coefficients).map(|(value, by)| -value * by).sum::<f64>() / scatter)
-            .collect();
-        let share = |j: usize| (0..with.len()).map(|i| with[i] * map[(i, j)]).sum::<f64>();
-        let shares: Vec<f64> = (0..map.ncols()).map(|j| if j == 0 { 0.0 } else { share(j) }).collect();
+        let mut shares = RowRef::from_slice(&coefficients) * added * &map * Scale(-1.0 / scatter);
+        shares[0] = 0.0;
         let rows = factor.upper() * &map;
-        Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] - rows[(i, 0)] * shares[j])
+        &rows - rows.col(0) * shares
     };
     Some(plain.iter().map(of).collect())
 }
@@ -188,9 +184,7 @@ pub fn about(model: &Model, found: &FittedState, plain: &[&Factor]) -> Option<Ve
 /// Variance of the residuals of a state: r is the row of products times their coefficients.
 pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) -> f64 {
     let Some(coefficients) = model.coefficients(state) else { return f64::INFINITY };
-    let rows = upper.nrows();
-    let squares = (0..rows).map(|i| (i..rows).map(|k| upper[(i, k)] * coefficients[k]).sum::<f64>().powi(2));
-    squares.sum::<f64>() / freedom
+    (upper * ColRef::from_slice(&coefficients)).squared_norm_l2() / freedom
 }
 
 /// The derivatives of the residuals at a state, and the sum of the squares that linear least squares leave of
@@ -198,58 +192,41 @@ pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) ->
 pub fn explained(model: &Model, upper: &Mat<f64>, state: &State) -> Option<(Mat<f64>, f64)> {
     let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
     let jacobian = upper * slopes;
-    let residual: Vec<f64> = (0..upper.nrows())
-        .map(|i| (0..upper.ncols()).map(|k| upper[(i, k)] * coefficients[k]).sum())
-        .collect();
-    let step = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(&residual);
-    let left = (0..residual.len())
-        .map(|i| residual[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>());
-    let squares = left.map(|value| value * value).sum();
-    Some((jacobian, squares))
+    let residual = upper * ColRef::from_slice(&coefficients);
+    let step =
+        Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?.solve(residual.try_as_col_major()?.as_slice());
+    let left = residual - &jacobian * ColRef::from_slice(&step);
+    Some((jacobian, left.squared_norm_l2()))
 }
 
 /// A factor of UᵀU − C: with U = Q Σ Vᵀ it is (1 − K)^½ Σ Vᵀ, K = Σ⁻¹ Vᵀ C V Σ⁻¹. Where C is small K is, and
 /// no digits are lost, as they would be in the difference itself.
-fn without(upper: &Mat<f64>, added: &[Vec<f64>]) -> Mat<f64> {
+fn without(upper: &Mat<f64>, added: Mat<f64>) -> Mat<f64> {
     let count = upper.nrows();
     let Ok(svd) = upper.svd() else { return upper.clone() };
     let (sigma, v) = (svd.S().column_vector(), svd.V());
     let largest = sigma.iter().copied().fold(0.0, f64::max);
     let there: Vec<usize> = (0..count).filter(|k| sigma[*k] > ABSENT * largest).collect();
-    let turned = |k: usize| -> Vec<f64> {
-        (0..count).map(|i| (0..count).map(|j| added[i][j] * v[(j, k)]).sum()).collect()
-    };
-    let turned: Vec<Vec<f64>> = there.iter().map(|k| turned(*k)).collect();
-    let share = Mat::from_fn(there.len(), there.len(), |a, b| {
-        let between: f64 = (0..count).map(|i| v[(i, there[a])] * turned[b][i]).sum();
-        between / (sigma[there[a]] * sigma[there[b]])
-    });
+    let over = Mat::from_fn(count, there.len(), |i, k| v[(i, there[k])] / sigma[there[k]]);
+    let share = over.transpose() * added * &over;
     let Ok(own) = share.self_adjoint_eigen(Side::Lower) else { return upper.clone() };
-    let (values, vectors) = (own.S().column_vector(), own.U());
-    Mat::from_fn(count, count, |a, j| {
-        if a >= there.len() {
-            return 0.0;
-        }
-        let left = (1.0 - values[a].min(NOISE_ALONE)).sqrt();
-        let row = (0..there.len()).map(|b| vectors[(b, a)] * sigma[there[b]] * v[(j, there[b])]);
-        left * row.sum::<f64>()
-    })
+    let times = Mat::from_fn(there.len(), count, |k, j| sigma[there[k]] * v[(j, there[k])]);
+    let turned = own.U().transpose() * times;
+    let left = |k: usize| (1.0 - own.S()[k].min(NOISE_ALONE)).sqrt();
+    Mat::from_fn(count, count, |k, j| if k < there.len() { left(k) * turned[(k, j)] } else { 0.0 })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::mat;
 
     #[test]
     fn what_noise_adds_is_taken_off_a_factor() {
         let upper = Mat::from_fn(3, 3, |i, j| if i <= j { 1.0 + (2 * i + j) as f64 } else { 0.0 });
-        let added = [vec![0.1, 0.02, 0.0], vec![0.02, 0.3, 0.01], vec![0.0, 0.01, 0.2]];
-        let found = without(&upper, &added);
-        let (square, expected) = (found.transpose() * &found, upper.transpose() * &upper);
-        for i in 0..3 {
-            for j in 0..3 {
-                assert!((square[(i, j)] - expected[(i, j)] + added[i][j]).abs() < 1e-12);
-            }
-        }
+        let added = mat![[0.1, 0.02, 0.0], [0.02, 0.3, 0.01], [0.0, 0.01, 0.2]];
+        let found = without(&upper, added.clone());
+        let expected = upper.transpose() * &upper - added;
+        assert!((found.transpose() * &found - expected).norm_max() < 1e-12);
     }
 }

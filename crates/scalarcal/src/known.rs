@@ -41,14 +41,14 @@ pub fn beforehand(
     let nine = start::stated(document, unit, scales);
     let by = derivatives(document, &Basic::found(document, unit), unit, scales);
     let covariance = joint.covariance_by(&by);
-    let std = |place: usize| covariance[place][place].max(0.0).sqrt();
+    let std = |place: usize| covariance[(place, place)].max(0.0).sqrt();
     let there: Vec<usize> = (0..NINE).filter(|place| std(*place) > 0.0).collect();
     if there.is_empty() {
         return Ok(Beforehand { nine, ..Beforehand::default() });
     }
     // Scaled to a correlation, so that the units of the parameters do not decide what is fixed.
     let correlation = Mat::from_fn(there.len(), there.len(), |a, b| {
-        covariance[there[a]][there[b]] / (std(there[a]) * std(there[b]))
+        covariance[(there[a], there[b])] / (std(there[a]) * std(there[b]))
     });
     let mut rows = PriorRows::new();
     if let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) {

@@ -1,6 +1,6 @@
 //! Recordings in which the field is known with its direction.
 
-use common::Document;
+use common::{Document, covariance};
 use estimate::Svd;
 use nalgebra::{Matrix3, Vector3};
 use physics::{Context, References};
@@ -211,6 +211,5 @@ fn compressed(rows: Vec<Vec<f64>>, width: usize) -> Vec<Vec<f64>> {
     }
     let mut filling = Filling::new(width);
     rows.into_iter().for_each(|row| filling.row(row));
-    let upper = filling.finish().upper();
-    (0..width).map(|i| (0..width).map(|j| upper[(i, j)]).collect()).collect()
+    covariance::rows(&filling.finish().upper())
 }

@@ -14,9 +14,9 @@
 //! each recording that is the stated one. Which A and α, and whose, the readings say by restricted
 //! likelihood; the models that are allowed for are averaged by it, white noise among them.
 
-use common::Noise;
+use common::{Noise, covariance};
 use estimate::Svd;
-use faer::Mat;
+use faer::{ColRef, Mat};
 use rayon::prelude::*;
 
 use crate::design::Rows;
@@ -185,9 +185,9 @@ impl Groups {
             return None;
         }
         let plain: Vec<&Factor> = factors.iter().map(|(_, factor)| *factor).collect();
-        let of = |((span_s, _), rows): (&([f64; 2], &Factor), Mat<f64>)| {
-            let row = |i: usize| (0..rows.ncols()).map(|j| rows[(i, j)]).collect();
-            Group { span_s: *span_s, rows: (0..rows.nrows()).map(row).collect() }
+        let of = |((span_s, _), rows): (&([f64; 2], &Factor), Mat<f64>)| Group {
+            span_s: *span_s,
+            rows: covariance::rows(&rows),
         };
         let groups: Vec<Group> = factors.iter().zip(about(model, found, &plain)?).map(of).collect();
         Some(Self {
@@ -356,9 +356,7 @@ fn restricted(linear: &Linear, held: &PriorRows, rows: f64, logarithm: f64) -> O
     let Linear { jacobian, right } = linear.with(&fixed, &zero);
     let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?;
     let step = svd.solve(&right);
-    let left: f64 = (0..right.len())
-        .map(|i| (right[i] - (0..step.len()).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>()).powi(2))
-        .sum();
+    let left = (&jacobian * ColRef::from_slice(&step) - ColRef::from_slice(&right)).squared_norm_l2();
     let freedom = rows - svd.rank() as f64;
     let variance = left / freedom;
     // ln |JᵀJ| over what is seen; the lengths of the columns are in it.

@@ -1,12 +1,13 @@
 //! The calibration, written to the document.
 
+use common::covariance;
 use common::uncertainty::{self, Block};
 use common::{
     AdoptedEffect, AgainstKnown, Axis, Document, FieldDirections, Quantity, ReferenceOffset,
     ScalarCalibration, ScalarParameter, ScalarStability, Uncertainty,
 };
 use estimate::{Svd, stats};
-use faer::Mat;
+use faer::{ColRef, Mat, Scale};
 use nalgebra::Matrix3;
 use physics::Unit;
 use physics::frames::ARCSEC;
@@ -65,13 +66,13 @@ pub fn adopt(
             Unit::Nanotesla => sensor.sensitivity_nt_per_nt = Some(quantity(0)),
         }
         sensor.offset_nt = Some(quantity(1));
-        sensor.covariance = Some(joint.covariance(&paths));
+        sensor.covariance = Some(covariance::rows(&joint.covariance(&paths)));
         sensor.covariance_order = Some(vec![format!("sensitivity_nt_per_{suffix}"), "offset_nt".into()]);
     }
     let axes = calibration.axes.get_or_insert_default();
     let extra = axes.sensors.take().map(|before| before.extra).unwrap_or_default();
     let mut directions =
-        physics::directions(&Axis::ALL, &solved.mu, joint.covariance(&uncertainty::directions("sensors")));
+        physics::directions(&Axis::ALL, &solved.mu, &joint.covariance(&uncertainty::directions("sensors")));
     directions.extra = extra;
     axes.sensors = Some(directions);
     // The offsets are whole now.
@@ -159,17 +160,13 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     let gain = &found.covariance * weights.transpose() * &weights;
     let own = positive(&(&found.covariance - &gain * &found.covariance), &found.covariance)?;
     let covariance = &map * own * map.transpose();
-    let moved = |nine: &[f64]| -> Vec<f64> {
-        let state: Vec<f64> = (0..count).map(|i| (0..NINE).map(|j| gain[(i, j)] * nine[j]).sum()).collect();
-        rows.iter().map(|row| row.iter().zip(&state).map(|(a, b)| a * b).sum()).collect()
-    };
+    let by_nine = &map * gain.subcols(0, NINE);
+    let moved = |nine: &[f64]| (&by_nine * ColRef::from_slice(nine)).iter().copied().collect();
     let by = if options.known {
         solved.beforehand.by.iter().map(|(path, nine)| (path.clone(), moved(nine))).collect()
     } else {
         Vec::new()
     };
-    let size = covariance.nrows();
-    let symmetric = |i: usize, j: usize| 0.5 * (covariance[(i, j)] + covariance[(j, i)]);
     let mut joint = Uncertainty::of(document)?;
     let added: Vec<String> = Axis::ALL.into_iter().map(uncertainty::added_offset).collect();
     joint
@@ -177,7 +174,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
             name: "scalar: readings and reference".into(),
             degrees_of_freedom: found.freedom,
             parameters,
-            covariance: (0..size).map(|i| (0..size).map(|j| symmetric(i, j)).collect()).collect(),
+            covariance: (&covariance + covariance.transpose()) * Scale(0.5),
             by,
         })
         .map_err(|wrong| Error::Unanswerable(format!("the covariance of the calibration is {wrong}")))?;

@@ -11,6 +11,8 @@
 //! of a row is linear in products of its columns, with the coefficients p: one triangular factor of these
 //! products holds all that any number of rows say of the calibration.
 
+use faer::Mat;
+
 /// Place of the constant one among the columns z.
 pub const ONE: usize = 3;
 
@@ -82,11 +84,7 @@ impl Terms {
 ///
 /// Source: I. Markovsky, A. Kukush, S. Van Huffel, Consistent least squares fitting of ellipsoids, Numer.
 /// Math. 98 (2004) 177–194.
-pub fn added_by_noise(
-    terms: &Terms,
-    variance: &[f64],
-    moments: impl Fn(usize, usize) -> f64,
-) -> Vec<Vec<f64>> {
+pub fn added_by_noise(terms: &Terms, variance: &[f64], moments: impl Fn(usize, usize) -> f64) -> Mat<f64> {
     let s = |f: usize, g: usize| if f == g { variance[f] } else { 0.0 };
     let weight = moments(ONE, ONE);
     let product = |f: usize, g: usize, h: usize, k: usize| {
@@ -103,7 +101,7 @@ pub fn added_by_noise(
         six - weight * (s(f, g) * s(h, k) + s(f, h) * s(g, k) + s(f, k) * s(g, h))
     };
     let pairs = terms.pairs();
-    pairs.iter().map(|a| pairs.iter().map(|b| entry(*a, *b)).collect()).collect()
+    Mat::from_fn(pairs.len(), pairs.len(), |a, b| entry(pairs[a], pairs[b]))
 }
 
 #[cfg(test)]

@@ -21,7 +21,7 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &SensorFindings) {
             let parameters = effect.kind.parameters().iter().zip(&effect.parameters).enumerate();
             let quantities = parameters
                 .map(|(number, (info, value))| {
-                    let variance = found.conditions.covariance[at + number][at + number];
+                    let variance = found.conditions.covariance[(at + number, at + number)];
                     (info.name.to_string(), Quantity::new(*value, variance.sqrt()))
                 })
                 .collect();

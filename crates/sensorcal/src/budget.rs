@@ -1,5 +1,6 @@
 //! What a measured field is uncertain by (JCGM 100), with the report's worst case beside it (NASA eq. 16).
 
+use common::covariance::{between, matrix};
 use common::{BudgetTerm, ErrorBudget, SensorCalibration};
 
 use crate::Options;
@@ -74,8 +75,7 @@ fn one(
     if let Some(cross) = &sensor.cross_field {
         let share = |key: &str| if key.starts_with("sensitivity.") { field / ACROSS_NT } else { 1.0 };
         let by: Vec<f64> = cross.covariance_order.iter().map(|key| share(key)).collect();
-        let row = |i: usize| (0..by.len()).map(|j| by[i] * cross.covariance[i][j] * by[j]).sum::<f64>();
-        let variance: f64 = (0..by.len()).map(row).sum();
+        let variance = between(&matrix(&cross.covariance), &by, &by);
         all.push(("transverse field of 50000 nT", variance.max(0.0).sqrt()));
     }
     if let Some(drift) = &sensor.drift {

@@ -1,9 +1,11 @@
 //! One k and one O for a sensor, from the coil's field and from the reversals.
 
+use common::covariance::{self, between};
 use common::number::{p_value, signed, uncertain};
 use common::uncertainty::{self, Block};
 use common::{Axis, Quantity, SensorCalibration, Uncertainty};
 use estimate::stats;
+use faer::{Mat, mat};
 
 use crate::Error;
 use crate::conditions::Conditions;
@@ -49,7 +51,7 @@ pub fn into(
             physics::Unit::Nanotesla => entry.sensitivity_nt_per_nt = Some(k),
         }
         entry.offset_nt = Some(quantity(joint, &offset, constants.offset_nt + gain[1] * difference));
-        entry.covariance = Some(joint.covariance(&[key, offset]));
+        entry.covariance = Some(covariance::rows(&joint.covariance(&[key, offset])));
         entry.covariance_order = Some(vec![sensitivity_key(constants.unit).into(), "offset_nt".into()]);
         if let (Some(fit), Some(finding)) = (&mut found.sensitivity, finding) {
             fit.findings.push(finding);
@@ -59,7 +61,7 @@ pub fn into(
             name: format!("sensor {sensor}: scatter of the reversals"),
             degrees_of_freedom: f64::INFINITY,
             parameters: vec![offset.clone()],
-            covariance: vec![vec![turned.covered_nt2()]],
+            covariance: mat![[turned.covered_nt2()]],
             by: by_turned(turned, seen.conditions).map(|(path, by)| (path, vec![by])).collect(),
         })?;
         entry.offset_nt = Some(quantity(joint, &offset, turned.offset_nt));
@@ -93,11 +95,10 @@ fn block(constants: &Constants, turned: Option<&Turned>, conditions: &Conditions
     let count = block.parameters.len();
     let gain: Vec<f64> = gain.into_iter().chain(std::iter::repeat(0.0)).take(count).collect();
     let own = &constants.block.covariance;
-    let apart = own[1][1] + turned.covered_nt2();
-    let entry = |i: usize, j: usize| {
-        own[i][j] - gain[i] * own[1][j] - gain[j] * own[i][1] + gain[i] * gain[j] * apart
-    };
-    block.covariance = (0..count).map(|i| (0..count).map(|j| entry(i, j)).collect()).collect();
+    let apart = own[(1, 1)] + turned.covered_nt2();
+    block.covariance = Mat::from_fn(count, count, |i, j| {
+        own[(i, j)] - gain[i] * own[(1, j)] - gain[j] * own[(i, 1)] + gain[i] * gain[j] * apart
+    });
     for (_, by) in &mut block.by {
         let of_offset = by[1];
         by.iter_mut().zip(&gain).for_each(|(by, gain)| *by -= gain * of_offset);
@@ -118,13 +119,14 @@ fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Condition
     let alone = Joined { gain: [0.0; 2], finding: None };
     let Some(turned) = turned else { return alone };
     // Derivatives of O and of the reversals' O by the parameters of the temperatures.
-    let parameters = conditions.covariance.len();
+    let parameters = conditions.covariance.nrows();
     let of = |by: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
         (0..parameters).map(|parameter| by(parameter).unwrap_or(0.0)).collect()
     };
     let by = [0, 1].map(|i| of(&|parameter| constants.by_temperature.get(parameter).map(|by| by[i])));
     let by_turned = of(&|parameter| turned.by_temperature.get(parameter).copied());
-    let own = |i: usize, j: usize| constants.covariance[i][j] - conditions.between(&by[i], &by[j]);
+    let own =
+        |i: usize, j: usize| constants.covariance[i][j] - between(&conditions.covariance, &by[i], &by[j]);
     let difference = turned.offset_nt - constants.offset_nt;
     let variance = own(1, 1) + turned.covered_nt2();
     if variance <= 0.0 {
@@ -164,7 +166,7 @@ mod tests {
                 name: "the coil".into(),
                 degrees_of_freedom: f64::INFINITY,
                 parameters: vec![uncertainty::sensitivity(Axis::X, "v"), uncertainty::sensor_offset(Axis::X)],
-                covariance: covariance.map(|row| row.to_vec()).to_vec(),
+                covariance: Mat::from_fn(2, 2, |i, j| covariance[i][j]),
                 by: Vec::new(),
             },
             by_temperature: Vec::new(),
@@ -202,7 +204,7 @@ mod tests {
     fn agreeing_offsets_are_joined() {
         // Equal weights: the mean, with half the variance; k moves by C_kO/(2 C_OO) of the difference.
         let (values, covariance, findings) =
-            found(&constants(), turned(1.2, 0.2), &Conditions::default(), Uncertainty::default());
+            found(&constants(), turned(1.2, 0.2), &Conditions::none(), Uncertainty::default());
         assert!((values[1] - 1.1).abs() < 1e-12 && (covariance[1][1] - 0.02).abs() < 1e-9);
         assert!((values[0] - 6400.01).abs() < 1e-9 && (covariance[0][0] - 0.0098).abs() < 1e-9);
         assert!(findings.is_empty());
@@ -211,7 +213,7 @@ mod tests {
     #[test]
     fn of_offsets_that_disagree_the_reversals_count() {
         let (values, covariance, findings) =
-            found(&constants(), turned(3.0, 0.01), &Conditions::default(), Uncertainty::default());
+            found(&constants(), turned(3.0, 0.01), &Conditions::none(), Uncertainty::default());
         assert_eq!(values, [6400.0, 3.0]);
         assert!(covariance[1][0].abs() < 1e-12 && (covariance[1][1] - 0.01 * 0.01).abs() < 1e-9);
         assert!(findings[0].contains("disagree"));
@@ -225,16 +227,13 @@ mod tests {
             name: "temperature".into(),
             degrees_of_freedom: f64::INFINITY,
             parameters: vec!["coefficient".into()],
-            covariance: vec![vec![0.01]],
+            covariance: mat![[0.01]],
             by: Vec::new(),
         };
         let mut joint = Uncertainty::default();
         joint.put(coefficient).expect("found");
-        let conditions = Conditions {
-            covariance: vec![vec![0.01]],
-            paths: vec!["coefficient".into()],
-            ..Conditions::default()
-        };
+        let conditions =
+            Conditions { covariance: mat![[0.01]], paths: vec!["coefficient".into()], ..Conditions::none() };
         let mut warm = constants();
         (warm.by_temperature, warm.covariance[1][1]) = (vec![[0.0, 2.0]], 0.04 + 0.04);
         warm.block.by = vec![("coefficient".into(), vec![0.0, 2.0])];

@@ -1,19 +1,21 @@
 //! What temperatures do to a sensor, as it was found, for the other procedures.
 
-use common::uncertainty::Block;
+use common::covariance::between;
+use common::uncertainty::{Block, by_themselves};
 use common::{Axis, Error};
+use faer::Mat;
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
 use crate::fit::KnownParameters;
 use crate::readings::Run;
 
 /// Effects of temperature on one sensor with the covariance of their parameters.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct Conditions {
     /// The effects.
     pub effects: Vec<EffectInstance>,
     /// Covariance over their parameters, one effect after the other.
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance: Mat<f64>,
     /// Their paths in the document.
     pub paths: Vec<String>,
     /// How they were estimated; None: they are stated.
@@ -21,6 +23,11 @@ pub struct Conditions {
 }
 
 impl Conditions {
+    /// None.
+    pub fn none() -> Self {
+        Self { effects: Vec::new(), covariance: Mat::new(), paths: Vec::new(), block: None }
+    }
+
     /// Whether all that the effects need was recorded.
     fn known_in(&self, context: &Context<'_>) -> bool {
         let needs = self.effects.iter().flat_map(|effect| effect.kind.about().needs);
@@ -46,10 +53,11 @@ impl Conditions {
         if self.effects.is_empty() || !runs.iter().all(|run| self.known_in(&run.context)) {
             return (Vec::new(), None);
         }
-        let one = |at: usize| (0..self.paths.len()).map(|other| f64::from(u8::from(other == at))).collect();
-        let rests_on = self.paths.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect();
-        let known =
-            KnownParameters { parameters: self.parameters(), covariance: self.covariance.clone(), rests_on };
+        let known = KnownParameters {
+            parameters: self.parameters(),
+            covariance: self.covariance.clone(),
+            rests_on: by_themselves(&self.paths),
+        };
         (self.effects.clone(), Some(known))
     }
 
@@ -94,13 +102,7 @@ impl Conditions {
 
     /// Variance of a sum of the parameters with the weights `by`.
     pub fn variance(&self, by: &[f64]) -> f64 {
-        self.between(by, by)
-    }
-
-    /// Covariance of two sums of the parameters, by their weights.
-    pub fn between(&self, one: &[f64], other: &[f64]) -> f64 {
-        let rows = self.covariance.iter().zip(one);
-        rows.map(|(row, a)| row.iter().zip(other).map(|(c, b)| a * c * b).sum::<f64>()).sum()
+        between(&self.covariance, by, by)
     }
 }
 

@@ -6,13 +6,14 @@
 //! field across (the catalogue's `cross_field`) or goes with the field along (`cross_field_sensitivity`) is
 //! the sensor's own.
 
+use common::covariance::rows;
 use common::number::p_value;
 use common::uncertainty::{self, Block};
 use common::{
     Axis, CrossFieldFit, CrossFieldLevels, Document, FTest, FitNoise, Quantity, TestResult, procedure,
 };
 use estimate::stats;
-use faer::Mat;
+use faer::{Col, Mat};
 use physics::Kind;
 
 use crate::Error;
@@ -100,7 +101,7 @@ pub fn coefficients(
     let errors = effects::unknown(&sided, &directions, (&sought, &unseen), (fit, first), likely)?;
     let own = own_covariance(&problem, fit, &places, &errors)?;
     for (at, one) in sought.iter().enumerate() {
-        let variance = own[at][at] + fit.common[(first + at, first + at)];
+        let variance = own[(at, at)] + fit.common[(first + at, first + at)];
         let quantity = Quantity::new(fit.values[first + at], variance.sqrt());
         let (name, group) = match one.kind {
             Kind::CrossField => ("offset", &mut found.offset),
@@ -109,8 +110,8 @@ pub fn coefficients(
         group.insert(one.name().into(), quantity);
         found.covariance_order.push(format!("{name}.{}", one.name()));
     }
-    let total = |i: usize, j: usize| own[i][j] + fit.common[(first + i, first + j)];
-    found.covariance = (0..places.len()).map(|i| (0..places.len()).map(|j| total(i, j)).collect()).collect();
+    let count = places.len();
+    found.covariance = rows(&(&own + fit.common.submatrix(first, first, count, count)));
     let (freedom, factor) = sized.freedom(fit, &places)?;
     let parameters = sought
         .iter()
@@ -139,14 +140,14 @@ fn own_covariance(
     fit: &Fit,
     places: &[usize],
     errors: &[Vec<f64>],
-) -> Result<Vec<Vec<f64>>, Error> {
-    let shifts = errors
-        .iter()
-        .map(|error| problem.taken_up(&fit.design, &fit.linear, error))
-        .collect::<Result<Vec<Vec<f64>>, Error>>()?;
-    let entry =
-        |i: usize, j: usize| fit.scatter(i, j) + shifts.iter().map(|shift| shift[i] * shift[j]).sum::<f64>();
-    Ok(places.iter().map(|i| places.iter().map(|j| entry(*i, *j)).collect()).collect())
+) -> Result<Mat<f64>, Error> {
+    let mut covariance = fit.scatter_of(places);
+    for error in errors {
+        let shift = problem.taken_up(&fit.design, &fit.linear, error)?;
+        let shift = Col::from_fn(places.len(), |at| shift[places[at]]);
+        covariance += &shift * shift.transpose();
+    }
+    Ok(covariance)
 }
 
 /// B u²: the sensitivity's even dependence on the field across, which the catalogue does not have.

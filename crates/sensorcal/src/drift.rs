@@ -99,5 +99,5 @@ fn common(dates: &[Date], conditions: &Conditions) -> Vec<Vec<f64>> {
     let of = |parameter: usize| {
         dates.iter().map(move |date| date.by_temperature.as_ref().map_or(0.0, |by| by[parameter]))
     };
-    (0..conditions.covariance.len()).map(|parameter| of(parameter).collect()).collect()
+    (0..conditions.covariance.nrows()).map(|parameter| of(parameter).collect()).collect()
 }

@@ -5,7 +5,7 @@ use common::uncertainty::{self, By};
 use common::{Axis, FitNoise, Quantity, Uncertainty};
 use estimate::correlated::{self, CorrelatedFit, Scale};
 use estimate::gauss_newton::{Control, Damping, Descent, Minimum, Tolerance};
-use faer::Mat;
+use faer::{ColRef, Mat};
 use physics::{Basic, EffectInstance, Parameter};
 
 use crate::Error;
@@ -34,12 +34,12 @@ pub enum Unknown {
 }
 
 /// Parameters that are known with a covariance, in all runs.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub struct KnownParameters {
     /// They.
     pub parameters: Vec<Parameter>,
     /// Their covariance.
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance: Mat<f64>,
     /// What it rests on: parameters of the document, each with how these move with it.
     pub rests_on: By,
 }
@@ -111,6 +111,11 @@ impl Fit {
     /// Covariance from scatter.
     pub fn scatter(&self, i: usize, j: usize) -> f64 {
         self.widened * self.linear.covariance(i, j)
+    }
+
+    /// The same of some of the unknowns.
+    pub fn scatter_of(&self, unknowns: &[usize]) -> Mat<f64> {
+        Mat::from_fn(unknowns.len(), unknowns.len(), |i, j| self.scatter(unknowns[i], unknowns[j]))
     }
 
     /// Standard uncertainty from scatter.
@@ -206,28 +211,16 @@ impl Problem<'_, '_> {
         let mut by = By::new();
         for known in &self.known {
             // An error of what is known leaves the readings where they are: the unknowns take it up.
-            let shifts = self
-                .derivatives(state, &known.parameters)?
-                .iter()
-                .map(|column| {
-                    let taken = self.taken_up(design, &linear, column)?;
-                    Ok(taken.iter().map(|shift| -shift).collect())
-                })
-                .collect::<Result<Vec<Vec<f64>>, Error>>()?;
-            for i in 0..unknowns {
-                for j in 0..unknowns {
-                    for (a, row) in known.covariance.iter().enumerate() {
-                        for (b, value) in row.iter().enumerate() {
-                            common[(i, j)] += shifts[a][i] * value * shifts[b][j];
-                        }
-                    }
-                }
+            let mut shifts = Mat::zeros(unknowns, known.parameters.len());
+            for (mut shift, derivative) in
+                shifts.col_iter_mut().zip(self.derivatives(state, &known.parameters)?)
+            {
+                let taken = self.taken_up(design, &linear, &derivative)?;
+                shift.copy_from(-ColRef::from_slice(&taken));
             }
+            common += &shifts * &known.covariance * shifts.transpose();
             by.extend(known.rests_on.iter().map(|(path, weights)| {
-                let moved = |unknown: usize| {
-                    weights.iter().zip(&shifts).map(|(weight, shift)| weight * shift[unknown]).sum()
-                };
-                (path.clone(), (0..unknowns).map(moved).collect())
+                (path.clone(), (&shifts * ColRef::from_slice(weights)).iter().copied().collect())
             }));
         }
         Ok(Fit {
@@ -421,6 +414,6 @@ pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<KnownP
         }
     };
     let any = |coil: &Axis| runs.iter().any(|run| driven(run, *coil));
-    let uncertain = |known: &KnownParameters| known.covariance.iter().flatten().any(|value| *value != 0.0);
+    let uncertain = |known: &KnownParameters| known.covariance.norm_max() > 0.0;
     Ok(Axis::ALL.into_iter().filter(any).map(known).filter(uncertain).collect())
 }

@@ -4,6 +4,7 @@ use common::Axis;
 use common::number::{bare, significant, uncertain};
 use common::uncertainty::{self, Block};
 use estimate::stats;
+use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter};
 
 use crate::Error;
@@ -200,9 +201,8 @@ impl Lagged<'_, '_> {
                 )
             })
             .collect();
-        let covariance = places.iter().map(|a| {
-            let one = |b: &Option<usize>| a.zip(*b).map_or(0.0, |(a, b)| fit.covariance(a, b));
-            places.iter().map(one).collect()
+        let covariance = Mat::from_fn(places.len(), places.len(), |a, b| {
+            places[a].zip(places[b]).map_or(0.0, |(a, b)| fit.covariance(a, b))
         });
         let mut values = places.iter();
         let effects = self.problem.effects.iter().map(|instance| {
@@ -230,9 +230,9 @@ impl Lagged<'_, '_> {
                 .filter(|(_, place)| place.is_some())
                 .map(|(path, _)| path.clone())
                 .collect(),
-            covariance: fitted.iter().map(|a| fitted.iter().map(|b| fit.scatter(*a, *b)).collect()).collect(),
+            covariance: fit.scatter_of(&fitted),
             by: fit.by(&fitted),
         };
-        Conditions { effects: effects.collect(), covariance: covariance.collect(), paths, block: Some(block) }
+        Conditions { effects: effects.collect(), covariance, paths, block: Some(block) }
     }
 }

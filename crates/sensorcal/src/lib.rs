@@ -50,6 +50,7 @@ pub use words::summary;
 
 use common::uncertainty::{self, Block};
 use common::{Axis, Document, Quantity, SensorCalibration, Uncertainty, procedure};
+use faer::Mat;
 use physics::{EffectInstance, References, Unit};
 use rayon::prelude::*;
 
@@ -271,7 +272,7 @@ fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f
 fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
     let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
     let kinds = heated::Part::ALL.map(|part| part.kinds().concat()).concat();
-    let mut conditions = Conditions::default();
+    let mut conditions = Conditions::none();
     let mut variances = Vec::new();
     let listed = document.model.iter().flat_map(|model| &model.effects);
     for (instance, stated) in adopted.into_iter().zip(listed) {
@@ -286,7 +287,7 @@ fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
         let instance: EffectInstance = instance;
         conditions.effects.push(instance);
     }
-    let row = |i: usize| (0..variances.len()).map(|j| if i == j { variances[i] } else { 0.0 }).collect();
-    conditions.covariance = (0..variances.len()).map(row).collect();
+    let count = variances.len();
+    conditions.covariance = Mat::from_fn(count, count, |i, j| if i == j { variances[i] } else { 0.0 });
     Ok(conditions)
 }

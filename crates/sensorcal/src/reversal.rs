@@ -111,7 +111,7 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
         let of = |outcome: &Outcome| outcome.by_temperature.as_ref().map_or(0.0, |by| by[parameter]);
         outcomes.iter().map(|outcome| weight(outcome) * of(outcome)).sum()
     };
-    let by_temperature: Vec<f64> = (0..conditions.covariance.len()).map(by).collect();
+    let by_temperature: Vec<f64> = (0..conditions.covariance.nrows()).map(by).collect();
     let freedom: f64 = outcomes.iter().map(|outcome| outcome.reversal.noise.degrees_of_freedom).sum();
     let mut scatter_nt2 = sum.recip();
     if outcomes.len() > 1 {

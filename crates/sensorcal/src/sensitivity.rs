@@ -155,7 +155,7 @@ fn block(sensor: Axis, unit: Unit, fit: &Fit, bent: &[(Kind, usize)]) -> Block {
     Block {
         name: format!("sensor {sensor}: scatter in the coil"),
         degrees_of_freedom: fit.linear.freedom,
-        covariance: places.iter().map(|a| places.iter().map(|b| fit.scatter(*a, *b)).collect()).collect(),
+        covariance: fit.scatter_of(&places),
         by: fit.by(&places),
         parameters,
     }

@@ -41,7 +41,7 @@ pub fn coefficients(
     let parts = parts(sensor, &runs, &warmer, &mut found.findings)?;
     let heated = Heated { runs, warmer, parts };
     if heated.parts.is_empty() {
-        return Ok(Some((found, Conditions::default())));
+        return Ok(Some((found, Conditions::none())));
     }
     let k = heated.runs[0].basic.sensors[sensor.index()].sensitivity;
     let code_nt = heated.runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k;
@@ -76,7 +76,7 @@ pub fn coefficients(
         found.findings.push(text);
     }
     let conditions = lags.conditions(&extended.fit, sensor);
-    found.covariance = conditions.covariance.clone();
+    found.covariance = common::covariance::rows(&conditions.covariance);
     found.covariance_order = lags.names();
     Ok(Some((found, conditions)))
 }

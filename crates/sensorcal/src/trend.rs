@@ -1,5 +1,6 @@
 //! Trend and yearly term of offsets from date to date.
 
+use common::covariance::between;
 use common::number::{figures, p_value, significant};
 use common::{AnnualTerm, OffsetDrift, Quantity};
 use estimate::mixture::Mixture;
@@ -106,7 +107,7 @@ pub fn fit(
         .collect::<Result<_, Error>>()?;
     let by = |i: usize| -> Vec<f64> { moved.iter().map(|moved| moved[i]).collect() };
     let unknowns = design.ncols();
-    let shared = Mat::from_fn(unknowns, unknowns, |i, j| conditions.between(&by(i), &by(j)));
+    let shared = Mat::from_fn(unknowns, unknowns, |i, j| between(&conditions.covariance, &by(i), &by(j)));
     let wandering = Wandering::of(design, &y, &own, &time, &shared)?;
     let fit = &wandering.all;
     let of = |fit: &Mixture, i: usize| {

@@ -72,7 +72,7 @@ fn entry(kind: Kind) -> Entry {
         acts_on: acts_on(about.acts),
         parameters: about.parameters.iter().map(parameter).collect(),
         needs: about.needs,
-        invertible: about.invertible,
+        invertible: kind.invertible(),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Directions of sensors or coils in their frame, and the angles between them.
 
+use common::covariance::between;
 use common::{Axis, Document, uncertainty};
 use conformity::Joint;
 use nalgebra::Vector3;
@@ -32,7 +33,7 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
     for (axis, unit) in &known {
         for (row, name) in ["x", "y", "z"].iter().enumerate() {
             let place = 3 * axis.index() + row;
-            let result = expanded(unit[row], covariance[place][place]);
+            let result = expanded(unit[row], covariance[(place, place)]);
             result.row(&mut table, &format!("{one} {axis}, cosine with {name} of {frame}"), "1");
         }
     }
@@ -48,8 +49,8 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
                 of if of == b.index() => -first[place % 3] / across,
                 _ => 0.0,
             };
-            let row = |p: usize| (0..9).map(|q| covariance[p][q] * weight(q)).sum::<f64>();
-            let variance: f64 = (0..9).map(|p| weight(p) * row(p)).sum();
+            let weights: Vec<f64> = (0..9).map(weight).collect();
+            let variance = between(&covariance, &weights, &weights);
             let degrees = 1f64.to_degrees();
             let result = expanded(cosine.acos() * degrees, variance * degrees * degrees);
             result.row(&mut table, &format!("between {one}s {a} and {b}"), "deg");

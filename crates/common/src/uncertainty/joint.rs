@@ -1,5 +1,6 @@
 //! Independent sources of uncertainty, and how one standard deviation of each moves the parameters.
 
+use faer::{Col, ColRef, Mat, Scale};
 use indexmap::IndexMap;
 #[cfg(feature = "schema")]
 use schemars::JsonSchema;
@@ -45,7 +46,7 @@ pub struct Source {
 pub type By = Vec<(String, Vec<f64>)>;
 
 /// Parameters as a program estimates them.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Block {
     /// What their own covariance comes from.
     pub name: String,
@@ -54,7 +55,7 @@ pub struct Block {
     /// The paths of the parameters.
     pub parameters: Vec<String>,
     /// Their covariance by what is new: the scatter of the readings.
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance: Mat<f64>,
     /// The parameters that they were estimated with, each with the derivative of every parameter of the block
     /// by it.
     pub by: By,
@@ -69,21 +70,20 @@ impl Uncertainty {
     pub fn put(&mut self, block: Block) -> Result<(), String> {
         let own = root(&block.covariance)?;
         // By the derivatives, from what the sources move before anything is forgotten.
-        let carried: Vec<Vec<f64>> =
-            self.sources.iter().map(|source| source.moves_of(&block.by, block.parameters.len())).collect();
-        let std: Vec<f64> = (0..block.parameters.len())
-            .map(|at| own.iter().chain(&carried).map(|moves| moves[at] * moves[at]).sum::<f64>().sqrt())
+        let carried = self.moved(&block.by, block.parameters.len());
+        let std: Vec<f64> = (own.row_iter().zip(carried.row_iter()))
+            .map(|(own, carried)| own.norm_l2().hypot(carried.norm_l2()))
             .collect();
         self.forget(&block.parameters);
-        let kept = |moves: Vec<f64>| -> Vec<(String, f64)> {
-            let named = block.parameters.iter().cloned().zip(moves).zip(&std);
+        let kept = |moves: ColRef<'_, f64>| -> Vec<(String, f64)> {
+            let named = block.parameters.iter().cloned().zip(moves.iter().copied()).zip(&std);
             named.filter(|((_, moved), std)| moved.abs() > NEGLIGIBLE * **std).map(|(pair, _)| pair).collect()
         };
-        for (source, moves) in self.sources.iter_mut().zip(carried) {
+        for (source, moves) in self.sources.iter_mut().zip(carried.col_iter()) {
             source.moves.extend(kept(moves));
         }
         let degrees_of_freedom = Some(block.degrees_of_freedom).filter(|freedom| freedom.is_finite());
-        self.sources.extend(own.into_iter().map(|moves| Source {
+        self.sources.extend(own.col_iter().map(|moves| Source {
             name: block.name.clone(),
             degrees_of_freedom,
             moves: kept(moves).into_iter().collect(),
@@ -118,57 +118,53 @@ impl Uncertainty {
         if sum > 0.0 { self.std(parameter).powi(4) / sum } else { f64::INFINITY }
     }
 
-    /// For each source that moves one of the quantities, by how much it moves each.
-    pub fn root(&self, by: &By) -> Vec<Vec<f64>> {
-        let count = by.first().map_or(0, |(_, derivatives)| derivatives.len());
-        let all = self.sources.iter().map(|source| source.moves_of(by, count));
-        all.filter(|moves| moves.iter().any(|moved| *moved != 0.0)).collect()
+    /// By how much each source moves each of `count` quantities: a column for each source.
+    fn moved(&self, by: &By, count: usize) -> Mat<f64> {
+        let mut moved = Mat::zeros(count, self.sources.len());
+        for (source, mut column) in self.sources.iter().zip(moved.col_iter_mut()) {
+            for (path, derivatives) in by {
+                if let Some(moved) = source.moves.get(path) {
+                    column += ColRef::from_slice(derivatives) * Scale(*moved);
+                }
+            }
+        }
+        moved
     }
 
     /// The covariance of quantities.
-    pub fn covariance_by(&self, by: &By) -> Vec<Vec<f64>> {
-        let root = self.root(by);
-        let count = by.first().map_or(0, |(_, derivatives)| derivatives.len());
-        let entry = |a: usize, b: usize| root.iter().map(|moves| moves[a] * moves[b]).sum();
-        (0..count).map(|a| (0..count).map(|b| entry(a, b)).collect()).collect()
+    pub fn covariance_by(&self, by: &By) -> Mat<f64> {
+        let root = self.moved(by, by.first().map_or(0, |(_, derivatives)| derivatives.len()));
+        &root * root.transpose()
     }
 
     /// The covariance of parameters.
-    pub fn covariance(&self, parameters: &[String]) -> Vec<Vec<f64>> {
-        let one = |at: usize| (0..parameters.len()).map(|other| f64::from(u8::from(other == at))).collect();
-        self.covariance_by(&parameters.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect())
+    pub fn covariance(&self, parameters: &[String]) -> Mat<f64> {
+        self.covariance_by(&by_themselves(parameters))
     }
 }
 
-impl Source {
-    /// By how much it moves each of `count` quantities.
-    fn moves_of(&self, by: &By, count: usize) -> Vec<f64> {
-        let mut moves = vec![0.0; count];
-        for (path, derivatives) in by {
-            if let Some(moved) = self.moves.get(path) {
-                moves.iter_mut().zip(derivatives).for_each(|(sum, by)| *sum += by * moved);
-            }
-        }
-        moves
-    }
+/// Parameters as quantities: each moves with itself alone.
+pub fn by_themselves(parameters: &[String]) -> By {
+    let one = |at: usize| (0..parameters.len()).map(|other| f64::from(u8::from(other == at))).collect();
+    parameters.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect()
 }
 
-/// Columns whose outer products add up to a covariance: Cholesky's factor with the largest variance first,
-/// until what is left is rounding.
+/// A matrix of columns whose outer products add up to a covariance: Cholesky's factor with the largest variance
+/// first, until what is left is rounding.
 ///
 /// # Errors
 ///
 /// What is wrong with it.
-pub fn root(covariance: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, String> {
-    let count = covariance.len();
-    if covariance.iter().flatten().any(|value| !value.is_finite()) {
+pub fn root(covariance: &Mat<f64>) -> Result<Mat<f64>, String> {
+    let count = covariance.nrows();
+    if !covariance.is_all_finite() {
         return Err("a covariance that is not finite".into());
     }
-    let variance: Vec<f64> = (0..count).map(|at| covariance[at][at]).collect();
-    let mut left = covariance.to_vec();
-    let mut columns = Vec::new();
+    let variance: Vec<f64> = (0..count).map(|at| covariance[(at, at)]).collect();
+    let mut left = covariance.clone();
+    let mut columns: Vec<Col<f64>> = Vec::new();
     let share =
-        |left: &[Vec<f64>], at: usize| if variance[at] > 0.0 { left[at][at] / variance[at] } else { 0.0 };
+        |left: &Mat<f64>, at: usize| if variance[at] > 0.0 { left[(at, at)] / variance[at] } else { 0.0 };
     while columns.len() < count {
         let Some(pivot) = (0..count).max_by(|a, b| share(&left, *a).total_cmp(&share(&left, *b))) else {
             break;
@@ -176,33 +172,30 @@ pub fn root(covariance: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, String> {
         if share(&left, pivot) <= ROUNDING {
             break;
         }
-        let scale = left[pivot][pivot].sqrt();
-        let column: Vec<f64> = (0..count).map(|row| left[row][pivot] / scale).collect();
-        for a in 0..count {
-            for b in 0..count {
-                left[a][b] -= column[a] * column[b];
-            }
-        }
+        let scale = left[(pivot, pivot)].sqrt();
+        let column = Col::from_fn(count, |row| left[(row, pivot)] / scale);
+        left -= &column * column.transpose();
         columns.push(column);
     }
     let beyond = |a: usize, b: usize| {
-        left[a][b].abs() > SAME * (variance[a] * variance[b]).max(0.0).sqrt() && left[a][b] != 0.0
+        left[(a, b)].abs() > SAME * (variance[a] * variance[b]).max(0.0).sqrt() && left[(a, b)] != 0.0
     };
     if (0..count).any(|a| (0..count).any(|b| beyond(a, b))) {
         return Err("a covariance that cannot be".into());
     }
-    Ok(columns)
+    Ok(Mat::from_fn(count, columns.len(), |row, column| columns[column][row]))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use faer::mat;
 
     fn paths(names: &[&str]) -> Vec<String> {
         names.iter().map(|name| (*name).to_string()).collect()
     }
 
-    fn block(names: &[&str], covariance: Vec<Vec<f64>>, by: &[(&str, Vec<f64>)]) -> Block {
+    fn block(names: &[&str], covariance: Mat<f64>, by: &[(&str, Vec<f64>)]) -> Block {
         Block {
             name: names.join(" and "),
             degrees_of_freedom: f64::INFINITY,
@@ -215,52 +208,44 @@ mod tests {
     #[test]
     fn what_two_owe_to_one_is_in_both_and_counts_once() {
         let mut joint = Uncertainty::default();
-        joint.put(block(&["coil"], vec![vec![4.0]], &[])).expect("found");
-        joint.put(block(&["a"], vec![vec![1.0]], &[("coil", vec![0.5])])).expect("found");
-        joint.put(block(&["b"], vec![vec![9.0]], &[("coil", vec![-1.0])])).expect("found");
+        joint.put(block(&["coil"], mat![[4.0]], &[])).expect("found");
+        joint.put(block(&["a"], mat![[1.0]], &[("coil", vec![0.5])])).expect("found");
+        joint.put(block(&["b"], mat![[9.0]], &[("coil", vec![-1.0])])).expect("found");
         // a = own + coil/2, b = own − coil.
-        assert_eq!(joint.covariance(&paths(&["a", "b"])), [[2.0, -2.0], [-2.0, 13.0]]);
+        assert_eq!(joint.covariance(&paths(&["a", "b"])), mat![[2.0, -2.0], [-2.0, 13.0]]);
         // c = a + b/2: by either way from the coil, one half less one half is nothing.
-        joint.put(block(&["c"], vec![vec![0.0]], &[("a", vec![1.0]), ("b", vec![0.5])])).expect("found");
+        joint.put(block(&["c"], mat![[0.0]], &[("a", vec![1.0]), ("b", vec![0.5])])).expect("found");
         assert!((joint.std("c").powi(2) - (1.0 + 9.0 / 4.0)).abs() < 1e-12);
     }
 
     #[test]
     fn a_parameter_that_is_estimated_again_with_itself_keeps_its_sources() {
         let mut joint = Uncertainty::default();
-        joint.put(block(&["k"], vec![vec![4.0]], &[])).expect("found");
-        joint.put(block(&["k"], vec![vec![0.25]], &[("k", vec![0.5])])).expect("found");
+        joint.put(block(&["k"], mat![[4.0]], &[])).expect("found");
+        joint.put(block(&["k"], mat![[0.25]], &[("k", vec![0.5])])).expect("found");
         assert!((joint.std("k").powi(2) - 1.25).abs() < 1e-12);
-        joint.put(block(&["k"], vec![vec![0.25]], &[])).expect("found");
+        joint.put(block(&["k"], mat![[0.25]], &[])).expect("found");
         assert_eq!(joint.sources.len(), 1);
     }
 
     #[test]
     fn a_root_is_one_of_the_covariance_also_where_it_is_short_of_rank() {
-        let columns = [[1.0, 2.0, -1.0], [0.5, 0.0, 3.0]];
-        let covariance: Vec<Vec<f64>> =
-            (0..3).map(|a| (0..3).map(|b| columns.iter().map(|c| c[a] * c[b]).sum()).collect()).collect();
+        let columns = mat![[1.0, 0.5], [2.0, 0.0], [-1.0, 3.0]];
+        let covariance = &columns * columns.transpose();
         let root = root(&covariance).expect("found");
-        assert_eq!(root.len(), 2);
-        for a in 0..3 {
-            for b in 0..3 {
-                let again: f64 = root.iter().map(|column| column[a] * column[b]).sum();
-                assert!((again - covariance[a][b]).abs() < 1e-12);
-            }
-        }
-        assert!(super::root(&[vec![1.0, 2.0], vec![2.0, 1.0]]).is_err());
+        assert_eq!(root.ncols(), 2);
+        assert!((&root * root.transpose() - covariance).norm_max() < 1e-12);
+        assert!(super::root(&mat![[1.0, 2.0], [2.0, 1.0]]).is_err());
     }
 
     #[test]
     fn degrees_of_freedom_of_one_name_go_together() {
         let mut joint = Uncertainty::default();
-        let scatter = Block {
-            degrees_of_freedom: 5.0,
-            ..block(&["a", "b"], vec![vec![1.0, 0.5], vec![0.5, 1.0]], &[])
-        };
+        let scatter =
+            Block { degrees_of_freedom: 5.0, ..block(&["a", "b"], mat![[1.0, 0.5], [0.5, 1.0]], &[]) };
         joint.put(scatter).expect("found");
         assert!((joint.degrees_of_freedom("b") - 5.0).abs() < 1e-12);
-        joint.put(block(&["c"], vec![vec![1.0]], &[("b", vec![1.0])])).expect("found");
+        joint.put(block(&["c"], mat![[1.0]], &[("b", vec![1.0])])).expect("found");
         // Half of the variance has five: 2²/(1²/5).
         assert!((joint.degrees_of_freedom("c") - 20.0).abs() < 1e-12);
     }

@@ -1,5 +1,7 @@
 //! The joint uncertainty of what a document states.
 
+use faer::Mat;
+
 use super::joint::{Block, SAME, Uncertainty};
 use super::stated::{Group, groups};
 use crate::{Document, Error};
@@ -26,7 +28,7 @@ impl Uncertainty {
 
     /// What is stated of parameters counts where it is not what the sources say.
     fn state(&mut self, group: Group) -> Result<(), Error> {
-        let std = |place: usize| group.covariance[place][place].max(0.0).sqrt();
+        let std = |place: usize| group.covariance[(place, place)].max(0.0).sqrt();
         let largest = (0..group.parameters.len()).map(std).fold(0.0, f64::max);
         let anew: Vec<usize> = (0..group.parameters.len())
             .filter(|place| {
@@ -43,10 +45,7 @@ impl Uncertainty {
             name: group.name,
             degrees_of_freedom: f64::INFINITY,
             parameters: anew.iter().map(|place| group.parameters[*place].clone()).collect(),
-            covariance: anew
-                .iter()
-                .map(|a| anew.iter().map(|b| group.covariance[*a][*b]).collect())
-                .collect(),
+            covariance: Mat::from_fn(anew.len(), anew.len(), |a, b| group.covariance[(anew[a], anew[b])]),
             by: Vec::new(),
         };
         self.put(block).map_err(|found| {

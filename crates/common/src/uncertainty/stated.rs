@@ -1,12 +1,14 @@
 //! What a document states with an uncertainty, with the covariances that stand beside the values.
 
+use faer::{Mat, mat};
+
 use super::joint::SAME;
 use super::paths::{
     VOLTMETER_ABSOLUTE, VOLTMETER_RELATIVE, added_offset, coil_constant, coil_offset, directions, effect,
     gradient, place, residual_field, resistor, sensitivity, sensor_offset,
 };
 use crate::axes::AxesDirections;
-use crate::{Axis, Calibration, Document, Error, Quantity};
+use crate::{Axis, Calibration, Document, Error, Quantity, covariance};
 
 /// Radians of an arcsecond.
 const ARCSEC: f64 = std::f64::consts::PI / 648_000.0;
@@ -20,7 +22,7 @@ pub struct Group {
     /// Their paths.
     pub parameters: Vec<String>,
     /// Their covariance.
-    pub covariance: Vec<Vec<f64>>,
+    pub covariance: Mat<f64>,
     /// Whether all are of one kind and unit, so that they count as a whole.
     pub alike: bool,
 }
@@ -54,7 +56,7 @@ fn group(
     let value = |a: usize, b: usize| {
         if a == b { known[a].1 * known[a].1 } else { entry(&known[a].0, &known[b].0).unwrap_or(0.0) }
     };
-    let covariance = (0..known.len()).map(|a| (0..known.len()).map(|b| value(a, b)).collect()).collect();
+    let covariance = Mat::from_fn(known.len(), known.len(), value);
     let parameters: Vec<String> = known.iter().map(|(path, _)| path.clone()).collect();
     (!parameters.is_empty()).then_some(Group { name, path, parameters, covariance, alike: false })
 }
@@ -84,7 +86,7 @@ fn facility(document: &Document) -> Vec<Group> {
                 name: path.clone(),
                 path: path.clone(),
                 parameters: vec![path],
-                covariance: vec![vec![std * std]],
+                covariance: mat![[std * std]],
                 alike: false,
             });
         }
@@ -143,11 +145,12 @@ fn axes(calibration: &Calibration) -> Result<Vec<Group>, Error> {
             if cross.len() == 9 && cross.iter().all(|row| row.len() == 9) =>
         {
             // One matrix over all eighteen.
-            let lower: Vec<Vec<f64>> = (0..9)
-                .map(|b| (0..9).map(|a| cross[a][b]).chain(coils.covariance[b].iter().copied()).collect())
-                .collect();
-            sensors.covariance.iter_mut().zip(cross).for_each(|(row, cross)| row.extend(cross));
-            sensors.covariance.extend(lower);
+            sensors.covariance = Mat::from_fn(18, 18, |a, b| match (a < 9, b < 9) {
+                (true, true) => sensors.covariance[(a, b)],
+                (true, false) => cross[a][b - 9],
+                (false, true) => cross[b][a - 9],
+                (false, false) => coils.covariance[(a - 9, b - 9)],
+            });
             sensors.parameters.extend(coils.parameters);
             sensors.name = "directions as stated".into();
             groups.push(sensors);
@@ -173,7 +176,7 @@ fn cosines(of: &AxesDirections, name: &str) -> Result<Option<Group>, Error> {
     let Some(matrix) = &of.matrix else { return Ok(None) };
     let parameters = directions(name);
     let path = format!("calibration.axes.{name}.covariance");
-    let covariance: Vec<Vec<f64>> = match (&of.covariance, &of.covariance_order) {
+    let covariance = match (&of.covariance, &of.covariance_order) {
         (Some(_), Some(_)) => {
             let cosine = |path: &String| path[path.find("matrix").unwrap_or(0)..].to_string();
             let names: Vec<String> = parameters.iter().map(cosine).collect();
@@ -183,7 +186,8 @@ fn cosines(of: &AxesDirections, name: &str) -> Result<Option<Group>, Error> {
                     Error::document(path.clone(), format!("no entry for {a} with {b}"), expected)
                 })
             };
-            names.iter().map(|a| names.iter().map(|b| value(a, b)).collect()).collect::<Result<_, _>>()?
+            let row = |a: &String| names.iter().map(|b| value(a, b)).collect();
+            covariance::matrix(&names.iter().map(row).collect::<Result<Vec<Vec<f64>>, _>>()?)
         }
         _ => {
             // σ² (1 − n nᵀ) for each direction n.
@@ -200,10 +204,10 @@ fn cosines(of: &AxesDirections, name: &str) -> Result<Option<Group>, Error> {
             let value = |a: usize, b: usize| {
                 if a / 3 == b / 3 { std(a / 3).powi(2) * across(a / 3, a % 3, b % 3) } else { 0.0 }
             };
-            (0..9).map(|a| (0..9).map(|b| value(a, b)).collect()).collect()
+            Mat::from_fn(9, 9, value)
         }
     };
-    let any = (0..9).any(|at| covariance[at][at] > 0.0);
+    let any = (0..9).any(|at| covariance[(at, at)] > 0.0);
     Ok(any.then(|| Group {
         name: format!("directions of the {name} as stated"),
         path,

@@ -93,7 +93,7 @@ impl Sensor {
         let offset = found.offset_nt.as_ref()?;
         let constants = [uncertainty::sensitivity(axis, unit), joint::offset(document, axis)];
         let known = joint.covariance(&constants);
-        if known[0][0] == 0.0 || known[1][1] == 0.0 {
+        if known[(0, 0)] == 0.0 || known[(1, 1)] == 0.0 {
             return None;
         }
         let mut parameters: Vec<(&'static str, String)> =

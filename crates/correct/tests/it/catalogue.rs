@@ -74,7 +74,7 @@ fn what_is_predicted_is_corrected() {
             document.recordings[0].columns.insert(format!("sensor_{axis}_v"), readings.collect());
         }
         let corrected = correct::run(document, &Options::default());
-        if !kind.about().invertible {
+        if !kind.invertible() {
             let error = corrected.expect_err("no inverse");
             assert!(matches!(&error, Error::Unanswerable(why) if why.contains(kind.name())), "{error}");
             continue;

@@ -1,7 +1,9 @@
 //! What the sources say, beside the values.
 
+use common::covariance::rows;
 use common::uncertainty;
 use common::{AxesDirections, Axis, Document, OneOrEach, Quantity, Uncertainty};
+use faer::Mat;
 use nalgebra::Matrix3;
 use physics::{Kind, ParameterInfo, frames};
 
@@ -35,7 +37,7 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
         let (paths, names): (Vec<String>, Vec<&str>) = keys?.into_iter().unzip();
         let known = paths.iter().any(fitted) && paths.iter().all(|path| joint.std(path) > 0.0);
         let order = names.into_iter().map(str::to_string).collect();
-        known.then(|| (joint.covariance(&paths), order))
+        known.then(|| (rows(&joint.covariance(&paths)), order))
     };
     for axis in Axis::ALL {
         if let Some(coil) = calibration.coils.as_mut().and_then(|coils| coils.entry(axis).as_mut()) {
@@ -78,27 +80,26 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
     let [sensors, coils] = ["sensors", "coils"].map(uncertainty::directions);
     for (place, paths) in [(&mut axes.sensors, &sensors), (&mut axes.coils, &coils)] {
         if let Some(place) = place.as_mut().filter(|_| paths.iter().any(fitted)) {
-            directions(place, joint.covariance(paths));
+            directions(place, &joint.covariance(paths));
         }
     }
     let all = [sensors, coils].concat();
     if all.iter().any(fitted) {
-        let covariance = joint.covariance(&all);
-        let cross: Vec<Vec<f64>> = covariance[..9].iter().map(|row| row[9..].to_vec()).collect();
         let stated = [&axes.sensors, &axes.coils]
             .iter()
             .all(|of| of.as_ref().is_some_and(|of| of.covariance.is_some()));
-        axes.cross_covariance = stated.then_some(cross);
+        axes.cross_covariance =
+            stated.then(|| rows(&joint.covariance(&all).submatrix(0, 9, 9, 9).to_owned()));
     }
 }
 
 /// States the covariance of nine cosines.
-fn directions(of: &mut AxesDirections, covariance: Vec<Vec<f64>>) {
+fn directions(of: &mut AxesDirections, covariance: &Mat<f64>) {
     let widest = |axis: Axis| {
-        let own = Matrix3::from_fn(|r, s| covariance[3 * axis.index() + r][3 * axis.index() + s]);
+        let own = Matrix3::from_fn(|r, s| covariance[(3 * axis.index() + r, 3 * axis.index() + s)]);
         own.symmetric_eigenvalues().max().max(0.0).sqrt() / frames::ARCSEC
     };
     of.std_arcsec = Some(OneOrEach::Each(Axis::ALL.map(|axis| (axis, widest(axis))).into_iter().collect()));
     of.covariance_order = Some((0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect());
-    of.covariance = Some(covariance);
+    of.covariance = Some(rows(covariance));
 }

@@ -2,7 +2,7 @@
 
 use common::{Axis, ChiSquared, OneMatrix};
 use estimate::{linear, stats};
-use faer::{Mat, Side};
+use faer::{ColRef, Mat, MatRef, Scale, Side};
 
 use crate::Error;
 
@@ -44,9 +44,9 @@ impl Fitted {
     pub fn without(&self, from: usize) -> Result<ChiSquared, Error> {
         let values = &self.unknowns[from..];
         let count = values.len();
-        let covariance = Mat::from_fn(count, count, |i, j| self.covariance[(from + i, from + j)]);
-        let white = whitened(&covariance, &[values])?;
-        Ok(chi_squared(white[0].iter().map(|value| value * value).sum(), count as f64))
+        let covariance = self.covariance.submatrix(from, from, count, count);
+        let white = whitened(covariance, ColRef::from_slice(values).as_mat())?;
+        Ok(chi_squared(white.squared_norm_l2(), count as f64))
     }
 }
 
@@ -70,15 +70,16 @@ pub fn fit(
     let (mut rows, mut right) = (Vec::new(), Vec::new());
     for (i, estimate) in estimates.iter().enumerate() {
         let block = design(i);
-        let columns: Vec<Vec<f64>> =
-            (0..unknowns).map(|j| (0..block.nrows()).map(|k| block[(k, j)]).collect()).collect();
-        let mut vectors: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-        vectors.extend([estimate.bias.as_slice(), estimate.value.as_slice()]);
-        let white = whitened(&estimate.covariance, &vectors)?;
+        let all = Mat::from_fn(block.nrows(), unknowns + 2, |k, j| match j.checked_sub(unknowns) {
+            None => block[(k, j)],
+            Some(0) => estimate.bias[k],
+            Some(_) => estimate.value[k],
+        });
         let weight = if estimate.freedom.is_finite() { 1.0 - 2.0 / estimate.freedom } else { 1.0 };
-        for k in 0..estimate.value.len() {
-            rows.push(white[..=unknowns].iter().map(|column| weight.sqrt() * column[k]).collect::<Vec<_>>());
-            right.push(weight.sqrt() * white[unknowns + 1][k]);
+        let white = whitened(estimate.covariance.as_ref(), all.as_ref())? * Scale(weight.sqrt());
+        for row in white.row_iter() {
+            rows.push(row.iter().take(unknowns + 1).copied().collect::<Vec<f64>>());
+            right.push(row[unknowns + 1]);
         }
     }
     let solve = |columns: usize, share: Option<f64>| {
@@ -112,8 +113,8 @@ pub fn fit(
     })
 }
 
-/// L⁻¹ v of each vector, L Lᵀ = C.
-fn whitened(covariance: &Mat<f64>, vectors: &[&[f64]]) -> Result<Vec<Vec<f64>>, Error> {
+/// L⁻¹ v of each column v, L Lᵀ = C.
+fn whitened(covariance: MatRef<'_, f64>, columns: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let n = covariance.nrows();
     let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
     let scaled = Mat::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
@@ -122,16 +123,9 @@ fn whitened(covariance: &Mat<f64>, vectors: &[&[f64]]) -> Result<Vec<Vec<f64>>, 
         columns: n,
         reason: format!("{error:?}"),
     })?;
-    let lower = factor.L();
-    let solve = |vector: &&[f64]| {
-        let mut white: Vec<f64> = Vec::with_capacity(n);
-        for i in 0..n {
-            let known: f64 = (0..i).map(|j| lower[(i, j)] * white[j]).sum();
-            white.push((vector[i] / scale[i] - known) / lower[(i, i)]);
-        }
-        white
-    };
-    Ok(vectors.iter().map(solve).collect())
+    let mut white = Mat::from_fn(n, columns.ncols(), |i, j| columns[(i, j)] / scale[i]);
+    factor.L().solve_lower_triangular_in_place(white.as_mut());
+    Ok(white)
 }
 
 /// The axes' tests as one, S = Σ χ²_i, where the axes' noise correlates with ρ_ij: Cov(χ²_i, χ²_j) = 2 √(ν_i

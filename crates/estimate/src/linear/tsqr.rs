@@ -145,23 +145,15 @@ impl Tsqr {
                 return Err(Error::Decomposition { rows: self.count as usize, columns: known, reason });
             }
         }
-        let solve = |right: &dyn Fn(usize) -> f64| -> Vec<f64> {
-            let mut x = vec![0.0; known];
-            for i in (0..known).rev() {
-                let rest: f64 = (i + 1..known).map(|j| upper[(i, j)] * x[j]).sum();
-                x[i] = (right(i) - rest) / upper[(i, i)];
-            }
-            x
-        };
-        let inverse_factor: Vec<Vec<f64>> =
-            (0..known).map(|k| solve(&|i| if i == k { 1.0 } else { 0.0 })).collect();
-        let inverse = Mat::from_fn(known, known, |i, j| {
-            inverse_factor.iter().map(|column| column[i] * column[j]).sum::<f64>()
-        });
+        let factor = upper.submatrix(0, 0, known, known);
+        let mut root = Mat::identity(known, known);
+        factor.solve_upper_triangular_in_place(root.as_mut());
+        let mut solved = upper.submatrix(0, known, known, responses.len()).to_owned();
+        factor.solve_upper_triangular_in_place(solved.as_mut());
         let (mut coefficients, mut intercepts, mut squares) = (Vec::new(), Vec::new(), Vec::new());
         for (place, response) in responses.iter().enumerate() {
             let column = known + place;
-            let found = solve(&|i| upper[(i, column)]);
+            let found = solved.col_as_slice(place).to_vec();
             let mut constant = self.sums[*response].over(self.count as f64);
             for (predictor, coefficient) in predictors.iter().zip(&found) {
                 constant.add_times(-coefficient, self.sums[*predictor].over(self.count as f64));
@@ -171,7 +163,7 @@ impl Tsqr {
             squares.push((known..upper.nrows().min(column + 1)).map(|i| upper[(i, column)].powi(2)).sum());
         }
         let freedom = self.count as f64 - known as f64 - 1.0;
-        Ok(Regression { coefficients, intercepts, inverse, squares, freedom })
+        Ok(Regression { coefficients, intercepts, inverse: &root * root.transpose(), squares, freedom })
     }
 }
 

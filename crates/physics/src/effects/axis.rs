@@ -23,14 +23,9 @@ impl Effect for AxisTemperature {
             ParameterInfo::amplitude("second_arcsec_per_k", 0.01, 10.0),
         ],
         needs: &[Thermometer::Sensor.column()],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         turn(parameters, |row| T::from(column[row] - reference), signal, around);
         Ok(())
@@ -59,14 +54,9 @@ impl Effect for AxisCreep {
             ParameterInfo::shape("lag_s", 10.0, 100_000.0),
         ],
         needs: &["time_s", Thermometer::Sensor.column()],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         let warmer = column.iter().map(|t| T::from(t - reference)).collect();

@@ -21,14 +21,9 @@ impl Effect for LoopBandwidth {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("lag_s", 1e-4, 10.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
         let lagged =
@@ -53,14 +48,9 @@ impl Effect for Delay {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("delay_s", 1e-4, 10.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
         let delayed =

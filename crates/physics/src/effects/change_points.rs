@@ -18,14 +18,9 @@ impl Effect for ReadingStep {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("height_nt", 0.1, 1000.0), ParameterInfo::epoch("time_s")],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         for (value, t) in signal.iter_mut().zip(time) {
             if *t >= parameters[1].re() {
@@ -51,14 +46,9 @@ impl Effect for Spike {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("height_nt", 1.0, 100_000.0), ParameterInfo::epoch("time_s")],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let when = parameters[1].re();
         let after = time.partition_point(|t| *t < when);
@@ -95,14 +85,10 @@ impl Effect for Dropout {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::epoch("time_s"), ParameterInfo::epoch("duration_s")],
         needs: &["time_s"],
-        invertible: false,
     };
+    const INVERTIBLE: bool = false;
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let (from, to) = (parameters[0].re(), parameters[0].re() + parameters[1].re());
         let own = around.axis.index();

@@ -22,14 +22,9 @@ impl Effect for ClockOffset {
         acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("offset_s", 1e-3, 60.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         shift(around.context, time, |_| parameters[0], signal);
         Ok(())
@@ -52,14 +47,9 @@ impl Effect for ClockRate {
         acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("rate_ppm", 0.1, 1000.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let clock = around.context.clock(Self::ABOUT.name)?;
         shift(around.context, time, |row| parameters[0] * (clock[row] * 1e-6), signal);

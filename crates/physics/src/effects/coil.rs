@@ -18,14 +18,9 @@ impl Effect for CoilTemperature {
         acts: Acts::OneCoil,
         parameters: &[ParameterInfo::amplitude("coefficient_ppm_per_k", 0.1, 100.0)],
         needs: &[Thermometer::Coil.column()],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (column, reference) = around.context.temperature(Thermometer::Coil, Self::ABOUT.name)?;
         for (value, temperature) in signal.iter_mut().zip(column.iter()) {
             let own = &mut value[around.axis.index()];
@@ -58,14 +53,9 @@ impl Effect for CoilHeating {
             ParameterInfo::shape("lag_s", 30.0, 20_000.0),
         ],
         needs: &["time_s", "drive of the coil"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let time = context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
@@ -104,14 +94,9 @@ impl Effect for EddyCurrents {
             ParameterInfo::shape("time_constant_s", 1e-3, 1000.0),
         ],
         needs: &["time_s", "drive of the coil"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
         let drive =

@@ -23,14 +23,10 @@ impl Effect for Quantisation {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("width_nt", 0.02, 60.0)],
         needs: &[],
-        invertible: false,
     };
+    const INVERTIBLE: bool = false;
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
@@ -76,14 +72,9 @@ impl Effect for DifferentialNonlinearity {
             harmonic("cosine_5_nt", 1.0),
         ],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
         let amplitudes = [&parameters[..2], &parameters[3..]].concat();
         for value in signal {
@@ -113,14 +104,9 @@ impl Effect for Saturation {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("level_nt", 30_000.0, 200_000.0)],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];
@@ -148,14 +134,10 @@ impl Effect for Clipping {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("level_nt", 1_000.0, 100_000.0)],
         needs: &[],
-        invertible: false,
     };
+    const INVERTIBLE: bool = false;
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
         for value in signal {
             let own = &mut value[around.axis.index()];

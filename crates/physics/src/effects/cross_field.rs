@@ -24,14 +24,9 @@ impl Effect for CrossField {
             ParameterInfo::amplitude("mixed_nt", 0.1, 50.0),
         ],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let axis = around.axis;
         for (value, field) in signal.iter_mut().zip(around.field_sen) {
             let [u, v] = across(axis).map(|k| field[k] / FULL_NT);
@@ -60,14 +55,9 @@ impl Effect for CrossFieldSensitivity {
             ParameterInfo::amplitude("second_nt", 0.1, 50.0),
         ],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let axis = around.axis;
         for (value, field) in signal.iter_mut().zip(around.field_sen) {
             let [u, v] = across(axis).map(|k| field[k] / FULL_NT);

@@ -55,14 +55,9 @@ impl Effect for CoilGradient {
         acts: Acts::OneCoil,
         parameters: &[ParameterInfo::amplitude("gradient_ppm_per_m", 1.0, 5000.0)],
         needs: &["instrument.positions_m"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let positions = context.positions_m.ok_or_else(|| {
             context.missing(Self::ABOUT.name, "the sensors' places, `instrument.positions_m`")
@@ -100,14 +95,9 @@ impl Effect for OffCentre {
             ParameterInfo::amplitude("z_m", 0.001, 0.5),
         ],
         needs: &["facility.coils.*.gradient_nt_per_m_a"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let gradient = context.gradient_nt_per_m_a;
         if gradient == Vector3::zeros() {

@@ -21,14 +21,9 @@ impl Effect for Hysteresis {
             ParameterInfo::shape("coercivity_nt", 10.0, 10_000.0),
         ],
         needs: &["rows in the order taken"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (mut last, mut z): (Option<T>, T) = (None, T::from(0.0));
         for value in signal {
             let own = &mut value[around.axis.index()];
@@ -68,14 +63,9 @@ impl Effect for Perming {
             ParameterInfo::shape("threshold_nt", 1000.0, 200_000.0),
         ],
         needs: &["rows in the order taken"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let mut play = T::from(0.0);
         for value in signal {
             let own = &mut value[around.axis.index()];

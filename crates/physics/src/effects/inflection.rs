@@ -25,14 +25,9 @@ impl Effect for OffsetTemperatureInflection {
             ParameterInfo::shape("width_k", 0.3, 10.0),
         ],
         needs: &[Thermometer::Sensor.column()],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (coefficient, half_change) = (parameters[0], parameters[1]);
         let (inflection_k, width_k) = (parameters[2], parameters[3]);
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;

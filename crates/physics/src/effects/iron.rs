@@ -22,14 +22,9 @@ impl Effect for HardIron {
             ParameterInfo::amplitude("down_nt", 0.1, 1000.0),
         ],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        _: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
         let constant = Vector3::from_column_slice(parameters);
         signal.iter_mut().for_each(|field| *field += constant);
         Ok(())
@@ -52,14 +47,9 @@ impl Effect for SoftIron {
         acts: Acts::Everything,
         parameters: MATRIX,
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        _: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
         add_matrix(parameters, signal);
         Ok(())
     }

@@ -22,14 +22,9 @@ impl Effect for NullingLeakage {
             ParameterInfo::shape("lag_s", 0.01, 1000.0),
         ],
         needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let time = context.times(Self::ABOUT.name)?;
         let mut found = false;

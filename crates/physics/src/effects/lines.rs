@@ -32,14 +32,13 @@ macro_rules! line {
                     ParameterInfo::shape("frequency_hz", $low, $high),
                 ],
                 needs: &["time_s"],
-                invertible: true,
             };
 
             fn apply<T: Real>(
                 parameters: &[T],
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
-            ) -> Result<(), Error> {
+            ) -> Result {
                 let clock = around.context.clock($name)?;
                 let share = around.context.averaged(parameters[6]);
                 for (field, t) in signal.iter_mut().zip(clock) {

@@ -19,14 +19,9 @@ impl Effect for QuadraticNonlinearity {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("departure_nt", 0.1, 100.0)],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         power(parameters[0], 2, signal, around);
         Ok(())
     }
@@ -48,14 +43,9 @@ impl Effect for CubicNonlinearity {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("departure_nt", 0.1, 100.0)],
         needs: &[],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         power(parameters[0], 3, signal, around);
         Ok(())
     }

@@ -22,14 +22,9 @@ impl Effect for PillarGradient {
         acts: Acts::Everything,
         parameters: MATRIX,
         needs: &["a differential recording"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        _: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
         add_matrix(parameters, signal);
         Ok(())
     }
@@ -63,14 +58,9 @@ impl Effect for InductionDifference {
             ParameterInfo::shape("time_constant_s", 1.0, 100_000.0),
         ],
         needs: &["time_s", "a differential recording"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let matrix = nalgebra::Matrix3::from_row_slice(&parameters[..9]);
         let lagged: [Vec<T>; 3] = std::array::from_fn(|axis| {
@@ -106,14 +96,9 @@ impl Effect for PillarTilt {
             ParameterInfo::shape("lag_s", 10.0, 1_000_000.0),
         ],
         needs: &["time_s", Thermometer::Sensor.column()],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
         let warmer = column.iter().map(|t| T::from(t - reference)).collect();
@@ -142,14 +127,9 @@ impl Effect for PillarSettling {
             ParameterInfo::amplitude("about_y_arcsec_per_day", 0.01, 20.0),
         ],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
         tilt(parameters, |row| T::from(clock[row] / DAY_S), signal);
         Ok(())
@@ -174,14 +154,9 @@ impl Effect for MeasuredTilt {
         acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("gain_ppm", 100_000.0, 2_000_000.0)],
         needs: &["tilt_x_rad", "tilt_y_rad"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let about_x = around.context.column("tilt_x_rad", Self::ABOUT.name)?;
         let about_y = around.context.column("tilt_y_rad", Self::ABOUT.name)?;
         let gain = parameters[0] * 1e-6;

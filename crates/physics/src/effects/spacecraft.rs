@@ -22,14 +22,9 @@ impl Effect for StrayCurrent {
             ParameterInfo::amplitude("z_nt_per_a", 0.1, 10_000.0),
         ],
         needs: &["a housekeeping column in A"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let current = around.context.column(around.column, Self::ABOUT.name)?;
         let vector = Vector3::from_column_slice(parameters);
         for (field, current) in signal.iter_mut().zip(current.iter()) {
@@ -66,14 +61,13 @@ macro_rules! rotor {
                     ParameterInfo::amplitude("z_cosine_nt", 0.01, 100.0),
                 ],
                 needs: &["time_s", "a housekeeping column in Hz"],
-                invertible: true,
             };
 
             fn apply<T: Real>(
                 parameters: &[T],
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
-            ) -> Result<(), Error> {
+            ) -> Result {
                 let time = around.context.times($name)?;
                 let rate = around.context.column(around.column, $name)?;
                 let turns = Signal::new(time, rate.to_vec()).integral();

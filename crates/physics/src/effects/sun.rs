@@ -12,7 +12,7 @@ struct Sun<'a> {
 }
 
 impl<'a> Sun<'a> {
-    fn of(context: &Context<'a>, who: &str) -> Result<Self, Error> {
+    fn of(context: &Context<'a>, who: &str) -> Result<Self> {
         let azimuth = context.angle("sun_azimuth");
         Ok(Self {
             azimuth: azimuth.ok_or_else(|| context.missing(who, "the column `sun_azimuth_rad`"))?,
@@ -69,14 +69,9 @@ impl Effect for SunThermoelectric {
             ParameterInfo::amplitude("z_up_nt", 0.05, 20.0),
         ],
         needs: &["sun_azimuth_rad"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let sun = Sun::of(around.context, Self::ABOUT.name)?;
         for (row, field) in signal.iter_mut().enumerate() {
             let lit = sun.lit(row);
@@ -151,14 +146,9 @@ impl Effect for SunThermoelectricHarmonics {
         acts: Acts::Everything,
         parameters: harmonics!("x", "y", "z"),
         needs: &["sun_azimuth_rad"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let sun = Sun::of(around.context, Self::ABOUT.name)?;
         for (row, field) in signal.iter_mut().enumerate() {
             let lit = sun.lit(row);

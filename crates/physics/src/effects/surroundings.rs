@@ -36,14 +36,9 @@ impl Effect for VehiclePass {
             ParameterInfo::shape("duration_s", 1.0, 1000.0),
         ],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let part = |number: usize| Vector3::from_column_slice(&parameters[3 * number..3 * number + 3]);
         let (first, second, third) = (part(0), part(1), part(2));
@@ -74,14 +69,9 @@ impl Effect for WorkingHours {
         acts: Acts::Everything,
         parameters: &[VECTOR[0], VECTOR[1], VECTOR[2], ParameterInfo::span("slack_s", 60.0, 3600.0)],
         needs: &["time_s", "start"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let time = context.times(Self::ABOUT.name)?;
         let start = context.local_start_s.ok_or_else(|| {

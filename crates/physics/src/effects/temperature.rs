@@ -25,10 +25,50 @@ pub(super) fn add<T: Real>(
     }
 }
 
-/// An effect that follows a temperature at once, with a curvature.
-macro_rules! instant {
+/// A temperature that the sensitivity or the offset follows.
+struct Followed {
+    effect: &'static str,
+    thermometer: Thermometer,
+    of: Of,
+}
+
+impl Followed {
+    /// At once, with a curvature.
+    fn instant<T: Real>(
+        self,
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result {
+        let (column, reference) = around.context.temperature(self.thermometer, self.effect)?;
+        let change = |row: usize| {
+            let warmer = column[row] - reference;
+            (parameters[0] + parameters[1] * warmer) * warmer
+        };
+        add(self.of, change, signal, around);
+        Ok(())
+    }
+
+    /// Through a first-order lag, in equilibrium at the first row.
+    fn lagged<T: Real>(
+        self,
+        parameters: &[T],
+        signal: &mut [Vector3<T>],
+        around: &Surroundings<'_, T>,
+    ) -> Result {
+        let time = around.context.times(self.effect)?;
+        let (column, reference) = around.context.temperature(self.thermometer, self.effect)?;
+        let warmer = column.iter().map(|t| T::from(t - reference)).collect();
+        let warmer = Signal::new(time, warmer).lagged(parameters[1], Before::Equilibrium);
+        add(self.of, |row| parameters[0] * warmer[row], signal, around);
+        Ok(())
+    }
+}
+
+/// An effect that follows the temperature of `$place`.
+macro_rules! follows {
     ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $equation:literal, $source:literal,
-        $place:ident, $thermometer:ident, $of:ident, [$($parameter:expr),+]) => {
+        $place:ident, $of:ident, $how:ident, [$($parameter:expr),+], [$($time:literal)?]) => {
         #[doc = $doc]
         pub struct $effect;
 
@@ -43,66 +83,22 @@ macro_rules! instant {
                 stage: Stage::$place,
                 acts: Acts::OneSensor,
                 parameters: &[$($parameter),+],
-                needs: &[Thermometer::$thermometer.column()],
-                invertible: true,
+                needs: &[$($time,)? Thermometer::$place.column()],
             };
 
             fn apply<T: Real>(
                 parameters: &[T],
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
-            ) -> Result<(), Error> {
-                let (column, reference) = around.context.temperature(Thermometer::$thermometer, $name)?;
-                let change = |row: usize| {
-                    let warmer = column[row] - reference;
-                    (parameters[0] + parameters[1] * warmer) * warmer
-                };
-                add(Of::$of, change, signal, around);
-                Ok(())
+            ) -> Result {
+                let followed = Followed { effect: $name, thermometer: Thermometer::$place, of: Of::$of };
+                followed.$how(parameters, signal, around)
             }
         }
     };
 }
 
-/// An effect that follows a temperature through a first-order lag, in equilibrium at the first row.
-macro_rules! lagged {
-    ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $equation:literal, $source:literal,
-        $place:ident, $thermometer:ident, $of:ident, [$($parameter:expr),+]) => {
-        #[doc = $doc]
-        pub struct $effect;
-
-        impl Effect for $effect {
-            const ABOUT: About = About {
-                name: $name,
-                title: $title,
-                physics: $physics,
-                equation: $equation,
-                source: $source,
-                place: Place::$place,
-                stage: Stage::$place,
-                acts: Acts::OneSensor,
-                parameters: &[$($parameter),+],
-                needs: &["time_s", Thermometer::$thermometer.column()],
-                invertible: true,
-            };
-
-            fn apply<T: Real>(
-                parameters: &[T],
-                signal: &mut [Vector3<T>],
-                around: &Surroundings<'_, T>,
-            ) -> Result<(), Error> {
-                let time = around.context.times($name)?;
-                let (column, reference) = around.context.temperature(Thermometer::$thermometer, $name)?;
-                let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-                let warmer = Signal::new(time, warmer).lagged(parameters[1], Before::Equilibrium);
-                add(Of::$of, |row| parameters[0] * warmer[row], signal, around);
-                Ok(())
-            }
-        }
-    };
-}
-
-instant!(
+follows!(
     OffsetTemperature,
     "offset_temperature",
     "ΔB = c (T_S − T_ref) + q (T_S − T_ref)², nT along the sensor (NASA eq. 29, with curvature).",
@@ -111,15 +107,16 @@ instant!(
     "dB = c (T_S - T_ref) + q (T_S - T_ref)^2",
     "NASA CR-156638, eq. 29; Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241",
     Sensor,
-    Sensor,
     Offset,
+    instant,
     [
         ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0),
         ParameterInfo::amplitude("curvature_nt_per_k2", 0.0001, 0.1)
-    ]
+    ],
+    []
 );
 
-lagged!(
+follows!(
     OffsetTemperatureLag,
     "offset_temperature_lag",
     "ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; nT along the sensor.",
@@ -129,15 +126,16 @@ lagged!(
     "dB = c (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
     "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241",
     Sensor,
-    Sensor,
     Offset,
+    lagged,
     [
         ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0),
         ParameterInfo::shape("lag_s", 10.0, 10_000.0)
-    ]
+    ],
+    ["time_s"]
 );
 
-instant!(
+follows!(
     SensitivityTemperature,
     "sensitivity_temperature",
     "ΔB = B (c (T_S − T_ref) + q (T_S − T_ref)²), c in ppm/K, q in ppm/K².",
@@ -146,15 +144,16 @@ instant!(
     "dB = B (c (T_S - T_ref) + q (T_S - T_ref)^2) 1e-6",
     "NASA CR-156638, eq. 29; Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth Planets Space 68, 129",
     Sensor,
-    Sensor,
     Sensitivity,
+    instant,
     [
         ParameterInfo::amplitude("coefficient_ppm_per_k", 0.2, 200.0),
         ParameterInfo::amplitude("curvature_ppm_per_k2", 0.002, 2.0)
-    ]
+    ],
+    []
 );
 
-lagged!(
+follows!(
     SensitivityTemperatureLag,
     "sensitivity_temperature_lag",
     "ΔB = B c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; c in ppm/K.",
@@ -163,15 +162,16 @@ lagged!(
     "dB = B c (T_lag - T_ref) 1e-6, tau dT_lag/dt = T_S - T_lag",
     "NASA CR-156638, eq. 29; Acuña 2002, Space-based magnetometers, Rev. Sci. Instrum. 73, 3717",
     Sensor,
-    Sensor,
     Sensitivity,
+    lagged,
     [
         ParameterInfo::amplitude("coefficient_ppm_per_k", 0.2, 200.0),
         ParameterInfo::shape("lag_s", 10.0, 10_000.0)
-    ]
+    ],
+    ["time_s"]
 );
 
-instant!(
+follows!(
     OffsetElectronicsTemperature,
     "offset_electronics_temperature",
     "ΔB = c (T_E − T_ref) + q (T_E − T_ref)², nT along the sensor (NASA eq. 29, with curvature).",
@@ -180,15 +180,16 @@ instant!(
     "dB = c (T_E - T_ref) + q (T_E - T_ref)^2",
     "NASA CR-156638, eq. 29; Acuña 2002, Space-based magnetometers, Rev. Sci. Instrum. 73, 3717",
     Electronics,
-    Electronics,
     Offset,
+    instant,
     [
         ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0),
         ParameterInfo::amplitude("curvature_nt_per_k2", 0.0001, 0.1)
-    ]
+    ],
+    []
 );
 
-lagged!(
+follows!(
     OffsetElectronicsTemperatureLag,
     "offset_electronics_temperature_lag",
     "ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; nT along the sensor.",
@@ -197,15 +198,16 @@ lagged!(
     "dB = c (T_lag - T_ref), tau dT_lag/dt = T_E - T_lag",
     "Acuña 2002, Space-based magnetometers, Rev. Sci. Instrum. 73, 3717",
     Electronics,
-    Electronics,
     Offset,
+    lagged,
     [
         ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0),
         ParameterInfo::shape("lag_s", 10.0, 10_000.0)
-    ]
+    ],
+    ["time_s"]
 );
 
-instant!(
+follows!(
     SensitivityElectronicsTemperature,
     "sensitivity_electronics_temperature",
     "ΔB = B (c (T_E − T_ref) + q (T_E − T_ref)²), c in ppm/K, q in ppm/K².",
@@ -214,15 +216,16 @@ instant!(
     "dB = B (c (T_E - T_ref) + q (T_E - T_ref)^2) 1e-6",
     "NASA CR-156638, eq. 29; Acuña 2002, Space-based magnetometers, Rev. Sci. Instrum. 73, 3717",
     Electronics,
-    Electronics,
     Sensitivity,
+    instant,
     [
         ParameterInfo::amplitude("coefficient_ppm_per_k", 0.2, 200.0),
         ParameterInfo::amplitude("curvature_ppm_per_k2", 0.002, 2.0)
-    ]
+    ],
+    []
 );
 
-lagged!(
+follows!(
     SensitivityElectronicsTemperatureLag,
     "sensitivity_electronics_temperature_lag",
     "ΔB = B c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; c in ppm/K.",
@@ -231,10 +234,11 @@ lagged!(
     "dB = B c (T_lag - T_ref) 1e-6, tau dT_lag/dt = T_E - T_lag",
     "Acuña 2002, Space-based magnetometers, Rev. Sci. Instrum. 73, 3717",
     Electronics,
-    Electronics,
     Sensitivity,
+    lagged,
     [
         ParameterInfo::amplitude("coefficient_ppm_per_k", 0.2, 200.0),
         ParameterInfo::shape("lag_s", 10.0, 10_000.0)
-    ]
+    ],
+    ["time_s"]
 );

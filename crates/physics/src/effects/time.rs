@@ -19,14 +19,9 @@ impl Effect for WarmUp {
             ParameterInfo::shape("time_constant_s", 60.0, 100_000.0),
         ],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
         for (value, t) in signal.iter_mut().zip(clock) {
             value[around.axis.index()] += parameters[0] * (-parameters[1].recip() * t).exp();
@@ -51,14 +46,9 @@ impl Effect for Ageing {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("rate_nt_per_day", 0.0005, 5.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
         for (value, t) in signal.iter_mut().zip(clock) {
             value[around.axis.index()] += parameters[0] * (t / DAY_S);
@@ -83,14 +73,9 @@ impl Effect for SensitivityAgeing {
         acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("rate_ppm_per_day", 0.001, 100.0)],
         needs: &["time_s"],
-        invertible: true,
     };
 
-    fn apply<T: Real>(
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result<(), Error> {
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
         for (value, t) in signal.iter_mut().zip(clock) {
             let own = &mut value[around.axis.index()];

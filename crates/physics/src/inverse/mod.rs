@@ -92,8 +92,7 @@ impl<'a> Inverter<'a> {
         effects: &'a [EffectInstance],
         context: &'a Context<'a>,
     ) -> Result<Self, Error> {
-        let hides =
-            |effect: &&EffectInstance| effect.acts(context.recording) && !effect.kind.about().invertible;
+        let hides = |effect: &&EffectInstance| effect.acts(context.recording) && !effect.kind.invertible();
         if let Some(effect) = effects.iter().find(hides) {
             return Err(Error::Hidden {
                 recording: context.recording.id.clone(),

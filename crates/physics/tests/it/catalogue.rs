@@ -290,7 +290,7 @@ fn the_chain_runs_backwards_or_says_that_it_cannot() {
             physics::predict(&basic, std::slice::from_ref(&effect), &context).expect("predicted");
         let field =
             physics::field_in_sen(&basic, std::slice::from_ref(&effect), &context, &prediction.readings);
-        if !kind.about().invertible {
+        if !kind.invertible() {
             let error = field.expect_err("no inverse");
             assert!(matches!(&error, Error::Hidden { effect, .. } if effect == kind.name()), "{error}");
             continue;

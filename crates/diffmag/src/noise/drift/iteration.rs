@@ -84,7 +84,7 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
         straight_nt_per_day: straight,
         amplitude_nt: amplitude,
         time_constant_s: shape.ln_tau.exp(),
-        from_joint_std: std::array::from_fn(|i| (found[i] - values[i]) / covariance[i][i].sqrt()),
+        from_joint_std: std::array::from_fn(|i| (found[i] - values[i]) / covariance[(i, i)].sqrt()),
     })
 }
 

@@ -1,7 +1,9 @@
+use common::covariance::rows;
 use common::{JointDrift, Quantity};
 use estimate::cosine::{Errors, Projection, Regression, weighted};
 use estimate::dot;
 use estimate::{line_search, stats};
+use faer::Mat;
 use std::f64::consts::PI;
 
 use super::columns::{Beside, Columns, ROUNDS};
@@ -200,33 +202,32 @@ impl Joint {
 
     /// Covariance of η, b, a and ln τ: that of the linear unknowns and of the derivative's coefficient, which
     /// is a δ ln τ.
-    pub fn covariance(&self) -> Vec<Vec<f64>> {
+    pub fn covariance(&self) -> Mat<f64> {
         let scale = |i: usize| if i == 5 { 1.0 / self.regression.coefficients[4] } else { 1.0 };
         let widening = |i: usize| if i < 3 { 1.0 } else { self.widening() };
-        let element = |i: usize, j: usize| {
+        Mat::from_fn(6, 6, |i, j| {
             scale(i) * scale(j) * widening(i) * widening(j) * self.regression.covariance[(i, j)]
-        };
-        (0..6).map(|i| (0..6).map(|j| element(i, j)).collect()).collect()
+        })
     }
 
     /// As a document has it.
     pub fn document(&self) -> JointDrift {
         let (values, covariance) = (self.values(), self.covariance());
-        let quantity = |i: usize| Quantity::new(values[i], covariance[i][i].sqrt());
+        let quantity = |i: usize| Quantity::new(values[i], covariance[(i, i)].sqrt());
         let (low, high) = self.limits;
-        let half = stats::coverage_factor(0.95, f64::INFINITY) * covariance[5][5].sqrt();
+        let half = stats::coverage_factor(0.95, f64::INFINITY) * covariance[(5, 5)].sqrt();
         let tau = self.ln_tau.exp();
         JointDrift {
             eta: [quantity(0), quantity(1), quantity(2)],
             straight_nt_per_day: quantity(3),
             amplitude_nt: quantity(4),
-            time_constant_s: Quantity::new(tau, tau * covariance[5][5].sqrt()),
+            time_constant_s: Quantity::new(tau, tau * covariance[(5, 5)].sqrt()),
             time_constant_interval_s: [
                 (self.ln_tau - half).max(low).exp(),
                 (self.ln_tau + half).min(high).exp(),
             ],
             time_constant_at_limit: self.ln_tau <= low || self.ln_tau >= high,
-            covariance,
+            covariance: rows(&covariance),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Columns projected out of others, and what a group explains of what is left.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Col, Mat, MatRef, Side};
 
 use super::products::Products;
 use crate::Error;
@@ -105,18 +105,11 @@ impl Screen {
     /// [`Error::Decomposition`] for products that are not finite.
     pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
         let part = Part::of(self, group)?;
-        let across: Vec<Vec<f64>> = (0..=self.columns())
-            .map(|j| {
-                let along = |k: usize| -> f64 {
-                    (0..group.len()).map(|i| part.directions[(i, k)] * self.product(group[i], j)).sum()
-                };
-                (0..part.rank()).map(along).collect()
-            })
-            .collect();
         let last = self.columns();
-        let left = |i: usize, j: usize| {
-            self.product(i, j) - across[i].iter().zip(&across[j]).map(|(a, b)| a * b).sum::<f64>()
-        };
+        let across = part.directions.transpose()
+            * Mat::from_fn(group.len(), last + 1, |i, j| self.product(group[i], j));
+        let taken = across.transpose() * &across;
+        let left = |i: usize, j: usize| self.product(i, j) - taken[(i, j)];
         let mut screen = Self::empty(left(last, last), self.rows, self.used + part.rank());
         for i in 0..last {
             let row = (0..=i).map(|j| left(i, j)).collect();
@@ -151,9 +144,7 @@ impl Screen {
     /// [`Error::Decomposition`] for products that are not finite.
     pub fn gain(&self, group: &[usize]) -> Result<Gain, Error> {
         let part = Part::of(self, group)?;
-        let along: Vec<f64> = (0..part.rank())
-            .map(|k| (0..group.len()).map(|i| part.directions[(i, k)] * self.along[group[i]]).sum::<f64>())
-            .collect();
+        let along = part.directions.transpose() * Col::from_fn(group.len(), |i| self.along[group[i]]);
         let mut covariance = &part.directions * part.directions.transpose();
         for (i, gone) in part.gone.iter().enumerate() {
             if *gone {
@@ -161,11 +152,9 @@ impl Screen {
             }
         }
         Ok(Gain {
-            gain: along.iter().map(|a| a * a).sum(),
+            gain: along.squared_norm_l2(),
             rank: part.rank(),
-            coefficients: (0..group.len())
-                .map(|i| (0..part.rank()).map(|k| part.directions[(i, k)] * along[k]).sum())
-                .collect(),
+            coefficients: (&part.directions * along).iter().copied().collect(),
             covariance,
         })
     }
