@@ -11,7 +11,7 @@ pub struct LoopBandwidth;
 impl Effect for LoopBandwidth {
     const ABOUT: About = About {
         name: "loop_bandwidth",
-        title: "reading follows its field through the loop's first-order lag",
+        title: "reading follows the field with the loop's first-order lag",
         physics: "The feedback loop needs a time to balance the field, so that a changing field is read too late and, \
             above the loop's bandwidth, too small.",
         equation: "dB = y - B, tau dy/dt = B - y",
@@ -39,7 +39,7 @@ pub struct Delay;
 impl Effect for Delay {
     const ABOUT: About = About {
         name: "delay",
-        title: "one channel is read late",
+        title: "one channel is sampled late",
         physics: "A filter or a converter hands one channel's value on a fixed time after it was true.",
         equation: "dB = B(t - d) - B(t)",
         source: SOURCE,

@@ -14,7 +14,7 @@ pub struct Quantisation;
 impl Effect for Quantisation {
     const ABOUT: About = About {
         name: "quantisation",
-        title: "reading comes in coarse codes",
+        title: "readings are coarsely quantised",
         physics: "The converter has fewer bits than the field asks for, and the reading is a staircase.",
         equation: "dB = q round(M / q) - M, M = B - O what the converter gets",
         source: SOURCE,
@@ -51,7 +51,7 @@ const fn harmonic(name: &'static str, high: f64) -> ParameterInfo {
 impl Effect for DifferentialNonlinearity {
     const ABOUT: About = About {
         name: "differential_nonlinearity",
-        title: "codes of the converter differ in width",
+        title: "converter codes differ in width",
         physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
         equation: "dB = sum over k from 1 to 5 of a_k sin(2 pi k M / p) + b_k cos(2 pi k M / p), M = B - O",
         source: SOURCE,
@@ -95,7 +95,7 @@ pub struct Saturation;
 impl Effect for Saturation {
     const ABOUT: About = About {
         name: "saturation",
-        title: "reading saturates towards the end of the range",
+        title: "reading saturates near the end of the range",
         physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
         equation: "dB = M / (1 + (M / L)^8)^(1/8) - M, M = B - O",
         source: SOURCE,
@@ -124,7 +124,7 @@ pub struct Clipping;
 impl Effect for Clipping {
     const ABOUT: About = About {
         name: "clipping",
-        title: "reading is cut off at a level",
+        title: "reading is clipped at a level",
         physics: "The amplifier or the converter ends before the field does: beyond the level every field reads \
             the same.",
         equation: "dB = min(max(M, -L), L) - M, M = B - O",

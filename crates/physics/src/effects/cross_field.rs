@@ -10,7 +10,7 @@ pub struct CrossField;
 impl Effect for CrossField {
     const ABOUT: About = About {
         name: "cross_field",
-        title: "offset depends on the square of the field across the sensor",
+        title: "offset depends on the square of the transverse field",
         physics: "A field across the core saturates parts of it and shifts the balance of the sensor, whatever the \
             field along its axis.",
         equation: "dB = (a u^2 + b v^2 + c u v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",
@@ -42,7 +42,7 @@ pub struct CrossFieldSensitivity;
 impl Effect for CrossFieldSensitivity {
     const ABOUT: About = About {
         name: "cross_field_sensitivity",
-        title: "sensitivity depends on the field across the sensor",
+        title: "sensitivity depends on the transverse field",
         physics: "A field across the core changes its permeability, and with it the share of the field that the \
             sensor sees.",
         equation: "dB = B (a u + b v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",

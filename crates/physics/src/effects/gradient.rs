@@ -45,7 +45,7 @@ pub struct CoilGradient;
 impl Effect for CoilGradient {
     const ABOUT: About = About {
         name: "coil_gradient",
-        title: "coil's field differs between the places of the sensors",
+        title: "coil field differs between the sensors' positions",
         physics: "The coil's field changes across the test volume, and the sensors are not all at its centre; what \
             each sees turns with the block.",
         equation: "dB = m . R (3 n (n.p) - p) B_c g 1e-6 / 2, p = R^T position of the sensor",

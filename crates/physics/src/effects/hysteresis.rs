@@ -7,7 +7,7 @@ pub struct Hysteresis;
 impl Effect for Hysteresis {
     const ABOUT: About = About {
         name: "hysteresis",
-        title: "reading lags behind the field in a loop",
+        title: "reading depends on the field's history (hysteresis)",
         physics: "Domains in the core follow the field only after it has turned by a coercive field, so that the way \
             up and the way down differ by the same amount everywhere but near the turning points.",
         equation: "dB = -h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",

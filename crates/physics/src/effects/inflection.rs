@@ -9,7 +9,7 @@ pub struct OffsetTemperatureInflection;
 impl Effect for OffsetTemperatureInflection {
     const ABOUT: About = About {
         name: "offset_temperature_inflection",
-        title: "offset follows sensor temperature with a coefficient that changes at an inflection",
+        title: "offset follows sensor temperature, with a coefficient that changes at an inflection",
         physics: "Parts of unlike expansion, or a compensation that works to one side only, let the coefficient of the offset go from \
             one value to another about a temperature, often through zero.",
         equation: "dB = c (T_S - T_ref) + h w (g((T_S - T_i)/w) - g((T_ref - T_i)/w)), g(u) = ln cosh u, T_i in K",

@@ -9,7 +9,7 @@ pub struct QuadraticNonlinearity;
 impl Effect for QuadraticNonlinearity {
     const ABOUT: About = About {
         name: "quadratic_nonlinearity",
-        title: "reading bends with the square of its own field",
+        title: "response has a term in the square of the field along the sensor",
         physics: "The loop's gain or the core's permeability differs for the two directions of the field, so that \
             the reading has a part that is even in the field.",
         equation: "dB = a (B / 50000 nT)^2",
@@ -33,7 +33,7 @@ pub struct CubicNonlinearity;
 impl Effect for CubicNonlinearity {
     const ABOUT: About = About {
         name: "cubic_nonlinearity",
-        title: "reading bends with the cube of its own field",
+        title: "response has a term in the cube of the field along the sensor",
         physics: "The feedback current or the core falls short towards the ends of the range, alike in both \
             directions of the field.",
         equation: "dB = a (B / 50000 nT)^3",

@@ -143,7 +143,7 @@ pub struct MeasuredTilt;
 impl Effect for MeasuredTilt {
     const ABOUT: About = About {
         name: "measured_tilt",
-        title: "block tilts as the tiltmeters say",
+        title: "block tilts as the tiltmeters record",
         physics: "The ground or the pillar tilts, the tiltmeters beside the sensors see it, and the horizontal sensors take in \
             a part of the vertical field.",
         equation: "dB = -g 1e-6 omega x B, omega = (tilt_x, tilt_y, 0)",

@@ -135,7 +135,7 @@ pub struct SunThermoelectricHarmonics;
 impl Effect for SunThermoelectricHarmonics {
     const ABOUT: About = About {
         name: "sun_thermoelectric_harmonics",
-        title: "field that the Sun drives, smooth in its direction",
+        title: "field that varies smoothly with the direction of the Sun",
         physics: "What the Sun heats, and the currents that flow for it, depend on the shape of the spacecraft and its shadows: the \
             field is a smooth function of the Sun's direction and vanishes in eclipse.",
         equation: "dB_sen = sunlit sum_nm P_nm(sin el) (c_nm cos(m az) + s_nm sin(m az)), n = 0..4, P_nm after Schmidt",
