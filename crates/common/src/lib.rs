@@ -1,8 +1,8 @@
 //! The calibration document.
 //!
 //! Every fluxcal program reads one [`Document`], adds what it found and writes the document on.
-//! Here are its types (one file for each part), the quantity with its uncertainty, and the errors with
-//! their exit codes. No physics, no estimation; how a program reads and writes is `program`'s.
+//! Here are its types (one file for each part) and the quantity with its uncertainty. No physics, no
+//! estimation; how a program reads and writes is `program`'s.
 //!
 //! A column of readings stays text until a stage asks for its numbers ([`Column`]): a scan of the digits
 //! counts its rows and bounds its size, and unless it was changed it is written as it came. So a stage passes
@@ -31,7 +31,6 @@ pub mod covariance;
 mod diagnosis;
 mod differential;
 mod document;
-mod error;
 mod facility;
 mod finite;
 mod history;
@@ -85,7 +84,7 @@ pub use differential::{
     TransferBands, WindowMean,
 };
 pub use document::Document;
-pub use error::{Error, ExitCode, Told};
+pub use errors::{Error, ExitCode, Told};
 pub use facility::{Coil, Facility, Voltmeter};
 pub use finite::all_finite;
 pub use history::HistoryEntry;

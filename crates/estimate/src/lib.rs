@@ -54,7 +54,7 @@ pub use spectral::{allan, cosine, cross_spectrum, haar, periodogram, sine, sourc
 pub(crate) use nonlinear::scoring;
 pub(crate) use spectral::{bins, plans};
 
-use common::Told;
+use errors::Told;
 use thiserror::Error;
 
 /// Why an estimate could not be made.
@@ -106,7 +106,7 @@ pub enum Error {
 }
 
 impl Told for Error {
-    fn told(self) -> common::Error {
-        common::Error::Fit(self.to_string())
+    fn told(self) -> errors::Error {
+        errors::Error::Fit(self.to_string())
     }
 }

@@ -1,4 +1,4 @@
-use common::Told;
+use errors::Told;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -37,10 +37,10 @@ pub enum Error {
 }
 
 impl Told for Error {
-    fn told(self) -> common::Error {
+    fn told(self) -> errors::Error {
         match self {
-            Error::File { path, action, source } => common::Error::File { path, action, source },
-            other => common::Error::Request(other.to_string()),
+            Error::File { path, action, source } => errors::Error::File { path, action, source },
+            other => errors::Error::Request(other.to_string()),
         }
     }
 }

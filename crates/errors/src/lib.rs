@@ -1,3 +1,5 @@
+//! The error with which every program refuses, and how errors of libraries become one.
+
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -72,7 +74,7 @@ impl Error {
     }
 
     /// The error with its JSON path below another one.
-    pub(crate) fn below(self, parent: &str) -> Self {
+    pub fn below(self, parent: &str) -> Self {
         match self {
             Error::Document { path, found, expected } => {
                 let path = match path.as_str() {
