@@ -13,6 +13,7 @@ mod jacobian;
 pub mod laws;
 mod partials;
 pub mod programs;
+pub mod reference;
 mod words;
 
 pub use beside::beside;

@@ -210,10 +210,12 @@ fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
 ///
 /// [`Error::Decomposition`] for a covariance that is none.
 pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) -> Result<f64, Error> {
-    let inverse = Positive::of(&(plain.1 - weighted.1)).or_else(|_| Positive::of(plain.1))?.inverse;
+    let count = plain.0.len();
+    let [alone, less] = [plain.1, weighted.1].map(|of| of.submatrix(0, 0, count, count).to_owned());
+    let inverse = Positive::of(&(&alone - less)).or_else(|_| Positive::of(&alone))?.inverse;
     let apart = ColRef::from_slice(plain.0) - ColRef::from_slice(weighted.0);
     let distance = apart.transpose() * inverse * &apart;
-    Ok(chi_squared_p(distance.max(0.0), plain.0.len() as f64))
+    Ok(chi_squared_p(distance.max(0.0), count as f64))
 }
 
 #[cfg(test)]
