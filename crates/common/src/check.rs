@@ -1,6 +1,7 @@
 //! What the types of a calibration do not say and every number behind them rests on: directions of length
 //! one, sensitivities that are not zero, covariances that can be.
 
+use faer::{Mat, Scale};
 use std::collections::HashSet;
 
 use crate::number::{bare, counted};
@@ -131,10 +132,9 @@ fn covariance(
     // In units of each standard uncertainty, so that what is rounding does not depend on units.
     let std: Vec<f64> = (0..size).map(|k| covariance[k][k].sqrt()).collect();
     let unit = |k: usize| if std[k] > 0.0 { std[k] } else { 1.0 };
-    let correlation: Vec<Vec<f64>> =
-        (0..size).map(|i| (0..size).map(|j| covariance[i][j] / (unit(i) * unit(j))).collect()).collect();
+    let correlation = Mat::from_fn(size, size, |i, j| covariance[i][j] / (unit(i) * unit(j)));
     for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
-        if (correlation[i][j] - correlation[j][i]).abs() > ROUNDING {
+        if (correlation[(i, j)] - correlation[(j, i)]).abs() > ROUNDING {
             let found =
                 format!("{} and {} for {} and {}", covariance[i][j], covariance[j][i], order[i], order[j]);
             return refuse("covariance", found, "a symmetric matrix".into());
@@ -149,22 +149,20 @@ fn covariance(
 
 /// Whether a correlation matrix has no negative eigenvalue, by elimination: each pivot is what is left of a
 /// variance.
-fn is_possible(mut left: Vec<Vec<f64>>) -> bool {
-    for k in 0..left.len() {
-        let row = left[k].clone();
+fn is_possible(mut left: Mat<f64>) -> bool {
+    for k in 0..left.nrows() {
+        let row = left.row(k).to_owned();
         let pivot = row[k].max(0.0);
         if row[k] < -ROUNDING {
             return false;
         }
-        for j in k + 1..row.len() {
-            if row[j] * row[j] > (pivot + ROUNDING) * (left[j][j].max(0.0) + ROUNDING) {
+        for j in k + 1..row.ncols() {
+            if row[j] * row[j] > (pivot + ROUNDING) * (left[(j, j)].max(0.0) + ROUNDING) {
                 return false;
             }
         }
         if pivot > ROUNDING {
-            for i in k + 1..row.len() {
-                (k + 1..row.len()).for_each(|j| left[i][j] -= row[i] * row[j] / pivot);
-            }
+            left -= row.transpose() * &row * Scale(1.0 / pivot);
         }
     }
     true
@@ -173,6 +171,7 @@ fn is_possible(mut left: Vec<Vec<f64>>) -> bool {
 #[cfg(test)]
 mod tests {
     use crate::Document;
+    use faer::{Mat, mat};
 
     fn refused(calibration: &str) -> String {
         let text = format!("{{\"fluxcal\": 1, \"calibration\": {calibration}}}");
@@ -220,10 +219,10 @@ mod tests {
     #[test]
     fn singular_covariances_are_possible() {
         // Of three quantities with one error in common nothing is negative, though two eigenvalues are zero.
-        assert!(super::is_possible(vec![vec![1.0; 3]; 3]));
-        assert!(super::is_possible(vec![vec![1.0, -1.0], vec![-1.0, 1.0]]));
+        assert!(super::is_possible(Mat::ones(3, 3)));
+        assert!(super::is_possible(mat![[1.0, -1.0], [-1.0, 1.0]]));
         // Each pair can be; the three together cannot.
-        let three = vec![vec![1.0, 0.9, 0.9], vec![0.9, 1.0, -0.9], vec![0.9, -0.9, 1.0]];
+        let three = mat![[1.0, 0.9, 0.9], [0.9, 1.0, -0.9], [0.9, -0.9, 1.0]];
         assert!(!super::is_possible(three));
     }
 }

@@ -7,9 +7,9 @@ pub fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
     matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
-/// The square matrix with these rows.
+/// The matrix with these rows.
 pub fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
-    Mat::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
+    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, j| rows[i][j])
 }
 
 /// Covariance of two sums of quantities with a covariance, by their weights.

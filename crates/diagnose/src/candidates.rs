@@ -227,7 +227,7 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
                 _ => 0.0,
             };
             let parameters = kind.parameters().iter().map(middle).collect();
-            EffectInstance { kind, axis, column, recording: None, within: Default::default(), parameters }
+            EffectInstance { column, ..EffectInstance::new(kind, axis, parameters) }
         };
         match kind.about().acts {
             Acts::OneSensor => {

@@ -75,7 +75,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let mut found = Vec::new();
     let mut still = vec![0.0; infos.len()];
     still[2] = period;
-    let sine = instance(Kind::DifferentialNonlinearity, axis, still);
+    let sine = EffectInstance::new(Kind::DifferentialNonlinearity, Some(axis), still);
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
     let amplitude = sine.parameters[0].hypot(sine.parameters[1]);
     found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain, looks));
@@ -86,27 +86,22 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let mut best: Option<(f64, f64)> = None;
     for k in -WIDTHS..=WIDTHS {
         let width = period + slip * f64::from(k) / f64::from(WIDTHS);
-        let gain = fitter.gain_as_it_is(fit, &instance(Kind::Quantisation, axis, vec![width]))?;
+        let gain =
+            fitter.gain_as_it_is(fit, &EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]))?;
         if best.is_none_or(|(most, _)| gain > most) {
             best = Some((gain, width));
         }
     }
     if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
         let p = at_least_one(rest.p(gain, 1), looks);
-        found.push(proposal(instance(Kind::Quantisation, axis, vec![width]), p, gain, looks));
+        found.push(proposal(
+            EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]),
+            p,
+            gain,
+            looks,
+        ));
     }
     Ok(found)
-}
-
-fn instance(kind: Kind, axis: Axis, parameters: Vec<f64>) -> EffectInstance {
-    EffectInstance {
-        kind,
-        axis: Some(axis),
-        column: None,
-        recording: None,
-        within: Default::default(),
-        parameters,
-    }
 }
 
 fn proposal(effect: EffectInstance, p: f64, gain: f64, looks: f64) -> Proposal {

@@ -196,12 +196,8 @@ fn moment(
         (Some(axis), Some(time)) => {
             let clock_s = if alone { 0.0 } else { run.setting.context.clock_s };
             let effect = EffectInstance {
-                kind,
-                axis: Some(axis),
-                column: None,
                 recording: alone.then(|| run.recording.id.clone()),
-                within: Default::default(),
-                parameters: vec![0.0, time[channel.rows[best.row]] + clock_s],
+                ..EffectInstance::new(kind, Some(axis), vec![0.0, time[channel.rows[best.row]] + clock_s])
             };
             let with = fitter.model.with(&fit.state, effect.clone());
             let amplitude = [Parameter::Effect(with.effects.len() - 1, 0)];

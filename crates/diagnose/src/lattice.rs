@@ -62,14 +62,7 @@ fn of_sensor(
         return None;
     }
     let (width, p) = width(&x, std, declared)?;
-    let effect = EffectInstance {
-        kind: Kind::Quantisation,
-        axis: Some(axis),
-        column: None,
-        recording: None,
-        within: Default::default(),
-        parameters: vec![width],
-    };
+    let effect = EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]);
     let (name, addition) = (named(&effect), Addition::Effect(effect));
     Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false })
 }

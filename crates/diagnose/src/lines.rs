@@ -80,14 +80,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let named = aliases(frequency, 1.0 / step).into_iter().map(|(kind, f)| {
         let mut parameters = vec![0.0; 7];
         parameters[6] = f;
-        let effect = EffectInstance {
-            kind,
-            axis: None,
-            column: None,
-            recording: None,
-            within: Default::default(),
-            parameters,
-        };
+        let effect = EffectInstance::new(kind, None, parameters);
         Proposal {
             name: kind.name().into(),
             addition: Addition::Effect(effect),

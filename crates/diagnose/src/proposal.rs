@@ -3,6 +3,7 @@
 use physics::EffectInstance;
 
 use crate::model::Column;
+use crate::what::named;
 
 /// What comes into the model.
 #[derive(Clone, Debug)]
@@ -28,4 +29,12 @@ pub struct Proposal {
     pub looks: f64,
     /// Whether it touches few rows, so that rows left out say nothing.
     pub local: bool,
+}
+
+impl Proposal {
+    /// An effect that touches few rows of one recording.
+    pub fn event(effect: EffectInstance, recording: &str, p: f64, gain: f64, looks: f64) -> Self {
+        let name = format!("{} in \"{recording}\"", named(&effect));
+        Self { name, addition: Addition::Effect(effect), p, gain, looks, local: true }
+    }
 }

@@ -46,6 +46,11 @@ pub struct EffectInstance {
 }
 
 impl EffectInstance {
+    /// An effect in all recordings at all times, of one coil or sensor or of everything.
+    pub fn new(kind: Kind, axis: Option<Axis>, parameters: Vec<f64>) -> Self {
+        Self { kind, axis, column: None, recording: None, within: Within::default(), parameters }
+    }
+
     /// Whether it acts in a recording.
     pub fn acts(&self, recording: &Recording) -> bool {
         self.recording.as_ref().is_none_or(|only| *only == recording.id)

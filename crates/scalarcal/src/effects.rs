@@ -4,8 +4,8 @@
 use common::{Axis, Document};
 use nalgebra::{Matrix3, Vector3};
 use physics::{
-    Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, Within,
-    predict, predict_with_jacobian,
+    Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, predict,
+    predict_with_jacobian,
 };
 
 use crate::design::Scales;
@@ -34,12 +34,8 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
             )));
         }
         let of = |axis: Option<Axis>, column: Option<String>| EffectInstance {
-            kind: *kind,
-            axis,
             column,
-            recording: None,
-            within: Within::default(),
-            parameters: vec![0.0; about.parameters.len()],
+            ..EffectInstance::new(*kind, axis, vec![0.0; about.parameters.len()])
         };
         match about.acts {
             Acts::OneSensor => all.extend(Axis::ALL.map(|axis| of(Some(axis), None))),

@@ -2,6 +2,7 @@
 
 use common::{Document, covariance};
 use estimate::Svd;
+use faer::ColRef;
 use nalgebra::{Matrix3, Vector3};
 use physics::{Context, References};
 use rayon::prelude::*;
@@ -122,10 +123,9 @@ impl<'a> Vectors<'a> {
             let mut mu = Matrix3::zeros();
             let mut squares = 0.0;
             for axis in 0..3 {
-                let right: Vec<f64> = (0..upper.nrows()).map(|i| upper[(i, 4 + axis)]).collect();
-                let x = svd.solve(&right);
-                let left = |i: usize| right[i] - (0..4).map(|j| upper[(i, j)] * x[j]).sum::<f64>();
-                squares += (0..upper.nrows()).map(|i| left(i).powi(2)).sum::<f64>();
+                let x = svd.solve(upper.col_as_slice(4 + axis));
+                let left = upper.col(4 + axis) - upper.subcols(0, 4) * ColRef::from_slice(&x);
+                squares += left.squared_norm_l2();
                 mu.set_column(axis, &Vector3::new(x[0], x[1], x[2]));
             }
             if svd.rank() < 4 || (0..3).any(|axis| mu.column(axis).norm() == 0.0) {

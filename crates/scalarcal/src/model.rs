@@ -1,6 +1,7 @@
 //! The parameters, and the coefficients of the products as a function of them.
 
-use faer::{Mat, MatMut};
+use faer::prelude::ReborrowMut;
+use faer::{ColRef, Mat, MatMut};
 use nalgebra::Matrix3;
 
 use crate::terms::{ONE, Terms};
@@ -286,13 +287,9 @@ impl estimate::Problem for Problem<'_> {
             residual.fill(f64::MAX.sqrt());
             return;
         };
-        for (i, residual) in residual[..rows].iter_mut().enumerate() {
-            *residual = -(0..rows).map(|k| self.upper[(i, k)] * coefficients[k]).sum::<f64>();
-        }
-        let moved = self.upper * &slopes;
-        for j in 0..self.unknowns() {
-            (0..rows).for_each(|i| jacobian[(i, j)] = moved[(i, j)]);
-        }
+        let found = self.upper * ColRef::from_slice(&coefficients);
+        residual.iter_mut().zip(found.iter()).for_each(|(residual, found)| *residual = -found);
+        jacobian.rb_mut().subrows_mut(0, rows).copy_from(self.upper * &slopes);
         for (row, (weights, value)) in self.known.iter().enumerate() {
             let predicted: f64 = weights.iter().zip(state).map(|(weight, value)| weight * value).sum();
             residual[rows + row] = value - predicted;

@@ -7,7 +7,7 @@ use common::{
     ScalarCalibration, ScalarParameter, ScalarStability, Uncertainty,
 };
 use estimate::{Svd, stats};
-use faer::{ColRef, Mat, Scale};
+use faer::{Col, ColRef, Mat, RowRef, Scale};
 use nalgebra::Matrix3;
 use physics::Unit;
 use physics::frames::ARCSEC;
@@ -197,10 +197,8 @@ fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
         Error::Unanswerable("the covariance of the calibration has no eigenvalues that can be found".into())
     })?;
     let (values, vectors) = (own.S().column_vector(), own.U());
-    Ok(Mat::from_fn(count, count, |i, j| {
-        let sum: f64 = (0..count).map(|k| values[k].max(0.0) * vectors[(i, k)] * vectors[(j, k)]).sum();
-        sum * scale[i] * scale[j]
-    }))
+    let root = Mat::from_fn(count, count, |i, k| scale[i] * vectors[(i, k)] * values[k].max(0.0).sqrt());
+    Ok(&root * root.transpose())
 }
 
 /// Derivatives of the nine elements of μ, column by column, by the state.
@@ -356,26 +354,18 @@ fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
     }
     let alone = found.seen.covariance();
     let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
-    let off = |state: &[f64]| -> Vec<f64> {
-        known
-            .iter()
-            .map(|(weights, value)| value - weights.iter().zip(state).map(|(a, b)| a * b).sum::<f64>())
-            .collect()
-    };
-    let mut residual = off(&found.state);
-    if options.known {
-        // At the joint minimum the readings pull as much as what is known does: Jᵀr = −Wᵀρ.
-        let pull: Vec<f64> =
-            (0..count).map(|j| (0..known.len()).map(|i| weights[(i, j)] * residual[i]).sum()).collect();
-        let state: Vec<f64> = (0..count)
-            .map(|i| found.state[i] - (0..count).map(|j| alone[(i, j)] * pull[j]).sum::<f64>())
-            .collect();
-        residual = off(&state);
-    }
     let mut covariance = &weights * alone * weights.transpose();
+    let mut residual =
+        Col::from_fn(known.len(), |k| known[k].1) - &weights * ColRef::from_slice(&found.state);
+    if options.known {
+        // At the joint minimum the readings pull as much as what is known does, Jᵀr = −Wᵀρ: without it the
+        // state is C Wᵀρ away.
+        residual = &residual + &covariance * &residual;
+    }
     (0..known.len()).for_each(|k| covariance[(k, k)] += 1.0);
     let svd = Svd::of(covariance.as_ref(), 1e-14).ok()?;
-    let chi_squared: f64 = svd.solve(&residual).iter().zip(&residual).map(|(a, b)| a * b).sum();
+    let solved = svd.solve(residual.try_as_col_major()?.as_slice());
+    let chi_squared = RowRef::from_slice(&solved) * &residual;
     let degrees_of_freedom = known.len() as f64;
     let p_value = stats::chi_squared_p(chi_squared, degrees_of_freedom);
     (chi_squared >= 0.0).then_some(AgainstKnown {

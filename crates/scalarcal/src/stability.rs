@@ -2,6 +2,7 @@
 
 use common::{ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};
+use faer::ColRef;
 
 use crate::fit::PriorRows;
 use crate::kalman::WHITE;
@@ -61,9 +62,7 @@ pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, 
             let Linear { jacobian, right } = linear.with(&fixed, &vec![0.0; count]);
             let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
             let step = svd.solve(&right);
-            chi_squared += (0..jacobian.nrows())
-                .map(|i| (0..count).map(|j| jacobian[(i, j)] * step[j]).sum::<f64>().powi(2))
-                .sum::<f64>();
+            chi_squared += (&jacobian * ColRef::from_slice(&step)).squared_norm_l2();
             rank += svd.rank();
             rows += part.rows as f64;
             let covariance = svd.covariance();

@@ -12,7 +12,7 @@
 
 use common::{Document, VectorFit};
 use estimate::Svd;
-use faer::{Mat, Side};
+use faer::{Col, Mat, Side};
 use nalgebra::{Matrix3, Rotation3};
 use physics::Basic;
 use physics::frames::ARCSEC;
@@ -150,28 +150,16 @@ fn kept(found: &mut FittedState, by_magnitude: &FittedState, before: usize) {
     let count = found.state.len();
     let rows = held_by(found, before);
     // G = C_tn C_nn⁻¹, with C_nn⁻¹ = Σ w wᵀ.
-    let gain = |i: usize, j: usize| -> f64 {
-        rows.iter()
-            .map(|(w, _)| w[j] * (0..before).map(|k| found.covariance[(i, k)] * w[k]).sum::<f64>())
-            .sum()
-    };
-    let map =
-        Mat::from_fn(count, before, |i, j| if i < before { f64::from(u8::from(i == j)) } else { gain(i, j) });
-    let moved: Vec<f64> = (0..before).map(|k| by_magnitude.state[k] - found.state[k]).collect();
+    let weights = Mat::from_fn(rows.len(), before, |k, j| rows[k].0[j]);
+    let mut map = found.covariance.subcols(0, before) * weights.transpose() * &weights;
+    map.subrows_mut(0, before).copy_from(Mat::<f64>::identity(before, before));
+    let moved = Col::from_fn(before, |k| by_magnitude.state[k] - found.state[k]);
+    found.state.iter_mut().zip((&map * moved).iter()).for_each(|(value, by)| *value += by);
+    let alone = &found.covariance - &map * found.covariance.subrows(0, before);
     let carried = &map * &by_magnitude.covariance * map.transpose();
-    let covariance = Mat::from_fn(count, count, |i, j| {
-        let alone = if i < before || j < before {
-            0.0
-        } else {
-            found.covariance[(i, j)]
-                - (0..before).map(|k| map[(i, k)] * found.covariance[(k, j)]).sum::<f64>()
-        };
-        carried[(i, j)] + alone
+    found.covariance = Mat::from_fn(count, count, |i, j| {
+        carried[(i, j)] + if i < before || j < before { 0.0 } else { alone[(i, j)] }
     });
-    for i in 0..count {
-        found.state[i] += (0..before).map(|k| map[(i, k)] * moved[k]).sum::<f64>();
-    }
-    found.covariance = covariance;
     let rows = held_by(found, count);
     found.jacobian = Mat::from_fn(rows.len(), count, |i, j| rows[i].0[j]);
 }

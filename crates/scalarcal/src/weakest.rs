@@ -2,7 +2,7 @@
 
 use common::WeakestDirection;
 use common::number::{significant, vector};
-use faer::{Mat, Side};
+use faer::{Mat, RowRef, Side};
 use indexmap::IndexMap;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
@@ -157,12 +157,8 @@ fn information_of(
         z[ONE] = 1.0;
         z[columns] = field.norm();
         model.terms.fill(&z, &mut products);
-        let row: Vec<f64> = (0..slopes.ncols())
-            .map(|j| (0..products.len()).map(|k| products[k] * slopes[(k, j)]).sum())
-            .collect();
-        for i in 0..row.len() {
-            (0..row.len()).for_each(|j| information[(i, j)] += row[i] * row[j]);
-        }
+        let row = RowRef::from_slice(&products) * &slopes;
+        information += row.transpose() * &row;
     }
     Some(information)
 }

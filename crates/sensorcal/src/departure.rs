@@ -38,14 +38,7 @@ impl Candidate {
     pub fn effect(kind: Kind, parameter: usize, runs: &[Run<'_>]) -> Result<Self, Error> {
         let column = runs.iter().map(|run| {
             let at = run.sensor.index();
-            let effect = EffectInstance {
-                kind,
-                axis: Some(run.sensor),
-                column: None,
-                recording: None,
-                within: Default::default(),
-                parameters: vec![0.0; kind.parameters().len()],
-            };
+            let effect = EffectInstance::new(kind, Some(run.sensor), vec![0.0; kind.parameters().len()]);
             let asked = [Parameter::Effect(0, parameter)];
             let (_, derivatives) =
                 physics::predict_with_jacobian(&run.basic, &[effect], &run.context, &asked)

@@ -130,14 +130,7 @@ fn with_lag<'p, 'b>(
     let mut with = problem.with(problem.unknowns.clone());
     let runs: Vec<usize> = (0..problem.runs.len()).collect();
     let number = with.effects.len();
-    with.effects.push(EffectInstance {
-        kind: kinds[1],
-        axis: Some(sensor),
-        column: None,
-        recording: None,
-        within: Default::default(),
-        parameters: vec![0.0, lag_s],
-    });
+    with.effects.push(EffectInstance::new(kinds[1], Some(sensor), vec![0.0, lag_s]));
     with.unknowns[at] = Unknown::Chain(Parameter::Effect(number, 0), runs.clone());
     if free {
         // The derivative by the lag vanishes with the coefficient: begin with what the fixed lag gives.

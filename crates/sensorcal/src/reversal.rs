@@ -117,8 +117,9 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
     if outcomes.len() > 1 {
         // At other temperatures than the mean's, errors of the coefficients are part of a difference.
         let apart = |one: &Outcome| -> f64 {
-            let by = one.by_temperature.iter().flatten().zip(&by_temperature).map(|(by, mean)| by - mean);
-            conditions.variance(&by.collect::<Vec<_>>())
+            let Some(by) = &one.by_temperature else { return 0.0 };
+            let by: Vec<f64> = by.iter().zip(&by_temperature).map(|(by, mean)| by - mean).collect();
+            conditions.variance(&by)
         };
         let chi_of = |one: &Outcome| (offset(one) - offset_nt).powi(2) / (one.scatter_nt2 + apart(one));
         let chi: f64 = outcomes.iter().map(chi_of).sum();

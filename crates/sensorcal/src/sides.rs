@@ -7,7 +7,7 @@
 
 use common::{AxesDirections, Axis, Document, Recording, procedure};
 use estimate::linear;
-use faer::{Mat, Side};
+use faer::{ColRef, Mat, Side};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{self, ARCSEC};
 use physics::{Basic, Unit};
@@ -208,9 +208,8 @@ impl Sides {
             std[row] = self.std[at / 2];
             row += 1;
         }
-        let y = (0..rows)
-            .map(|i| residual[i] + (0..UNKNOWNS).map(|j| design[(i, j)] * unknowns[j]).sum::<f64>())
-            .collect();
+        let y = ColRef::from_slice(&residual) + &design * ColRef::from_slice(unknowns);
+        let y = y.iter().copied().collect();
         (design, y, std)
     }
 }

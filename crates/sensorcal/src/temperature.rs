@@ -89,14 +89,7 @@ fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Param
         // The sensitivity first, then the offset.
         for (kinds, driven) in part.kinds().into_iter().zip([true, false]) {
             let at = effects.len();
-            effects.push(EffectInstance {
-                kind: kinds[0],
-                axis: Some(sensor),
-                column: None,
-                recording: None,
-                within: Default::default(),
-                parameters: vec![0.0; 2],
-            });
+            effects.push(EffectInstance::new(kinds[0], Some(sensor), vec![0.0; 2]));
             asked.push(Parameter::Effect(at, 0));
             if distinct(heated, *part, driven) > 2 {
                 asked.push(Parameter::Effect(at, 1));

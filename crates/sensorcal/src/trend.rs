@@ -5,7 +5,7 @@ use common::number::{figures, p_value, significant};
 use common::{AnnualTerm, OffsetDrift, Quantity};
 use estimate::mixture::Mixture;
 use estimate::{hac, linear, stats};
-use faer::Mat;
+use faer::{ColRef, Mat};
 
 use crate::Error;
 use crate::conditions::Conditions;
@@ -124,8 +124,8 @@ pub fn fit(
     found.trend_nt_per_year = Some(of(fit, 1));
     found.trend_p = Some(p);
     let values = fit.coefficients();
-    let predicted = |row: usize| (0..unknowns).map(|j| design[(row, j)] * values[j]).sum::<f64>();
-    found.dates.residual_nt = (0..y.len()).map(|row| y[row] - predicted(row)).collect();
+    let left = ColRef::from_slice(&y) - design * ColRef::from_slice(values);
+    found.dates.residual_nt = left.iter().copied().collect();
     let verdict = if p < TOLD_BELOW { "is significant" } else { "is not significant" };
     let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
     found.findings.push(format!(

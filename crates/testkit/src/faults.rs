@@ -32,23 +32,36 @@ pub fn faults(folder: &str, program: &str) -> usize {
     names.len()
 }
 
-/// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there.
-pub fn copied(folder: &str) -> tempfile::TempDir {
+/// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there, with
+/// a piece (`name.json`) that the program makes of each of these tables (`name.csv`).
+pub fn pieces(folder: &str, program: &str, tables: &[&str]) -> tempfile::TempDir {
     let copy = tempfile::tempdir().expect("a folder");
     for entry in fs::read_dir(fixture(folder)).expect("fixtures") {
         let path = entry.expect("an entry").path();
         fs::copy(&path, copy.path().join(path.file_name().expect("a name"))).expect("copied");
     }
+    for name in tables {
+        let (table, piece) = (format!("{name}.csv"), format!("{name}.json"));
+        let run = run_in(program, copy.path(), &["stream", "--partial", &table, "-o", &piece]);
+        assert_eq!(run.message(), "exit code 0\n");
+    }
     copy
 }
 
-/// Each of these command lines, run in a folder, brings its message and exit code (`name.txt` in a folder of
-/// `fixtures`), and nothing on standard output. With BLESS=1 in the environment the messages are written
-/// anew.
-pub fn faults_in(folder: &Path, messages: &str, program: &str, cases: &[(&str, Vec<&str>)]) {
+/// `stream` of each of these tables (`name.csv`) and each of these command lines, run in a folder, brings its
+/// message and exit code (`name.txt` in a folder of `fixtures`), and nothing on standard output. With BLESS=1
+/// in the environment the messages are written anew.
+pub fn faults_in(
+    folder: &Path,
+    messages: &str,
+    program: &str,
+    (tables, lines): (&[&str], &[(&str, &[&str])]),
+) {
     let mut wrong = Vec::new();
-    for (name, arguments) in cases {
-        let run = run_in(program, folder, arguments);
+    let tables: Vec<(&str, String)> = tables.iter().map(|name| (*name, format!("{name}.csv"))).collect();
+    let tables = tables.iter().map(|(name, file)| (*name, vec!["stream", file.as_str()]));
+    for (name, arguments) in tables.chain(lines.iter().map(|(name, words)| (*name, words.to_vec()))) {
+        let run = run_in(program, folder, &arguments);
         let said = run.message();
         let expected = fixture(&format!("{messages}/{name}.txt"));
         if bless() {

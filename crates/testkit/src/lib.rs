@@ -13,12 +13,13 @@ mod jacobian;
 pub mod laws;
 mod partials;
 pub mod programs;
+pub mod reference;
 mod words;
 
 pub use beside::beside;
 pub use binary::{Run, run, run_in, stages};
 pub use coverage::{agrees, campaigns, number, some};
-pub use faults::{copied, faults, faults_in};
+pub use faults::{faults, faults_in, pieces};
 pub use golden::{Tolerance, bless, compare, golden};
 pub use help::{examples, manual};
 pub use jacobian::check_jacobian;

@@ -1,7 +1,6 @@
 //! Readings that freeze: rows side by side that all depart, as far as the field has moved since the first of
 //! them.
 
-use common::Axis;
 use estimate::events::Departures;
 use estimate::stats::median;
 use physics::{EffectInstance, Kind};
@@ -10,8 +9,7 @@ use crate::Error;
 use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::proposal::{Addition, Proposal};
-use crate::what::named;
+use crate::proposal::Proposal;
 
 /// A row departs when its departure is more than so many standard deviations, and so many times the middle
 /// one: a large departure pulls the calibration, and with it all other rows.
@@ -75,25 +73,12 @@ pub fn proposal(
     }
     let Some((_, begin, end)) = best else { return Ok(None) };
     let moment = |row: usize| time[channel.rows[row]];
-    let effect = dropout(axis, &run.recording.id, moment(begin), moment(end) - moment(begin));
+    let parameters = vec![moment(begin), moment(end) - moment(begin)];
+    let effect = EffectInstance {
+        recording: Some(run.recording.id.clone()),
+        ..EffectInstance::new(Kind::Dropout, Some(axis), parameters)
+    };
     let gain = fitter.gain_as_it_is(fit, &effect)?;
-    Ok((gain > 0.0).then(|| Proposal {
-        name: format!("{} in \"{}\"", named(&effect), run.recording.id),
-        p: at_least_one(rest.p(gain / all[number].scatter, 1), looks),
-        addition: Addition::Effect(effect),
-        gain,
-        looks,
-        local: true,
-    }))
-}
-
-fn dropout(axis: Axis, recording: &str, time_s: f64, duration_s: f64) -> EffectInstance {
-    EffectInstance {
-        kind: Kind::Dropout,
-        axis: Some(axis),
-        column: None,
-        recording: Some(recording.into()),
-        within: Default::default(),
-        parameters: vec![time_s, duration_s],
-    }
+    let p = at_least_one(rest.p(gain / all[number].scatter, 1), looks);
+    Ok((gain > 0.0).then(|| Proposal::event(effect, &run.recording.id, p, gain, looks)))
 }

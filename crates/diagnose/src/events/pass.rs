@@ -11,7 +11,7 @@ use crate::algebra::square;
 use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::Proposal;
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of
 /// the recording.
@@ -73,14 +73,8 @@ pub fn proposal(
     let scatter = own.map(|(_, departures)| departures.scatter).fold(1.0, f64::max);
     let effect = still(Some(observed.runs[number].recording.id.clone()), time_s, duration_s);
     let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
-    Ok(Some(Proposal {
-        name: format!("{} in \"{}\"", effect.kind.name(), observed.runs[number].recording.id),
-        p: at_least_one(rest.p(gain / scatter, rank), looks),
-        addition: Addition::Effect(effect),
-        gain,
-        looks,
-        local: true,
-    }))
+    let p = at_least_one(rest.p(gain / scatter, rank), looks);
+    Ok(Some(Proposal::event(effect, &observed.runs[number].recording.id, p, gain, looks)))
 }
 
 /// The row at which a pass of a duration (in rows) gains most, and how much.
@@ -120,12 +114,8 @@ fn strongest_row(
 /// A pass without a field.
 fn still(recording: Option<String>, time_s: f64, duration_s: f64) -> EffectInstance {
     EffectInstance {
-        kind: Kind::VehiclePass,
-        axis: None,
-        column: None,
         recording,
-        within: Default::default(),
-        parameters: [vec![0.0; 9], vec![time_s, duration_s]].concat(),
+        ..EffectInstance::new(Kind::VehiclePass, None, [vec![0.0; 9], vec![time_s, duration_s]].concat())
     }
 }
 

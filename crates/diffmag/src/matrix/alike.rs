@@ -1,6 +1,7 @@
 //! The band in which two instruments answer alike: up to where the matrix of an octave is that of longer
 //! periods.
 
+use common::covariance::between;
 use estimate::positive::Positive;
 use estimate::stats;
 use faer::Mat;
@@ -51,10 +52,9 @@ pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
 
 /// Probability of two matrices of independent octaves so far apart by chance.
 fn disagreement_p(one: &Fit, other: &Fit) -> Result<f64, Error> {
-    let inverse = Positive::of(&Mat::from_fn(AXES, AXES, |i, j| one.1[(i, j)] + other.1[(i, j)]))?.inverse;
+    let sum = Mat::from_fn(AXES, AXES, |i, j| one.1[(i, j)] + other.1[(i, j)]);
     let apart: [f64; AXES] = std::array::from_fn(|i| one.0[i] - other.0[i]);
-    let row = |i: usize| -> f64 { (0..AXES).map(|j| inverse[(i, j)] * apart[j]).sum() };
-    let distance: f64 = (0..AXES).map(|i| apart[i] * row(i)).sum();
+    let distance = between(&Positive::of(&sum)?.inverse, &apart, &apart);
     Ok(stats::chi_squared_p(distance.max(0.0), AXES as f64))
 }
 

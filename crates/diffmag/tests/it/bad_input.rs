@@ -12,12 +12,8 @@ fn each_fault_has_its_message() {
 
 /// A copy of the fixtures with pieces made of the good tables.
 fn pieces() -> tempfile::TempDir {
-    let folder = testkit::copied("bad/diffmag/stream");
-    for name in ["first", "second", "second-each-ten-seconds"] {
-        let (table, piece) = (format!("{name}.csv"), format!("{name}.json"));
-        let run = testkit::run_in(DIFFMAG, folder.path(), &["stream", "--partial", &table, "-o", &piece]);
-        assert_eq!(run.message(), "exit code 0\n");
-    }
+    let folder =
+        testkit::pieces("bad/diffmag/stream", DIFFMAG, &["first", "second", "second-each-ten-seconds"]);
     let first = fs::read_to_string(folder.path().join("first.json")).expect("a piece");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
     write("cut-short.json", &first[..first.len() / 2]);
@@ -46,10 +42,7 @@ fn each_fault_of_long_series_has_its_message() {
         "test-all-missing",
         "word-in-a-column",
     ];
-    let tables = tables.map(|name| (name, format!("{name}.csv")));
-    let mut cases: Vec<(&str, Vec<&str>)> =
-        tables.iter().map(|(name, file)| (*name, vec!["stream", file.as_str()])).collect();
-    let files: [(&str, &[&str]); 11] = [
+    let lines: [(&str, &[&str]); 11] = [
         ("truncated-parquet", &["stream", "truncated.parquet"]),
         ("no-such-file", &["stream", "nowhere.parquet"]),
         ("other-format", &["stream", "pair.xlsx"]),
@@ -62,8 +55,7 @@ fn each_fault_of_long_series_has_its_message() {
         ("merge-cut-short", &["merge", "cut-short.json", "second.json"]),
         ("merge-not-a-piece", &["merge", "first.json", "not-a-piece.json"]),
     ];
-    cases.extend(files.map(|(name, words)| (name, words.to_vec())));
-    testkit::faults_in(folder.path(), "bad/diffmag/stream", DIFFMAG, &cases);
+    testkit::faults_in(folder.path(), "bad/diffmag/stream", DIFFMAG, (&tables, &lines));
     let run = testkit::run_in(DIFFMAG, folder.path(), &["merge", "-q", "second.json", "first.json"]);
     assert_eq!(run.message(), "exit code 0\n");
 }

@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use simulate::DifferentialTruth;
 
+use crate::outside::outside;
+
 fn campaigns() -> u64 {
     testkit::campaigns(2)
 }
@@ -20,11 +22,7 @@ fn plan(noise: &Value, seed: u64) -> simulate::Plan {
         "start": "2026-03-01T00:00:00Z",
         "instrument": {"noise": noise},
         "truth": {
-            "outside": {
-                "main_field_nt": [20800, 700, 47500],
-                "daily_nt": [22, 28, 12],
-                "background": {"flicker_nt2_per_hz_at_1hz": 2e-4, "flicker_exponent": 1.6}
-            },
+            "outside": outside(),
             "differential": {
                 "reference": {"alpha_deg": 25.0, "beta_deg": 0.31, "gamma_deg": 5.0, "scale": [1.0012, 0.9985, 1.0007]},
                 "test": {"phi_deg": [91.1, 0.9, 40.0], "theta_deg": [89.6, 90.4, 6.0], "scale": [0.9991, 1.0016, 0.9979]},

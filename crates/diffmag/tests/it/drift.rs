@@ -9,6 +9,8 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde_json::json;
 
+use crate::outside::outside;
+
 /// The noise is cut out of a series so many times as long.
 const LONGER: usize = 16;
 const STEP_S: f64 = 60.0;
@@ -83,11 +85,7 @@ fn pair(noise: &Noise, drift: &True, seed: u64) -> Pair {
         "start": "2026-03-01T00:00:00Z",
         "instrument": {"noise": {"white_rms_nt": 0.0}},
         "truth": {
-            "outside": {
-                "main_field_nt": [20800, 700, 47500],
-                "daily_nt": [22, 28, 12],
-                "background": {"flicker_nt2_per_hz_at_1hz": 2e-4, "flicker_exponent": 1.6}
-            },
+            "outside": outside(),
             "differential": {
                 "reference": {"alpha_deg": 25.0, "beta_deg": 0.31, "gamma_deg": 0.22, "scale": [1.0012, 0.9985, 1.0007]},
                 "test": {"phi_deg": [91.1, 0.9, 40.0], "theta_deg": [89.6, 90.4, 0.35], "scale": [1.0, 1.0, 1.0]},

@@ -2,16 +2,11 @@
 
 use diffmag::fourteen::{EtaCovariance, KnownAxes, KnownFive, NAMES, eta_of, solve, solve_numerically};
 use nalgebra::{Matrix3, SMatrix};
-use serde_json::Value;
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(|number| number.as_f64().expect("a number")).collect()
-}
+use testkit::reference::{numbers, reference};
 
 #[test]
 fn parameters_of_scipy() {
-    let text = testkit::read_fixture("reference/fourteen_scipy.json");
-    let sets: Value = serde_json::from_str(&text).expect("the fixture is JSON");
+    let sets = reference("fourteen_scipy");
     let mut worst = 0.0_f64;
     for set in sets.as_array().expect("a list of sets") {
         let name = &set["name"];

@@ -15,6 +15,7 @@ mod help;
 mod housekeeping;
 mod laws;
 mod near_source;
+mod outside;
 mod pair_in_time;
 mod pairs;
 mod real;

@@ -7,6 +7,8 @@ use indexmap::IndexMap;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::outside::outside;
+
 fn campaigns() -> u64 {
     testkit::campaigns(5)
 }
@@ -36,11 +38,7 @@ fn document(case: &Case, seed: u64) -> Document {
         "truth": {
             "calibration": {"reference_conditions": {"sensor_temperature_c": 18.0, "electronics_temperature_c": 20.0}},
             "model": {"effects": case.effects},
-            "outside": {
-                "main_field_nt": [20800, 700, 47500],
-                "daily_nt": [22, 28, 12],
-                "background": {"flicker_nt2_per_hz_at_1hz": 2e-4, "flicker_exponent": 1.6}
-            },
+            "outside": outside(),
             "differential": {
                 "reference": {"alpha_deg": 25.0, "beta_deg": 0.31, "gamma_deg": 0.22, "scale": [1.0012, 0.9985, 1.0007]},
                 "test": {"phi_deg": [91.1, 0.9, 40.0], "theta_deg": [89.6, 90.4, 0.35], "scale": [0.9991, 1.0016, 0.9979]},

@@ -3,11 +3,7 @@
 
 use common::{Axis, Document};
 use serde_json::Value;
-
-fn reference() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/diffmag_statsmodels.json");
-    serde_json::from_str(&std::fs::read_to_string(path).expect("a file")).expect("JSON")
-}
+use testkit::reference::{numbers, reference};
 
 fn fit(case: &Value) -> common::DifferentialFit {
     let document = Document::parse(&case["document"].to_string()).expect("a document");
@@ -15,13 +11,9 @@ fn fit(case: &Value) -> common::DifferentialFit {
     *found.calibration.and_then(|c| c.differential?.fit).expect("a fit")
 }
 
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("numbers").iter().map(|v| v.as_f64().expect("a number")).collect()
-}
-
 #[test]
 fn coefficients_intervals_and_newey_west() {
-    let case = &reference()["ordinary"];
+    let case = &reference("diffmag_statsmodels")["ordinary"];
     let fit = fit(case);
     for to in Axis::ALL {
         let expected = &case["axes"][to.to_string()];
@@ -54,7 +46,7 @@ fn coefficients_intervals_and_newey_west() {
 
 #[test]
 fn a_small_difference_in_the_whole_field_of_the_earth() {
-    let case = &reference()["nasty"];
+    let case = &reference("diffmag_statsmodels")["nasty"];
     let fit = fit(case);
     for to in Axis::ALL {
         let coefficients = numbers(&case["axes"][to.to_string()]["coefficients"]);

@@ -1,7 +1,7 @@
 //! Linear least squares of readings whose errors are correlated (generalised least squares).
 
 use faer::linalg::solvers::Llt;
-use faer::{Mat, MatMut, MatRef, Side};
+use faer::{ColRef, Mat, MatMut, MatRef, Side};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -221,9 +221,8 @@ pub fn fit(
     };
     let mixture = Mixture::of(components, freedom);
     let coefficients = mixture.coefficients().to_vec();
-    let residuals: Vec<f64> = (0..y.len())
-        .map(|i| y[i] - (0..unknowns).map(|j| design[(i, j)] * coefficients[j]).sum::<f64>())
-        .collect();
+    let left = ColRef::from_slice(y) - design * ColRef::from_slice(&coefficients);
+    let residuals: Vec<f64> = left.iter().copied().collect();
     let likeliest = &fits[best];
     let variance_factor = likeliest.sum_of_squares / likeliest.freedom;
     let std = variance_factor.sqrt();

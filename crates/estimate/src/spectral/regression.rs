@@ -1,6 +1,6 @@
 //! Linear regression of long even series whose errors have a known spectrum.
 
-use faer::Mat;
+use faer::{ColRef, Mat};
 use fourier::{Complex, Forward};
 
 use crate::Error;
@@ -194,7 +194,7 @@ fn square(products: &Mat<f64>) -> Mat<f64> {
 /// β from the products with y.
 fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
     let unknowns = inverse.nrows();
-    (0..unknowns).map(|i| (0..unknowns).map(|j| inverse[(i, j)] * products[(unknowns, j)]).sum()).collect()
+    (inverse * products.row(unknowns).subcols(0, unknowns).transpose()).iter().copied().collect()
 }
 
 /// Probability of two estimates of the same coefficients so far apart by chance, `plain` of which needs less
@@ -211,12 +211,10 @@ fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
 /// [`Error::Decomposition`] for a covariance that is none.
 pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) -> Result<f64, Error> {
     let count = plain.0.len();
-    let between = Mat::from_fn(count, count, |i, j| plain.1[(i, j)] - weighted.1[(i, j)]);
-    let alone = || Positive::of(&Mat::from_fn(count, count, |i, j| plain.1[(i, j)]));
-    let inverse = Positive::of(&between).or_else(|_| alone())?.inverse;
-    let apart: Vec<f64> = plain.0.iter().zip(weighted.0).map(|(a, b)| a - b).collect();
-    let row = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * apart[j]).sum() };
-    let distance: f64 = (0..count).map(|i| apart[i] * row(i)).sum();
+    let [alone, less] = [plain.1, weighted.1].map(|of| of.submatrix(0, 0, count, count).to_owned());
+    let inverse = Positive::of(&(&alone - less)).or_else(|_| Positive::of(&alone))?.inverse;
+    let apart = ColRef::from_slice(plain.0) - ColRef::from_slice(weighted.0);
+    let distance = apart.transpose() * inverse * &apart;
     Ok(chi_squared_p(distance.max(0.0), count as f64))
 }
 

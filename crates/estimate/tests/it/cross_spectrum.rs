@@ -6,18 +6,7 @@ use estimate::Error;
 use estimate::cross_spectrum::CrossSpectra;
 use sequence::Sequence;
 use serde_json::Value;
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().expect("a list")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    list(value).iter().map(number).collect()
-}
+use testkit::reference::{list, number, numbers, reference};
 
 /// The largest difference, as a share of the roots of both densities.
 fn compare(found: &CrossSpectra, expected: &Value) -> f64 {
@@ -47,9 +36,7 @@ fn compare(found: &CrossSpectra, expected: &Value) -> f64 {
 
 #[test]
 fn matrices_of_scipy() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/cross_spectrum_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
-    let reference: Value = serde_json::from_str(&text).expect("the fixture is JSON");
+    let reference = reference("cross_spectrum_scipy");
     let mut worst = 0.0_f64;
     for set in list(&reference["sets"]) {
         let series: Vec<Vec<f64>> = list(&set["series"]).iter().map(numbers).collect();

@@ -4,6 +4,7 @@ use estimate::cosine::{Cosine, Errors};
 use estimate::{cosine, spectral, tsqr::Tsqr};
 use faer::Mat;
 use serde_json::Value;
+use testkit::reference::{numbers, reference};
 
 /// Digits asked of every coefficient, of its standard deviation and of the residual standard deviation.
 ///
@@ -20,11 +21,6 @@ const FLOORS: [(&str, f64); 9] = [
     ("Wampler4", 6.0),
     ("Wampler5", 6.0),
 ];
-
-fn numbers(value: &Value) -> Vec<f64> {
-    let list = value.as_array().expect("a list");
-    list.iter().map(|number| number.as_f64().expect("a number")).collect()
-}
 
 /// Intercept and powers of x, or intercept and columns.
 fn design(set: &Value) -> Mat<f64> {
@@ -59,15 +55,9 @@ fn fewest_digits(found: &[f64], certified: &[f64]) -> f64 {
     found.iter().zip(certified).map(|(f, c)| digits(*f, *c)).fold(f64::INFINITY, f64::min)
 }
 
-fn fixture() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/nist_linear.json");
-    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    serde_json::from_str(&text).expect("certified values")
-}
-
 #[test]
 fn certified_digits() {
-    let fixture = fixture();
+    let fixture = reference("nist_linear");
     let sets = fixture["sets"].as_array().expect("sets");
     assert_eq!(sets.len(), FLOORS.len());
     let mut short = Vec::new();
@@ -115,7 +105,7 @@ struct Longley {
 }
 
 fn longley() -> Longley {
-    let fixture = fixture();
+    let fixture = reference("nist_linear");
     let sets = fixture["sets"].as_array().expect("sets");
     let set = sets.iter().find(|set| set["name"] == "Longley").expect("Longley");
     Longley {

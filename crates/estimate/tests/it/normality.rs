@@ -5,20 +5,7 @@ use crate::sequence;
 use estimate::normality::{anderson_darling, runs};
 use sequence::Sequence;
 use serde_json::Value;
-
-fn reference() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/normality_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
-    serde_json::from_str(&text).expect("the fixture is JSON")
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().expect("a list")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
+use testkit::reference::{list, number, reference};
 
 fn values(set: &Value) -> Vec<f64> {
     list(&set["values"]).iter().map(number).collect()
@@ -34,7 +21,7 @@ fn signs(text: &str) -> Vec<f64> {
 #[test]
 fn statistic_and_probability_of_scipy() {
     let (mut worst, mut worst_p) = (0.0_f64, 0.0_f64);
-    for set in list(&reference()["sets"]) {
+    for set in list(&reference("normality_scipy")["sets"]) {
         let values = values(set);
         let (found, p) = anderson_darling(&values).unwrap_or_else(|| panic!("{}", set["name"]));
         let n = values.len() as f64;
@@ -61,7 +48,7 @@ fn statistic_and_probability_of_scipy() {
 fn runs_of_statsmodels() {
     let (mut exact, mut normal) = ((0, 0.0_f64), (0, 0.0_f64));
     let mut worst_z = 0.0_f64;
-    for set in list(&reference()["sets"]) {
+    for set in list(&reference("normality_scipy")["sets"]) {
         let expected = &set["runs"];
         let found = runs(&values(set));
         if expected.is_null() {

@@ -2,22 +2,13 @@
 //! missing.
 
 use estimate::resample::{PASSBAND, pchip, resample};
-use serde_json::Value;
 use std::f64::consts::PI;
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(|v| v.as_f64().expect("a number")).collect()
-}
-
-fn reference() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/resample_scipy.json");
-    serde_json::from_str(&std::fs::read_to_string(path).expect("the reference")).expect("JSON")
-}
+use testkit::reference::{numbers, reference};
 
 #[test]
 fn as_scipy_has_it() {
     let mut worst = 0.0_f64;
-    for case in reference()["ratios"].as_array().expect("cases") {
+    for case in reference("resample_scipy")["ratios"].as_array().expect("cases") {
         let (samples, expected) = (numbers(&case["samples"]), numbers(&case["resampled"]));
         let [up, down] = ["up", "down"].map(|key| case[key].as_f64().expect("a number"));
         let stretch = (down / up).max(1.0);
@@ -35,7 +26,7 @@ fn as_scipy_has_it() {
 
 #[test]
 fn ripple_and_attenuation() {
-    let design = &reference()["design"];
+    let design = &reference("resample_scipy")["design"];
     let [ripple, stop] =
         ["passband_ripple", "stopband_gain"].map(|key| design[key].as_f64().expect("a number"));
     assert!(ripple < 2e-4 && stop < 1e-4, "{ripple:.1e}, {stop:.1e}");
@@ -96,7 +87,7 @@ fn missing_rows_cost_what_they_weigh() {
 
 #[test]
 fn uneven_series_as_scipy_has_them() {
-    let case = &reference()["uneven"];
+    let case = &reference("resample_scipy")["uneven"];
     let [time, values, at, expected] = ["time", "values", "at", "read"].map(|key| numbers(&case[key]));
     let found = pchip(&time, &values, &at);
     let worst = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -7,12 +7,9 @@ use estimate::sources::{KnownNoise, Mixture, Sources, fit};
 use estimate::whittle::Estimate;
 use sequence::Sequence;
 use serde_json::Value;
+use testkit::reference::{numbers, reference};
 
 const COLUMNS: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
-
-fn numbers(value: &Value) -> Vec<f64> {
-    serde_json::from_value(value.clone()).expect("numbers")
-}
 
 fn columns(from: usize) -> Vec<Vec<f64>> {
     COLUMNS[from..].iter().map(|column| column.to_vec()).collect()
@@ -46,9 +43,7 @@ fn compare(found: &Sources, from: usize, step_s: f64, expected: &Value) -> [f64;
 
 #[test]
 fn noises_of_scipy() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/sources_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
-    let reference: Value = serde_json::from_str(&text).expect("the fixture is JSON");
+    let reference = reference("sources_scipy");
     let series: Vec<Vec<f64>> =
         reference["series"].as_array().expect("two series").iter().map(numbers).collect();
     let step_s = reference["step_s"].as_f64().expect("a step");

@@ -6,25 +6,7 @@ use crate::sequence;
 use estimate::Error;
 use estimate::spectrum::{Spectrum, welch};
 use sequence::Sequence;
-use serde_json::Value;
-
-fn reference() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/welch_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
-    serde_json::from_str(&text).expect("the fixture is JSON")
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().expect("a list")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    list(value).iter().map(number).collect()
-}
+use testkit::reference::{list, number, numbers, reference};
 
 fn flat(frequency_hz: Vec<f64>, density: Vec<f64>, freedom: f64) -> Spectrum {
     Spectrum { frequency_hz, density, segments: 1, segment_samples: 8, overlap: 0.5, freedom }
@@ -32,7 +14,7 @@ fn flat(frequency_hz: Vec<f64>, density: Vec<f64>, freedom: f64) -> Spectrum {
 
 #[test]
 fn densities_of_scipy() {
-    let reference = reference();
+    let reference = reference("welch_scipy");
     let (mut compared, mut worst) = (0, 0.0_f64);
     for series in list(&reference["series"]) {
         let samples = numbers(&series["samples"]);
@@ -71,7 +53,7 @@ fn densities_of_scipy() {
 #[test]
 fn factors_of_scipy() {
     // The quantiles ν/factor are known to about 1e-9 each, whatever their size.
-    for expected in list(&reference()["intervals"]) {
+    for expected in list(&reference("welch_scipy")["intervals"]) {
         let freedom = number(&expected["freedom"]);
         let (low, high) = flat(vec![], vec![], freedom).interval(number(&expected["probability"]));
         for (found, key) in [(low, "low"), (high, "high")] {

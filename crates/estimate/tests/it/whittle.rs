@@ -5,21 +5,7 @@ use estimate::Error;
 use estimate::periodogram::{Bin, Periodogram, periodogram};
 use estimate::whittle::{White, fit, fit_with};
 use noise::{Stream, power_law};
-use serde_json::Value;
-
-fn reference() -> Value {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/whittle_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the fixture is in the repository");
-    serde_json::from_str(&text).expect("the fixture is JSON")
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().expect("a number")
-}
-
-fn numbers(value: &Value) -> Vec<f64> {
-    value.as_array().expect("a list").iter().map(number).collect()
-}
+use testkit::reference::{number, numbers, reference};
 
 fn made(
     stream: &mut Stream,
@@ -42,7 +28,7 @@ fn seen(samples: &[f64], step_s: f64) -> Periodogram {
 
 #[test]
 fn maxima_of_scipy() {
-    let reference = reference();
+    let reference = reference("whittle_scipy");
     let series: Vec<Periodogram> = reference["series"]
         .as_array()
         .expect("series")

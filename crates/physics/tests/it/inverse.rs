@@ -22,14 +22,7 @@ fn document(rows: usize) -> Document {
 }
 
 fn effect(kind: Kind, axis: Option<Axis>, parameters: &[f64]) -> EffectInstance {
-    EffectInstance {
-        kind,
-        axis,
-        column: None,
-        recording: None,
-        within: Default::default(),
-        parameters: parameters.to_vec(),
-    }
+    EffectInstance::new(kind, axis, parameters.to_vec())
 }
 
 /// The rows that are found, and by how much the worst of them misses the true field, nT.

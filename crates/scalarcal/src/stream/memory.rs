@@ -10,7 +10,7 @@
 
 use common::Noise;
 use estimate::Svd;
-use faer::Mat;
+use faer::{Col, ColRef, Mat};
 
 use crate::Error;
 use crate::fit::{FittedState, PriorRows};
@@ -98,16 +98,11 @@ fn turn(to: &Mat<f64>, from: &Mat<f64>) -> Option<Mat<f64>> {
     };
     let (to, from) = (even(to).llt(faer::Side::Lower).ok()?, even(from).llt(faer::Side::Lower).ok()?);
     let (a, b) = (to.L(), from.L());
-    // T Lb = La, row by row from the last column on.
+    // T Lb = La.
+    let mut transposed = a.transpose().to_owned();
+    b.transpose().solve_upper_triangular_in_place(&mut transposed);
     let count = lengths.len();
-    let mut turn = Mat::zeros(count, count);
-    for i in 0..count {
-        for j in (0..count).rev() {
-            let rest: f64 = (j + 1..count).map(|k| turn[(i, k)] * b[(k, j)]).sum();
-            turn[(i, j)] = (a[(i, j)] - rest) / b[(j, j)];
-        }
-    }
-    Some(Mat::from_fn(count, count, |i, j| turn[(i, j)] * lengths[i] / lengths[j]))
+    Some(Mat::from_fn(count, count, |i, j| transposed[(j, i)] * lengths[i] / lengths[j]))
 }
 
 /// How many times as uncertain each parameter is by leaving out each window in turn, one at least; None for
@@ -119,18 +114,16 @@ fn scatter(windows: &[Mat<f64>], variance: f64, known: &PriorRows) -> Option<Vec
     }
     let count = windows[0].jacobian.ncols();
     let normal = |of: &Linear| of.jacobian.transpose() * &of.jacobian;
-    let pull = |of: &Linear| -> Vec<f64> {
-        (0..count).map(|j| (0..of.right.len()).map(|i| of.jacobian[(i, j)] * of.right[i]).sum()).collect()
-    };
+    let pull = |of: &Linear| of.jacobian.transpose() * ColRef::from_slice(&of.right);
     // What is known does not scatter.
     let fixed = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
     let mut all = fixed.transpose() * &fixed;
-    let mut total = vec![0.0; count];
+    let mut total = Col::zeros(count);
     for one in &windows {
         all += normal(one);
-        total.iter_mut().zip(pull(one)).for_each(|(sum, value)| *sum += value);
+        total += pull(one);
     }
-    let solve = |matrix: &Mat<f64>, right: &[f64]| -> Option<Vec<f64>> {
+    let solve = |matrix: &Mat<f64>, right: &Col<f64>| -> Option<Vec<f64>> {
         let lengths: Vec<f64> = (0..count).map(|k| matrix[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
         let even = Mat::from_fn(count, count, |i, j| matrix[(i, j)] / (lengths[i] * lengths[j]));
         let right: Vec<f64> = right.iter().zip(&lengths).map(|(value, length)| value / length).collect();
@@ -141,16 +134,12 @@ fn scatter(windows: &[Mat<f64>], variance: f64, known: &PriorRows) -> Option<Vec
     let mut squares = vec![0.0; count];
     for one in &windows {
         let rest = &all - normal(one);
-        let right: Vec<f64> = total.iter().zip(pull(one)).map(|(sum, own)| sum - own).collect();
-        let without = solve(&rest, &right)?;
+        let without = solve(&rest, &(&total - pull(one)))?;
         squares.iter_mut().zip(without.iter().zip(&best)).for_each(|(sum, (a, b))| *sum += (a - b).powi(2));
     }
     let share = (windows.len() - 1) as f64 / windows.len() as f64;
     let own: Option<Vec<f64>> = (0..count)
-        .map(|k| {
-            let unit: Vec<f64> = (0..count).map(|j| if j == k { 1.0 } else { 0.0 }).collect();
-            Some(solve(&all, &unit)?[k])
-        })
+        .map(|k| Some(solve(&all, &Col::from_fn(count, |j| if j == k { 1.0 } else { 0.0 }))?[k]))
         .collect();
     Some(squares.iter().zip(own?).map(|(sum, own)| (share * sum / own).sqrt().max(1.0)).collect())
 }

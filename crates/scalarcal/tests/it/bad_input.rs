@@ -12,12 +12,7 @@ fn each_fault_has_its_message() {
 
 /// A copy of the fixtures with pieces made of the good tables.
 fn pieces() -> tempfile::TempDir {
-    let folder = testkit::copied("bad/scalarcal/stream");
-    for name in ["good", "later", "in-nanotesla"] {
-        let (table, piece) = (format!("{name}.csv"), format!("{name}.json"));
-        let run = testkit::run_in(SCALARCAL, folder.path(), &["stream", "--partial", &table, "-o", &piece]);
-        assert_eq!(run.message(), "exit code 0\n");
-    }
+    let folder = testkit::pieces("bad/scalarcal/stream", SCALARCAL, &["good", "later", "in-nanotesla"]);
     let good = fs::read_to_string(folder.path().join("good.json")).expect("a piece");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
     write("cut-short.json", &good[..good.len() / 2]);
@@ -44,10 +39,7 @@ fn each_fault_of_long_series_has_its_message() {
         "reference-in-microtesla",
         "about-one-axis",
     ];
-    let tables = tables.map(|name| (name, format!("{name}.csv")));
-    let mut cases: Vec<(&str, Vec<&str>)> =
-        tables.iter().map(|(name, file)| (*name, vec!["stream", file.as_str()])).collect();
-    let files: [(&str, &[&str]); 11] = [
+    let lines: [(&str, &[&str]); 11] = [
         ("no-such-file", &["stream", "nowhere.parquet"]),
         ("other-format", &["stream", "rows.xlsx"]),
         ("effects-of-the-model", &["stream", "--document", "effects.json", "good.csv"]),
@@ -66,6 +58,5 @@ fn each_fault_of_long_series_has_its_message() {
         &["merge", "-q", "later.json", "good.json", "-o", "found.json"],
     );
     assert_eq!(run.message(), "exit code 0\n");
-    cases.extend(files.map(|(name, words)| (name, words.to_vec())));
-    testkit::faults_in(folder.path(), "bad/scalarcal/stream", SCALARCAL, &cases);
+    testkit::faults_in(folder.path(), "bad/scalarcal/stream", SCALARCAL, (&tables, &lines));
 }

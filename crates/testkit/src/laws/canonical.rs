@@ -1,5 +1,7 @@
 //! One form for answers that differ only in the order of what has none.
 
+use common::covariance::rows;
+use faer::Mat;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
@@ -133,8 +135,8 @@ fn by_name(object: &Map<String, Value>) -> Map<String, Value> {
     sorted
 }
 
-fn permuted(matrix: &[Vec<f64>], rows: &[usize], columns: &[usize]) -> Value {
-    json!(rows.iter().map(|i| columns.iter().map(|j| matrix[*i][*j]).collect()).collect::<Vec<Vec<f64>>>())
+fn permuted(matrix: &Mat<f64>, places: &[usize], across: &[usize]) -> Value {
+    json!(rows(&Mat::from_fn(places.len(), across.len(), |i, j| matrix[(places[i], across[j])])))
 }
 
 /// Whether an object is lists of one length that stand side by side.

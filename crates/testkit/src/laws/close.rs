@@ -128,10 +128,10 @@ impl Close {
         if path.ends_with(".matrix") || path.ends_with(".orientation") {
             return Box::new(move |_| direction);
         }
-        match super::walk::matrix(expected).filter(|_| path.ends_with(".covariance")) {
-            Some(rows) => Box::new(move |place| {
-                let (i, j) = (place / rows.len(), place % rows.len());
-                relative * (rows[i][i] * rows[j][j]).abs().sqrt()
+        match Some(expected).filter(|_| path.ends_with(".covariance")).and_then(super::walk::matrix) {
+            Some(matrix) => Box::new(move |place| {
+                let (i, j) = (place / matrix.nrows(), place % matrix.nrows());
+                relative * (matrix[(i, i)] * matrix[(j, j)]).abs().sqrt()
             }),
             None => Box::new(move |_| relative * largest),
         }

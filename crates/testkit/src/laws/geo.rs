@@ -1,5 +1,7 @@
 //! Another choice of the frame that is fixed in the laboratory.
 
+use common::covariance::rows;
+use faer::{ColRef, Mat};
 use serde_json::{Map, Value, json};
 
 use super::draw::Draw;
@@ -29,15 +31,14 @@ pub fn rotation(seed: u64) -> Rotation {
 /// Of theodolite angles, which count from the vertical: state orientations as matrices.
 pub fn rotate_geo(document: &Value, q: &Rotation) -> Value {
     let mut turned = document.clone();
-    let rows = |matrix: &[[f64; 3]; 3]| matrix.iter().map(|row| row.to_vec()).collect::<Vec<_>>();
-    let (q, transposed) = (rows(q), rows(&std::array::from_fn(|i| std::array::from_fn(|j| q[j][i]))));
+    let q = Mat::from_fn(3, 3, |i, j| q[i][j]);
     for recording in recordings(&mut turned) {
         let conditions = recording.entry("conditions").or_insert_with(|| json!({}));
         let conditions = conditions.as_object_mut().expect("conditions");
         assert!(!conditions.contains_key("theodolite"), "orientations as matrices");
         let orientation = conditions.get("orientation").and_then(matrix);
-        let orientation = orientation.map_or(transposed.clone(), |given| product(&given, &transposed));
-        conditions.insert("orientation".into(), json!(orientation));
+        let orientation = orientation.unwrap_or_else(|| Mat::identity(3, 3)) * q.transpose();
+        conditions.insert("orientation".into(), json!(rows(&orientation)));
         if let Some(columns) = recording.get_mut("columns").and_then(Value::as_object_mut) {
             ["ambient", "outside", "field_geo"].iter().for_each(|quantity| series(columns, quantity, &q));
         }
@@ -50,7 +51,7 @@ pub fn rotate_geo(document: &Value, q: &Rotation) -> Value {
 }
 
 /// η and what is found with it.
-fn calibrated(calibration: &mut Map<String, Value>, q: &[Vec<f64>]) {
+fn calibrated(calibration: &mut Map<String, Value>, q: &Mat<f64>) {
     if calibration.contains_key("coils") {
         let axes = calibration.entry("axes").or_insert_with(|| json!({}));
         axes.as_object_mut()
@@ -61,36 +62,32 @@ fn calibrated(calibration: &mut Map<String, Value>, q: &[Vec<f64>]) {
     let Some(axes) = calibration.get_mut("axes").and_then(Value::as_object_mut) else { return };
     let names = axes["coils"].as_object().and_then(covariance).map(|(_, names)| names);
     if let (Some(names), Some(cross)) = (names, axes.get("cross_covariance").and_then(matrix)) {
-        axes.insert("cross_covariance".into(), json!(product(&cross, &transposed(&turn_of(&names, q)))));
+        axes.insert("cross_covariance".into(), json!(rows(&(cross * turn_of(&names, q).transpose()))));
     }
     for part in ["coils", "known_coils"] {
         let Some(coils) = axes.get_mut(part).and_then(Value::as_object_mut) else { continue };
-        coils.insert("matrix".into(), json!(product(q, &matrix(&coils["matrix"]).expect("a matrix"))));
+        coils.insert("matrix".into(), json!(rows(&(q * matrix(&coils["matrix"]).expect("a matrix")))));
         if let Some((covariance, names)) = covariance(coils) {
             let turn = turn_of(&names, q);
-            coils.insert(
-                "covariance".into(),
-                json!(product(&product(&turn, &covariance), &transposed(&turn))),
-            );
+            coils.insert("covariance".into(), json!(rows(&(&turn * covariance * turn.transpose()))));
         }
     }
 }
 
 /// How the entries of Q η follow from those of η, both by the names `matrix[i][j]`.
-fn turn_of(names: &[String], q: &[Vec<f64>]) -> Vec<Vec<f64>> {
+fn turn_of(names: &[String], q: &Mat<f64>) -> Mat<f64> {
     let places = |name: &String| {
         let digits: Vec<usize> = name.chars().filter_map(|c| c.to_digit(10)).map(|d| d as usize).collect();
         (digits[0], digits[1])
     };
-    let entry = |to: &String, from: &String| {
-        let ((i, j), (k, l)) = (places(to), places(from));
-        if j == l { q[i][k] } else { 0.0 }
-    };
-    names.iter().map(|to| names.iter().map(|from| entry(to, from)).collect()).collect()
+    Mat::from_fn(names.len(), names.len(), |to, from| {
+        let ((i, j), (k, l)) = (places(&names[to]), places(&names[from]));
+        if j == l { q[(i, k)] } else { 0.0 }
+    })
 }
 
 /// Three columns.
-fn series(columns: &mut Map<String, Value>, quantity: &str, q: &[Vec<f64>]) {
+fn series(columns: &mut Map<String, Value>, quantity: &str, q: &Mat<f64>) {
     let names = ["x", "y", "z"].map(|axis| format!("{quantity}_{axis}_nt"));
     if names.iter().all(|name| !columns.contains_key(name)) {
         return;
@@ -99,13 +96,13 @@ fn series(columns: &mut Map<String, Value>, quantity: &str, q: &[Vec<f64>]) {
         columns[name].as_array().expect("all three").iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
     };
     let before: Vec<Vec<f64>> = names.iter().map(of).collect();
-    for (name, row) in names.iter().zip(product(q, &before)) {
+    for (name, row) in names.iter().zip(rows(&(q * common::covariance::matrix(&before)))) {
         columns.insert(name.clone(), json!(row));
     }
 }
 
 /// Fields that an object states for x, y and z, or north, east and down.
-fn vectors(object: &mut Map<String, Value>, q: &[Vec<f64>]) {
+fn vectors(object: &mut Map<String, Value>, q: &Mat<f64>) {
     for names in [["ambient_x_nt", "ambient_y_nt", "ambient_z_nt"], ["north_nt", "east_nt", "down_nt"]] {
         turn(object, names, q);
     }
@@ -114,26 +111,16 @@ fn vectors(object: &mut Map<String, Value>, q: &[Vec<f64>]) {
     }
 }
 
-fn turn(object: &mut Map<String, Value>, names: [&str; 3], q: &[Vec<f64>]) {
+fn turn(object: &mut Map<String, Value>, names: [&str; 3], q: &Mat<f64>) {
     let value = |value: &Value| value.as_f64().or_else(|| value.get("value")?.as_f64());
     let Some(vector) =
         names.iter().map(|name| object.get(*name).and_then(value)).collect::<Option<Vec<f64>>>()
     else {
         return;
     };
-    for (name, row) in names.iter().zip(q) {
-        let turned: f64 = row.iter().zip(&vector).map(|(a, b)| a * b).sum();
-        object.insert((*name).into(), turned.into());
+    for (name, turned) in names.iter().zip((q * ColRef::from_slice(&vector)).iter()) {
+        object.insert((*name).into(), (*turned).into());
     }
-}
-
-fn product(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    let entry = |row: &[f64], j: usize| row.iter().zip(b).map(|(a, b)| a * b[j]).sum();
-    a.iter().map(|row| (0..b[0].len()).map(|j| entry(row, j)).collect()).collect()
-}
-
-fn transposed(a: &[Vec<f64>]) -> Vec<Vec<f64>> {
-    (0..a[0].len()).map(|j| a.iter().map(|row| row[j]).collect()).collect()
 }
 
 #[cfg(test)]
@@ -159,8 +146,8 @@ mod tests {
         );
         assert_eq!(turned["calibration"]["axes"]["coils"]["matrix"], json!(q));
         assert_eq!(turned["calibration"]["axes"]["residual_field_nt"], json!({"x": 3.0, "y": 1.0, "z": 2.0}));
-        let q = rotation(7).map(|row| row.to_vec());
-        let one = product(&q, &transposed(&q));
-        assert!((0..3).all(|i| (0..3).all(|j| (one[i][j] - f64::from(u8::from(i == j))).abs() < 1e-15)));
+        let q = rotation(7);
+        let q = Mat::from_fn(3, 3, |i, j| q[i][j]);
+        assert!((&q * q.transpose() - Mat::<f64>::identity(3, 3)).norm_max() < 1e-15);
     }
 }

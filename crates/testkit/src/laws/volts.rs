@@ -1,5 +1,7 @@
 //! Another unit of everything electrical.
 
+use common::covariance::rows;
+use faer::diag::DiagRef;
 use serde_json::{Map, Value};
 
 use super::walk::{self, covariance, numbers, words};
@@ -56,14 +58,11 @@ fn power(name: &str, value: &Value) -> i32 {
 }
 
 fn covariances(object: &mut Map<String, Value>, factor: f64) {
-    let Some((mut covariance, names)) = covariance(object) else { return };
-    let of = |name: &str| factor.powi(power(name.rsplit('.').next().unwrap_or(name), &Value::Null));
-    for (row, first) in covariance.iter_mut().zip(&names) {
-        for (entry, second) in row.iter_mut().zip(&names) {
-            *entry *= of(first) * of(second);
-        }
-    }
-    object.insert("covariance".into(), covariance.into());
+    let Some((covariance, names)) = covariance(object) else { return };
+    let of = |name: &String| factor.powi(power(name.rsplit('.').next().unwrap_or(name), &Value::Null));
+    let factors: Vec<f64> = names.iter().map(of).collect();
+    let factors = DiagRef::from_slice(&factors);
+    object.insert("covariance".into(), rows(&(factors * covariance * factors)).into());
 }
 
 /// By how much a parameter moved: its unit stands in its name.

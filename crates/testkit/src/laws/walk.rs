@@ -1,5 +1,6 @@
 //! Ways through JSON that the changes share.
 
+use faer::Mat;
 use serde_json::{Map, Value};
 
 /// The words of a name: `sensor_x_v` is sensor, x, v.
@@ -35,17 +36,17 @@ pub fn objects(value: &mut Value, change: &mut dyn FnMut(&mut Map<String, Value>
 }
 
 /// A matrix of numbers.
-pub fn matrix(value: &Value) -> Option<Vec<Vec<f64>>> {
+pub fn matrix(value: &Value) -> Option<Mat<f64>> {
     let row = |row: &Value| row.as_array()?.iter().map(Value::as_f64).collect::<Option<Vec<f64>>>();
-    value.as_array()?.iter().map(row).collect()
+    Some(common::covariance::matrix(&value.as_array()?.iter().map(row).collect::<Option<Vec<_>>>()?))
 }
 
 /// A covariance and the names that it runs over, where an object has both.
-pub fn covariance(object: &Map<String, Value>) -> Option<(Vec<Vec<f64>>, Vec<String>)> {
+pub fn covariance(object: &Map<String, Value>) -> Option<(Mat<f64>, Vec<String>)> {
     let names = object.get("covariance_order")?.as_array()?.iter();
     let names: Vec<String> = names.filter_map(|name| Some(name.as_str()?.to_string())).collect();
     let covariance = matrix(object.get("covariance")?)?;
-    (covariance.len() == names.len()).then_some((covariance, names))
+    (covariance.nrows() == names.len()).then_some((covariance, names))
 }
 
 /// The value of a quantity, whether it has a standard uncertainty or not.

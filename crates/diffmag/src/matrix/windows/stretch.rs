@@ -6,7 +6,7 @@ use common::{Axis, MatrixEstimate};
 use estimate::periodogram::periodogram;
 use estimate::whittle::{self, White, WhittleFit};
 use estimate::{spectral, stats};
-use faer::Mat;
+use faer::{Col, ColRef, Mat};
 
 use crate::Error;
 use crate::constancy::Estimate;
@@ -151,27 +151,21 @@ pub fn estimate(
 /// −n C η/|η|².
 fn bias(covariance: &Mat<f64>, samples: f64, eta: &[f64]) -> Vec<f64> {
     let square: f64 = eta[..3].iter().map(|value| value * value).sum();
-    (0..3).map(|i| -samples / square * (0..3).map(|k| covariance[(i, k)] * eta[k]).sum::<f64>()).collect()
+    (covariance * ColRef::from_slice(&eta[..3])).iter().map(|value| -samples / square * value).collect()
 }
 
 /// Several estimates of one η as one, weighed by their covariances.
 pub fn pooled(estimates: &[Estimate]) -> Result<Estimate, Error> {
-    let (mut information, mut right, mut biased) = (Mat::<f64>::zeros(3, 3), [0.0; 3], [0.0; 3]);
+    let (mut information, mut right, mut biased) = (Mat::zeros(3, 3), Col::zeros(3), Col::zeros(3));
     for estimate in estimates {
         let inverse = inverse(&estimate.covariance)?;
-        for i in 0..3 {
-            for k in 0..3 {
-                information[(i, k)] += inverse[(i, k)];
-                right[i] += inverse[(i, k)] * estimate.value[k];
-                biased[i] += inverse[(i, k)] * estimate.bias[k];
-            }
-        }
+        right += &inverse * ColRef::from_slice(&estimate.value);
+        biased += &inverse * ColRef::from_slice(&estimate.bias);
+        information += inverse;
     }
     let covariance = inverse(&information)?;
-    let times = |vector: &[f64; 3]| -> Vec<f64> {
-        (0..3).map(|i| (0..3).map(|k| covariance[(i, k)] * vector[k]).sum()).collect()
-    };
-    Ok(Estimate { value: times(&right), bias: times(&biased), freedom: f64::INFINITY, covariance })
+    let times = |vector: Col<f64>| (&covariance * vector).iter().copied().collect();
+    Ok(Estimate { value: times(right), bias: times(biased), freedom: f64::INFINITY, covariance })
 }
 
 fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
