@@ -27,6 +27,6 @@ fn neither_physics_nor_noise_nor_estimation_nor_a_stage_is_below_it() {
         }
     }
     let allowed: BTreeSet<String> =
-        ["common", "files", "partial", "program", "tables", "testkit"].map(String::from).into();
+        ["common", "errors", "files", "partial", "program", "tables", "testkit"].map(String::from).into();
     assert!(found.is_subset(&allowed), "{found:?}");
 }
