@@ -16,12 +16,10 @@ pub(super) fn add<T: Real>(
     signal: &mut [Vector3<T>],
     around: &Surroundings<'_, T>,
 ) {
-    for (row, value) in signal.iter_mut().enumerate() {
-        let own = &mut value[around.axis.index()];
-        match of {
-            Of::Offset => *own += change(row),
-            Of::Sensitivity => *own += *own * change(row) * 1e-6,
-        }
+    let own = signal.iter_mut().map(|value| &mut value[around.axis.index()]).enumerate();
+    match of {
+        Of::Offset => own.for_each(|(row, own)| *own += change(row)),
+        Of::Sensitivity => own.for_each(|(row, own)| *own += *own * change(row) * 1e-6),
     }
 }
 
