@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Callable, Iterable
 
 import numpy as np
+from peers import COPY
 
 HERE = Path(__file__).resolve().parent
 SIZES = [10_000, 100_000, 1_000_000, 10_000_000, 100_000_000]
@@ -338,9 +339,9 @@ def jobs(programs: Path) -> list[Job]:
                 program("correct"), "-q", "--calibration", str(fixtures / "correct/flight/input.json"), made["path"], "-o", str(made["result"])
             ],
             peer="correct",
-            libraries=["polars", "pyarrow", "Polars, reading and writing the result"],
+            libraries=["polars", "pyarrow", COPY],
             rows=10_000_000,
-            note="The peers apply a matrix to three columns and write four; the last one reads the twelve columns that `correct` wrote and writes them again. `correct` also subtracts three effects and gives each sample its uncertainty, for which it takes the derivatives of the field by fifteen parameters in every row: half of its time.",
+            note="The peers apply a matrix to three columns and write four; the last one reads the twelve columns that `correct` wrote and writes them again. `correct` also subtracts three effects and gives each sample its uncertainty, for which it takes the derivatives of the field along fifteen sources in every row: a third of its processor time.",
         ),
         Job(
             name="spectrum",

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! with r_g the columns of group g. Source: Yuan & Lin 2006, Model selection and estimation in regression
-//! with grouped variables, JRSS B 68,
-//! 49. Group after group goes to the minimum of a bound of the first term that is the same in all directions of the group. Source: Yang
-//! & Zou 2015, A fast unified algorithm for solving group-lasso penalized learning problems, Stat. Comput. 25, 1129.
+//! with grouped variables, J. R. Stat. Soc. B, volume 68, p. 49. Group after group goes to the minimum of a
+//! bound of the first term that is the same in all directions of the group. Source: Yang & Zou 2015, A fast
+//! unified algorithm for solving group-lasso penalized learning problems, Stat. Comput. 25, 1129.
 
 use faer::Side;
 use std::collections::BTreeSet;

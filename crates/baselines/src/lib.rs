@@ -1,6 +1,7 @@
-//! What others would answer in the place of diagnose: three ways to choose among the columns of a linear model, each with the whole of
-//! diagnose's dictionary ([`diagnose::dictionary`]): lags, events, lines and grids of shapes, whitened by the same noise, the calibration's
-//! constants projected out. Their answers have the shape of diagnose's and are scored by the same code.
+//! What others would answer in the place of diagnose: three ways to choose among the columns of a linear
+//! model, each with the whole of diagnose's dictionary ([`diagnose::dictionary`]): lags, events, lines and
+//! grids of shapes, whitened by the same noise, the calibration's constants projected out. Their answers have
+//! the shape of diagnose's and are scored by the same code.
 
 mod answer;
 mod blocks;

@@ -5,8 +5,8 @@
 //! which stays small and positive whatever is added. A program that estimates parameters hands in a
 //! [`Block`]: their own covariance, and how they move with the parameters that they were estimated with. By
 //! those derivatives every source that moves the latter moves the former. A program that uses parameters
-//! takes the [`Uncertainty::covariance_by`] of what it makes of them. So what two parameters have in common stays in
-//! common, through any number of stages.
+//! takes the [`Uncertainty::covariance_by`] of what it makes of them. So what two parameters have in common
+//! stays in common, through any number of stages.
 //!
 //! What a document states beside its values, by hand or by a program that knows no sources, comes in by the
 //! same route. Tests in `correct` and `diagnose` move every source, run the later stages again, and compare

@@ -40,7 +40,8 @@ impl Set {
             Set::Develop => held::kinds_of(Group::Develop).len() * held::STRENGTHS.len(),
             Set::DevelopOutside => held::outside_of(Group::Develop).len() * held::BEYOND.len(),
             Set::Choose => held::kinds_of(Group::Choose).len() * held::STRENGTHS.len(),
-            // Four of the six strengths for each kind: a whole release stays below two hundred and fifty cases.
+            // Four of the six strengths for each kind: a whole release stays below two hundred and fifty
+            // cases.
             Set::Score => held::kinds_of(Group::Score).len() * 4,
             Set::DevelopSeveral | Set::ChooseSeveral | Set::ScoreSeveral | Set::RecordedClean => 24,
             Set::Removed => removed::names().len(),

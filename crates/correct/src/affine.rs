@@ -15,8 +15,8 @@ pub struct Affine {
 const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
 
 impl Affine {
-    /// From the field of four readings and its derivatives, which determine all others. `sources` are those of
-    /// [`crate::known`]; `noise_nt2` is the variance of one reading of each sensor.
+    /// From the field of four readings and its derivatives, which determine all others. `sources` are those
+    /// of [`crate::known`]; `noise_nt2` is the variance of one reading of each sensor.
     pub fn of(inverter: Inverter<'_>, sources: &[Direction], noise_nt2: Vector3<f64>) -> Result<Self, Error> {
         let mut readings = vec![Vector3::zeros()];
         readings.extend((0..3).map(|k| Vector3::ith(k, 1.0)));

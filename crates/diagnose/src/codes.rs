@@ -83,23 +83,18 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
         return Ok(found);
     }
     let slip = period / range * period;
+    let staircase = |width: f64| EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]);
     let mut best: Option<(f64, f64)> = None;
     for k in -WIDTHS..=WIDTHS {
         let width = period + slip * f64::from(k) / f64::from(WIDTHS);
-        let gain =
-            fitter.gain_as_it_is(fit, &EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]))?;
+        let gain = fitter.gain_as_it_is(fit, &staircase(width))?;
         if best.is_none_or(|(most, _)| gain > most) {
             best = Some((gain, width));
         }
     }
     if let Some((gain, width)) = best.filter(|(gain, _)| *gain > 0.0) {
         let p = at_least_one(rest.p(gain, 1), looks);
-        found.push(proposal(
-            EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]),
-            p,
-            gain,
-            looks,
-        ));
+        found.push(proposal(staircase(width), p, gain, looks));
     }
     Ok(found)
 }

@@ -7,23 +7,29 @@
 //! plausible sizes; and it is a name only where no rival fits as well. What is accepted is fitted together
 //! with the calibration and goes to `model.effects`.
 //!
-//! - `observed` makes channels (`channel`) of the recordings. `model` has the unknowns (chain, levels, turns, effects, columns) with residual
-//!   and derivatives from `predict_with_jacobian` (`model/step`: steps along which readings are linear). `whitening` is the noise, in one pass
-//!   at any times; `fit` the minimum, and the prediction of held-out readings (`held_out`).
-//! - `candidates` and `generic` make the pool of columns; `stacked` holds them channel by channel; `products` whitens them and forms their
-//!   products once. From there on nothing depends on the number of rows.
-//! - `search` looks at one residual: what stands out, and its probability by chance. Chance is a bootstrap in whitened space (the maximum
-//!   over all candidates and shapes), where the base fit is linear: a thousand whole searches for each recording would take hours and say the
-//!   same. `lines`, `events` and `codes` search what no grid of columns can hold; `lattice` sees coarse codes in the readings themselves.
-//! - `atoms` are the possible explanations with their priors; `form` their departures from their equations (`form_error`: what these add to
-//!   the uncertainty of every fitted parameter; `sized`: intervals of parameters). `evidence` is the marginal likelihood, `sets` the beam
-//!   search over sets, `verdict` the names with probabilities and shares. All thresholds are in `decide`.
-//! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new residual (`moments`: which of it is new,
-//!   which pays its trials factor). Large effects get a second round about the calibration that goes with them.
-//! - `moved` tests the stated calibration against the fit. `experiment` varies a recording and finds the variant in which the rival names
-//!   differ most. `report` and `adopt` write. `magnitude` compares a vector of unknown direction with a scalar reading, in the field of its
-//!   own `smooth` readings. `covariates` says what an effect follows, for forms, places, energy and series alike.
-//! - `joint`: constants that the recordings determine rest on the readings alone; the others keep their earlier sources of uncertainty.
+//! - `observed` makes channels (`channel`) of the recordings. `model` has the unknowns (chain, levels, turns,
+//!   effects, columns) with residual and derivatives from `predict_with_jacobian` (`model/step`: steps along
+//!   which readings are linear). `whitening` is the noise, in one pass at any times; `fit` the minimum, and
+//!   the prediction of held-out readings (`held_out`).
+//! - `candidates` and `generic` make the pool of columns; `stacked` holds them channel by channel; `products`
+//!   whitens them and forms their products once. From there on nothing depends on the number of rows.
+//! - `search` looks at one residual: what stands out, and its probability by chance. Chance is a bootstrap in
+//!   whitened space (the maximum over all candidates and shapes), where the base fit is linear: a thousand
+//!   whole searches for each recording would take hours and say the same. `lines`, `events` and `codes`
+//!   search what no grid of columns can hold; `lattice` sees coarse codes in the readings themselves.
+//! - `atoms` are the possible explanations with their priors; `form` their departures from their equations
+//!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
+//!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
+//!   names with probabilities and shares. All thresholds are in `decide`.
+//! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
+//!   residual (`moments`: which of it is new, which pays its trials factor). Large effects get a second round
+//!   about the calibration that goes with them.
+//! - `moved` tests the stated calibration against the fit. `experiment` varies a recording and finds the
+//!   variant in which the rival names differ most. `report` and `adopt` write. `magnitude` compares a vector
+//!   of unknown direction with a scalar reading, in the field of its own `smooth` readings. `covariates` says
+//!   what an effect follows, for forms, places, energy and series alike.
+//! - `joint`: constants that the recordings determine rest on the readings alone; the others keep their
+//!   earlier sources of uncertainty.
 
 mod additions;
 mod adopt;

@@ -5,20 +5,26 @@
 //! Before that the instruments are put on one grid of times, their clocks compared, and steps and spikes kept
 //! out.
 //!
-//! - `segments` finds an offset of the clock for each stretch between jumps of the times. `prepare` alternates between clocks and events,
-//!   each with the other removed; events are sought in the test instrument's own rows, with the reference moved to its moments. Rows that
-//!   are removed get their most likely readings, so that T = R η + d keeps its shape.
-//! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise makes every offset look small and
-//!   certain.
-//! - `regression` is weighted by the spectrum of the residual, in cosine transforms. The noise is fitted by restricted likelihood, so that
-//!   the power a drift takes from the lowest frequencies is not missing from it.
-//! - The weights reach into the band where the field is weak; there, filters and noise of the reference pull η. `alike` therefore removes
-//!   octaves from the shortest periods on, until one has the matrix of the longer ones.
-//! - `followed` finds housekeeping columns that an axis follows, by the score along the curve of their lags, which the exponential drift
-//!   shares (`drift::Curve`); they stand between drift and steps in the design. `drift/explanations` weighs a drift against noise alone.
-//! - `contributions` fits each axis again by ordinary least squares with one thing left in at a time (clock, columns, steps, spikes, drift):
-//!   what it adds to the rms orders the findings. `shown` averages the difference into points for plots, so that `report` only draws.
-//! - `stream` answers the same question for series that do not fit into memory: sums that can be merged take the place of transforms.
+//! - `segments` finds an offset of the clock for each stretch between jumps of the times. `prepare`
+//!   alternates between clocks and events, each with the other removed; events are sought in the test
+//!   instrument's own rows, with the reference moved to its moments. Rows that are removed get their most
+//!   likely readings, so that T = R η + d keeps its shape.
+//! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise
+//!   makes every offset look small and certain.
+//! - `regression` is weighted by the spectrum of the residual, in cosine transforms. The noise is fitted by
+//!   restricted likelihood, so that the power a drift takes from the lowest frequencies is not missing from
+//!   it.
+//! - The weights reach into the band where the field is weak; there, filters and noise of the reference pull
+//!   η. `alike` therefore removes octaves from the shortest periods on, until one has the matrix of the
+//!   longer ones.
+//! - `followed` finds housekeeping columns that an axis follows, by the score along the curve of their lags,
+//!   which the exponential drift shares (`drift::Curve`); they stand between drift and steps in the design.
+//!   `drift/explanations` weighs a drift against noise alone.
+//! - `contributions` fits each axis again by ordinary least squares with one thing left in at a time (clock,
+//!   columns, steps, spikes, drift): what it adds to the rms orders the findings. `shown` averages the
+//!   difference into points for plots, so that `report` only draws.
+//! - `stream` answers the same question for series that do not fit into memory: sums that can be merged take
+//!   the place of transforms.
 
 mod calibration;
 mod clock;

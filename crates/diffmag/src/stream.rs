@@ -4,8 +4,8 @@
 //! T = R η + d as everywhere in this crate. Kept are
 //!
 //! - a triangular factor of the columns, for least squares ([`estimate::tsqr`]);
-//! - the differences of neighbouring blocks of 2^L samples at absolute places (Haar), as sums of their products by level: they
-//!   say by octave how the instruments agree and what noise is left, and weigh η;
+//! - the differences of neighbouring blocks of 2^L samples at absolute places (Haar), as sums of their
+//!   products by level: they say by octave how the instruments agree and what noise is left, and weigh η;
 //! - the means of at most 64 long blocks, which hold what is slower.
 
 mod answer;

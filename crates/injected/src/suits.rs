@@ -1,14 +1,15 @@
 //! Which effects a host can carry: a rule about recordings and physics, not about who finds what.
 //!
-//! 1. What an effect needs is recorded: coils and their currents, a station outside, tiltmeters, solar arrays and milliseconds are in no
-//!    host; a temperature that moves, a field that moves, a second vector magnetometer, a working day, or a reading each ten seconds for a
-//!    vehicle that passes in a minute, are in some. A sensitivity that changes, and whatever a core does with its drive,
-//!    needs a field that moves by a tenth of itself: else the first is an offset by another name, and the second thousands of times what any
-//!    core has.
+//! 1. What an effect needs is recorded: coils and their currents, a station outside, tiltmeters, solar arrays
+//!    and milliseconds are in no host; a temperature that moves, a field that moves, a second vector
+//!    magnetometer, a working day, or a reading each ten seconds for a vehicle that passes in a minute, are
+//!    in some. A sensitivity that changes, and whatever a core does with its drive, needs a field that moves
+//!    by a tenth of itself: else the first is an offset by another name, and the second thousands of times
+//!    what any core has.
 //! 2. A fresh calibration does not take it up: of its changes at least a twentieth is left.
 //! 3. Beside a scalar magnetometer its sensor has at least a tenth of the field: the length feels it.
-//! 4. The strength that is wanted can be reached within a tenth, by what adds no more than the Earth's field to any reading, and the second
-//!    part holds for it too.
+//! 4. The strength that is wanted can be reached within a tenth, by what adds no more than the Earth's field
+//!    to any reading, and the second part holds for it too.
 
 use concealed::effect::Effect;
 use concealed::kinds::{self, Single};

@@ -17,7 +17,8 @@ use crate::{pipe, progress};
 /// What a program does, its example, then all the rest.
 const HELP: &str = "{about}{after-help}\n\n{usage-heading} {usage}\n\n{all-args}";
 
-// What a program says of itself. No comment of documentation, which would take the place of the program's own words in its help.
+// What a program says of itself. No comment of documentation, which would take the place of the program's own
+// words in its help.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Manual")]
 struct Manual {
@@ -40,7 +41,8 @@ pub fn parse<C: Parser>() -> C {
     C::from_arg_matches(&matches(C::command())).unwrap_or_else(|error| error.format(&mut C::command()).exit())
 }
 
-/// Parses the arguments. `--completions SHELL` and `--man FOLDER`, alone on the line, write what they name and end the program.
+/// Parses the arguments. `--completions SHELL` and `--man FOLDER`, alone on the line, write what they name
+/// and end the program.
 pub fn matches(command: Command) -> ArgMatches {
     let mut command = Manual::augment_args(same_manners(command));
     let arguments: Vec<OsString> = env::args_os().collect();
@@ -53,7 +55,8 @@ pub fn matches(command: Command) -> ArgMatches {
     matches
 }
 
-/// What holds for each command and its subcommands: the order of the help, and values of options that begin with a minus sign.
+/// What holds for each command and its subcommands: the order of the help, and values of options that begin
+/// with a minus sign.
 fn same_manners(command: Command) -> Command {
     let command = command.help_template(HELP).mut_args(|argument| {
         if argument.is_positional() || !argument.get_action().takes_values() {

@@ -17,7 +17,8 @@ const STANDARD_INPUT: &str = "standard input";
 /// Files of a series.
 #[derive(Args, Clone, Debug)]
 pub struct Stream {
-    /// Pieces in any order: .csv, .ndjson, .parquet, or .json, a document; absent or `-`: CSV, NDJSON or a document on standard input
+    /// Pieces in any order: .csv, .ndjson, .parquet, or .json, a document; absent or `-`: CSV, NDJSON or a
+    /// document on standard input
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     out: Out,

@@ -52,7 +52,8 @@ impl From<&Io> for StageIo {
 }
 
 impl Io {
-    /// The output is not what is read, unless that is asked for; `others` is what is read besides, which may never be it.
+    /// The output is not what is read, unless that is asked for; `others` is what is read besides, which may
+    /// never be it.
     ///
     /// # Errors
     ///
@@ -84,8 +85,8 @@ impl Input {
         Self::of(bytes, source_name)
     }
 
-    /// Reads a document. Readings as a file (CSV, IAGA-2002, CDF, …) are answered with the command that reads them: `command` makes it of
-    /// the file's name.
+    /// Reads a document. Readings as a file (CSV, IAGA-2002, CDF, …) are answered with the command that reads
+    /// them: `command` makes it of the file's name.
     ///
     /// # Errors
     ///
@@ -99,7 +100,8 @@ impl Input {
         Ok((input, document))
     }
 
-    /// As [`Self::document`], for a stage: with the digest of the text, and no more of the text than says on which line something stands.
+    /// As [`Self::document`], for a stage: with the digest of the text, and no more of the text than says on
+    /// which line something stands.
     fn outlined(
         file: Option<&Path>,
         command: impl Fn(&str) -> String,
@@ -231,8 +233,8 @@ pub fn stage(
     stage_or(program, stage, arguments, |file| program.ingest(file), run, words)
 }
 
-/// As [`stage`], where another command than `ingest` reads a file of readings that was given as the document: `command` makes it of the
-/// file's name.
+/// As [`stage`], where another command than `ingest` reads a file of readings that was given as the document:
+/// `command` makes it of the file's name.
 pub fn stage_or(
     program: Program,
     stage: &StageIo,

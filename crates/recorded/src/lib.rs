@@ -1,8 +1,8 @@
 //! Recordings that somebody else made, through the programs as they are shipped.
 //!
-//! Each set answers the question that it can answer: fitted on one part, held against another that the fit never saw (a later time, another
-//! run), and told in the words that its evidence allows. The recordings are not in this repository; where the folder is missing, the page
-//! says so.
+//! Each set answers the question that it can answer: fitted on one part, held against another that the fit
+//! never saw (a later time, another run), and told in the words that its evidence allows. The recordings are
+//! not in this repository; where the folder is missing, the page says so.
 
 mod affine;
 mod by_hand;

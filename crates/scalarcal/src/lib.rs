@@ -9,17 +9,18 @@
 //! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000)
 //! 120–132.
 //!
-//! - `read` takes the recordings, `design` makes rows of products of them (`terms`), `factor` a triangle of any number of rows. `model` gives
-//!   the coefficients of the products as a function of the parameters, with derivatives; `fit` is their least squares, corrected for the
-//!   bias that noise adds to products.
-//! - `noise` goes through the rows once more as linear least squares about that fit, whitened by a Kalman filter in which each sensor has
-//!   noise of its own, and averages over forms of noise.
-//! - `effects` are those of the catalogue, by the derivatives of `physics::predict_with_jacobian`. `weakest` reports what the rotations
-//!   determine least.
-//! - `stream` keeps factors by windows of time (`stream/windows`); `stream/memory` widens intervals by the scatter of the windows. `seen` and
-//!   `stability` answer the same questions of rows and of windows, both as `noise::Groups`.
-//! - The magnitude has no rotation of the sensors, so `physics` does not predict it: the residual is that of the corrected readings, which is
-//!   exact for the basic chain.
+//! - `read` takes the recordings, `design` makes rows of products of them (`terms`), `factor` a triangle of
+//!   any number of rows. `model` gives the coefficients of the products as a function of the parameters, with
+//!   derivatives; `fit` is their least squares, corrected for the bias that noise adds to products.
+//! - `noise` goes through the rows once more as linear least squares about that fit, whitened by a Kalman
+//!   filter in which each sensor has noise of its own, and averages over forms of noise.
+//! - `effects` are those of the catalogue, by the derivatives of `physics::predict_with_jacobian`. `weakest`
+//!   reports what the rotations determine least.
+//! - `stream` keeps factors by windows of time (`stream/windows`); `stream/memory` widens intervals by the
+//!   scatter of the windows. `seen` and `stability` answer the same questions of rows and of windows, both as
+//!   `noise::Groups`.
+//! - The magnitude has no rotation of the sensors, so `physics` does not predict it: the residual is that of
+//!   the corrected readings, which is exact for the basic chain.
 
 mod axes;
 mod body;

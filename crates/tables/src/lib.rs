@@ -7,12 +7,13 @@
 //! ahead of its caller, on threads of its own, and holds no more than a few batches. A [`Writer`] takes a
 //! table in batches of any size. What is written is read back bit by bit, negative zero included.
 //!
-//! - CSV: a line of names, perhaps after comments (`#`), then a line a row, cut at commas. A field may stand in quotes, but does
-//!   not go over the end of its line. A value that is not wanted may be any text.
-//! - NDJSON: one JSON object a line, with a number or null for each key. The columns are the keys of the first line where none
-//!   are named. A key that is absent is a missing value. `NaN`, which Python writes, is one as well.
-//! - Parquet: columns of type FLOAT, DOUBLE, INT32 and INT64, at the top of the schema. Integers beyond ±2⁵³ are refused. A
-//!   TIMESTAMP is read as seconds since 1970-01-01T00:00:00, to a quarter of a microsecond.
+//! - CSV: a line of names, perhaps after comments (`#`), then a line a row, cut at commas. A field may stand
+//!   in quotes, but does not go over the end of its line. A value that is not wanted may be any text.
+//! - NDJSON: one JSON object a line, with a number or null for each key. The columns are the keys of the
+//!   first line where none are named. A key that is absent is a missing value. `NaN`, which Python writes, is
+//!   one as well.
+//! - Parquet: columns of type FLOAT, DOUBLE, INT32 and INT64, at the top of the schema. Integers beyond ±2⁵³
+//!   are refused. A TIMESTAMP is read as seconds since 1970-01-01T00:00:00, to a quarter of a microsecond.
 //!
 //! Names and sizes are limited: [`COLUMN_LIMIT`], [`LINE_LIMIT`].
 

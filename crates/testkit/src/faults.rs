@@ -32,8 +32,8 @@ pub fn faults(folder: &str, program: &str) -> usize {
     names.len()
 }
 
-/// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there, with
-/// a piece (`name.json`) that the program makes of each of these tables (`name.csv`).
+/// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there,
+/// with a piece (`name.json`) that the program makes of each of these tables (`name.csv`).
 pub fn pieces(folder: &str, program: &str, tables: &[&str]) -> tempfile::TempDir {
     let copy = tempfile::tempdir().expect("a folder");
     for entry in fs::read_dir(fixture(folder)).expect("fixtures") {

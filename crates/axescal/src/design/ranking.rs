@@ -2,8 +2,8 @@
 //!
 //! For nominal axes (μ = η = 1), each coil driven once in each orientation and every sensor read, the
 //! information of an orientation on the 12 off-diagonal cosines is Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J, with G the
-//! derivatives by a turn of the block, which the theodolites leave uncertain by s. Informations add; the score
-//! of a set is the largest standard deviation in the inverse of its sum (NASA eq. 62).
+//! derivatives by a turn of the block, which the theodolites leave uncertain by s. Informations add; the
+//! score of a set is the largest standard deviation in the inverse of its sum (NASA eq. 62).
 
 use common::Matrix3x3;
 use common::number::counted;

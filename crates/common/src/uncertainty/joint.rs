@@ -149,8 +149,8 @@ pub fn by_themselves(parameters: &[String]) -> By {
     parameters.iter().enumerate().map(|(at, path)| (path.clone(), one(at))).collect()
 }
 
-/// A matrix of columns whose outer products add up to a covariance: Cholesky's factor with the largest variance
-/// first, until what is left is rounding.
+/// A matrix of columns whose outer products add up to a covariance: Cholesky's factor with the largest
+/// variance first, until what is left is rounding.
 ///
 /// # Errors
 ///

@@ -55,8 +55,8 @@ pub struct SensorError {
 /// - fields across: the coefficients.
 ///
 /// By themselves:
-/// - nonlinearity where none was found: the size and u of what was looked for, a cubic one less the line that fits it best over the
-///   field of the calibration;
+/// - nonlinearity where none was found: the size and u of what was looked for, a cubic one less the line that
+///   fits it best over the field of the calibration;
 /// - fields across that the model does not correct: their size;
 /// - noise of a reading: flicker noise in the band of the recordings, and white noise; rounding δ/√12;
 /// - drift of the offset, turn of the reversals (a bound, rectangular).

@@ -80,8 +80,8 @@ impl Mixture {
         self.weighty().map(of).sum()
     }
 
-    /// The same, scaled so that every standard deviation times Student's factor is the
-    /// half-width of the interval that holds its coefficient with 95 %.
+    /// The same, scaled so that every standard deviation times Student's factor is the half-width of the
+    /// interval that holds its coefficient with 95 %.
     pub fn covered(&self, i: usize, j: usize) -> f64 {
         let [wider, other] = [i, j].map(|at| {
             let factor = || self.coverage_factor(at, COVERED) / stats::coverage_factor(COVERED, self.freedom);

@@ -28,6 +28,8 @@ const RARE: usize = 8 * BESIDE;
 /// Rows of a run over which the step is told more finely than its digits: the longest of which there is one
 /// without a gap.
 const FINE: [usize; 3] = [1024, 128, 16];
+/// Intervals are alike where each is within this share of their mean.
+const ALIKE: f64 = 1e-3;
 /// A longer interval, in usual ones, is a gap.
 const WHOLE: f64 = 1.5;
 /// Digits after the point that times are written with, at most.
@@ -114,11 +116,11 @@ fn digit(time: &[f64]) -> Option<f64> {
     })
 }
 
-/// The mean of the intervals where each is within a thousandth of it, else their median.
+/// The mean of the intervals where they are alike, else their median.
 fn usual(time: &[f64]) -> f64 {
     let intervals = || time.windows(2).map(|pair| pair[1] - pair[0]);
     let mean = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
-    if intervals().all(|interval| (interval - mean).abs() <= LEAST * mean) {
+    if intervals().all(|interval| (interval - mean).abs() <= ALIKE * mean) {
         return mean;
     }
     median_of(&mut intervals().collect::<Vec<f64>>())

@@ -46,7 +46,8 @@ pub struct Weights(Vec<f64>);
 ///
 /// - least squares, β = (X°ᵀX°)⁻¹ X°ᵀy°, has the covariance (X°ᵀX°)⁻¹ (X°ᵀ V X°)(X°ᵀX°)⁻¹ with
 ///   X°ᵀVX° = 2/n Σ x̃_k* x̃_kᵀ P_k/(2Δt): errors with memory are in it;
-/// - weighted, β = (Σ x̃_k* x̃_kᵀ/S_k)⁻¹ Σ x̃_k* ỹ_k/S_k (real parts), with the covariance (2 Σ x̃_k* x̃_kᵀ/S_k)⁻¹.
+/// - weighted, β = (Σ x̃_k* x̃_kᵀ/S_k)⁻¹ Σ x̃_k* ỹ_k/S_k (real parts), with the covariance (2 Σ x̃_k*
+///   x̃_kᵀ/S_k)⁻¹.
 ///
 /// Errors are taken as periodic over the series, which matters for what is slower than its length.
 ///

@@ -12,8 +12,8 @@ use crate::{Basic, Error};
 const TOLERANCE: f64 = 1e-9;
 
 impl Solved<'_> {
-    /// ∂B/∂θ · d for each of some directions d of the parameters and each row, nT, the readings held: F(B, θ) = y
-    /// gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
+    /// ∂B/∂θ · d for each of some directions d of the parameters and each row, nT, the readings held: F(B, θ)
+    /// = y gives ∂F/∂B · ∂B/∂θ = −∂F/∂θ. NaN where there is no field.
     pub fn along(&self, directions: &[Direction]) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let all: Vec<Vec<Vec<Vector3<f64>>>> = directions
             .par_chunks(LANES)

@@ -52,8 +52,8 @@ pub struct Fourteen {
     /// Their covariance to first order.
     pub covariance: FourteenCovariance,
     /// The azimuths (α, φ_x, φ_y, φ_z) that are not determined, because the axis is vertical within four
-    /// standard uncertainties: their standard uncertainty is [`super::UNDETERMINED_RAD`], and they correlate with
-    /// nothing.
+    /// standard uncertainties: their standard uncertainty is [`super::UNDETERMINED_RAD`], and they correlate
+    /// with nothing.
     pub undetermined: Vec<&'static str>,
     /// The tilt of the reference's z.
     pub reference_tilt: Tilt,
