@@ -249,23 +249,47 @@ impl Whitening {
         }
     }
 
+    /// L⁻ᵀ of a series: of what was whitened, C⁻¹ y, in which a departure of a single row stands out. One pass
+    /// from the last row to the first. Without what is known of the mean.
+    pub fn whiten_transposed(&self, series: &[f64]) -> Vec<f64> {
+        assert_eq!(series.len(), self.rows, "rows of a column");
+        if self.is_white() {
+            return series.iter().map(|value| value / self.white.sqrt()).collect();
+        }
+        let mut computed = Vec::new();
+        let gains = self.gains().unwrap_or_else(|| {
+            computed = self.all_gains();
+            &computed
+        });
+        let mut states = vec![0.0; Filter::new(&self.processes, self.walk, self.white).states()];
+        let mut all = vec![0.0; self.rows];
+        for row in (0..self.rows).rev() {
+            let gain = gains[row / ROWS].of(row % ROWS);
+            let along: f64 = states.iter().zip(&gain.processes).map(|(state, (_, gain))| state * gain).sum();
+            let innovation = gain.inverse * series[row] + along;
+            all[row] = innovation;
+            for (state, (kept, _)) in states.iter_mut().zip(&gain.processes) {
+                *state = kept * *state - innovation;
+            }
+        }
+        all
+    }
+
     /// The gains of all rows, where there is room to keep them from one column to the next.
     fn gains(&self) -> Option<&[Gains]> {
         let numbers = self.rows * (2 * self.processes.len() + 4);
-        (numbers <= KEPT)
-            .then(|| {
-                self.gains.get_or_init(|| {
-                    let mut filter = Filter::new(&self.processes, self.walk, self.white);
-                    let block = |from: usize| {
-                        let mut gains = Gains::default();
-                        let rows = from..(from + ROWS).min(self.rows);
-                        gains.next(&mut filter, rows.map(|row| self.step(row)));
-                        gains
-                    };
-                    (0..self.rows).step_by(ROWS).map(block).collect()
-                })
-            })
-            .map(Vec::as_slice)
+        (numbers <= KEPT).then(|| self.gains.get_or_init(|| self.all_gains())).map(Vec::as_slice)
+    }
+
+    fn all_gains(&self) -> Vec<Gains> {
+        let mut filter = Filter::new(&self.processes, self.walk, self.white);
+        let block = |from: usize| {
+            let mut gains = Gains::default();
+            let rows = from..(from + ROWS).min(self.rows);
+            gains.next(&mut filter, rows.map(|row| self.step(row)));
+            gains
+        };
+        (0..self.rows).step_by(ROWS).map(block).collect()
     }
 
     /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations

@@ -233,3 +233,19 @@ fn what_cannot_be_whitened_is_refused() {
         assert_eq!(whitening.response(), [2.0, 0.0]);
     }
 }
+
+#[test]
+fn the_transposed_filter_is_the_filters_transpose() {
+    for time in times(50) {
+        for noise in
+            [declared(1.0, 0.0, 1.0, 0.0), declared(0.3, 2.0, 1.2, 0.0), declared(0.2, 1.0, 0.8, 0.1)]
+        {
+            let whitening = Whitening::of(&noise, Some(&time), 50, 200.0).expect("a noise");
+            let [a, b]: [Vec<f64>; 2] =
+                [0.7, 1.9].map(|w: f64| (0..50).map(|row| (w * f64::from(row)).sin()).collect());
+            let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
+            let (one, other) = (dot(&whitening.whiten(&a), &b), dot(&a, &whitening.whiten_transposed(&b)));
+            assert!((one - other).abs() < 1e-9 * one.abs().max(1.0), "{one} {other}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! In which form a cause acts: at once or late, straight or bent.
+
+use crate::problem::{Cause, Covariate, Problem};
+
+/// The shortest relaxation, in steps, and the factor from one to the next.
+const SHORTEST_STEPS: f64 = 1.0;
+const FACTOR: f64 = 1.7;
+/// The longest relaxation, as a share of the recording's length.
+const LONGEST: f64 = 0.5;
+/// Whole samples by which a column may be logged late or early.
+const ROWS: i32 = 3;
+/// A column of which more than this share of the samples equals the one before is a state: it holds from one
+/// sample to the next.
+const HELD: f64 = 0.5;
+/// A column of fewer values than this cannot be bent.
+const BENT: usize = 4;
+
+/// How a cause enters.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Form {
+    /// Time constant of a relaxation, s: τ dx/dt = column − x; 0 for none. Of time: of the exponential that
+    /// dies out.
+    pub late_s: f64,
+    /// Samples by which the column is logged late: the reading follows a sample that comes so many later.
+    pub rows: i32,
+    /// With its square; of a clock: with a rate.
+    pub bent: bool,
+}
+
+impl Form {
+    /// The forms in which a cause may act.
+    pub fn all(problem: &Problem, cause: Cause) -> Vec<Self> {
+        let plain = Self::default();
+        let lates = || {
+            let from = SHORTEST_STEPS * problem.step_s();
+            let longest = LONGEST * problem.length_s();
+            std::iter::successors(Some(from), |late| Some(late * FACTOR))
+                .take_while(move |late| *late <= longest)
+        };
+        let late = |late_s: f64| Self { late_s, ..plain };
+        match cause {
+            Cause::Clock => vec![plain, Self { bent: true, ..plain }],
+            Cause::Time => [plain].into_iter().chain(lates().map(late)).collect(),
+            Cause::Covariate(number) => {
+                let bent = problem.covariates[number].bends().then_some(Self { bent: true, ..plain });
+                let rows = (1..=ROWS).flat_map(|rows| [rows, -rows]).map(|rows| Self { rows, ..plain });
+                [plain].into_iter().chain(bent).chain(rows).chain(lates().map(late)).collect()
+            }
+        }
+    }
+
+    /// The columns of a covariate in this form at some times.
+    pub fn of(&self, covariate: &Covariate, at_s: &[f64]) -> Vec<Vec<f64>> {
+        let values = covariate.shifted(self.rows);
+        let held = covariate.holds();
+        let values =
+            if self.late_s > 0.0 { relaxed(&covariate.time_s, &values, self.late_s, held) } else { values };
+        let straight = centred(sampled(&covariate.time_s, &values, at_s, held));
+        let square = self.bent.then(|| centred(straight.iter().map(|x| x * x).collect()));
+        [straight].into_iter().chain(square).collect()
+    }
+
+    /// Time, or an exponential that dies out.
+    pub fn of_time(&self, at_s: &[f64]) -> Vec<Vec<f64>> {
+        let first = at_s.first().copied().unwrap_or(0.0);
+        let of = |t: &f64| if self.late_s > 0.0 { (-(t - first) / self.late_s).exp() } else { t - first };
+        vec![centred(at_s.iter().map(of).collect())]
+    }
+
+    /// The rates of the channels, and these times the time from the middle.
+    pub fn of_clock(&self, at_s: &[f64], rates: &[Vec<f64>]) -> Vec<Vec<Vec<f64>>> {
+        let middle = at_s.first().zip(at_s.last()).map_or(0.0, |(first, last)| 0.5 * (first + last));
+        let growing = |rate: &Vec<f64>| rate.iter().zip(at_s).map(|(rate, t)| rate * (t - middle)).collect();
+        let more = self.bent.then(|| rates.iter().map(growing).collect());
+        [rates.to_vec()].into_iter().chain(more).collect()
+    }
+
+    /// The same with other relaxations around its own.
+    pub fn near(&self, by: f64) -> Vec<Self> {
+        [-2.0, -1.0, 1.0, 2.0]
+            .map(|power: f64| Self { late_s: self.late_s * by.powf(power), ..*self })
+            .to_vec()
+    }
+}
+
+impl Covariate {
+    /// Whether it keeps its value from one sample to the next.
+    pub fn holds(&self) -> bool {
+        let same = self.values.windows(2).filter(|pair| pair[0] == pair[1]).count();
+        same as f64 > HELD * self.values.len() as f64
+    }
+
+    fn bends(&self) -> bool {
+        let mut values = self.values.clone();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        values.len() >= BENT
+    }
+
+    /// Its samples moved by whole ones; the ends are held.
+    fn shifted(&self, rows: i32) -> Vec<f64> {
+        let last = self.values.len() as i64 - 1;
+        (0..=last).map(|row| self.values[(row + i64::from(rows)).clamp(0, last) as usize]).collect()
+    }
+}
+
+/// First-order relaxation τ dx/dt = u − x at the times of the samples, in equilibrium at the first; u keeps its
+/// sample until the next, or goes to it on a straight line.
+fn relaxed(time_s: &[f64], u: &[f64], late_s: f64, held: bool) -> Vec<f64> {
+    let mut x = u.first().copied().unwrap_or(0.0);
+    let mut all = Vec::with_capacity(u.len());
+    for row in 0..u.len() {
+        if row > 0 {
+            let steps = (time_s[row] - time_s[row - 1]) / late_s;
+            let (kept, from, to) = ((-steps).exp(), u[row - 1], u[row]);
+            // On a line the answer lags by τ behind it.
+            let slope = if held || steps == 0.0 { 0.0 } else { (to - from) / steps };
+            let end = if held { from } else { to };
+            x = end - slope + kept * (x - (from - slope));
+        }
+        all.push(x);
+    }
+    all
+}
+
+/// Samples at other times; beyond their ends the first and the last.
+pub fn sampled(time_s: &[f64], values: &[f64], at_s: &[f64], held: bool) -> Vec<f64> {
+    let mut after = 0;
+    let at = |t: &f64| {
+        while after < time_s.len() && time_s[after] <= *t {
+            after += 1;
+        }
+        match after {
+            0 => values[0],
+            k if k == time_s.len() || held || time_s[k - 1] == *t => values[k - 1],
+            k => {
+                let share = (t - time_s[k - 1]) / (time_s[k] - time_s[k - 1]);
+                values[k - 1] + share * (values[k] - values[k - 1])
+            }
+        }
+    };
+    at_s.iter().map(at).collect()
+}
+
+fn centred(mut column: Vec<f64>) -> Vec<f64> {
+    let mean = estimate::stats::mean(&column);
+    column.iter_mut().for_each(|value| *value -= mean);
+    column
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn covariate(values: &[f64]) -> Covariate {
+        Covariate {
+            name: "load_a".into(),
+            time_s: (0..values.len()).map(|t| t as f64).collect(),
+            values: values.into(),
+        }
+    }
+
+    #[test]
+    fn a_relaxation_of_a_ramp_lags_by_its_time_constant() {
+        let time: Vec<f64> = (0..200).map(f64::from).collect();
+        let x = relaxed(&time, &time, 5.0, false);
+        assert!((x[199] - (199.0 - 5.0)).abs() < 1e-9);
+        let step: Vec<f64> = time.iter().map(|t| f64::from(u8::from(*t >= 10.0))).collect();
+        let x = relaxed(&time, &step, 5.0, true);
+        assert!(x[10] == 0.0 && (x[15] - (1.0 - (-1f64).exp())).abs() < 1e-12);
+    }
+
+    #[test]
+    fn samples_are_held_or_on_lines_and_rows_are_counted_in_samples() {
+        let (time, values) = ([0.0, 2.0], [1.0, 5.0]);
+        assert_eq!(sampled(&time, &values, &[-1.0, 0.0, 1.0, 2.0, 3.0], false), [1.0, 1.0, 3.0, 5.0, 5.0]);
+        assert_eq!(sampled(&time, &values, &[1.9, 2.0], true), [1.0, 5.0]);
+        assert_eq!(covariate(&[1.0, 2.0, 3.0]).shifted(1), [2.0, 3.0, 3.0]);
+        assert_eq!(covariate(&[1.0, 2.0, 3.0]).shifted(-1), [1.0, 1.0, 2.0]);
+        assert!(covariate(&[0.0, 0.0, 0.0, 1.0, 1.0]).holds() && !covariate(&[0.0, 0.1, 0.2]).holds());
+    }
+}

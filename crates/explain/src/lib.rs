@@ -1,0 +1,39 @@
+//! What explains this residual? Recorded columns, time, clocks and events, weighed together with the noise.
+//!
+//! A [`Problem`] has channels that are read at the same moments, the base that makes them up in any case, and
+//! what was recorded beside them. [`explain`] gives the set of causes that explains them best, with its
+//! probability and that of its rivals, amplitudes with their uncertainties, events, and what is left. It knows
+//! nothing of documents.
+//!
+//! - `form` has the forms of a cause: at once, late by a relaxation or by whole samples, bent. `stack` puts all
+//!   columns side by side; `products` whitens them under each form of noise (`noises`) and forms their
+//!   products.
+//! - `sweep` is the evidence of a regression, `search` the search over sets, `select` the search as a whole:
+//!   screened on thinned rows, decided on all.
+//! - `reference` takes the noise of the readings that the others are regressed on out of the products; a name
+//!   that does not stand then is none.
+//! - `events` finds steps and single readings that are off in what the best set leaves, and only there: readings
+//!   that a recorded column explains are never left out.
+//! - `amplitude` fits, `held_out` predicts what was left out, beside plain rivals.
+
+mod amplitude;
+mod events;
+mod explained;
+mod fit;
+mod form;
+mod held_out;
+mod noises;
+mod problem;
+mod products;
+mod reference;
+mod search;
+mod select;
+mod stack;
+mod sweep;
+
+pub use amplitude::{Amplitude, Step};
+pub use explained::{Explained, explain};
+pub use form::{Form, sampled};
+pub use held_out::{HeldOut, Plain};
+pub use problem::{Cause, Covariate, Problem};
+pub use search::Rival;

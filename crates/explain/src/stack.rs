@@ -1,0 +1,105 @@
+//! All columns of a problem side by side, of like size, and which of them make up an explanation.
+
+use crate::form::Form;
+use crate::problem::{Cause, Problem, Term};
+
+/// A cause in one form, and its columns.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// What acts.
+    pub cause: Cause,
+    /// In which form.
+    pub form: Form,
+    /// The columns' places for each channel.
+    pub columns: Vec<Vec<usize>>,
+    /// Whether the channels have one amplitude.
+    pub tied: bool,
+}
+
+/// The columns.
+pub struct Stack {
+    /// Each with a mean square of one.
+    pub columns: Vec<Vec<f64>>,
+    /// What each was divided by.
+    pub scale: Vec<f64>,
+    /// Places of the base.
+    pub base: Vec<usize>,
+    /// Places of the channels' readings.
+    pub y: Vec<usize>,
+    /// What may explain them.
+    pub candidates: Vec<Candidate>,
+    /// Places of what the noise of each of the base's readings looks like: white noise of one nT.
+    pub shadows: Vec<usize>,
+}
+
+impl Stack {
+    /// Of a problem and causes in some forms.
+    pub fn of(problem: &Problem, offered: &[(Cause, Form)]) -> Self {
+        let mut stack = Self {
+            columns: Vec::new(),
+            scale: Vec::new(),
+            base: Vec::new(),
+            y: Vec::new(),
+            candidates: Vec::new(),
+            shadows: Vec::new(),
+        };
+        for column in problem.base_columns() {
+            let place = stack.push(column);
+            stack.base.push(place);
+        }
+        for channel in &problem.channels {
+            let mean = estimate::stats::mean(channel);
+            let place = stack.push(channel.iter().map(|value| value - mean).collect());
+            stack.y.push(place);
+        }
+        for (cause, form) in offered {
+            stack.offer(problem, *cause, *form);
+        }
+        stack
+    }
+
+    fn offer(&mut self, problem: &Problem, cause: Cause, form: Form) {
+        let channels = problem.channels.len();
+        let (mut columns, mut tied) = (vec![Vec::new(); channels], false);
+        for term in problem.terms(cause, &form) {
+            match term {
+                Term::Alike(column) => {
+                    let place = self.push(column);
+                    columns.iter_mut().for_each(|of| of.push(place));
+                }
+                Term::Tied(own) => {
+                    tied = true;
+                    // One amplitude for all: one scale.
+                    let first = self.columns.len();
+                    for column in own {
+                        self.columns.push(column);
+                        self.scale.push(1.0);
+                    }
+                    columns.iter_mut().enumerate().for_each(|(channel, of)| of.push(first + channel));
+                }
+            }
+        }
+        self.candidates.push(Candidate { cause, form, columns, tied });
+    }
+
+    /// Adds the noise of the base's readings, each its own.
+    pub fn shade(&mut self, problem: &Problem) {
+        for reading in 0..problem.noisy {
+            let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
+            let column = (0..problem.rows()).map(|_| stream.normal()).collect();
+            self.shadows.push(self.columns.len());
+            self.columns.push(column);
+            self.scale.push(1.0);
+        }
+    }
+
+    /// Adds a column; its place.
+    pub fn push(&mut self, mut column: Vec<f64>) -> usize {
+        let square = column.iter().map(|value| value * value).sum::<f64>() / column.len().max(1) as f64;
+        let scale = if square > 0.0 { square.sqrt() } else { 1.0 };
+        column.iter_mut().for_each(|value| *value /= scale);
+        self.columns.push(column);
+        self.scale.push(scale);
+        self.columns.len() - 1
+    }
+}
