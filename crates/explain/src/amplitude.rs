@@ -36,6 +36,13 @@ pub struct Amplitude {
     pub alike: Option<f64>,
 }
 
+impl Amplitude {
+    /// Those of the first channel.
+    pub fn first(&self) -> Vec<Quantity> {
+        self.channels.first().cloned().unwrap_or_default()
+    }
+}
+
 /// All channels with the causes of a set.
 pub struct Fitted {
     /// The causes.
@@ -246,6 +253,9 @@ fn mean(of: impl Iterator<Item = (f64, f64)>) -> ((f64, f64), f64) {
     let weight: f64 = known.iter().map(|(_, std)| std.powi(-2)).sum();
     let mean = known.iter().map(|(value, std)| value * std.powi(-2)).sum::<f64>() / weight;
     let chi: f64 = known.iter().map(|(value, std)| ((value - mean) / std).powi(2)).sum();
-    let p = if known.len() < 2 { 1.0 } else { stats::chi_squared_p(chi, known.len() as f64 - 1.0) };
-    ((mean, weight.sqrt().recip()), p)
+    let freedom = known.len() as f64 - 1.0;
+    let p = if freedom < 1.0 { 1.0 } else { stats::chi_squared_p(chi, freedom) };
+    // Values that differ by more than their uncertainties say how uncertain they are (Birge 1932).
+    let wider = if freedom < 1.0 { 1.0 } else { (chi / freedom).max(1.0).sqrt() };
+    ((mean, wider * weight.sqrt().recip()), p)
 }

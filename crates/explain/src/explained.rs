@@ -43,6 +43,21 @@ pub struct Explained {
     pub offered: Vec<(Cause, Form)>,
 }
 
+impl Explained {
+    /// The same without a cause that is told apart.
+    pub(crate) fn without(&mut self, cause: Cause) {
+        if let Some(place) = self.causes.iter().position(|one| one.cause == cause) {
+            self.causes.remove(place);
+            self.gains.remove(place);
+            self.probabilities.remove(place);
+            self.contributions.remove(place);
+        }
+        for set in &mut self.rivals {
+            set.causes.retain(|known| *known != cause);
+        }
+    }
+}
+
 /// Explains a problem; `told` hears what is being done.
 ///
 /// # Errors

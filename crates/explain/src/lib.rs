@@ -14,6 +14,7 @@
 //!   that does not stand then is none.
 //! - `events` finds steps and single readings that are off in what the best set leaves, and only there: readings
 //!   that a recorded column explains are never left out.
+//! - `pair` makes a problem of two instruments and moves the clock of one to that of the other.
 //! - `amplitude` fits, `held_out` predicts what was left out, beside plain rivals.
 
 mod amplitude;
@@ -23,6 +24,7 @@ mod fit;
 mod form;
 mod held_out;
 mod noises;
+pub mod pair;
 mod problem;
 mod products;
 mod reference;

@@ -14,6 +14,7 @@ use common::time::Start;
 use common::{Axis, Column, Document, Gap, NoiseOfSensors, Recording, procedure};
 use physics::memory::bridged;
 
+mod beside;
 mod check;
 mod gather;
 mod grid;
@@ -22,6 +23,7 @@ mod reading;
 mod segments;
 mod words;
 
+pub use beside::{Beside, beside};
 pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
 pub use common::Error;
 pub use gather::{Gathered, gathered};

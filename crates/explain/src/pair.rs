@@ -1,0 +1,265 @@
+//! Two instruments that read three components side by side, and their clocks.
+//!
+//! A clock that is late by δ reads the field of δ earlier: the difference holds −δ dB/dt. Noise of the reference
+//! is in the rate as well and makes its coefficient too small, though not wrong in sign: so the reference is
+//! moved until nothing is left of it, and how the coefficient follows the move gives the uncertainty.
+
+use common::Quantity;
+use estimate::resample::resample;
+use estimate::{Error, lag, stats};
+
+use crate::amplitude::{Amplitude, fit};
+use crate::explained::{Explained, explain};
+use crate::form::Form;
+use crate::problem::{Cause, Covariate, Problem};
+
+/// What the reference is moved by to either side for its rate, in steps.
+const ASIDE: f64 = 0.2;
+/// Rounds of moving the reference; the clocks agree when the next move is less than this share of its
+/// uncertainty.
+const ROUNDS: usize = 8;
+const SETTLED: f64 = 0.1;
+/// Largest offset that is searched, as a share of the length, and in rows.
+const REACH: f64 = 0.1;
+const MOST_ROWS: usize = 4_096;
+/// A lag of whole rows must explain more than none by this χ².
+const GAIN: f64 = 50.0;
+/// Changes from row to row that are so many times their median count as much: a spike of one instrument has no
+/// lag.
+const LARGEST_CHANGE: f64 = 8.0;
+
+/// Readings of a reference and a test instrument on one even grid.
+#[derive(Clone, Debug)]
+pub struct Pair {
+    /// Time of the first row, s.
+    pub first_s: f64,
+    /// From one row to the next, s.
+    pub step_s: f64,
+    /// The reference; rows that are not whole stand on straight lines.
+    pub reference: [Vec<f64>; 3],
+    /// The test instrument in the same way.
+    pub test: [Vec<f64>; 3],
+    /// Rows in which neither misses a reading.
+    pub whole: Vec<bool>,
+    /// What was recorded beside.
+    pub covariates: Vec<Covariate>,
+}
+
+/// How late the test instrument's clock is.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    /// In the middle of the recording, s.
+    pub offset_s: Quantity,
+    /// How fast that grows, s/s; absent where nothing shows it.
+    pub rate: Option<Quantity>,
+    /// ln of the odds against equal clocks.
+    pub gain: f64,
+}
+
+/// What explains a pair.
+pub struct OfPair {
+    /// With the reference at the test instrument's moments. Its rows are those of `rows`.
+    pub explained: Explained,
+    /// The clock, where it differs.
+    pub clock: Option<Clock>,
+    /// The rows of the pair that were explained.
+    pub rows: Vec<usize>,
+    /// The problem they make.
+    pub problem: Problem,
+}
+
+/// How late the test instrument is, as far as it is known.
+#[derive(Clone, Copy, Default)]
+struct Late {
+    offset_s: f64,
+    rate: f64,
+}
+
+/// Explains a pair; `told` hears what is being done.
+///
+/// # Errors
+///
+/// Fewer whole rows than a fit needs.
+pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
+    let mut late = Late::default();
+    let (mut problem, mut rows) = pair.problem(late);
+    told("comparing the clocks");
+    let whole = pair.coarse_s(&problem, &rows)?;
+    if let Some(offset_s) = whole {
+        late.offset_s = offset_s;
+        (problem, rows) = pair.problem(late);
+    }
+    let mut explained = explain(&problem, told)?;
+    let clock_of = |explained: &Explained| explained.causes.iter().position(|one| one.cause == Cause::Clock);
+    let mut gain = whole.map_or(0.0, |_| GAIN);
+    if let Some(place) = clock_of(&explained) {
+        gain = gain.max(explained.gains[place]);
+    }
+    if gain == 0.0 {
+        return Ok(OfPair { explained, clock: None, rows, problem });
+    }
+    told("moving the reference to the test instrument's moments");
+    let named = |explained: &Explained| -> Vec<(Cause, Form)> {
+        let others = explained.causes.iter().filter(|one| one.cause != Cause::Clock);
+        others.map(|one| (one.cause, one.form)).collect()
+    };
+    let rated = clock_of(&explained).is_some_and(|place| explained.causes[place].form.bent);
+    let others = named(&explained);
+    let start = late;
+    let mut before = None::<(f64, f64)>;
+    let (mut follows, mut left) = (1.0, clock(&problem, &explained, &others, rated)?);
+    for _ in 0..ROUNDS {
+        let by = left[0].value() / follows;
+        let settled = by.abs() <= SETTLED * left[0].std().unwrap_or(f64::INFINITY) / follows;
+        if settled {
+            break;
+        }
+        before = Some((left[0].value(), by));
+        late.offset_s += by;
+        late.rate += left.get(1).map_or(0.0, |rate| rate.value() / follows);
+        (problem, rows) = pair.problem(late);
+        left = clock(&problem, &explained, &others, rated)?;
+        if let Some((was, by)) = before {
+            follows = ((was - left[0].value()) / by).clamp(0.1, 1.5);
+        }
+    }
+    if late.offset_s != start.offset_s || late.rate != start.rate {
+        explained = explain(&problem, told)?;
+    }
+    let over = |moved: f64, left: &Quantity| {
+        Quantity::new(moved + left.value() / follows, left.std().unwrap_or(0.0) / follows)
+    };
+    let clock = Clock {
+        offset_s: over(late.offset_s, &left[0]),
+        rate: left.get(1).map(|rate| over(late.rate, rate)),
+        gain,
+    };
+    explained.without(Cause::Clock);
+    Ok(OfPair { explained, clock: Some(clock), rows, problem })
+}
+
+/// What is left of the clock's offset, and of its rate, beside the causes that were named.
+fn clock(
+    problem: &Problem,
+    explained: &Explained,
+    others: &[(Cause, Form)],
+    rated: bool,
+) -> Result<Vec<Quantity>, Error> {
+    let kept: Vec<usize> =
+        (0..problem.rows().min(explained.off.len())).filter(|row| !explained.off[*row]).collect();
+    let mut part = problem.at(&kept);
+    part.steps = explained.steps.iter().map(|step| kept.partition_point(|row| *row < step.row)).collect();
+    part.steps.retain(|step| *step > 0 && *step < kept.len());
+    let with: Vec<(Cause, Form)> =
+        others.iter().copied().chain([(Cause::Clock, Form { bent: rated, ..Form::default() })]).collect();
+    let fitted = fit(&part, &with)?;
+    Ok(fitted.amplitudes.last().map(Amplitude::first).unwrap_or_default())
+}
+
+impl Pair {
+    /// With the reference at the moments of the test instrument, and the rows that are whole then.
+    fn problem(&self, late: Late) -> (Problem, Vec<usize>) {
+        let moved = self.reference_at(late, 0.0);
+        let aside = [ASIDE, -ASIDE].map(|by| self.reference_at(late, by));
+        let ready = |row: &usize| {
+            self.whole[*row]
+                && [&moved, &aside[0], &aside[1]].into_iter().flatten().all(|column| column[*row].is_finite())
+        };
+        let rows: Vec<usize> = (0..self.whole.len()).filter(ready).collect();
+        let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
+        let base: Vec<Vec<f64>> = moved.iter().map(|column| at(column)).collect();
+        let channels: Vec<Vec<f64>> = self.test.iter().map(|column| at(column)).collect();
+        let slope = |axis: usize| -> Vec<f64> {
+            let over = 2.0 * ASIDE * self.step_s;
+            rows.iter().map(|row| (aside[0][axis][*row] - aside[1][axis][*row]) / over).collect()
+        };
+        let slopes = [0, 1, 2].map(slope);
+        let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();
+        let time_s = rows.iter().map(|row| self.first_s + *row as f64 * self.step_s).collect();
+        let covariates = self.covariates.clone();
+        (Problem { time_s, channels, base, noisy: 3, covariates, rates, ..Problem::default() }, rows)
+    }
+
+    /// The reference's readings of `late` before each row, and `aside` steps after that.
+    fn reference_at(&self, late: Late, aside: f64) -> Vec<Vec<f64>> {
+        if late.offset_s == 0.0 && late.rate == 0.0 && aside == 0.0 {
+            return self.reference.to_vec();
+        }
+        let count = self.whole.len();
+        let middle = 0.5 * (count as f64 - 1.0);
+        let place = |row: usize| {
+            row as f64 - (late.offset_s / self.step_s + late.rate * (row as f64 - middle)) + aside
+        };
+        let places: Vec<f64> = (0..count).map(place).collect();
+        let own: Vec<Vec<f64>> = self
+            .reference
+            .iter()
+            .map(|column| {
+                column
+                    .iter()
+                    .zip(&self.whole)
+                    .map(|(value, whole)| if *whole { *value } else { f64::NAN })
+                    .collect()
+            })
+            .collect();
+        resample(&own, &places, 1.0).columns
+    }
+
+    /// The lag of whole rows by which the test instrument's changes follow the reference's far better than
+    /// without, s.
+    fn coarse_s(&self, problem: &Problem, rows: &[usize]) -> Result<Option<f64>, Error> {
+        let reach = ((REACH * rows.len() as f64) as usize).min(MOST_ROWS);
+        if reach == 0 {
+            return Ok(None);
+        }
+        let reference: Vec<Vec<f64>> = problem.base.iter().map(|column| limited(column)).collect();
+        let mut gains = vec![0.0; 2 * reach + 1];
+        for test in &problem.channels {
+            let test = limited(test);
+            let white = white(&reference, &test);
+            let density = |f: f64| white * (1.0 + (0.02 / (f * self.step_s)).powi(2));
+            let of = lag::explained(&reference, &test, self.step_s, &density, reach)?;
+            gains.iter_mut().zip(of).for_each(|(sum, gain)| *sum += gain);
+        }
+        let best =
+            (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
+        let found = gains[best] - gains[reach] > GAIN && best.abs_diff(reach) > 1;
+        Ok(found.then_some((best as f64 - reach as f64) * self.step_s))
+    }
+}
+
+/// −dB/dt of the field along a channel, as plain least squares have it.
+fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> {
+    let means: Vec<f64> = base.iter().chain([&channel.to_vec()]).map(|column| stats::mean(column)).collect();
+    let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
+    let count = all.len();
+    let gram = faer::Mat::from_fn(count, count, |i, j| {
+        all[i].iter().zip(all[j]).map(|(a, b)| (a - means[i]) * (b - means[j])).sum::<f64>()
+    });
+    let fit = crate::fit::Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>());
+    let along = |row: usize| -> f64 { (0..3).map(|i| fit.coefficient(i) * slopes[i][row]).sum() };
+    (0..channel.len()).map(|row| -along(row)).collect()
+}
+
+/// One-sided density over the step of what a regression of changes on changes leaves.
+fn white(reference: &[Vec<f64>], test: &[f64]) -> f64 {
+    let changes = |column: &[f64]| -> Vec<f64> { column.windows(2).map(|pair| pair[1] - pair[0]).collect() };
+    let all: Vec<Vec<f64>> = reference.iter().map(|column| changes(column)).chain([changes(test)]).collect();
+    let count = all.len();
+    let gram = faer::Mat::from_fn(count, count, |i, j| estimate::dot(&all[i], &all[j]));
+    let left = crate::fit::Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>()).left;
+    (left / test.len() as f64).max(f64::MIN_POSITIVE)
+}
+
+/// A series whose changes are limited.
+fn limited(values: &[f64]) -> Vec<f64> {
+    let changes: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut sizes: Vec<f64> = changes.iter().map(|change| change.abs()).collect();
+    let most = LARGEST_CHANGE * stats::median_of(&mut sizes);
+    let mut level = 0.0;
+    let sums = changes.iter().map(|change| {
+        level += if most > 0.0 { change.clamp(-most, most) } else { *change };
+        level
+    });
+    [0.0].into_iter().chain(sums).collect()
+}

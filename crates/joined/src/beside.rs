@@ -1,0 +1,53 @@
+//! Temperatures, voltages, currents and whatever else was recorded beside a pair.
+
+use common::{Document, Recording};
+
+use crate::Pair;
+
+/// A column at its own times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Beside {
+    /// Its name; with the recording's id where another recording has one of the same name at the same time.
+    pub name: String,
+    /// Times of its samples on the pair's clock, s.
+    pub time_s: Vec<f64>,
+    /// Its samples; none is missing.
+    pub values: Vec<f64>,
+}
+
+/// What the recordings of a pair hold besides times and fields, as far as it changes.
+pub fn beside(document: &Document, pair: &Pair) -> Vec<Beside> {
+    let recordings: Vec<&Recording> =
+        document.recordings.iter().filter(|recording| pair.recordings.contains(&recording.id)).collect();
+    let starts = recordings.iter().filter_map(|recording| recording.start()).map(|start| start.unix_s);
+    let earliest = starts.fold(f64::INFINITY, f64::min);
+    let mut all: Vec<Beside> = Vec::new();
+    for recording in recordings {
+        let origin_s = recording.start().map_or(0.0, |start| start.unix_s - earliest);
+        let Some(own) = recording.column("time_s") else { continue };
+        for name in
+            recording.columns.keys().filter(|name| !name.starts_with("time_") && !name.ends_with("_nt"))
+        {
+            let Some(values) = recording.column(name) else { continue };
+            let known = own.iter().zip(values).filter(|(t, value)| t.is_finite() && value.is_finite());
+            let (time_s, values): (Vec<f64>, Vec<f64>) =
+                known.map(|(t, value)| (t + origin_s, *value)).unzip();
+            let Some(first) = time_s.first() else { continue };
+            let before = |have: &&mut Beside| have.name == *name && have.time_s.last() < Some(first);
+            match all.iter_mut().find(before) {
+                // Another piece of the same.
+                Some(have) => {
+                    have.time_s.extend(time_s);
+                    have.values.extend(values);
+                }
+                None => {
+                    let taken = all.iter().any(|have| have.name == *name);
+                    let name = if taken { format!("{name} of \"{}\"", recording.id) } else { name.clone() };
+                    all.push(Beside { name, time_s, values });
+                }
+            }
+        }
+    }
+    all.retain(|one| one.values.iter().any(|value| *value != one.values[0]));
+    all
+}
