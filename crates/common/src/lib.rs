@@ -71,7 +71,8 @@ pub use coil::{
 pub use column::Column;
 pub use diagnosis::{
     BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect, ListedEffect,
-    MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
+    MovedConstant, PlainRegression, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share,
+    UnnamedStructure, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, ClockJump, ClockSegment, Contribution, ContributionCause,

@@ -36,6 +36,7 @@ mod adopt;
 mod against;
 mod algebra;
 mod atoms;
+mod beside;
 mod candidates;
 mod channel;
 mod codes;
@@ -215,6 +216,10 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
             "a level of {}; expected a probability of false claims between 0 and 1, such as 0.01",
             options.level
         )));
+    }
+    if let Some(entry) = beside::diagnose(&document, options, told)? {
+        document.diagnosis = Some(vec![entry]);
+        return Ok(document);
     }
     let original = match &options.against {
         Some(simulated) => against::against(&document, simulated)?,

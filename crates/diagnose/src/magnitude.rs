@@ -78,7 +78,7 @@ pub fn channel(of: &mut Run<'_>, run: usize, at: usize) -> Result<Option<Channel
 }
 
 /// What readings mean by the basic chain, SEN, nT.
-fn field(basic: &Basic, readings: &Vector3<f64>) -> Vector3<f64> {
+pub fn field(basic: &Basic, readings: &Vector3<f64>) -> Vector3<f64> {
     let along = |i: usize| basic.sensors[i].sensitivity * readings[i] + basic.sensors[i].offset_nt;
     unmix(basic) * Vector3::from_fn(|i, _| along(i))
 }

@@ -40,6 +40,7 @@ impl Form {
         let late = |late_s: f64| Self { late_s, ..plain };
         match cause {
             Cause::Clock => vec![plain, Self { bent: true, ..plain }],
+            Cause::Late => lates().map(late).collect(),
             Cause::Time => [plain].into_iter().chain(lates().map(late)).collect(),
             Cause::Covariate(number) => {
                 let bent = problem.covariates[number].bends().then_some(Self { bent: true, ..plain });
@@ -58,6 +59,11 @@ impl Form {
         let straight = centred(sampled(&covariate.time_s, &values, at_s, held));
         let square = self.bent.then(|| centred(straight.iter().map(|x| x * x).collect()));
         [straight].into_iter().chain(square).collect()
+    }
+
+    /// A reading of the base through a relaxation.
+    pub fn of_reading(&self, time_s: &[f64], reading: &[f64]) -> Vec<f64> {
+        centred(relaxed(time_s, reading, self.late_s, false))
     }
 
     /// Time, or an exponential that dies out.

@@ -1,4 +1,5 @@
-//! Two instruments that read three components side by side, and their clocks.
+//! Two instruments side by side, and their clocks: three components are held against three, or a magnitude
+//! against them.
 //!
 //! A clock that is late by δ reads the field of δ earlier: the difference holds −δ dB/dt. Noise of the reference
 //! is in the rate as well and makes its coefficient too small, though not wrong in sign: so the reference is
@@ -37,8 +38,8 @@ pub struct Pair {
     pub step_s: f64,
     /// The reference; rows that are not whole stand on straight lines.
     pub reference: [Vec<f64>; 3],
-    /// The test instrument in the same way.
-    pub test: [Vec<f64>; 3],
+    /// What is held against it, in the same way.
+    pub test: Vec<Vec<f64>>,
     /// Rows in which neither misses a reading.
     pub whole: Vec<bool>,
     /// What was recorded beside.
@@ -106,7 +107,6 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
     let rated = clock_of(&explained).is_some_and(|place| explained.causes[place].form.bent);
     let others = named(&explained);
     let start = late;
-    let mut before = None::<(f64, f64)>;
     let (mut follows, mut left) = (1.0, clock(&problem, &explained, &others, rated)?);
     for _ in 0..ROUNDS {
         let by = left[0].value() / follows;
@@ -114,14 +114,12 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
         if settled {
             break;
         }
-        before = Some((left[0].value(), by));
+        let was = left[0].value();
         late.offset_s += by;
         late.rate += left.get(1).map_or(0.0, |rate| rate.value() / follows);
         (problem, rows) = pair.problem(late);
         left = clock(&problem, &explained, &others, rated)?;
-        if let Some((was, by)) = before {
-            follows = ((was - left[0].value()) / by).clamp(0.1, 1.5);
-        }
+        follows = ((was - left[0].value()) / by).clamp(0.1, 1.5);
     }
     if late.offset_s != start.offset_s || late.rate != start.rate {
         explained = explain(&problem, told)?;

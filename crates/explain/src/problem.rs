@@ -45,6 +45,8 @@ pub enum Cause {
     Time,
     /// Another clock than that of the base.
     Clock,
+    /// The readings of the base a while ago: what answers late to the field.
+    Late,
 }
 
 /// The columns of an explanation.
@@ -89,11 +91,26 @@ impl Problem {
         }
     }
 
+    /// The same where the base's readings are white noise of one nT.
+    pub fn shadow(&self) -> Self {
+        let noise = |reading: usize| {
+            let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
+            (0..self.rows()).map(|_| stream.normal()).collect()
+        };
+        Self {
+            base: (0..self.noisy).map(noise).collect(),
+            time_s: self.time_s.clone(),
+            noisy: self.noisy,
+            ..Self::default()
+        }
+    }
+
     /// All that may explain something.
     pub fn causes(&self) -> Vec<Cause> {
         let clock = (!self.rates.is_empty()).then_some(Cause::Clock);
+        let late = (self.noisy > 0).then_some(Cause::Late);
         let covariates = (0..self.covariates.len()).map(Cause::Covariate);
-        covariates.chain([Cause::Time]).chain(clock).collect()
+        covariates.chain([Cause::Time]).chain(clock).chain(late).collect()
     }
 
     /// The columns of a cause in one of its forms.
@@ -101,6 +118,11 @@ impl Problem {
         let series: Vec<Vec<f64>> = match cause {
             Cause::Covariate(number) => form.of(&self.covariates[number], &self.time_s),
             Cause::Time => form.of_time(&self.time_s),
+            Cause::Late => {
+                let readings = self.base.iter().take(self.noisy);
+                let late = |column: &Vec<f64>| Term::Alike(form.of_reading(&self.time_s, column));
+                return readings.map(late).collect();
+            }
             Cause::Clock => {
                 return form.of_clock(&self.time_s, &self.rates).into_iter().map(Term::Tied).collect();
             }

@@ -10,10 +10,11 @@
 use estimate::svd::Svd;
 use faer::Mat;
 
+use crate::fit::Fit;
 use crate::problem::Problem;
 use crate::products::Product;
 use crate::search::Named;
-use crate::stack::Stack;
+use crate::stack::{Shadow, Stack};
 use crate::sweep::Sweep;
 
 /// Shares of the white part that are tried, of the largest possible.
@@ -85,9 +86,11 @@ impl<'a> Shares<'a> {
         let (channel, y) = (&self.channels[number], self.stack.y[number]);
         let mut all = self.made.to_vec();
         for (product, noise) in all.iter_mut().zip(&channel.noise) {
-            for (reading, variance) in noise.iter().enumerate() {
-                let (column, by) = added(self.stack, product, reading);
-                product.gram[(column, column)] -= share * variance * by;
+            for a in &self.stack.shadows {
+                for b in self.stack.shadows.iter().filter(|b| b.reading == a.reading) {
+                    let by = added(self.stack, product, a, b);
+                    product.gram[(a.column, b.column)] -= share * noise[a.reading] * by;
+                }
             }
         }
         let left = Sweep::of(&all, self.rows, y, &self.stack.base, &channel.columns).left();
@@ -98,25 +101,26 @@ impl<'a> Shares<'a> {
     }
 }
 
-/// The column of a reading, and what each nT² of its noise adds to the column's square.
-fn added(stack: &Stack, product: &Product, reading: usize) -> (usize, f64) {
-    let (column, shadow) = (stack.base[reading], stack.shadows[reading]);
-    (column, product.gram[(shadow, shadow)] / (stack.scale[column] * stack.scale[column]))
+/// What each nT² of a reading's noise adds to the product of two columns that hold it.
+fn added(stack: &Stack, product: &Product, a: &Shadow, b: &Shadow) -> f64 {
+    product.gram[(a.noise, b.noise)] / (stack.scale[a.column] * stack.scale[b.column])
 }
 
 /// By how much the noise has to be smaller, so that in every direction the readings hold more than noise.
 fn visible(stack: &Stack, product: &Product, noise: &[f64]) -> f64 {
-    let count = noise.len();
-    if count == 0 {
-        return 1.0;
-    }
-    let added: Vec<f64> =
-        (0..count).map(|reading| (noise[reading] * added(stack, product, reading).1).sqrt()).collect();
-    // Largest eigenvalue of G^-½ D G^-½ is that of D^½ G⁻¹ D^½.
-    let others = crate::fit::Fit::of(&product.gram, stack.base[0], &stack.base).inverse;
-    let own = Mat::from_fn(count, count, |i, j| {
-        if others.nrows() == stack.base.len() { added[i] * others[(i, j)] * added[j] } else { 0.0 }
-    });
-    let largest = Svd::of(own.as_ref(), 0.0).map_or(0.0, |svd| svd.sigma().first().copied().unwrap_or(0.0));
+    let own: Vec<&Shadow> = stack.shadows.iter().filter(|one| stack.base.contains(&one.column)).collect();
+    let columns: Vec<usize> = own.iter().map(|one| one.column).collect();
+    let others: Vec<usize> = stack.base.iter().copied().filter(|column| !columns.contains(column)).collect();
+    let order: Vec<usize> = others.iter().chain(&columns).copied().collect();
+    let Some(last) = order.last() else { return 1.0 };
+    let fit = Fit::of(&product.gram, *last, &order);
+    let size = |one: &Shadow| (noise[one.reading] * added(stack, product, one, one)).sqrt();
+    // The largest eigenvalue of G^-½ D G^-½ is that of D^½ G⁻¹ D^½.
+    let share =
+        Mat::from_fn(own.len(), own.len(), |i, j| match (fit.place(columns[i]), fit.place(columns[j])) {
+            (Some(a), Some(b)) => size(own[i]) * fit.inverse[(a, b)] * size(own[j]),
+            _ => 0.0,
+        });
+    let largest = Svd::of(share.as_ref(), 0.0).map_or(0.0, |svd| svd.sigma().first().copied().unwrap_or(0.0));
     if largest > MOST { MOST / largest } else { 1.0 }
 }

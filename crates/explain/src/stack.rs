@@ -16,6 +16,17 @@ pub struct Candidate {
     pub tied: bool,
 }
 
+/// What white noise of one nT of a reading makes of a column.
+#[derive(Clone, Copy, Debug)]
+pub struct Shadow {
+    /// The reading of the base.
+    pub reading: usize,
+    /// The column's place.
+    pub column: usize,
+    /// The place of its noise.
+    pub noise: usize,
+}
+
 /// The columns.
 pub struct Stack {
     /// Each with a mean square of one.
@@ -28,8 +39,8 @@ pub struct Stack {
     pub y: Vec<usize>,
     /// What may explain them.
     pub candidates: Vec<Candidate>,
-    /// Places of what the noise of each of the base's readings looks like: white noise of one nT.
-    pub shadows: Vec<usize>,
+    /// Columns that hold a reading's noise.
+    pub shadows: Vec<Shadow>,
 }
 
 impl Stack {
@@ -82,13 +93,31 @@ impl Stack {
         self.candidates.push(Candidate { cause, form, columns, tied });
     }
 
-    /// Adds the noise of the base's readings, each its own.
+    /// Adds the noise of the base's readings, each its own, and what becomes of it in the candidates.
     pub fn shade(&mut self, problem: &Problem) {
-        for reading in 0..problem.noisy {
-            let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
-            let column = (0..problem.rows()).map(|_| stream.normal()).collect();
-            self.shadows.push(self.columns.len());
-            self.columns.push(column);
+        let shadow = problem.shadow();
+        let late = |candidate: &Candidate| {
+            let terms =
+                (candidate.cause == Cause::Late).then(|| shadow.terms(candidate.cause, &candidate.form));
+            let columns = candidate.columns.first().cloned().unwrap_or_default();
+            terms.into_iter().flatten().zip(columns).enumerate().collect::<Vec<_>>()
+        };
+        let late: Vec<(usize, (Term, usize))> = self.candidates.iter().flat_map(late).collect();
+        let own = shadow
+            .base
+            .iter()
+            .cloned()
+            .enumerate()
+            .map(|(reading, noise)| (reading, self.base[reading], noise));
+        let all: Vec<(usize, usize, Vec<f64>)> = own
+            .chain(late.into_iter().filter_map(|(reading, (term, column))| match term {
+                Term::Alike(noise) => Some((reading, column, noise)),
+                Term::Tied(_) => None,
+            }))
+            .collect();
+        for (reading, column, noise) in all {
+            self.shadows.push(Shadow { reading, column, noise: self.columns.len() });
+            self.columns.push(noise);
             self.scale.push(1.0);
         }
     }

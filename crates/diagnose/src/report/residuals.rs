@@ -37,6 +37,7 @@ pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>)
         noise_source: outcome.noise.source.into(),
         by_recording: model.observed.channels.iter().zip(&outcome.noise.std_nt).map(of_channel).collect(),
         extra: common::Extra::new(),
+        ..Residual::default()
     })
 }
 

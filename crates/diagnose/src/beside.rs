@@ -1,0 +1,302 @@
+//! Readings held against an instrument beside them: what explains the difference, by the engine `explain`.
+
+mod answer;
+mod effects;
+mod magnitude;
+mod pair;
+
+use common::{
+    Axis, Diagnosis, Document, PlainRegression, Remaining, Residual, ResidualOf, ResidualSeries, Share,
+    Verdict, procedure,
+};
+use estimate::grouped::{Grouped, grouped};
+use explain::pair::{Clock, OfPair};
+use explain::{Cause, Covariate, Explained};
+
+use crate::{Error, Options};
+
+/// A name has at least this probability.
+const NAMED: f64 = 0.9;
+/// Held-out readings that are predicted worse than this by the names, beside the best plain regression, have
+/// something left in them.
+const WORSE: f64 = 1.05;
+/// Most points of a series.
+const POINTS: usize = 160;
+
+/// What was compared, in the document's names, and what explains it.
+struct Compared {
+    /// Ids of the recordings.
+    recordings: Vec<String>,
+    /// Column and axis of each channel.
+    channels: Vec<(String, Option<Axis>)>,
+    /// What the readings belong to, in words: "the test instrument".
+    what: &'static str,
+    /// Names of the covariates.
+    covariates: Vec<String>,
+    /// Times of all rows, s.
+    all_s: Vec<f64>,
+    /// Times of the rows that were explained, s, and the covariates there.
+    time_s: Vec<f64>,
+    along: Vec<Vec<f64>>,
+    /// Rms of each channel as the document has it, nT.
+    as_it_came: Vec<f64>,
+    clock: Option<Clock>,
+    explained: Explained,
+    /// What is to be said besides.
+    notes: Vec<String>,
+}
+
+/// The diagnosis of a document whose recordings all stand beside another instrument; None for others.
+pub fn diagnose(
+    document: &Document,
+    options: &Options,
+    told: &dyn Fn(&str),
+) -> Result<Option<Diagnosis>, Error> {
+    let all = |of: &dyn Fn(&common::Recording) -> bool| {
+        !document.recordings.is_empty() && document.recordings.iter().all(of)
+    };
+    if options.against.is_some() {
+        return Ok(None);
+    }
+    if all(&|recording| recording.procedure == procedure::DIFFERENTIAL) {
+        return Ok(Some(pair::compared(document, told)?.diagnosis()));
+    }
+    Ok(magnitude::compared(document, told)?.map(|compared| compared.diagnosis()))
+}
+
+/// Root of the mean of the squares.
+fn rms(of: &[f64]) -> f64 {
+    (of.iter().map(|value| value * value).sum::<f64>() / of.len().max(1) as f64).sqrt()
+}
+
+impl Compared {
+    /// What the engine says of some covariates; what the document has to say is still missing.
+    fn of(covariates: &[Covariate], of: OfPair) -> Self {
+        let all_s = of.problem.time_s;
+        let kept = all_s.iter().zip(&of.explained.off).filter(|(_, off)| !**off);
+        let time_s: Vec<f64> = kept.map(|(t, _)| *t).collect();
+        let along = |one: &Covariate| explain::sampled(&one.time_s, &one.values, &time_s, one.holds());
+        Self {
+            recordings: Vec::new(),
+            channels: Vec::new(),
+            what: "",
+            covariates: covariates.iter().map(|one| one.name.clone()).collect(),
+            along: covariates.iter().map(along).collect(),
+            time_s,
+            all_s,
+            as_it_came: Vec::new(),
+            clock: of.clock,
+            explained: of.explained,
+            notes: Vec::new(),
+        }
+    }
+
+    fn diagnosis(self) -> Diagnosis {
+        let effects = effects::effects(&self);
+        let ambiguity = self.ambiguity();
+        let verdict = self.verdict(&ambiguity, effects.is_empty());
+        let fit = self.fit();
+        let mut diagnosis = Diagnosis {
+            verdict,
+            recordings: self.recordings.clone(),
+            places: self.places(&effects),
+            effects,
+            ambiguity,
+            remaining: Some(self.remaining(verdict)),
+            series: self.series(),
+            reasons: self.reasons(&fit),
+            fit: Some(fit),
+            next_experiment: self.next(verdict),
+            ..Diagnosis::default()
+        };
+        diagnosis.answer = answer::answer(&diagnosis, self.what);
+        diagnosis
+    }
+
+    /// The name of a cause.
+    fn name(&self, cause: Cause) -> String {
+        match cause {
+            Cause::Covariate(number) => self.covariates[number].clone(),
+            Cause::Time => "time".into(),
+            Cause::Clock => "clock".into(),
+            Cause::Late => "field, late".into(),
+        }
+    }
+
+    /// Sets of names that explain as well, where no single one is sure.
+    fn ambiguity(&self) -> Vec<Vec<String>> {
+        if self.explained.probabilities.iter().all(|own| *own >= NAMED) {
+            return Vec::new();
+        }
+        let mut sum = 0.0;
+        let mut sets = Vec::new();
+        for rival in &self.explained.rivals {
+            if sum >= NAMED {
+                break;
+            }
+            sum += rival.probability;
+            sets.push(rival.causes.iter().map(|cause| self.name(*cause)).collect::<Vec<_>>());
+        }
+        sets.retain(|set| !set.is_empty());
+        if sets.len() > 1 { sets } else { Vec::new() }
+    }
+
+    fn verdict(&self, ambiguity: &[Vec<String>], nothing: bool) -> Verdict {
+        let held = &self.explained.held_out;
+        let best = held.rivals.iter().map(|plain| rms(&plain.rms)).fold(f64::INFINITY, f64::min);
+        if !ambiguity.is_empty() {
+            Verdict::Ambiguous
+        } else if nothing {
+            Verdict::Agrees
+        } else if rms(&held.named) > WORSE * best {
+            Verdict::PartlyExplained
+        } else {
+            Verdict::Explained
+        }
+    }
+
+    fn fit(&self) -> Residual {
+        let explained = &self.explained;
+        let whole = |of: &[Vec<f64>]| rms(&of.iter().map(|channel| rms(channel)).collect::<Vec<_>>());
+        let held = &explained.held_out;
+        let plain = held.rivals.iter().map(|plain| PlainRegression {
+            name: plain.name.into(),
+            held_out_nt: rms(&plain.rms),
+            terms: plain.terms.iter().map(|term| self.form(explained.offered[*term])).collect(),
+        });
+        let of = |(channel, (column, _)): (usize, &(String, Option<Axis>))| ResidualOf {
+            recording: self.recordings.join(", "),
+            column: column.clone(),
+            rms_before_nt: self.as_it_came[channel],
+            rms_after_nt: rms(&explained.residual[channel]),
+            held_out_before_nt: held.base[channel],
+            held_out_after_nt: held.named[channel],
+            noise_floor_nt: rms(&explained.residual[channel]),
+        };
+        Residual {
+            rms_before_nt: rms(&self.as_it_came),
+            rms_refitted_nt: whole(&explained.before),
+            rms_after_nt: whole(&explained.residual),
+            held_out_before_nt: rms(&held.base),
+            held_out_after_nt: rms(&held.named),
+            noise_floor_nt: whole(&explained.residual),
+            noise_source: "residuals".into(),
+            by_recording: self.channels.iter().enumerate().map(of).collect(),
+            plain: plain.collect(),
+            ..Residual::default()
+        }
+    }
+
+    /// A cause and its form in a few words.
+    fn form(&self, (cause, form): (Cause, explain::Form)) -> String {
+        let bent = if form.bent { ", squared" } else { "" };
+        format!("{}{}{bent}", self.name(cause), answer::lateness(&form))
+    }
+
+    fn places(&self, effects: &[common::ExplainedEffect]) -> Vec<Share> {
+        let before: f64 = self.explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
+        let after: f64 = self.explained.residual.iter().map(|channel| rms(channel).powi(2)).sum();
+        let of = |effect: &common::ExplainedEffect| Share {
+            place: Some(effects::place(effect).into()),
+            covariates: effect.column.iter().cloned().collect(),
+            energy_share: effect.share,
+            recordings: self.recordings.clone(),
+            description: effect.title.clone(),
+            ..Share::default()
+        };
+        if before > after { effects.iter().map(of).collect() } else { Vec::new() }
+    }
+
+    fn remaining(&self, verdict: Verdict) -> Remaining {
+        let off = self.explained.off.iter().filter(|off| **off).count();
+        let mut parts = Vec::new();
+        if verdict == Verdict::PartlyExplained {
+            parts.push("a plain regression predicts held-out readings better".to_string());
+        }
+        if off > 0 {
+            parts.push(format!("{} off by themselves", common::number::counted(off, "reading")));
+        }
+        Remaining {
+            white: parts.is_empty(),
+            p_adjusted: 1.0,
+            structure: parts.join("; "),
+            ..Remaining::default()
+        }
+    }
+
+    /// Before and after along time and what is followed.
+    fn series(&self) -> Vec<ResidualSeries> {
+        let followed = self.explained.causes.iter().filter_map(|one| match one.cause {
+            Cause::Covariate(number) => {
+                Some((self.covariates[number].as_str(), self.along[number].as_slice()))
+            }
+            _ => None,
+        });
+        let axes: Vec<(&str, &[f64])> =
+            [("time_s", self.time_s.as_slice())].into_iter().chain(followed).collect();
+        let mut all = Vec::new();
+        for (channel, (column, _)) in self.channels.iter().enumerate() {
+            let (before, after) = (&self.explained.before[channel], &self.explained.residual[channel]);
+            for (along, x) in &axes {
+                let Some(Grouped { x, columns: [before_nt, after_nt], points }) =
+                    grouped(x, [before, after], POINTS)
+                else {
+                    continue;
+                };
+                all.push(ResidualSeries {
+                    recording: (*along == "time_s").then(|| self.recordings.join(", ")),
+                    column: column.clone(),
+                    along: (*along).into(),
+                    x,
+                    before_nt,
+                    after_nt,
+                    readings: points,
+                    ..ResidualSeries::default()
+                });
+            }
+        }
+        all
+    }
+
+    fn reasons(&self, fit: &Residual) -> Vec<String> {
+        let mut reasons: Vec<String> = Vec::new();
+        for plain in &fit.plain {
+            let better = fit.held_out_after_nt > WORSE * plain.held_out_nt;
+            let terms = if plain.terms.is_empty() { "no term".into() } else { plain.terms.join(", ") };
+            reasons.push(format!(
+                "{}{} with {terms} leaves {} nT of held-out readings, the names {} nT",
+                if better { "note: " } else { "" },
+                plain.name,
+                common::number::significant(plain.held_out_nt, 4),
+                common::number::significant(fit.held_out_after_nt, 4)
+            ));
+        }
+        let named: Vec<Cause> = self.explained.causes.iter().map(|one| one.cause).collect();
+        for rival in
+            self.explained.rivals.iter().filter(|rival| rival.causes.len() == named.len() + 1).take(3)
+        {
+            let more: Vec<String> = rival
+                .causes
+                .iter()
+                .filter(|cause| !named.contains(cause))
+                .map(|cause| self.name(*cause))
+                .collect();
+            reasons.push(format!(
+                "rejected {} besides: probability {}",
+                more.join(" and "),
+                common::number::probability(rival.probability)
+            ));
+        }
+        reasons.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        reasons
+    }
+
+    fn next(&self, verdict: Verdict) -> Option<String> {
+        let text = match verdict {
+            Verdict::Ambiguous => "change one of the columns alone, everything else constant",
+            Verdict::PartlyExplained => "record what the plain regression follows in more states",
+            _ => return None,
+        };
+        Some(text.into())
+    }
+}

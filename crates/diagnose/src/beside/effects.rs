@@ -1,0 +1,193 @@
+//! The causes that were found, as effects of the document.
+
+use common::{ExplainedEffect, ListedEffect, Quantity};
+use explain::{Amplitude, Cause, Form};
+use indexmap::IndexMap;
+use physics::Kind;
+
+use super::{Compared, answer, rms};
+
+/// All that explains something, the largest first.
+pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
+    let mut effects: Vec<ExplainedEffect> = compared
+        .explained
+        .causes
+        .iter()
+        .enumerate()
+        .map(|(number, one)| cause(compared, number, one))
+        .collect();
+    effects.extend(clock(compared));
+    effects.extend(steps(compared));
+    effects.sort_by(|a, b| b.share.unwrap_or(0.0).total_cmp(&a.share.unwrap_or(0.0)));
+    effects
+}
+
+/// Where an effect acts.
+pub fn place(effect: &ExplainedEffect) -> &'static str {
+    match Kind::named(&effect.effect) {
+        Some(kind) => kind.place().word(),
+        None => "sensor",
+    }
+}
+
+fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect {
+    let explained = &compared.explained;
+    let contribution: f64 = explained.contributions[number].iter().map(|channel| rms(channel).powi(2)).sum();
+    let before: f64 = explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
+    let column = match one.cause {
+        Cause::Covariate(number) => Some(compared.covariates[number].clone()),
+        _ => None,
+    };
+    let effect = match one.cause {
+        Cause::Covariate(_) if is_current(column.as_deref(), &one.form) => Kind::StrayCurrent.name(),
+        Cause::Covariate(_) => "dependence",
+        Cause::Time if one.form.late_s > 0.0 => Kind::WarmUp.name(),
+        Cause::Time => Kind::Ageing.name(),
+        Cause::Late => Kind::InductionDifference.name(),
+        Cause::Clock => Kind::ClockOffset.name(),
+    };
+    let kind = Kind::named(effect);
+    let follows = match &column {
+        Some(column) => format!("follows {column}"),
+        None => kind.map_or(String::new(), |kind| kind.about().title.to_string()),
+    };
+    ExplainedEffect {
+        effect: effect.into(),
+        title: match &column {
+            Some(_) => format!("{} {follows}{}", compared.what, answer::lateness(&one.form)),
+            None => follows,
+        },
+        physics: kind
+            .map_or("a field that is proportional to the column", |kind| kind.about().physics)
+            .into(),
+        equation: kind.map_or("dB = c x, tau dx/dt = column - x", |kind| kind.about().equation).into(),
+        source: kind.map_or("", |kind| kind.about().source).into(),
+        parameters: parameters(compared, one, column.as_deref()),
+        column,
+        p_adjusted: (-explained.gains[number]).exp().min(1.0),
+        probability: Some(explained.probabilities[number].min(1.0)),
+        share: Some((contribution / before).min(1.0)),
+        held_out_gain_nt: (rms(&explained.held_out.base) - rms(&explained.held_out.named)).max(0.0),
+        visible_fraction: 1.0,
+        ..ExplainedEffect::default()
+    }
+}
+
+/// Whether a column is a current that acts at once: the catalogue has its field.
+fn is_current(column: Option<&str>, form: &Form) -> bool {
+    column.is_some_and(|column| column.ends_with("_a")) && *form == Form::default()
+}
+
+/// What a coefficient is by: the unit at the end of a column's name.
+pub fn unit(column: &str) -> &str {
+    const UNITS: [&str; 17] = [
+        "s", "a", "am2", "v", "nt", "c", "k", "hz", "rad", "deg", "arcsec", "m", "pa", "percent", "ohm", "w",
+        "counts",
+    ];
+    match column.rsplit('_').next().filter(|unit| UNITS.contains(unit)) {
+        Some("c") => "k",
+        Some(unit) => unit,
+        None => "unit",
+    }
+}
+
+fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> IndexMap<String, Quantity> {
+    let mut all = IndexMap::new();
+    let of_axis = |channel: usize| match compared.channels[channel].1 {
+        Some(axis) => axis.to_string(),
+        None => "along_field".into(),
+    };
+    let names: Vec<String> = match (one.cause, column) {
+        (Cause::Covariate(_), Some(column)) => {
+            let unit = unit(column);
+            vec![format!("nt_per_{unit}"), format!("nt_per_{unit}2")]
+        }
+        (Cause::Time, _) if one.form.late_s > 0.0 => vec!["amplitude_nt".into()],
+        (Cause::Time, _) => vec!["nt_per_day".into()],
+        _ => ["from_x", "from_y", "from_z"].map(|from| format!("{from}_ppm")).to_vec(),
+    };
+    let by = |quantity: &Quantity| match one.cause {
+        Cause::Time if one.form.late_s == 0.0 => times(quantity, 86_400.0),
+        Cause::Late => times(quantity, 1e6),
+        _ => quantity.clone(),
+    };
+    for (channel, quantities) in one.channels.iter().enumerate() {
+        for (name, quantity) in names.iter().zip(quantities) {
+            all.insert(format!("{}_{name}", of_axis(channel)), by(quantity));
+        }
+    }
+    if let Some(late_s) = &one.late_s {
+        let name = if one.cause == Cause::Time { "time_constant_s" } else { "lag_s" };
+        all.insert(name.into(), late_s.clone());
+    }
+    if one.form.rows != 0 {
+        all.insert("late_rows".into(), Quantity::Bare(f64::from(one.form.rows)));
+    }
+    all
+}
+
+fn times(quantity: &Quantity, by: f64) -> Quantity {
+    match quantity.std() {
+        Some(std) => Quantity::new(quantity.value() * by, std * by),
+        None => Quantity::Bare(quantity.value() * by),
+    }
+}
+
+/// The clock's offset, and its rate.
+fn clock(compared: &Compared) -> Option<ExplainedEffect> {
+    let clock = compared.clock.as_ref()?;
+    let kind = Kind::ClockOffset;
+    let mut parameters = IndexMap::from([("offset_s".to_string(), clock.offset_s.clone())]);
+    if let Some(rate) = &clock.rate {
+        parameters.insert("rate_ppm".into(), times(rate, 1e6));
+    }
+    let late = if clock.offset_s.value() >= 0.0 { "late" } else { "early" };
+    Some(ExplainedEffect {
+        effect: kind.name().into(),
+        title: format!("the clock of {} is {late}", compared.what),
+        physics: kind.about().physics.into(),
+        equation: kind.about().equation.into(),
+        source: kind.about().source.into(),
+        parameters,
+        p_adjusted: (-clock.gain).exp().min(1.0),
+        probability: Some(1.0),
+        visible_fraction: 1.0,
+        ..ExplainedEffect::default()
+    })
+}
+
+/// All changes of level as one effect.
+fn steps(compared: &Compared) -> Option<ExplainedEffect> {
+    let steps = &compared.explained.steps;
+    if steps.is_empty() {
+        return None;
+    }
+    let kind = Kind::ReadingStep;
+    let listed = |step: &explain::Step| {
+        let mut parameters = IndexMap::new();
+        for (channel, (size, std)) in step.sizes.iter().enumerate() {
+            let name = match compared.channels[channel].1 {
+                Some(axis) => format!("{axis}_height_nt"),
+                None => "height_nt".into(),
+            };
+            parameters.insert(name, Quantity::new(*size, *std));
+        }
+        parameters.insert("time_s".into(), Quantity::Bare(compared.all_s[step.row]));
+        ListedEffect { parameters, ..ListedEffect::default() }
+    };
+    let mut list: Vec<ListedEffect> = steps.iter().map(listed).collect();
+    let parameters = if list.len() == 1 { list.remove(0).parameters } else { IndexMap::new() };
+    Some(ExplainedEffect {
+        effect: kind.name().into(),
+        title: format!("{} steps", compared.what),
+        physics: kind.about().physics.into(),
+        equation: kind.about().equation.into(),
+        source: kind.about().source.into(),
+        parameters,
+        list,
+        p_adjusted: 0.0,
+        probability: Some(1.0),
+        visible_fraction: 1.0,
+        ..ExplainedEffect::default()
+    })
+}

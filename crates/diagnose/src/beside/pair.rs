@@ -1,0 +1,53 @@
+//! Two magnetometers side by side.
+
+use common::{Axis, Document};
+use explain::Covariate;
+use explain::pair::Pair;
+
+use super::{Compared, rms};
+use crate::Error;
+
+/// Explains the difference of the instruments of a document's differential recordings.
+pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Error> {
+    let read = joined::read(document)?;
+    let covariates: Vec<Covariate> = joined::beside(document, &read)
+        .into_iter()
+        .map(|one| Covariate { name: one.name, time_s: one.time_s, values: one.values })
+        .collect();
+    let pair = Pair {
+        first_s: read.first_s,
+        step_s: read.step_s,
+        reference: read.reference.each_ref().map(|column| column.to_vec()),
+        test: read.test.iter().map(|column| column.to_vec()).collect(),
+        whole: read.whole.clone(),
+        covariates,
+    };
+    let of = explain::pair::pair(&pair, told)?;
+    let kept: Vec<usize> =
+        (0..of.rows.len()).filter(|row| !of.explained.off[*row]).map(|row| of.rows[row]).collect();
+    let as_it_came = (0..3).map(|axis| rms(&stated(document, &pair, axis, &kept))).collect();
+    let channels = Axis::ALL.iter().map(|axis| (format!("test_{axis}_nt"), Some(*axis))).collect();
+    Ok(Compared {
+        recordings: read.recordings.clone(),
+        channels,
+        what: "the test instrument",
+        as_it_came,
+        notes: read.told,
+        ..Compared::of(&pair.covariates, of)
+    })
+}
+
+/// The difference with the stated matrix and offsets; with equal axes and levels where none are stated.
+fn stated(document: &Document, pair: &Pair, axis: usize, rows: &[usize]) -> Vec<f64> {
+    let known = document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref());
+    let matrix = known.and_then(|known| known.matrix);
+    let offset =
+        known.and_then(|known| known.offset_nt.as_ref()?.get(Axis::ALL[axis])).map(common::Quantity::value);
+    let predicted = |row: usize| match &matrix {
+        Some(matrix) => (0..3).map(|i| matrix[i][axis] * pair.reference[i][row]).sum(),
+        None => pair.reference[axis][row],
+    };
+    let left: Vec<f64> = rows.iter().map(|row| pair.test[axis][*row] - predicted(*row)).collect();
+    let level = offset.unwrap_or_else(|| estimate::stats::mean(&left));
+    left.iter().map(|value| value - level).collect()
+}
