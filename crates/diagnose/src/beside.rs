@@ -119,7 +119,6 @@ impl Compared {
             Cause::Covariate(number) => self.covariates[number].clone(),
             Cause::Time => "time".into(),
             Cause::Clock => "clock".into(),
-            Cause::Late => "field, late".into(),
         }
     }
 

@@ -11,8 +11,6 @@ use crate::form::Form;
 use crate::noises;
 use crate::problem::{Cause, Problem, Term};
 use crate::products::{Product, products};
-use crate::reference::Shares;
-use crate::search::Named;
 use crate::stack::Stack;
 use crate::sweep::Sweep;
 
@@ -47,18 +45,21 @@ impl Amplitude {
 pub struct Fitted {
     /// The causes.
     pub amplitudes: Vec<Amplitude>,
-    /// What is left of each channel.
+    /// What is left of each channel under its most probable form of noise.
     pub residual: Vec<Vec<f64>>,
-    /// What the base alone leaves.
+    /// What plain least squares leave: on the base alone, without its steps, and on all columns.
     pub before: Vec<Vec<f64>>,
+    pub after: Vec<Vec<f64>>,
     /// What each cause contributes to each channel.
     pub contributions: Vec<Vec<Vec<f64>>>,
-    /// The most probable form of noise of each channel, by its number.
-    pub noise: Vec<usize>,
+    /// The most probable form of noise of each channel.
+    pub noise: Vec<noises::Form>,
     /// Variance of the whitened residual under it.
     pub variance: Vec<f64>,
     /// The columns of the fit that are independent, for each channel.
     columns: Vec<Vec<usize>>,
+    /// Columns of the derivative of each relaxed cause with respect to ln τ.
+    slopes: Vec<Option<Vec<usize>>>,
     /// The size of each step in each channel.
     steps: Vec<Vec<(f64, f64)>>,
     stack: Stack,
@@ -68,6 +69,21 @@ impl Fitted {
     /// The columns of a channel's fit.
     pub fn independent(&self, channel: usize) -> Vec<&[f64]> {
         self.columns[channel].iter().map(|column| self.stack.columns[*column].as_slice()).collect()
+    }
+
+    /// The same without those of a cause, with what is known of each besides.
+    pub fn columns_of(&self, channel: usize, without: Option<usize>) -> (Vec<&[f64]>, Vec<f64>) {
+        let out = without.map_or(&[][..], |number| &self.stack.candidates[number].columns[channel]);
+        let slopes = without.and_then(|number| self.slopes[number].clone()).unwrap_or_default();
+        let kept = |column: &&usize| !out.contains(column) && !slopes.contains(column);
+        let known = |column: &usize| {
+            self.stack.known.iter().find(|(place, _)| place == column).map_or(0.0, |of| of.1)
+        };
+        self.columns[channel]
+            .iter()
+            .filter(kept)
+            .map(|column| (self.stack.columns[*column].as_slice(), known(column)))
+            .unzip()
     }
 
     /// The steps of the base with their sizes; `rows` are the rows of the part that was fitted.
@@ -91,15 +107,10 @@ pub struct Step {
 /// # Errors
 ///
 /// Times out of order.
-pub fn fit(problem: &Problem, named: &[(Cause, Form)]) -> Result<Fitted, Error> {
+pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) -> Result<Fitted, Error> {
     let mut stack = Stack::of(problem, named);
     let derivatives = slopes(problem, &mut stack, named);
-    stack.shade(problem);
-    let made = products(&problem.time_s, &stack.columns, &noises::grid(problem.step_s()))?;
-    let all: Vec<Named> =
-        (0..named.len()).map(|candidate| Named { candidate, channels: vec![true; stack.y.len()] }).collect();
-    let shares = Shares::of(problem, &stack, &made, &all);
-    let corrected: Vec<Vec<Vec<Product>>> = shares.each().collect();
+    let made = products(&problem.time_s, &stack, noises)?;
     let columns: Vec<Vec<usize>> = (0..stack.y.len())
         .map(|channel| {
             let own = stack.candidates.iter().flat_map(|one| one.columns[channel].clone());
@@ -113,8 +124,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)]) -> Result<Fitted, Error> 
             let weights = Sweep::of(&made, problem.rows(), stack.y[channel], &stack.base, &own).weights();
             let freedom = problem.rows() as f64 - columns[channel].len() as f64;
             let of = |product: &Product| coefficients(&stack, product, channel, &columns[channel], freedom);
-            let components = corrected.iter().flat_map(|shares| shares[channel].iter().zip(&weights));
-            let heavy = components.filter(|(_, weight)| **weight > LEAST);
+            let heavy = made.iter().zip(&weights).filter(|(_, weight)| **weight > LEAST);
             Mixture::of(
                 heavy
                     .map(|(product, weight)| {
@@ -130,10 +140,12 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)]) -> Result<Fitted, Error> 
         amplitudes: Vec::new(),
         residual: Vec::new(),
         before: Vec::new(),
+        after: Vec::new(),
         contributions: vec![Vec::new(); named.len()],
         noise: Vec::new(),
         variance: Vec::new(),
         columns: Vec::new(),
+        slopes: derivatives.clone(),
         steps: Vec::new(),
         stack,
     };
@@ -141,13 +153,16 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)]) -> Result<Fitted, Error> 
     for (channel, columns) in columns.iter().enumerate() {
         let y = stack.y[channel];
         let own: Vec<usize> = columns[stack.base.len()..].to_vec();
-        let weights = Sweep::of(&made, problem.rows(), y, &stack.base, &own).weights();
-        let best = (0..weights.len()).fold(0, |a, b| if weights[b] > weights[a] { b } else { a });
+        let best = Sweep::of(&made, problem.rows(), y, &stack.base, &own).best();
         let fit = Fit::of(&made[best].gram, y, columns);
         let scaled = |series: Vec<f64>| -> Vec<f64> { series.iter().map(|v| v * stack.scale[y]).collect() };
         fitted.residual.push(scaled(fit.rest(&stack.columns, &stack.columns[y])));
-        let base = Fit::of(&made[best].gram, y, &stack.base);
-        fitted.before.push(scaled(base.rest(&stack.columns, &stack.columns[y])));
+        let plain = |columns: &[usize]| {
+            scaled(Fit::of(&made[0].gram, y, columns).rest(&stack.columns, &stack.columns[y]))
+        };
+        let first_step = stack.base.len() - problem.steps.len();
+        fitted.before.push(plain(&stack.base[..first_step]));
+        fitted.after.push(plain(columns));
         for (of, candidate) in fitted.contributions.iter_mut().zip(&stack.candidates) {
             let mut sum = vec![0.0; problem.rows()];
             for column in &candidate.columns[channel] {
@@ -156,7 +171,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)]) -> Result<Fitted, Error> 
             }
             of.push(sum);
         }
-        fitted.noise.push(best);
+        fitted.noise.push(noises[best].clone());
         let freedom = (problem.rows() as f64 - columns.len() as f64).max(1.0);
         fitted.variance.push(fit.left / freedom * stack.scale[y] * stack.scale[y]);
         fitted.columns.push(fit.columns);

@@ -5,13 +5,15 @@
 //!
 //! Source: P. de Jong and J. Penzer, Diagnosing shocks in time series, J. Am. Stat. Assoc. 93 (1998) 796–806.
 
-use estimate::Error;
 use estimate::positive::Positive;
+use estimate::{Error, stats};
 use faer::Mat;
 use noise::Whitening;
 
 /// ln of the odds against an event before the readings are looked at, beside those of the row.
 const AGAINST: f64 = 5.0;
+/// Rows of a block in which the noise is alike.
+const NEAR: usize = 128;
 /// What others leave of a step's information, or it cannot be told.
 const TELLS: f64 = 1e-3;
 
@@ -48,7 +50,7 @@ impl Scores {
         let back = |series: &[f64]| left.filter.whiten_transposed(&left.filter.whiten(series));
         let scores = back(left.residual);
         let single: f64 = left.filter.response().iter().map(|value| value * value).sum();
-        let spike = scores.iter().map(|score| score * score / (single * left.variance)).collect();
+        let spike: Vec<f64> = scores.iter().map(|score| score * score / (single * left.variance)).collect();
         let columns: Vec<Vec<f64>> = left.columns.iter().map(|column| back(column)).collect();
         let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| {
             columns[i].iter().zip(left.columns[j]).map(|(a, b)| a * b).sum()
@@ -69,8 +71,31 @@ impl Scores {
                 step[row] = sum * sum / (information * left.variance);
             }
         }
-        Ok(Self { spike, step })
+        let near = near(&spike);
+        let over = |squares: Vec<f64>, whole: f64| -> Vec<f64> {
+            squares.iter().zip(&near).map(|(square, near)| square / near.max(whole)).collect()
+        };
+        let whole = wider(&step[1..]);
+        Ok(Self { spike: over(spike, 1.0), step: over(step, whole) })
     }
+}
+
+/// How many times as large as of noise of the fitted form squares of scores are, by their median: what a step or
+/// a spike is held against is what the same series does elsewhere.
+fn wider(squares: &[f64]) -> f64 {
+    let mut known: Vec<f64> = squares.iter().copied().filter(|square| *square > 0.0).collect();
+    // The median of the square of a normal number.
+    if known.is_empty() { 1.0 } else { (stats::median_of(&mut known) / 0.455).max(1.0) }
+}
+
+/// The same around each row: in its block of rows and those beside it.
+fn near(squares: &[f64]) -> Vec<f64> {
+    let blocks: Vec<f64> = squares.chunks(NEAR).map(wider).collect();
+    let largest = |block: usize| {
+        let beside = block.saturating_sub(1)..(block + 2).min(blocks.len());
+        blocks[beside].iter().copied().fold(1.0, f64::max)
+    };
+    (0..squares.len()).map(|row| largest(row / NEAR)).collect()
 }
 
 /// The information of a step by the number of rows after it.

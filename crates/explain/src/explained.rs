@@ -7,8 +7,8 @@ use crate::events::{self, Event, Left};
 use crate::form::Form;
 use crate::held_out::{HeldOut, held_out};
 use crate::noises;
+use crate::predicted;
 use crate::problem::{Cause, Problem};
-use crate::products::whitening;
 use crate::search::Rival;
 use crate::select::{Selected, select};
 use crate::stack::Stack;
@@ -21,8 +21,12 @@ const EVENTS: usize = 40;
 pub struct Explained {
     /// The causes of the best set, with their amplitudes.
     pub causes: Vec<Amplitude>,
-    /// ln of the odds of the set with and without each of them, the least over all noise of the reference.
+    /// ln of the odds of the set with and without each of them.
     pub gains: Vec<f64>,
+    /// The forms of noise that were weighed with them.
+    pub(crate) noises: Vec<noises::Form>,
+    /// By how much each lowers the rms of readings that are left out.
+    pub held_out_gains: Vec<f64>,
     /// The probability of each of them among all sets that were weighed.
     pub probabilities: Vec<f64>,
     /// Sets of causes that were weighed, the most probable first.
@@ -31,15 +35,15 @@ pub struct Explained {
     pub steps: Vec<Step>,
     /// Rows that are off by themselves.
     pub off: Vec<bool>,
-    /// What the base alone leaves of each channel, in the rows that are not off.
+    /// What plain least squares on the base alone leave of each channel, in the rows that are not off.
     pub before: Vec<Vec<f64>>,
-    /// What is left of each channel in these rows.
+    /// What they leave with the causes and the steps.
     pub residual: Vec<Vec<f64>>,
     /// What each cause contributes to each channel in these rows.
     pub contributions: Vec<Vec<Vec<f64>>>,
     /// The rms of readings that were left out.
     pub held_out: HeldOut,
-    /// The candidates that the rivals' terms number.
+    /// The candidates that the rivals' terms number: first the named ones.
     pub offered: Vec<(Cause, Form)>,
 }
 
@@ -49,6 +53,7 @@ impl Explained {
         if let Some(place) = self.causes.iter().position(|one| one.cause == cause) {
             self.causes.remove(place);
             self.gains.remove(place);
+            self.held_out_gains.remove(place);
             self.probabilities.remove(place);
             self.contributions.remove(place);
         }
@@ -66,7 +71,7 @@ impl Explained {
 pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Error> {
     let mut off = vec![false; problem.rows()];
     let mut steps: Vec<usize> = Vec::new();
-    let (mut part, mut rows, mut selected, mut fitted);
+    let (mut part, mut rows, mut selected, mut fitted, mut held);
     let mut round = 0;
     loop {
         round += 1;
@@ -74,8 +79,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         told(&format!("weighing what was recorded beside, round {round}"));
         // Columns first: what was a step in the round before may be none beside the right column.
         part = problem.at(&rows);
-        selected = select(&part)?;
-        fitted = fit(&part, &selected)?;
+        (selected, fitted, held) = predictive(&part)?;
         told("looking for steps and single readings that are off");
         let spikes;
         (fitted, spikes) = eventful(&mut part, &mut selected, fitted)?;
@@ -90,7 +94,10 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
             break;
         }
     }
-    let held_out = predicted(&part, &selected)?;
+    let named = selected.named.iter().map(|(cause, form, _)| (*cause, *form));
+    let offered: Vec<(Cause, Form)> = named.chain(selected.offered.iter().copied()).collect();
+    let held_out =
+        HeldOut { named: predicted::rms(&part, &fitted, None)?, ..held_out(&Stack::of(&part, &offered)) };
     let probability = |cause: Cause| -> f64 {
         selected.rivals.iter().filter(|set| set.causes.contains(&cause)).map(|set| set.probability).sum()
     };
@@ -99,20 +106,49 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         steps: fitted.sizes(&part, &rows),
         causes: fitted.amplitudes,
         gains: selected.gains,
+        noises: selected.noises,
+        held_out_gains: held,
         probabilities,
         rivals: selected.rivals,
         off,
         before: fitted.before,
-        residual: fitted.residual,
+        residual: fitted.after,
         contributions: fitted.contributions,
         held_out,
-        offered: selected.offered,
+        offered,
     })
+}
+
+/// The best set of causes of which each predicts readings that are left out, the fit of it, and what is gained by
+/// each of them.
+fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>), Error> {
+    let mut causes = part.causes();
+    loop {
+        let selected = select(part, &causes)?;
+        let fitted = fit(part, &selected)?;
+        let with = predicted::rms(part, &fitted, None)?;
+        let mut gains = Vec::new();
+        for number in 0..selected.named.len() {
+            let without = predicted::rms(part, &fitted, Some(number))?;
+            if lower(&without, &with) <= 0.0 {
+                causes.retain(|cause| *cause != selected.named[number].0);
+            }
+            gains.push(mean(&without) - mean(&with));
+        }
+        if gains.len() == selected.named.iter().filter(|(cause, ..)| causes.contains(cause)).count() {
+            return Ok((selected, fitted, gains));
+        }
+    }
+}
+
+/// Root of the mean of the squares.
+fn mean(rms: &[f64]) -> f64 {
+    (rms.iter().map(|rms| rms * rms).sum::<f64>() / rms.len().max(1) as f64).sqrt()
 }
 
 fn fit(part: &Problem, selected: &Selected) -> Result<Fitted, Error> {
     let named: Vec<(Cause, Form)> = selected.named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-    amplitude::fit(part, &named)
+    amplitude::fit(part, &named, &selected.noises)
 }
 
 /// Adds steps one at a time to the base, the causes weighed again beside them, until none is clear; and the
@@ -122,30 +158,39 @@ fn eventful(
     selected: &mut Selected,
     mut fitted: Fitted,
 ) -> Result<(Fitted, Vec<usize>), Error> {
+    let mut held_out = predicted::rms(part, &fitted, None)?;
     for _ in 0..EVENTS {
         let found = clearest(part, &fitted)?;
-        let spikes: Vec<usize> = found
-            .iter()
-            .filter_map(|event| if let Event::Spike(row) = event { Some(*row) } else { None })
-            .collect();
-        let Some(Event::Step(row)) = found.first() else { return Ok((fitted, spikes)) };
-        if part.steps.contains(row) {
+        let Some(Event::Step(row)) = found.first().copied() else {
+            let row = |event: &Event| if let Event::Spike(row) = event { Some(*row) } else { None };
+            return Ok((fitted, found.iter().filter_map(row).collect()));
+        };
+        let before = part.steps.clone();
+        if before.contains(&row) {
             break;
         }
-        part.steps.push(*row);
+        part.steps.push(row);
         part.steps.sort_unstable();
-        fitted = fit(part, selected)?;
+        let with = fit(part, selected)?;
+        let predicted = predicted::rms(part, &with, None)?;
+        // A level that does not help to predict other readings is none.
+        if lower(&held_out, &predicted) <= 0.0 {
+            part.steps = before;
+            break;
+        }
+        (fitted, held_out) = (with, predicted);
     }
     Ok((fitted, Vec::new()))
 }
 
+/// ln of the factor by which rms are lower, all channels together.
+fn lower(before: &[f64], after: &[f64]) -> f64 {
+    before.iter().zip(after).map(|(before, after)| (before / after).ln()).sum()
+}
+
 fn clearest(part: &Problem, fitted: &Fitted) -> Result<Vec<Event>, Error> {
-    let noises = noises::grid(part.step_s());
-    let filters: Vec<_> = fitted
-        .noise
-        .iter()
-        .map(|noise| whitening(&part.time_s, &noises[*noise]))
-        .collect::<Result<_, _>>()?;
+    let filters: Vec<_> =
+        fitted.noise.iter().map(|noise| noise.whitening(&part.time_s)).collect::<Result<_, _>>()?;
     let left: Vec<Left<'_>> = (0..filters.len())
         .map(|channel| Left {
             residual: &fitted.residual[channel],
@@ -155,12 +200,4 @@ fn clearest(part: &Problem, fitted: &Fitted) -> Result<Vec<Event>, Error> {
         })
         .collect();
     events::clearest(&left)
-}
-
-/// What the named causes and the rivals predict of readings that are left out.
-fn predicted(part: &Problem, selected: &Selected) -> Result<HeldOut, Error> {
-    let named = selected.named.iter().map(|(cause, form, _)| (*cause, *form));
-    let others = selected.offered.iter().copied();
-    let all: Vec<(Cause, Form)> = named.chain(others).collect();
-    Ok(held_out(&Stack::of(part, &all), selected.named.len()))
 }

@@ -40,7 +40,6 @@ impl Form {
         let late = |late_s: f64| Self { late_s, ..plain };
         match cause {
             Cause::Clock => vec![plain, Self { bent: true, ..plain }],
-            Cause::Late => lates().map(late).collect(),
             Cause::Time => [plain].into_iter().chain(lates().map(late)).collect(),
             Cause::Covariate(number) => {
                 let bent = problem.covariates[number].bends().then_some(Self { bent: true, ..plain });
@@ -59,11 +58,6 @@ impl Form {
         let straight = centred(sampled(&covariate.time_s, &values, at_s, held));
         let square = self.bent.then(|| centred(straight.iter().map(|x| x * x).collect()));
         [straight].into_iter().chain(square).collect()
-    }
-
-    /// A reading of the base through a relaxation.
-    pub fn of_reading(&self, time_s: &[f64], reading: &[f64]) -> Vec<f64> {
-        centred(relaxed(time_s, reading, self.late_s, false))
     }
 
     /// Time, or an exponential that dies out.
@@ -127,6 +121,16 @@ fn relaxed(time_s: &[f64], u: &[f64], late_s: f64, held: bool) -> Vec<f64> {
         all.push(x);
     }
     all
+}
+
+/// A series without what is faster than a time constant, and without delay: the mean of what a relaxation makes of
+/// it forwards and backwards.
+pub fn smoothed(time_s: &[f64], u: &[f64], late_s: f64) -> Vec<f64> {
+    let forwards = relaxed(time_s, u, late_s, false);
+    let turned = |series: &[f64]| -> Vec<f64> { series.iter().rev().copied().collect() };
+    let back: Vec<f64> = time_s.iter().rev().map(|t| -t).collect();
+    let backwards = turned(&relaxed(&back, &turned(u), late_s, false));
+    forwards.iter().zip(&backwards).map(|(a, b)| 0.5 * (a + b)).collect()
 }
 
 /// Samples at other times; beyond their ends the first and the last.

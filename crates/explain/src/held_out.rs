@@ -1,26 +1,24 @@
-//! What a fit predicts of readings that were left out, and what a careful person's fits do.
-//!
-//! Plain least squares on nine tenths of the rows predict the rest, in ten contiguous blocks.
+//! What a careful person's fits predict of readings that are left out: plain least squares on nine tenths of the
+//! rows predict the rest, in ten contiguous blocks.
 
 use faer::Mat;
 use rayon::prelude::*;
 
 use crate::fit::Fit;
+use crate::predicted::BLOCKS;
 use crate::products::Product;
 use crate::stack::Stack;
 use crate::sweep::Sweep;
 
-/// Blocks of rows that are left out in turn.
-const BLOCKS: usize = 10;
 /// Most terms of a stepwise regression.
 const MOST: usize = 12;
 
-/// What plain regressions predict.
+/// Rms of readings that were left out.
 #[derive(Clone, Debug)]
 pub struct HeldOut {
-    /// Rms of each channel's readings that were left out, by the base alone.
+    /// Of each channel, by plain least squares on the base alone.
     pub base: Vec<f64>,
-    /// By the base and the named causes.
+    /// By the base, the named causes and the most likely noise.
     pub named: Vec<f64>,
     /// By the rivals.
     pub rivals: Vec<Plain>,
@@ -80,12 +78,12 @@ impl Blocks {
     }
 }
 
-/// Of a stack whose first candidates are the named ones.
-pub fn held_out(stack: &Stack, named: usize) -> HeldOut {
+/// Of the candidates of a stack; what the names predict is not among it.
+pub fn held_out(stack: &Stack) -> HeldOut {
     let blocks = Blocks::of(stack);
     let of = |channel: usize, candidates: &[usize]| -> Vec<usize> {
         let own = candidates.iter().flat_map(|one| stack.candidates[*one].columns[channel].clone());
-        stack.base.iter().copied().chain(own).collect()
+        stack.plain.iter().copied().chain(own).collect()
     };
     let rms = |columns: &dyn Fn(usize, &Mat<f64>, usize) -> Vec<usize>| -> Vec<f64> {
         (0..stack.y.len())
@@ -96,7 +94,6 @@ pub fn held_out(stack: &Stack, named: usize) -> HeldOut {
             })
             .collect()
     };
-    let all: Vec<usize> = (0..named).collect();
     let plain = |candidate: &usize| {
         let form = stack.candidates[*candidate].form;
         !stack.candidates[*candidate].tied && form == crate::form::Form::default()
@@ -119,21 +116,17 @@ pub fn held_out(stack: &Stack, named: usize) -> HeldOut {
             terms: straight.clone(),
         },
     ];
-    HeldOut {
-        base: rms(&|_, _, _| stack.base.clone()),
-        named: rms(&|channel, _, _| of(channel, &all)),
-        rivals,
-    }
+    HeldOut { base: rms(&|_, _, _| stack.plain.clone()), named: Vec::new(), rivals }
 }
 
 /// Candidates added to one channel one at a time while n ln RSS + k ln n falls.
 fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Vec<usize> {
-    let product = [Product { gram: gram.clone(), log_determinant: 0.0 }];
+    let product = [Product { gram: gram.clone(), log_determinant: 0.0, log_prior: 0.0 }];
     let n = rows as f64;
     let mut columns: Vec<usize> = Vec::new();
     let mut terms: Vec<usize> = Vec::new();
     while terms.len() < MOST {
-        let sweep = Sweep::of(&product, rows, stack.y[channel], &stack.base, &columns);
+        let sweep = Sweep::of(&product, rows, stack.y[channel], &stack.plain, &columns);
         let left = sweep.left()[0];
         let tried = (0..stack.candidates.len()).filter(|one| !terms.contains(one)).map(|one| {
             let (gain, rank) = sweep.gain(&stack.candidates[one].columns[channel]);

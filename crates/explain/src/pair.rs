@@ -11,8 +11,9 @@ use estimate::{Error, lag, stats};
 
 use crate::amplitude::{Amplitude, fit};
 use crate::explained::{Explained, explain};
-use crate::form::Form;
+use crate::form::{Form, smoothed};
 use crate::problem::{Cause, Covariate, Problem};
+use crate::search::AGAINST;
 
 /// What the reference is moved by to either side for its rate, in steps.
 const ASIDE: f64 = 0.2;
@@ -25,6 +26,12 @@ const REACH: f64 = 0.1;
 const MOST_ROWS: usize = 4_096;
 /// A lag of whole rows must explain more than none by this χ².
 const GAIN: f64 = 50.0;
+/// The reference without what is faster than so many steps is fitted besides: its noise, and filters, make the
+/// answer to the field another one at short periods, without delay. So many rows for each step are needed.
+const SMOOTH_STEPS: [f64; 3] = [4.0, 32.0, 256.0];
+const SMOOTH_ROWS: f64 = 64.0;
+/// The answer at short periods is that at long ones within this standard deviation, nT/nT.
+const ALIKE: f64 = 1.0;
 /// Changes from row to row that are so many times their median count as much: a spike of one instrument has no
 /// lag.
 const LARGEST_CHANGE: f64 = 8.0;
@@ -55,6 +62,15 @@ pub struct Clock {
     pub rate: Option<Quantity>,
     /// ln of the odds against equal clocks.
     pub gain: f64,
+}
+
+impl Clock {
+    /// Whether offset or rate stand by themselves: against the same odds as other names.
+    fn differs(&self, problem: &Problem) -> bool {
+        let odds = (problem.rows() as f64).ln_1p() + 2.0 * (AGAINST + (problem.causes().len() as f64).ln());
+        let stands = |of: &Quantity| of.std().is_some_and(|std| (of.value() / std).powi(2) > odds);
+        stands(&self.offset_s) || self.rate.as_ref().is_some_and(stands)
+    }
 }
 
 /// What explains a pair.
@@ -132,6 +148,12 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
         rate: left.get(1).map(|rate| over(late.rate, rate)),
         gain,
     };
+    if !clock.differs(&problem) {
+        (problem, rows) = pair.problem(Late::default());
+        problem.rates.clear();
+        explained = explain(&problem, told)?;
+        return Ok(OfPair { explained, clock: None, rows, problem });
+    }
     explained.without(Cause::Clock);
     Ok(OfPair { explained, clock: Some(clock), rows, problem })
 }
@@ -150,7 +172,7 @@ fn clock(
     part.steps.retain(|step| *step > 0 && *step < kept.len());
     let with: Vec<(Cause, Form)> =
         others.iter().copied().chain([(Cause::Clock, Form { bent: rated, ..Form::default() })]).collect();
-    let fitted = fit(&part, &with)?;
+    let fitted = fit(&part, &with, &explained.noises)?;
     Ok(fitted.amplitudes.last().map(Amplitude::first).unwrap_or_default())
 }
 
@@ -173,9 +195,20 @@ impl Pair {
         };
         let slopes = [0, 1, 2].map(slope);
         let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();
-        let time_s = rows.iter().map(|row| self.first_s + *row as f64 * self.step_s).collect();
+        let time_s: Vec<f64> = rows.iter().map(|row| self.first_s + *row as f64 * self.step_s).collect();
+        let steps = SMOOTH_STEPS.into_iter().filter(|steps| rows.len() as f64 >= SMOOTH_ROWS * steps);
+        let fast: Vec<Vec<f64>> = steps
+            .flat_map(|steps| base.iter().map(move |column| (column, steps)))
+            .map(|(column, steps)| {
+                let slow = smoothed(&time_s, column, steps * self.step_s);
+                column.iter().zip(slow).map(|(all, slow)| all - slow).collect()
+            })
+            .collect();
+        let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
+        let known = [0.0; 3].into_iter().chain(fast.iter().map(|_| white / ALIKE)).collect();
+        let base = base.into_iter().chain(fast).collect();
         let covariates = self.covariates.clone();
-        (Problem { time_s, channels, base, noisy: 3, covariates, rates, ..Problem::default() }, rows)
+        (Problem { time_s, channels, base, known, covariates, rates, ..Problem::default() }, rows)
     }
 
     /// The reference's readings of `late` before each row, and `aside` steps after that.
@@ -210,7 +243,7 @@ impl Pair {
         if reach == 0 {
             return Ok(None);
         }
-        let reference: Vec<Vec<f64>> = problem.base.iter().map(|column| limited(column)).collect();
+        let reference: Vec<Vec<f64>> = problem.base.iter().take(3).map(|column| limited(column)).collect();
         let mut gains = vec![0.0; 2 * reach + 1];
         for test in &problem.channels {
             let test = limited(test);
@@ -239,14 +272,14 @@ fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> 
     (0..channel.len()).map(|row| -along(row)).collect()
 }
 
-/// One-sided density over the step of what a regression of changes on changes leaves.
+/// White variance of what a regression of changes on changes leaves.
 fn white(reference: &[Vec<f64>], test: &[f64]) -> f64 {
     let changes = |column: &[f64]| -> Vec<f64> { column.windows(2).map(|pair| pair[1] - pair[0]).collect() };
     let all: Vec<Vec<f64>> = reference.iter().map(|column| changes(column)).chain([changes(test)]).collect();
     let count = all.len();
     let gram = faer::Mat::from_fn(count, count, |i, j| estimate::dot(&all[i], &all[j]));
     let left = crate::fit::Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>()).left;
-    (left / test.len() as f64).max(f64::MIN_POSITIVE)
+    (0.5 * left / test.len() as f64).max(f64::MIN_POSITIVE)
 }
 
 /// A series whose changes are limited.

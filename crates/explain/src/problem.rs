@@ -22,8 +22,9 @@ pub struct Problem {
     pub channels: Vec<Vec<f64>>,
     /// What every channel is regressed on in any case, beside a level.
     pub base: Vec<Vec<f64>>,
-    /// How many of the first of the base's columns are readings with noise of their own.
-    pub noisy: usize,
+    /// White noise over the standard deviation within which the coefficient of each column of the base is zero; 0
+    /// where nothing is known of it. May be shorter than the base.
+    pub known: Vec<f64>,
     /// What was recorded beside.
     pub covariates: Vec<Covariate>,
     /// The rate of what is predicted of each channel, 1/s: it is what a late clock adds for each second.
@@ -45,8 +46,6 @@ pub enum Cause {
     Time,
     /// Another clock than that of the base.
     Clock,
-    /// The readings of the base a while ago: what answers late to the field.
-    Late,
 }
 
 /// The columns of an explanation.
@@ -83,7 +82,7 @@ impl Problem {
             time_s: of(&self.time_s),
             channels: all(&self.channels),
             base: all(&self.base),
-            noisy: self.noisy,
+            known: self.known.clone(),
             covariates: self.covariates.clone(),
             rates: all(&self.rates),
             directions: all(&self.directions),
@@ -91,26 +90,11 @@ impl Problem {
         }
     }
 
-    /// The same where the base's readings are white noise of one nT.
-    pub fn shadow(&self) -> Self {
-        let noise = |reading: usize| {
-            let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
-            (0..self.rows()).map(|_| stream.normal()).collect()
-        };
-        Self {
-            base: (0..self.noisy).map(noise).collect(),
-            time_s: self.time_s.clone(),
-            noisy: self.noisy,
-            ..Self::default()
-        }
-    }
-
     /// All that may explain something.
     pub fn causes(&self) -> Vec<Cause> {
         let clock = (!self.rates.is_empty()).then_some(Cause::Clock);
-        let late = (self.noisy > 0).then_some(Cause::Late);
         let covariates = (0..self.covariates.len()).map(Cause::Covariate);
-        covariates.chain([Cause::Time]).chain(clock).chain(late).collect()
+        covariates.chain([Cause::Time]).chain(clock).collect()
     }
 
     /// The columns of a cause in one of its forms.
@@ -118,11 +102,6 @@ impl Problem {
         let series: Vec<Vec<f64>> = match cause {
             Cause::Covariate(number) => form.of(&self.covariates[number], &self.time_s),
             Cause::Time => form.of_time(&self.time_s),
-            Cause::Late => {
-                let readings = self.base.iter().take(self.noisy);
-                let late = |column: &Vec<f64>| Term::Alike(form.of_reading(&self.time_s, column));
-                return readings.map(late).collect();
-            }
             Cause::Clock => {
                 return form.of_clock(&self.time_s, &self.rates).into_iter().map(Term::Tied).collect();
             }

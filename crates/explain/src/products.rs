@@ -1,41 +1,34 @@
 //! Products of columns under each form of noise: from here on nothing depends on the number of rows.
 
-use common::Noise;
 use estimate::Error;
 use faer::{Mat, Par};
-use noise::Whitening;
 use rayon::prelude::*;
 
-/// The longest period of noise with memory, in lengths of the recording.
-const OLDEST: f64 = 2.0;
+use crate::noises::Form;
+use crate::stack::Stack;
 
 /// Products of whitened columns, and the determinant of the covariance.
 #[derive(Clone, Debug)]
 pub struct Product {
     /// Xᵀ C⁻¹ X.
     pub gram: Mat<f64>,
-    /// ln |C|.
+    /// ln |C|, and ln of the prior odds of the noise.
     pub log_determinant: f64,
+    pub log_prior: f64,
 }
 
-/// The filter of a noise at these times.
-pub fn whitening(time_s: &[f64], noise: &Noise) -> Result<Whitening, Error> {
-    let length = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
-    Whitening::of(noise, Some(time_s), time_s.len(), OLDEST * length)
-        .map_err(|_| Error::Series("whose times are not in order, or that no noise is for"))
-}
-
-/// Those of the columns under each noise.
+/// Those of a stack's columns under each noise.
 ///
 /// # Errors
 ///
 /// Times out of order.
-pub fn products(time_s: &[f64], columns: &[Vec<f64>], noises: &[Noise]) -> Result<Vec<Product>, Error> {
-    noises.par_iter().map(|noise| product(time_s, columns, noise)).collect()
+pub fn products(time_s: &[f64], stack: &Stack, noises: &[Form]) -> Result<Vec<Product>, Error> {
+    noises.par_iter().map(|noise| product(time_s, stack, noise)).collect()
 }
 
-fn product(time_s: &[f64], columns: &[Vec<f64>], noise: &Noise) -> Result<Product, Error> {
-    let filter = whitening(time_s, noise)?;
+fn product(time_s: &[f64], stack: &Stack, noise: &Form) -> Result<Product, Error> {
+    let columns = &stack.columns;
+    let filter = noise.whitening(time_s)?;
     let mut white = columns.to_vec();
     filter.whiten_all(&mut white);
     let rows = time_s.len();
@@ -50,5 +43,8 @@ fn product(time_s: &[f64], columns: &[Vec<f64>], noise: &Noise) -> Result<Produc
         1.0,
         Par::Seq,
     );
-    Ok(Product { gram, log_determinant: filter.log_determinant() })
+    for (column, known) in &stack.known {
+        gram[(*column, *column)] += known;
+    }
+    Ok(Product { gram, log_determinant: filter.log_determinant(), log_prior: noise.prior(rows) })
 }

@@ -8,7 +8,7 @@ use crate::stack::{Candidate, Stack};
 use crate::sweep::{Sweep, sum};
 
 /// ln of the odds against a cause before the readings are looked at, beside those of its being one of so many.
-const AGAINST: f64 = 3.0;
+pub const AGAINST: f64 = 3.0;
 /// Sets that are carried on from one size to the next, and the most causes of a set.
 const BEAM: usize = 6;
 const MOST: usize = 12;
@@ -45,7 +45,7 @@ pub struct Rival {
 /// The search over sets of candidates.
 pub struct Search<'a> {
     stack: &'a Stack,
-    products: Vec<&'a [Product]>,
+    products: &'a [Product],
     rows: usize,
     /// ln of the prior odds of each candidate.
     prior: Vec<f64>,
@@ -53,11 +53,11 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Over the candidates of a stack, with the products of each channel; so many `causes` were thought of, each
+    /// Over the candidates of a stack, with their products; so many `causes` were thought of, each
     /// in so many `forms`.
     pub fn new(
         stack: &'a Stack,
-        products: Vec<&'a [Product]>,
+        products: &'a [Product],
         rows: usize,
         causes: usize,
         forms: &dyn Fn(Cause) -> usize,
@@ -115,7 +115,7 @@ impl<'a> Search<'a> {
             let shown = named.iter().filter(|one| one.channels[channel]);
             let columns: Vec<usize> =
                 shown.flat_map(|one| self.stack.candidates[one.candidate].columns[channel].clone()).collect();
-            Sweep::of(self.products[channel], self.rows, self.stack.y[channel], &self.stack.base, &columns)
+            Sweep::of(self.products, self.rows, self.stack.y[channel], &self.stack.base, &columns)
         };
         (0..self.stack.y.len()).map(of).collect()
     }

@@ -1,15 +1,15 @@
 //! From all causes in all forms to the best set: screened on some of the rows, decided on all of them.
 
-use common::Noise;
 use estimate::Error;
 
+use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises;
 use crate::problem::{Cause, Problem};
 use crate::products::{Product, products};
-use crate::reference::Shares;
 use crate::search::{Named, Rival, Search};
 use crate::stack::Stack;
+use crate::sweep::Sweep;
 
 /// Up to so many rows all forms are weighed on all rows; beyond, they are screened on so many in so many blocks.
 const ROWS: usize = 8_192;
@@ -18,11 +18,12 @@ const BLOCKS: usize = 16;
 const FORMS: usize = 5;
 /// Most columns that are screened at once.
 const AT_ONCE: usize = 160;
+/// Rounds of a set and of the noise of what it leaves.
+const ROUNDS: usize = 3;
+/// Rounds of a spectrum and of the fit under it.
+const SPECTRA: usize = 3;
 /// A refined relaxation is between those of the grid by these factors.
 const NEARER: [f64; 2] = [1.2, 1.06];
-/// ln of the odds that a name keeps at every share of the noise that the reference may have.
-const STANDS: f64 = 0.0;
-
 /// The best set of causes, and how likely it is.
 pub struct Selected {
     /// Each cause in its form, and the channels on which it shows.
@@ -33,57 +34,83 @@ pub struct Selected {
     pub rivals: Vec<Rival>,
     /// The forms that were weighed on all rows.
     pub offered: Vec<(Cause, Form)>,
+    /// The forms of noise.
+    pub noises: Vec<noises::Form>,
 }
 
-/// Weighs all causes of a problem.
+/// Weighs some causes of a problem.
 ///
 /// # Errors
 ///
 /// Times out of order.
-pub fn select(problem: &Problem) -> Result<Selected, Error> {
-    let mut causes = problem.causes();
-    let all = causes.len();
-    loop {
-        let selected = among(problem, &causes, all)?;
-        // What noise of the reference may imitate is no name.
-        match selected.gains.iter().position(|gain| *gain <= STANDS) {
-            None => return Ok(selected),
-            Some(weakest) => {
-                let out = selected.named[weakest].0;
-                causes.retain(|cause| *cause != out);
-            }
-        }
-    }
-}
-
-fn among(problem: &Problem, causes: &[Cause], all: usize) -> Result<Selected, Error> {
-    let noises = noises::grid(problem.step_s());
+pub fn select(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
+    let all = problem.causes().len();
     let forms = |cause: Cause| Form::all(problem, cause);
-    let mut offered: Vec<(Cause, Form)> =
-        causes.iter().flat_map(|cause| forms(*cause).into_iter().map(|form| (*cause, form))).collect();
     let count = |cause: Cause| forms(cause).len();
+    let mut offered: Vec<(Cause, Form)> =
+        among.iter().flat_map(|cause| forms(*cause).into_iter().map(|form| (*cause, form))).collect();
+    let mut noises = noises::laws(problem.step_s());
     if problem.rows() > ROWS || offered.len() > AT_ONCE {
         let thin = problem.at(&thinned(problem.rows()));
         offered = screened(&thin, &offered, &noises, all, &count)?;
     }
     let stack = Stack::of(problem, &offered);
-    let made = products(&problem.time_s, &stack.columns, &noises)?;
-    let of_channels = vec![made.as_slice(); stack.y.len()];
-    let (set, rivals) = Search::new(&stack, of_channels, problem.rows(), all, &count).best();
-    let mut named: Vec<(Cause, Form, Vec<bool>)> = set
-        .named
-        .iter()
-        .map(|one| {
-            let candidate = &stack.candidates[one.candidate];
-            (candidate.cause, candidate.form, one.channels.clone())
-        })
-        .collect();
+    let laws = products(&problem.time_s, &stack, &noises)?;
+    let (mut set, mut rivals) = (Vec::new(), Vec::new());
+    for round in 0..ROUNDS {
+        let (forms, made) = with_spectra(problem, &stack, &noises[..laws.len()], &laws, &set)?;
+        noises = forms;
+        let best;
+        (best, rivals) = Search::new(&stack, &made, problem.rows(), all, &count).best();
+        let same = best.named == set;
+        set = best.named;
+        // The noise is what the right set leaves.
+        if same || round + 1 == ROUNDS {
+            break;
+        }
+    }
+    let of = |one: &Named| {
+        let candidate = &stack.candidates[one.candidate];
+        (candidate.cause, candidate.form, one.channels.clone())
+    };
+    let mut named: Vec<(Cause, Form, Vec<bool>)> = set.iter().map(of).collect();
     drop(stack);
     for by in NEARER {
         refine(problem, &mut named, &noises, by)?;
     }
     let gains = gains(problem, &named, &noises, all, &count)?;
-    Ok(Selected { named, gains, rivals, offered })
+    Ok(Selected { named, gains, rivals, offered, noises })
+}
+
+/// Laws of noise, and for each channel the spectrum of what the most probable of all leaves beside a set: fitted
+/// again under that noise, for under another the field's coefficients are others.
+fn with_spectra(
+    problem: &Problem,
+    stack: &Stack,
+    laws: &[noises::Form],
+    of_laws: &[Product],
+    set: &[Named],
+) -> Result<(Vec<noises::Form>, Vec<Product>), Error> {
+    let (mut forms, mut made) = (laws.to_vec(), of_laws.to_vec());
+    for _ in 0..SPECTRA {
+        let fitted = (0..stack.y.len()).filter_map(|channel| {
+            let shown = set.iter().filter(|one| one.channels[channel]);
+            let own: Vec<usize> =
+                shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect();
+            let y = stack.y[channel];
+            let best = Sweep::of(&made, problem.rows(), y, &stack.base, &own).best();
+            let columns: Vec<usize> = stack.base.iter().chain(&own).copied().collect();
+            let fit = Fit::of(&made[best].gram, y, &columns);
+            noises::fitted(&fit.rest(&stack.columns, &stack.columns[y]), problem.step_s())
+        });
+        let fitted: Vec<noises::Form> = fitted.collect();
+        forms.truncate(laws.len());
+        let kept = made.split_off(laws.len());
+        made.extend(products(&problem.time_s, stack, &fitted)?);
+        forms.extend(fitted);
+        drop(kept);
+    }
+    Ok((forms, made))
 }
 
 /// Rows in blocks that are spread over all.
@@ -100,7 +127,7 @@ fn thinned(rows: usize) -> Vec<usize> {
 fn screened(
     thin: &Problem,
     offered: &[(Cause, Form)],
-    noises: &[Noise],
+    noises: &[noises::Form],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
 ) -> Result<Vec<(Cause, Form)>, Error> {
@@ -122,16 +149,13 @@ fn screened(
 fn best_forms(
     thin: &Problem,
     group: &[(Cause, Form)],
-    noises: &[Noise],
+    noises: &[noises::Form],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
 ) -> Result<Vec<(Cause, Form)>, Error> {
     let stack = Stack::of(thin, group);
-    let made = products(&thin.time_s, &stack.columns, noises)?;
-    let search = || {
-        let of_channels: Vec<&[Product]> = vec![made.as_slice(); stack.y.len()];
-        Search::new(&stack, of_channels, thin.rows(), causes, count)
-    };
+    let made = products(&thin.time_s, &stack, noises)?;
+    let search = || Search::new(&stack, &made, thin.rows(), causes, count);
     let (best, _) = search().best();
     let mut kept: Vec<(Cause, Form)> = Vec::new();
     let mut keep = |one: (Cause, Form)| {
@@ -161,7 +185,7 @@ fn best_forms(
 fn refine(
     problem: &Problem,
     named: &mut [(Cause, Form, Vec<bool>)],
-    noises: &[Noise],
+    noises: &[noises::Form],
     by: f64,
 ) -> Result<(), Error> {
     for place in 0..named.len() {
@@ -172,9 +196,8 @@ fn refine(
         let mut offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
         offered.extend(form.near(by).into_iter().map(|form| (cause, form)));
         let stack = Stack::of(problem, &offered);
-        let made = products(&problem.time_s, &stack.columns, noises)?;
-        let of_channels = vec![made.as_slice(); stack.y.len()];
-        let search = Search::new(&stack, of_channels, problem.rows(), 1, &|_| 1);
+        let made = products(&problem.time_s, &stack, noises)?;
+        let search = Search::new(&stack, &made, problem.rows(), 1, &|_| 1);
         let with = |candidate: usize| {
             let of = |(at, (_, _, channels)): (usize, &(Cause, Form, Vec<bool>))| Named {
                 candidate: if at == place { candidate } else { at },
@@ -193,12 +216,11 @@ fn refine(
     Ok(())
 }
 
-/// ln of the odds of the set with and without each cause, the least over all shares of the noise that may be
-/// the reference's.
+/// ln of the odds of the set with and without each cause.
 fn gains(
     problem: &Problem,
     named: &[(Cause, Form, Vec<bool>)],
-    noises: &[Noise],
+    noises: &[noises::Form],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
 ) -> Result<Vec<f64>, Error> {
@@ -206,25 +228,19 @@ fn gains(
         return Ok(Vec::new());
     }
     let offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-    let mut stack = Stack::of(problem, &offered);
-    stack.shade(problem);
-    let made = products(&problem.time_s, &stack.columns, noises)?;
+    let stack = Stack::of(problem, &offered);
+    let made = products(&problem.time_s, &stack, noises)?;
     let all: Vec<Named> = named
         .iter()
         .enumerate()
         .map(|(candidate, (_, _, channels))| Named { candidate, channels: channels.clone() })
         .collect();
-    let shares = Shares::of(problem, &stack, &made, &all);
-    let mut least = vec![f64::INFINITY; named.len()];
-    for corrected in shares.each() {
-        let of_channels = corrected.iter().map(Vec::as_slice).collect();
-        let search = Search::new(&stack, of_channels, problem.rows(), causes, count);
-        let whole = search.evidence(&all);
-        for (out, least) in least.iter_mut().enumerate() {
-            let mut rest = all.clone();
-            rest.remove(out);
-            *least = least.min(whole - search.evidence(&rest));
-        }
-    }
-    Ok(least)
+    let search = Search::new(&stack, &made, problem.rows(), causes, count);
+    let whole = search.evidence(&all);
+    let without = |out: usize| {
+        let mut rest = all.clone();
+        rest.remove(out);
+        whole - search.evidence(&rest)
+    };
+    Ok((0..all.len()).map(without).collect())
 }

@@ -16,17 +16,6 @@ pub struct Candidate {
     pub tied: bool,
 }
 
-/// What white noise of one nT of a reading makes of a column.
-#[derive(Clone, Copy, Debug)]
-pub struct Shadow {
-    /// The reading of the base.
-    pub reading: usize,
-    /// The column's place.
-    pub column: usize,
-    /// The place of its noise.
-    pub noise: usize,
-}
-
 /// The columns.
 pub struct Stack {
     /// Each with a mean square of one.
@@ -35,12 +24,14 @@ pub struct Stack {
     pub scale: Vec<f64>,
     /// Places of the base.
     pub base: Vec<usize>,
+    /// Those of them of whose coefficients nothing is known.
+    pub plain: Vec<usize>,
+    /// What is known of the others adds to the squares of their columns.
+    pub known: Vec<(usize, f64)>,
     /// Places of the channels' readings.
     pub y: Vec<usize>,
     /// What may explain them.
     pub candidates: Vec<Candidate>,
-    /// Columns that hold a reading's noise.
-    pub shadows: Vec<Shadow>,
 }
 
 impl Stack {
@@ -50,13 +41,18 @@ impl Stack {
             columns: Vec::new(),
             scale: Vec::new(),
             base: Vec::new(),
+            plain: Vec::new(),
+            known: Vec::new(),
             y: Vec::new(),
             candidates: Vec::new(),
-            shadows: Vec::new(),
         };
-        for column in problem.base_columns() {
+        for (number, column) in problem.base_columns().into_iter().enumerate() {
             let place = stack.push(column);
             stack.base.push(place);
+            match problem.known.get(number).filter(|known| **known > 0.0) {
+                Some(known) => stack.known.push((place, (known / stack.scale[place]).powi(2))),
+                None => stack.plain.push(place),
+            }
         }
         for channel in &problem.channels {
             let mean = estimate::stats::mean(channel);
@@ -91,35 +87,6 @@ impl Stack {
             }
         }
         self.candidates.push(Candidate { cause, form, columns, tied });
-    }
-
-    /// Adds the noise of the base's readings, each its own, and what becomes of it in the candidates.
-    pub fn shade(&mut self, problem: &Problem) {
-        let shadow = problem.shadow();
-        let late = |candidate: &Candidate| {
-            let terms =
-                (candidate.cause == Cause::Late).then(|| shadow.terms(candidate.cause, &candidate.form));
-            let columns = candidate.columns.first().cloned().unwrap_or_default();
-            terms.into_iter().flatten().zip(columns).enumerate().collect::<Vec<_>>()
-        };
-        let late: Vec<(usize, (Term, usize))> = self.candidates.iter().flat_map(late).collect();
-        let own = shadow
-            .base
-            .iter()
-            .cloned()
-            .enumerate()
-            .map(|(reading, noise)| (reading, self.base[reading], noise));
-        let all: Vec<(usize, usize, Vec<f64>)> = own
-            .chain(late.into_iter().filter_map(|(reading, (term, column))| match term {
-                Term::Alike(noise) => Some((reading, column, noise)),
-                Term::Tied(_) => None,
-            }))
-            .collect();
-        for (reading, column, noise) in all {
-            self.shadows.push(Shadow { reading, column, noise: self.columns.len() });
-            self.columns.push(noise);
-            self.scale.push(1.0);
-        }
     }
 
     /// Adds a column; its place.

@@ -13,7 +13,7 @@ struct Under<'a> {
     /// Sum of squares that the base leaves, and that the set leaves.
     base: f64,
     left: f64,
-    /// −½ ln |C| − ½ ln |Xᵀ C⁻¹ X| of the base.
+    /// ln of the prior odds, − ½ ln |C| − ½ ln |Xᵀ C⁻¹ X| of the base.
     constant: f64,
 }
 
@@ -33,7 +33,7 @@ impl<'a> Sweep<'a> {
         Self { under, y, freedom: rows as f64 - base.len() as f64, rows: rows as f64 }
     }
 
-    /// ln of the evidence: over forms of noise with even odds, scale integrated out, coefficients of the base
+    /// ln of the evidence: over forms of noise with their odds, scale integrated out, coefficients of the base
     /// with a flat prior, those of the set with that of one reading's information (Zellner's g = n, Kass and
     /// Wasserman 1995), without the factor of the latter's width.
     pub fn evidence(&self) -> f64 {
@@ -63,6 +63,12 @@ impl<'a> Sweep<'a> {
         all.iter().map(|one| (one - total).exp()).collect()
     }
 
+    /// The most probable form of noise.
+    pub fn best(&self) -> usize {
+        let weights = self.weights();
+        (0..weights.len()).fold(0, |a, b| if weights[b] > weights[a] { b } else { a })
+    }
+
     /// By how much columns lower the sum of squares under the first form of noise, and how many of them are
     /// independent of the set.
     pub fn gain(&self, columns: &[usize]) -> (f64, usize) {
@@ -88,7 +94,7 @@ impl<'a> Under<'a> {
             rows: Vec::new(),
             base: 0.0,
             left: gram[(y, y)],
-            constant: -0.5 * product.log_determinant,
+            constant: product.log_prior - 0.5 * product.log_determinant,
         };
         for column in base {
             if let Some(pivot) = under.add(*column, y) {

@@ -113,6 +113,27 @@ impl Whitening {
         if whitening.white > 0.0 { Ok(whitening) } else { Err(NoiseError::Nothing) }
     }
 
+    /// Of processes and white noise (variance of a reading, nT²) that are known.
+    ///
+    /// # Errors
+    ///
+    /// Times out of order; no white noise.
+    pub fn of_processes(processes: Vec<Process>, white: f64, time_s: &[f64]) -> Result<Self, NoiseError> {
+        let known = Noise { white_rms_nt: Some(white.sqrt()), ..Noise::default() };
+        let mut whitening = Self::of(&known, None, time_s.len(), 0.0)?;
+        let (mut steps, typical) = steps(time_s)?;
+        for step in &mut steps {
+            if (*step - typical).abs() <= EVEN * typical {
+                *step = typical;
+            }
+        }
+        if !processes.is_empty() && typical > 0.0 {
+            whitening.processes = processes.into();
+            whitening.steps_s = steps.into();
+        }
+        Ok(whitening)
+    }
+
     /// How many readings it whitens.
     pub fn rows(&self) -> usize {
         self.rows
@@ -270,6 +291,52 @@ impl Whitening {
             all[row] = innovation;
             for (state, (kept, _)) in states.iter_mut().zip(&gain.processes) {
                 *state = kept * *state - innovation;
+            }
+        }
+        all
+    }
+
+    /// Σ_j C(s, t_j) v_j of a series v at this noise's times t, at others s: with v = C⁻¹ y the most likely noise
+    /// there. White noise tells nothing of other times. Both in order.
+    pub fn most_likely(&self, time_s: &[f64], v: &[f64], at_s: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; at_s.len()];
+        for process in self.processes.iter() {
+            let kept = |from: f64, to: f64| (-process.rate_per_s * (to - from)).exp();
+            let mut add = |rows: &mut dyn Iterator<Item = usize>,
+                           own: &mut dyn Iterator<Item = usize>,
+                           sign: f64,
+                           same: bool| {
+                let (mut sum, mut last) = (0.0, f64::NEG_INFINITY);
+                let mut next = own.next();
+                for row in rows {
+                    let at = sign * at_s[row];
+                    while let Some(other) = next
+                        && (sign * time_s[other] < at || same && time_s[other] == at_s[row])
+                    {
+                        sum =
+                            if sum == 0.0 { 0.0 } else { sum * kept(last, sign * time_s[other]) } + v[other];
+                        last = sign * time_s[other];
+                        next = own.next();
+                    }
+                    if last > f64::NEG_INFINITY {
+                        all[row] += process.variance_nt2 * sum * kept(last, at);
+                    }
+                }
+            };
+            add(&mut (0..at_s.len()), &mut (0..v.len()), 1.0, true);
+            add(&mut (0..at_s.len()).rev(), &mut (0..v.len()).rev(), -1.0, false);
+        }
+        if self.walk > 0.0 {
+            // r² Σ_j v_j min(s, t_j), times from the first row on.
+            let first = time_s.first().copied().unwrap_or(0.0);
+            let (mut before, mut after, mut next) = (0.0, v.iter().sum::<f64>(), 0);
+            for (all, at) in all.iter_mut().zip(at_s) {
+                while next < v.len() && time_s[next] <= *at {
+                    before += v[next] * (time_s[next] - first);
+                    after -= v[next];
+                    next += 1;
+                }
+                *all += self.walk * (before + after * (at - first).max(0.0));
             }
         }
         all

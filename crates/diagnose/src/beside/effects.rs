@@ -43,7 +43,6 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         Cause::Covariate(_) => "dependence",
         Cause::Time if one.form.late_s > 0.0 => Kind::WarmUp.name(),
         Cause::Time => Kind::Ageing.name(),
-        Cause::Late => Kind::InductionDifference.name(),
         Cause::Clock => Kind::ClockOffset.name(),
     };
     let kind = Kind::named(effect);
@@ -67,7 +66,7 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         p_adjusted: (-explained.gains[number]).exp().min(1.0),
         probability: Some(explained.probabilities[number].min(1.0)),
         share: Some((contribution / before).min(1.0)),
-        held_out_gain_nt: (rms(&explained.held_out.base) - rms(&explained.held_out.named)).max(0.0),
+        held_out_gain_nt: explained.held_out_gains[number],
         visible_fraction: 1.0,
         ..ExplainedEffect::default()
     }
@@ -108,7 +107,6 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     };
     let by = |quantity: &Quantity| match one.cause {
         Cause::Time if one.form.late_s == 0.0 => times(quantity, 86_400.0),
-        Cause::Late => times(quantity, 1e6),
         _ => quantity.clone(),
     };
     for (channel, quantities) in one.channels.iter().enumerate() {
