@@ -6,6 +6,7 @@ use estimate::mixture::{Component, Mixture};
 use estimate::stats;
 use faer::Mat;
 
+use crate::events;
 use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises;
@@ -84,6 +85,14 @@ impl Fitted {
             .filter(kept)
             .map(|column| (self.stack.columns[*column].as_slice(), known(column)))
             .unzip()
+    }
+
+    /// Whether each step is as large beside its uncertainty as one that is looked for has to be.
+    pub fn knows_steps(&self, rows: usize) -> bool {
+        self.steps.iter().all(|sizes| {
+            let squares: Vec<f64> = sizes.iter().map(|(size, std)| (size / std).powi(2)).collect();
+            events::worth(squares.into_iter(), rows) > 0.0
+        })
     }
 
     /// The steps of the base with their sizes; `rows` are the rows of the part that was fitted.

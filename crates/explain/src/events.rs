@@ -121,14 +121,7 @@ fn steps(filter: &Whitening, rows: usize) -> Vec<f64> {
 pub fn clearest(all: &[Left<'_>]) -> Result<Vec<Event>, Error> {
     let scores: Vec<Scores> = all.iter().map(Scores::of).collect::<Result<_, _>>()?;
     let rows = all.first().map_or(0, |left| left.residual.len());
-    let n = rows as f64;
-    let against = AGAINST + n.ln();
-    // ½ ln n for the size of each channel that shows it, and for the choice of channels.
-    let worth = |of: &dyn Fn(&Scores) -> f64| -> f64 {
-        let net: Vec<f64> = scores.iter().map(|scores| 0.5 * (of(scores) - n.ln())).collect();
-        let shown: f64 = net.iter().filter(|net| **net > 0.0).sum();
-        shown - against - (scores.len() as f64).ln()
-    };
+    let worth = |of: &dyn Fn(&Scores) -> f64| worth(scores.iter().map(of), rows);
     let mut best = (0.0, None);
     let mut off = Vec::new();
     for row in 0..rows {
@@ -150,6 +143,15 @@ pub fn clearest(all: &[Left<'_>]) -> Result<Vec<Event>, Error> {
         Some(step) => vec![step],
         None => Vec::new(),
     })
+}
+
+/// ln of the odds of an event by the squares of its sizes over their uncertainties: ½ ln n for the size in each
+/// channel that shows it, ln n for the row, and the choice of channels.
+pub fn worth(squares: impl Iterator<Item = f64>, rows: usize) -> f64 {
+    let n = rows as f64;
+    let net: Vec<f64> = squares.map(|square| 0.5 * (square - n.ln())).collect();
+    let shown: f64 = net.iter().filter(|net| **net > 0.0).sum();
+    shown - AGAINST - n.ln() - (net.len() as f64).ln()
 }
 
 /// Of neighbouring readings the one that is off most: it makes its neighbours look off.

@@ -173,8 +173,8 @@ fn eventful(
         part.steps.sort_unstable();
         let with = fit(part, selected)?;
         let predicted = predicted::rms(part, &with, None)?;
-        // A level that does not help to predict other readings is none.
-        if lower(&held_out, &predicted) <= 0.0 {
+        // A level that does not help to predict other readings is none, nor one that the fit does not know.
+        if lower(&held_out, &predicted) <= 0.0 || !with.knows_steps(part.rows()) {
             part.steps = before;
             break;
         }
