@@ -254,7 +254,7 @@ impl Pair {
         }
         let best =
             (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
-        let found = gains[best] - gains[reach] > GAIN && best.abs_diff(reach) > 1;
+        let found = gains[best] - gains[reach] > GAIN;
         Ok(found.then_some((best as f64 - reach as f64) * self.step_s))
     }
 }
