@@ -25,6 +25,9 @@ pub struct Form {
     pub rows: i32,
     /// With its square; of a clock: with a rate.
     pub bent: bool,
+    /// Of a column that mostly stays as it was: on lines between its samples, where else it holds each until the
+    /// next.
+    pub lines: bool,
 }
 
 impl Form {
@@ -44,7 +47,12 @@ impl Form {
             Cause::Covariate(number) => {
                 let bent = problem.covariates[number].bends().then_some(Self { bent: true, ..plain });
                 let rows = (1..=ROWS).flat_map(|rows| [rows, -rows]).map(|rows| Self { rows, ..plain });
-                [plain].into_iter().chain(bent).chain(rows).chain(lates().map(late)).collect()
+                let lined = lates().filter(|_| problem.covariates[number].holds()).map(|late_s| Self {
+                    late_s,
+                    lines: true,
+                    ..plain
+                });
+                [plain].into_iter().chain(bent).chain(rows).chain(lates().map(late)).chain(lined).collect()
             }
         }
     }
@@ -52,7 +60,7 @@ impl Form {
     /// The columns of a covariate in this form at some times.
     pub fn of(&self, covariate: &Covariate, at_s: &[f64]) -> Vec<Vec<f64>> {
         let values = covariate.shifted(self.rows);
-        let held = covariate.holds();
+        let held = covariate.holds() && !self.lines;
         let values =
             if self.late_s > 0.0 { relaxed(&covariate.time_s, &values, self.late_s, held) } else { values };
         let straight = centred(sampled(&covariate.time_s, &values, at_s, held));

@@ -10,6 +10,8 @@
 //!   products.
 //! - `sweep` is the evidence of a regression, `search` the search over sets, `select` the search as a whole:
 //!   screened on thinned rows, decided on all.
+//! - `reference` takes the noise of the readings that the others are regressed on out of the products; a name
+//!   that does not stand then is none.
 //! - `events` finds steps and single readings that are off in what the best set leaves, and only there: readings
 //!   that a recorded column explains are never left out.
 //! - `pair` makes a problem of two instruments and moves the clock of one to that of the other.
@@ -27,6 +29,7 @@ pub mod pair;
 mod predicted;
 mod problem;
 mod products;
+mod reference;
 mod search;
 mod select;
 mod stack;

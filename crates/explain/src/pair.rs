@@ -11,6 +11,7 @@ use estimate::{Error, lag, stats};
 
 use crate::amplitude::{Amplitude, fit};
 use crate::explained::{Explained, explain};
+use crate::fit::Fit;
 use crate::form::{Form, smoothed};
 use crate::problem::{Cause, Covariate, Problem};
 use crate::search::AGAINST;
@@ -102,10 +103,16 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
     let (mut problem, mut rows) = pair.problem(late);
     told("comparing the clocks");
     let whole = pair.coarse_s(&problem, &rows)?;
-    if let Some(offset_s) = whole {
-        late.offset_s = offset_s;
-        (problem, rows) = pair.problem(late);
-    }
+    let whole = whole.filter(|offset_s| {
+        // Where the field is nearly periodic, another lag may match the changes and not the field.
+        let moved = pair.problem(Late { offset_s: *offset_s, rate: 0.0 });
+        let better = left(&problem) - left(&moved.0);
+        if better > GAIN {
+            late.offset_s = *offset_s;
+            (problem, rows) = moved;
+        }
+        better > GAIN
+    });
     let mut explained = explain(&problem, told)?;
     let clock_of = |explained: &Explained| explained.causes.iter().position(|one| one.cause == Cause::Clock);
     let mut gain = whole.map_or(0.0, |_| GAIN);
@@ -196,19 +203,22 @@ impl Pair {
         let slopes = [0, 1, 2].map(slope);
         let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();
         let time_s: Vec<f64> = rows.iter().map(|row| self.first_s + *row as f64 * self.step_s).collect();
-        let steps = SMOOTH_STEPS.into_iter().filter(|steps| rows.len() as f64 >= SMOOTH_ROWS * steps);
-        let fast: Vec<Vec<f64>> = steps
-            .flat_map(|steps| base.iter().map(move |column| (column, steps)))
-            .map(|(column, steps)| {
-                let slow = smoothed(&time_s, column, steps * self.step_s);
-                column.iter().zip(slow).map(|(all, slow)| all - slow).collect()
-            })
-            .collect();
+        let fast = self.fast(&time_s, &base);
         let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
         let known = [0.0; 3].into_iter().chain(fast.iter().map(|_| white / ALIKE)).collect();
         let base = base.into_iter().chain(fast).collect();
         let covariates = self.covariates.clone();
-        (Problem { time_s, channels, base, known, covariates, rates, ..Problem::default() }, rows)
+        (Problem { time_s, channels, base, known, noisy: 3, covariates, rates, ..Problem::default() }, rows)
+    }
+
+    /// What is faster than some steps in each column.
+    fn fast(&self, time_s: &[f64], columns: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let steps = SMOOTH_STEPS.into_iter().filter(|steps| time_s.len() as f64 >= SMOOTH_ROWS * steps);
+        let of = |(column, steps): (&Vec<f64>, f64)| {
+            let slow = smoothed(time_s, column, steps * self.step_s);
+            column.iter().zip(slow).map(|(all, slow)| all - slow).collect()
+        };
+        steps.flat_map(|steps| columns.iter().map(move |column| (column, steps))).map(of).collect()
     }
 
     /// The reference's readings of `late` before each row, and `aside` steps after that.
@@ -259,15 +269,29 @@ impl Pair {
     }
 }
 
-/// −dB/dt of the field along a channel, as plain least squares have it.
-fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> {
-    let means: Vec<f64> = base.iter().chain([&channel.to_vec()]).map(|column| stats::mean(column)).collect();
-    let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
+/// n ln of the sums of squares that plain least squares on the reference leave of all channels.
+fn left(problem: &Problem) -> f64 {
+    let of = |channel: &Vec<f64>| {
+        let all: Vec<&[f64]> = problem.base.iter().take(3).chain([channel]).map(Vec::as_slice).collect();
+        (regressed(&all).left / problem.rows() as f64).ln()
+    };
+    problem.rows() as f64 * problem.channels.iter().map(of).sum::<f64>()
+}
+
+/// Plain least squares of the last column on the others and a level.
+fn regressed(all: &[&[f64]]) -> Fit {
+    let means: Vec<f64> = all.iter().map(|column| stats::mean(column)).collect();
     let count = all.len();
     let gram = faer::Mat::from_fn(count, count, |i, j| {
         all[i].iter().zip(all[j]).map(|(a, b)| (a - means[i]) * (b - means[j])).sum::<f64>()
     });
-    let fit = crate::fit::Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>());
+    Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>())
+}
+
+/// −dB/dt of the field along a channel, as plain least squares have it.
+fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> {
+    let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
+    let fit = regressed(&all);
     let along = |row: usize| -> f64 { (0..3).map(|i| fit.coefficient(i) * slopes[i][row]).sum() };
     (0..channel.len()).map(|row| -along(row)).collect()
 }
@@ -276,9 +300,8 @@ fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> 
 fn white(reference: &[Vec<f64>], test: &[f64]) -> f64 {
     let changes = |column: &[f64]| -> Vec<f64> { column.windows(2).map(|pair| pair[1] - pair[0]).collect() };
     let all: Vec<Vec<f64>> = reference.iter().map(|column| changes(column)).chain([changes(test)]).collect();
-    let count = all.len();
-    let gram = faer::Mat::from_fn(count, count, |i, j| estimate::dot(&all[i], &all[j]));
-    let left = crate::fit::Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>()).left;
+    let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+    let left = regressed(&all).left;
     (0.5 * left / test.len() as f64).max(f64::MIN_POSITIVE)
 }
 

@@ -25,6 +25,8 @@ pub struct Problem {
     /// White noise over the standard deviation within which the coefficient of each column of the base is zero; 0
     /// where nothing is known of it. May be shorter than the base.
     pub known: Vec<f64>,
+    /// How many of the base's columns, the first, are readings with noise of their own.
+    pub noisy: usize,
     /// What was recorded beside.
     pub covariates: Vec<Covariate>,
     /// The rate of what is predicted of each channel, 1/s: it is what a late clock adds for each second.
@@ -83,11 +85,17 @@ impl Problem {
             channels: all(&self.channels),
             base: all(&self.base),
             known: self.known.clone(),
+            noisy: self.noisy,
             covariates: self.covariates.clone(),
             rates: all(&self.rates),
             directions: all(&self.directions),
             steps: steps.filter(|step| *step > 0 && *step < rows.len()).collect(),
         }
+    }
+
+    /// The same with a base of the noisy readings alone.
+    pub fn plain(&self) -> Self {
+        Self { base: self.base[..self.noisy].to_vec(), known: Vec::new(), ..self.clone() }
     }
 
     /// All that may explain something.

@@ -45,7 +45,7 @@ pub struct Rival {
 /// The search over sets of candidates.
 pub struct Search<'a> {
     stack: &'a Stack,
-    products: &'a [Product],
+    products: Vec<&'a [Product]>,
     rows: usize,
     /// ln of the prior odds of each candidate.
     prior: Vec<f64>,
@@ -53,11 +53,22 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Over the candidates of a stack, with their products; so many `causes` were thought of, each
-    /// in so many `forms`.
+    /// Over the candidates of a stack, with their products; so many `causes` were thought of, each in so many
+    /// `forms`.
     pub fn new(
         stack: &'a Stack,
         products: &'a [Product],
+        rows: usize,
+        causes: usize,
+        forms: &dyn Fn(Cause) -> usize,
+    ) -> Self {
+        Self::of_channels(stack, vec![products; stack.y.len()], rows, causes, forms)
+    }
+
+    /// The same with other products for each channel.
+    pub fn of_channels(
+        stack: &'a Stack,
+        products: Vec<&'a [Product]>,
         rows: usize,
         causes: usize,
         forms: &dyn Fn(Cause) -> usize,
@@ -115,7 +126,7 @@ impl<'a> Search<'a> {
             let shown = named.iter().filter(|one| one.channels[channel]);
             let columns: Vec<usize> =
                 shown.flat_map(|one| self.stack.candidates[one.candidate].columns[channel].clone()).collect();
-            Sweep::of(self.products, self.rows, self.stack.y[channel], &self.stack.base, &columns)
+            Sweep::of(self.products[channel], self.rows, self.stack.y[channel], &self.stack.base, &columns)
         };
         (0..self.stack.y.len()).map(of).collect()
     }

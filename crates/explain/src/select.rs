@@ -7,6 +7,7 @@ use crate::form::Form;
 use crate::noises;
 use crate::problem::{Cause, Problem};
 use crate::products::{Product, products};
+use crate::reference::{SHARES, corrected};
 use crate::search::{Named, Rival, Search};
 use crate::stack::Stack;
 use crate::sweep::Sweep;
@@ -38,12 +39,25 @@ pub struct Selected {
     pub noises: Vec<noises::Form>,
 }
 
-/// Weighs some causes of a problem.
+/// Weighs some causes of a problem; what noise of the reference may imitate is no name.
 ///
 /// # Errors
 ///
 /// Times out of order.
 pub fn select(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
+    let mut causes = among.to_vec();
+    loop {
+        let selected = best_of(problem, &causes)?;
+        let weakest =
+            (0..selected.gains.len()).min_by(|a, b| selected.gains[*a].total_cmp(&selected.gains[*b]));
+        match weakest.filter(|weakest| selected.gains[*weakest] <= 0.0) {
+            None => return Ok(selected),
+            Some(weakest) => causes.retain(|cause| *cause != selected.named[weakest].0),
+        }
+    }
+}
+
+fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
     let all = problem.causes().len();
     let forms = |cause: Cause| Form::all(problem, cause);
     let count = |cause: Cause| forms(cause).len();
@@ -194,7 +208,10 @@ fn refine(
         }
         let (cause, form, _) = named[place].clone();
         let mut offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-        offered.extend(form.near(by).into_iter().map(|form| (cause, form)));
+        let near = form.near(by).into_iter().chain([form]);
+        offered.extend(
+            near.flat_map(|form| [form, Form { lines: !form.lines, ..form }]).map(|form| (cause, form)),
+        );
         let stack = Stack::of(problem, &offered);
         let made = products(&problem.time_s, &stack, noises)?;
         let search = Search::new(&stack, &made, problem.rows(), 1, &|_| 1);
@@ -216,7 +233,8 @@ fn refine(
     Ok(())
 }
 
-/// ln of the odds of the set with and without each cause.
+/// ln of the odds of the set with and without each cause, the least over all shares of the noise that may be the
+/// reference's.
 fn gains(
     problem: &Problem,
     named: &[(Cause, Form, Vec<bool>)],
@@ -228,19 +246,33 @@ fn gains(
         return Ok(Vec::new());
     }
     let offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-    let stack = Stack::of(problem, &offered);
-    let made = products(&problem.time_s, &stack, noises)?;
     let all: Vec<Named> = named
         .iter()
         .enumerate()
         .map(|(candidate, (_, _, channels))| Named { candidate, channels: channels.clone() })
         .collect();
-    let search = Search::new(&stack, &made, problem.rows(), causes, count);
-    let whole = search.evidence(&all);
-    let without = |out: usize| {
-        let mut rest = all.clone();
-        rest.remove(out);
-        whole - search.evidence(&rest)
+    let mut least = vec![f64::INFINITY; all.len()];
+    let mut take = |search: Search<'_>| {
+        let whole = search.evidence(&all);
+        for (out, least) in least.iter_mut().enumerate() {
+            let mut rest = all.clone();
+            rest.remove(out);
+            *least = least.min(whole - search.evidence(&rest));
+        }
     };
-    Ok((0..all.len()).map(without).collect())
+    let stack = Stack::of(problem, &offered);
+    let made = products(&problem.time_s, &stack, noises)?;
+    take(Search::new(&stack, &made, problem.rows(), causes, count));
+    let plain = problem.plain();
+    let mut stack = Stack::of(&plain, &offered);
+    stack.shade(&plain);
+    let made = products(&problem.time_s, &stack, noises)?;
+    for share in (1..=SHARES).filter(|_| plain.noisy > 0) {
+        let share = f64::from(share) / f64::from(SHARES);
+        let of = |channel: usize| corrected(&plain, &stack, &made, (channel, &all), share);
+        let of_channels: Vec<Vec<Product>> = (0..stack.y.len()).map(of).collect();
+        let of_channels = of_channels.iter().map(Vec::as_slice).collect();
+        take(Search::of_channels(&stack, of_channels, problem.rows(), causes, count));
+    }
+    Ok(least)
 }

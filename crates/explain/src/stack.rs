@@ -30,6 +30,9 @@ pub struct Stack {
     pub known: Vec<(usize, f64)>,
     /// Places of the channels' readings.
     pub y: Vec<usize>,
+    /// Places of white noise of one nT for each noisy reading, the first columns of the base, where it was asked
+    /// for.
+    pub noise: Vec<usize>,
     /// What may explain them.
     pub candidates: Vec<Candidate>,
 }
@@ -44,6 +47,7 @@ impl Stack {
             plain: Vec::new(),
             known: Vec::new(),
             y: Vec::new(),
+            noise: Vec::new(),
             candidates: Vec::new(),
         };
         for (number, column) in problem.base_columns().into_iter().enumerate() {
@@ -87,6 +91,16 @@ impl Stack {
             }
         }
         self.candidates.push(Candidate { cause, form, columns, tied });
+    }
+
+    /// Adds what noise of the base's readings looks like.
+    pub fn shade(&mut self, problem: &Problem) {
+        for reading in 0..problem.noisy {
+            let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
+            self.noise.push(self.columns.len());
+            self.columns.push((0..problem.rows()).map(|_| stream.normal()).collect());
+            self.scale.push(1.0);
+        }
     }
 
     /// Adds a column; its place.
