@@ -233,8 +233,8 @@ fn refine(
     Ok(())
 }
 
-/// ln of the odds of the set with and without each cause, the least over all shares of the noise that may be the
-/// reference's.
+/// ln of the odds of the set with and without each cause, less the most that it loses by any share of the noise
+/// that may be the reference's.
 fn gains(
     problem: &Problem,
     named: &[(Cause, Form, Vec<bool>)],
@@ -251,28 +251,38 @@ fn gains(
         .enumerate()
         .map(|(candidate, (_, _, channels))| Named { candidate, channels: channels.clone() })
         .collect();
-    let mut least = vec![f64::INFINITY; all.len()];
-    let mut take = |search: Search<'_>| {
+    let without = |search: Search<'_>| -> Vec<f64> {
         let whole = search.evidence(&all);
-        for (out, least) in least.iter_mut().enumerate() {
+        let of = |out: usize| {
             let mut rest = all.clone();
             rest.remove(out);
-            *least = least.min(whole - search.evidence(&rest));
-        }
+            whole - search.evidence(&rest)
+        };
+        (0..all.len()).map(of).collect()
     };
     let stack = Stack::of(problem, &offered);
     let made = products(&problem.time_s, &stack, noises)?;
-    take(Search::new(&stack, &made, problem.rows(), causes, count));
+    let mut gains = without(Search::new(&stack, &made, problem.rows(), causes, count));
+    if problem.noisy == 0 {
+        return Ok(gains);
+    }
+    // What a gain loses by the noise is seen beside the readings alone.
     let plain = problem.plain();
     let mut stack = Stack::of(&plain, &offered);
     stack.shade(&plain);
     let made = products(&problem.time_s, &stack, noises)?;
-    for share in (1..=SHARES).filter(|_| plain.noisy > 0) {
+    let at = |share: u32| {
         let share = f64::from(share) / f64::from(SHARES);
         let of = |channel: usize| corrected(&plain, &stack, &made, (channel, &all), share);
         let of_channels: Vec<Vec<Product>> = (0..stack.y.len()).map(of).collect();
         let of_channels = of_channels.iter().map(Vec::as_slice).collect();
-        take(Search::of_channels(&stack, of_channels, problem.rows(), causes, count));
+        without(Search::of_channels(&stack, of_channels, problem.rows(), causes, count))
+    };
+    let none = at(0);
+    let mut lost = vec![0.0_f64; all.len()];
+    for gains in (1..=SHARES).map(at) {
+        lost.iter_mut().zip(none.iter().zip(&gains)).for_each(|(lost, (none, gain))| *lost = lost.max(none - gain));
     }
-    Ok(least)
+    gains.iter_mut().zip(lost).for_each(|(gain, lost): (&mut f64, f64)| *gain -= lost);
+    Ok(gains)
 }
