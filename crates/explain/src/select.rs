@@ -281,7 +281,9 @@ fn gains(
     let none = at(0);
     let mut lost = vec![0.0_f64; all.len()];
     for gains in (1..=SHARES).map(at) {
-        lost.iter_mut().zip(none.iter().zip(&gains)).for_each(|(lost, (none, gain))| *lost = lost.max(none - gain));
+        lost.iter_mut()
+            .zip(none.iter().zip(&gains))
+            .for_each(|(lost, (none, gain))| *lost = lost.max(none - gain));
     }
     gains.iter_mut().zip(lost).for_each(|(gain, lost): (&mut f64, f64)| *gain -= lost);
     Ok(gains)
