@@ -103,10 +103,10 @@ mod tests {
         let mut calibration = Calibration::default();
         let sensors = calibration.sensors.get_or_insert_default();
         let sensor: &mut SensorCalibration = sensors.entry(crate::Axis::Y).get_or_insert_default();
-        sensor.offset_nt = Some(Quantity::new(1.0, f64::NAN));
+        sensor.offset_nt = Some(Quantity::new(f64::NAN, 1.0));
         let document = Document { fluxcal: 1, calibration: Some(calibration), ..Document::default() };
         let said = document.to_text().expect_err("refused").to_string();
-        assert!(said.starts_with("calibration.sensors.y.offset_nt.std came out as NaN"), "{said}");
+        assert!(said.starts_with("calibration.sensors.y.offset_nt.value came out as NaN"), "{said}");
         let mut bare = document.clone();
         let sensors = bare.calibration.as_mut().and_then(|calibration| calibration.sensors.as_mut());
         let sensor = sensors.and_then(|sensors| sensors.entry(crate::Axis::Y).as_mut()).expect("a sensor");

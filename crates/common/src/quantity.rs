@@ -36,11 +36,17 @@ pub enum Quantity {
         /// say.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         at_least: bool,
+        /// Why the uncertainty, or an end of the interval, has no number.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        undetermined: Option<String>,
         /// Keys that this version does not know.
         #[serde(flatten)]
         extra: Extra,
     },
 }
+
+/// Why a number is not there.
+const UNDETERMINED: &str = "the recordings do not determine it";
 
 impl Default for Quantity {
     fn default() -> Self {
@@ -49,14 +55,15 @@ impl Default for Quantity {
 }
 
 impl Quantity {
-    /// A value with a standard uncertainty.
+    /// A value with a standard uncertainty; one that is not finite is undetermined.
     pub fn new(value: f64, std: f64) -> Self {
         Quantity::Stated {
             value,
-            std: Some(std),
+            std: Some(std).filter(|std| std.is_finite()),
             coverage_factor_95: None,
             interval_95: None,
             at_least: false,
+            undetermined: (!std.is_finite()).then(|| UNDETERMINED.into()),
             extra: Extra::new(),
         }
     }
@@ -70,13 +77,22 @@ impl Quantity {
         self
     }
 
-    /// The same with its 95 % interval.
+    /// The same with its 95 % interval; one that has no end is undetermined.
     #[must_use]
     pub fn within(mut self, interval: [f64; 2]) -> Self {
-        if let Quantity::Stated { interval_95, .. } = &mut self {
-            *interval_95 = Some(interval);
+        if let Quantity::Stated { interval_95, undetermined, .. } = &mut self {
+            if interval.iter().all(|end| end.is_finite()) {
+                *interval_95 = Some(interval);
+            } else {
+                *undetermined = Some(UNDETERMINED.into());
+            }
         }
         self
+    }
+
+    /// Whether the recordings do not determine its uncertainty.
+    pub fn is_undetermined(&self) -> bool {
+        matches!(self, Quantity::Stated { undetermined: Some(_), .. })
     }
 
     /// The same with an uncertainty that is a lower bound.
@@ -142,7 +158,13 @@ impl fmt::Display for Quantity {
             Some(std) => number::uncertain(self.value(), std),
         };
         f.write_str(&if f.sign_plus() { number::signed(&text) } else { text })?;
-        if self.is_at_least() { f.write_str(" (at least)") } else { Ok(()) }
+        if self.is_undetermined() {
+            f.write_str(" (uncertainty undetermined)")
+        } else if self.is_at_least() {
+            f.write_str(" (at least)")
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -189,6 +211,11 @@ mod tests {
             ("0.3085 ± 0.0043".into(), "+0.3085 ± 0.0043".into())
         );
         assert_eq!(stated.at_least().to_string(), "0.3085 ± 0.0043 (at least)");
+        let open = Quantity::new(2.5, f64::NAN);
+        assert_eq!((open.std(), open.to_string()), (None, "2.5 (uncertainty undetermined)".into()));
+        let text =
+            serde_json::to_string(&Quantity::new(60.0, 9.0).within([2.0, f64::INFINITY])).expect("text");
+        assert_eq!(text, r#"{"value":60.0,"std":9.0,"undetermined":"the recordings do not determine it"}"#);
         assert_eq!(
             (Quantity::Bare(-2.5).to_string(), Quantity::new(2.5, 0.0).to_string()),
             ("−2.5".into(), "2.5".into())

@@ -11,9 +11,10 @@ use crate::residual::scatter;
 use crate::{Error, contributions, words};
 use joined::Pair;
 
-/// The matrix and the difference, as a document has them.
+/// The matrix and the difference, as a document has them: of a pair as it was recorded, and less what columns
+/// explain.
 pub fn calibrate(
-    raw: &Pair,
+    (recorded, raw): (&Pair, &Pair),
     prepared: &Prepared,
     fits: &[AxisFit; 3],
 ) -> Result<DifferentialCalibration, Error> {
@@ -37,7 +38,7 @@ pub fn calibrate(
         described.rms_left_nt = Some(scatter(&found.difference, &pair.whole));
         described.drift = found.drift.clone();
         described.follows =
-            found.followed().into_iter().map(|(follows, sizes)| follows.document(&sizes)).collect();
+            found.followed().into_iter().map(|(follows, sizes)| follows.document(j, &sizes)).collect();
         described.weighted_up_to_hz = Some(found.noise.highest_hz()).filter(|highest| highest.is_finite());
         let variance = described.rms_nt.powi(2);
         for (i, reference) in Axis::ALL.into_iter().enumerate() {
@@ -66,8 +67,7 @@ pub fn calibrate(
     }
     fit.kept_out = kept_out(raw, prepared, fits);
     fit.clock = prepared.clock.clone();
-    let followed = fits.each_ref().map(|found| found.follows.as_slice());
-    contributions::add(raw, prepared, followed, &mut fit)?;
+    contributions::add((recorded, raw), prepared, &fits[0].follows, &mut fit)?;
     fit.answer = words::answer(&fit);
     fit.findings = words::findings(&fit, &fits.each_ref().map(|found| found.wider));
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));

@@ -17,9 +17,9 @@
 //! - The weights reach into the band where the field is weak; there, filters and noise of the reference pull
 //!   η. `alike` therefore removes octaves from the shortest periods on, until one has the matrix of the
 //!   longer ones.
-//! - `followed` finds housekeeping columns that an axis follows, by the score along the curve of their lags,
-//!   which the exponential drift shares (`drift::Curve`); they stand between drift and steps in the design.
-//!   `drift/explanations` weighs a drift against noise alone.
+//! - `followed` asks the engine `explain` which columns recorded beside the pair the test instrument follows,
+//!   before events are looked for: what switches with a current is no step. They stand between drift and steps
+//!   in the design. `drift/explanations` weighs a drift against noise alone.
 //! - `contributions` fits each axis again by ordinary least squares with one thing left in at a time (clock,
 //!   columns, steps, spikes, drift): what it adds to the rms orders the findings. `shown` averages the
 //!   difference into points for plots, so that `report` only draws.
@@ -43,8 +43,9 @@ pub use words::summary;
 
 use crate::clock::{adopt, delays, pauses, segments};
 use crate::matrix::{across, alike, bands, constancy, mutual, regression, stability, windows};
+use crate::noise::followed::Recorded;
 use crate::noise::{contributions, difference, drift, followed, octaves, reference_noise};
-use crate::series::{axes, events, housekeeping, prepare, residual, shown};
+use crate::series::{axes, events, prepare, residual, shown};
 
 use common::Document;
 
@@ -60,7 +61,10 @@ const TOLD_BELOW: f64 = 0.01;
 
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let mut raw = joined::read(&document)?;
+    let recorded = joined::read(&document)?;
+    let beside = Recorded::of(&document, &recorded)?;
+    // Columns first: clocks and events are looked for in what these leave.
+    let mut raw = beside.less(&recorded);
     pauses::cut(&mut raw)?;
     let segments = segments::find(&mut raw)?;
     let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
@@ -68,19 +72,18 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     if let Some(clock) = &mut prepared.clock {
         segments.write(clock);
     }
-    let columns = housekeeping::columns(&document, &raw);
-    let mut fits = regression::fit(&prepared.pair, &columns)?;
+    let mut fits = regression::fit(&prepared.pair, &beside.follows)?;
     while let Some(confirmed) = prepared.confirmed(&raw, &fits)? {
         prepared = confirmed;
-        fits = regression::fit(&prepared.pair, &columns)?;
+        fits = regression::fit(&prepared.pair, &beside.follows)?;
     }
-    let mut found = calibration::calibrate(&raw, &prepared, &fits)?;
+    let mut found = calibration::calibrate((&recorded, &raw), &prepared, &fits)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;
-        fit.series = shown::series(&columns, &raw, &prepared, &fits, fit);
+        fit.series = shown::series(&beside.columns, &recorded, &prepared, &fits, fit);
     }
-    let levels_nt = std::array::from_fn(|axis| residual::of_levels(&raw, axis));
+    let levels_nt = std::array::from_fn(|axis| residual::of_levels(&recorded, axis));
     reference_noise::adopt(&level, reference_noise::find(&level, &fits, levels_nt)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
         adopt::clock(&mut document, &raw, clock);

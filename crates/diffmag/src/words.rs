@@ -136,7 +136,14 @@ pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
     let of = |name: &str| {
         let one = |(axis, one): (Axis, &Followed)| {
             let lag = one.lag_s.as_ref().map_or(String::new(), |lag| format!(", {lag} s behind it"));
-            format!("{axis} by {:+} nT/{}{lag}", one.nt_per_unit, unit(name))
+            let rows = match one.late_rows {
+                0 => String::new(),
+                rows => {
+                    let when = if rows > 0 { "late" } else { "early" };
+                    format!(", logged {} {when}", counted(rows.unsigned_abs() as usize, "row"))
+                }
+            };
+            format!("{axis} by {:+} nT/{}{lag}{rows}", one.nt_per_unit, unit(name))
         };
         let axes: Vec<String> = all().filter(|(_, one)| one.column == name).map(one).collect();
         (name.to_string(), format!("the difference follows `{name}`: {}", axes.join("; ")))
@@ -152,6 +159,10 @@ fn unit(name: &str) -> &str {
         Some("mv") => "mV",
         Some("a") => "A",
         Some("ma") => "mA",
+        Some("am2") => "(A m²)",
+        Some("w") => "W",
+        Some("hz") => "Hz",
+        Some("percent") => "%",
         _ => "unit",
     }
 }

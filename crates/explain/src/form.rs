@@ -57,15 +57,27 @@ impl Form {
         }
     }
 
-    /// The columns of a covariate in this form at some times.
+    /// The columns of a covariate in this form at some times, each about its mean.
     pub fn of(&self, covariate: &Covariate, at_s: &[f64]) -> Vec<Vec<f64>> {
+        self.about(covariate, at_s).0
+    }
+
+    /// The same, and the mean of the first.
+    pub fn about(&self, covariate: &Covariate, at_s: &[f64]) -> (Vec<Vec<f64>>, f64) {
         let values = covariate.shifted(self.rows);
         let held = covariate.holds() && !self.lines;
         let values =
             if self.late_s > 0.0 { relaxed(&covariate.time_s, &values, self.late_s, held) } else { values };
-        let straight = centred(sampled(&covariate.time_s, &values, at_s, held));
+        let values = sampled(&covariate.time_s, &values, at_s, held);
+        let mean = estimate::stats::mean(&values);
+        let straight = centred(values);
         let square = self.bent.then(|| centred(straight.iter().map(|x| x * x).collect()));
-        [straight].into_iter().chain(square).collect()
+        ([straight].into_iter().chain(square).collect(), mean)
+    }
+
+    /// The same with another relaxation.
+    pub fn late(&self, late_s: f64) -> Self {
+        Self { late_s, ..*self }
     }
 
     /// Time, or an exponential that dies out.

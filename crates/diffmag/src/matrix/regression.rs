@@ -14,29 +14,18 @@ use crate::Error;
 use crate::across;
 use crate::drift::Columns;
 use crate::events::{Events, FoundEvent};
-use crate::followed;
-use crate::housekeeping::Housekeeping;
+use crate::followed::Follows;
 use crate::residual::without;
 use joined::Pair;
 
 /// A column of which the others leave less than this share says nothing of its own.
 const LEAST_OWN: f64 = 1e-6;
 
-/// Fits each axis of the test instrument, beside the housekeeping columns that it follows.
-pub fn fit(pair: &Pair, housekeeping: &[Housekeeping]) -> Result<[AxisFit; 3], Error> {
+/// Fits each axis of the test instrument, beside the columns that it follows.
+pub fn fit(pair: &Pair, follows: &[Follows]) -> Result<[AxisFit; 3], Error> {
     let columns = Columns::of(pair);
-    let candidates = followed::candidates(&columns, housekeeping);
-    let one = |axis: usize, established: &[String]| one(&columns, &candidates, established, axis);
     // One after the other: the columns of each are many times as large as the readings.
-    let mut found = [one(0, &[])?, one(1, &[])?, one(2, &[])?];
-    let mut established: Vec<String> =
-        found.iter().flat_map(|(fit, _)| fit.follows.iter().map(|follows| follows.name.clone())).collect();
-    established.dedup();
-    if !established.is_empty() {
-        for (axis, of) in found.iter_mut().enumerate().filter(|(_, (fit, _))| fit.follows.is_empty()) {
-            *of = one(axis, &established)?;
-        }
-    }
+    let found = [one(&columns, follows, 0)?, one(&columns, follows, 1)?, one(&columns, follows, 2)?];
     let across = |axis: usize, other: usize| match axis == other {
         true => Default::default(),
         false => across::covariance(&found[axis].1, &found[other].1),

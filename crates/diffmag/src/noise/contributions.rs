@@ -25,15 +25,15 @@ const DEPENDENT: f64 = 1e-12;
 
 /// Writes the contributions, the largest first, and the rms that is known without any fit.
 pub fn add(
-    raw: &Pair,
+    (recorded, raw): (&Pair, &Pair),
     prepared: &Prepared,
-    followed: [&[Follows]; 3],
+    followed: &[Follows],
     fit: &mut DifferentialFit,
 ) -> Result<(), Error> {
-    for (axis, test) in Axis::ALL.into_iter().zip(&raw.test) {
+    for (axis, test) in Axis::ALL.into_iter().zip(&recorded.test) {
         if let Some(of) = fit.axes.entry(axis) {
             of.rms_of_readings_nt = Some(scatter(test, &raw.whole));
-            of.rms_of_levels_nt = Some(of_levels(raw, axis.index()));
+            of.rms_of_levels_nt = Some(of_levels(recorded, axis.index()));
         }
     }
     let cosine = Cosine::new(raw.whole.len(), raw.step_s);
@@ -59,12 +59,10 @@ pub fn add(
         beside(ContributionCause::Drift, Some(what), with, true, None);
     }
     for (name, what) in words::followed(fit) {
-        let others: [Vec<Follows>; 3] =
-            followed.map(|all| all.iter().filter(|one| one.name != name).cloned().collect());
-        let design = Design { followed: others.each_ref().map(Vec::as_slice), ..whole };
-        let with = rms(&prepared.pair, &prepared.pair.whole, fit, design)?;
-        let follows = |axis: Axis| followed[axis.index()].iter().any(|one| one.name == name);
-        let with = chosen(&with, &final_rms, follows);
+        let others: Vec<Follows> = followed.iter().filter(|one| one.name != name).cloned().collect();
+        let own = followed.iter().filter(|one| one.name == name);
+        let pair = own.fold(prepared.pair.clone(), |pair, one| one.added(&pair, 1.0));
+        let with = rms(&pair, &pair.whole, fit, Design { followed: &others, ..whole })?;
         beside(ContributionCause::Column, Some(what), with, true, Some(name));
     }
     if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
@@ -154,15 +152,15 @@ fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -
 #[derive(Clone, Copy)]
 struct Design<'a> {
     drift: bool,
-    /// The housekeeping columns that each axis follows.
-    followed: [&'a [Follows]; 3],
+    /// The columns that are followed.
+    followed: &'a [Follows],
 }
 
 impl Design<'_> {
     /// Whether an axis has a straight drift: beside a column that it follows only where one is demanded.
     fn days(&self, axis: Axis, fit: &DifferentialFit) -> bool {
         let demanded = fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
-        self.drift && (demanded || self.followed[axis.index()].is_empty())
+        self.drift && (demanded || self.followed.is_empty())
     }
 }
 
@@ -190,7 +188,7 @@ fn left(
     let level = mean(test);
     let steps = &pair.steps[axis.index()];
     let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
-    let followed = design.followed[axis.index()];
+    let followed = design.followed;
     let days = design.days(axis, fit);
     let width = 4
         + usize::from(days)

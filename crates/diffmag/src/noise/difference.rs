@@ -106,11 +106,6 @@ impl Noise {
         self.fit.white_variances[0]
     }
 
-    /// ln of the likelihood of its form.
-    pub fn log_likelihood(&self) -> f64 {
-        self.fit.log_likelihood
-    }
-
     /// As errors of a regression.
     pub fn errors(&self, cosine: &Cosine) -> Result<Errors, Error> {
         let errors = Errors::of(&self.fit, cosine)?;

@@ -7,11 +7,11 @@ mod iteration;
 mod joint;
 mod moments;
 
-pub use columns::{Beside, Columns, ROUNDS, days};
-pub use joint::{Curve, Joint, LEVEL, chance, joint};
+pub use columns::{Beside, Columns, days};
+pub use joint::{Joint, LEVEL, joint};
 
 use common::{Drift, DriftForm, Quantity, WindowMean};
-use estimate::cosine::{Errors, Regression};
+use estimate::cosine::{Errors, Regression, weighted};
 use estimate::stats;
 use faer::MatRef;
 
@@ -24,14 +24,16 @@ use explanations::{Explanations, explanations};
 const WINDOWS: usize = 12;
 const LEAST_OF_WINDOW: usize = 32;
 
-/// The explanations of the slow change that a fit with a straight drift leaves or takes for one.
-pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Option<Explanations> {
-    let (days, slope) = (columns.base()[3], straight.coefficients[3]);
+/// The explanations of the slow change that a fit with a straight drift leaves or takes for one: of what the
+/// reference's axes do not share with a straight line, for they would change with the drift.
+pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Result<Option<Explanations>, Error> {
+    let (base, slope) = (columns.base(), straight.coefficients[3]);
+    let days = weighted(&base[..3], base[3], &Errors::independent(&columns.cosine))?.residual;
     let with_drift: Vec<f64> =
-        straight.residual.iter().zip(days).map(|(left, days)| left + slope * days).collect();
+        straight.residual.iter().zip(&days).map(|(left, days)| left + slope * days).collect();
     let squares: f64 = with_drift.iter().map(|c| c * c).sum();
     let rms = (squares / columns.days.len() as f64).sqrt();
-    explanations(&with_drift, days, (rms, columns.length_s() / DAY_S))
+    Ok(explanations(&with_drift, &days, (rms, columns.length_s() / DAY_S)))
 }
 
 /// Means of a difference, its drift in it, over equal windows, about the mean of all. Their uncertainties are

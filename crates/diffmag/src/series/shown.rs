@@ -3,7 +3,6 @@
 use common::{Axis, DifferenceAxis, DifferentialFit, DriftForm, ResidualSeries};
 use estimate::grouped::{Grouped, grouped};
 
-use crate::housekeeping::Housekeeping;
 use crate::prepare::Prepared;
 use crate::regression::AxisFit;
 use joined::Pair;
@@ -14,7 +13,7 @@ const DAY_S: f64 = 86_400.0;
 
 /// Along time, the field's rate of change, and each housekeeping column.
 pub fn series(
-    columns: &[Housekeeping],
+    columns: &[(String, Vec<f64>)],
     raw: &Pair,
     prepared: &Prepared,
     fits: &[AxisFit; 3],
@@ -60,12 +59,13 @@ pub fn series(
                 add("field_rate_nt_per_s", &rate, left, &and(-1.0), Some(&of_clock));
             }
         }
-        for Housekeeping { name, values } in columns {
+        for (name, values) in columns {
             match found.followed().into_iter().find(|(follows, _)| follows.name == *name) {
                 Some((follows, sizes)) => {
                     let own = &follows.columns[0];
                     let x: Vec<f64> = own.iter().map(|value| value + follows.at).collect();
-                    let fitted: Vec<f64> = own.iter().map(|value| sizes[0].value() * value).collect();
+                    let fitted: Vec<f64> =
+                        own.iter().map(|value| follows.size(j, &sizes[0]).value() * value).collect();
                     let before: Vec<f64> = left.iter().zip(&fitted).map(|(left, own)| left + own).collect();
                     add(name, &x, &before, left, Some(&fitted));
                 }

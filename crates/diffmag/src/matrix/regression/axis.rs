@@ -13,7 +13,7 @@ use super::held::{Place, determined, with_held};
 use crate::across::Whitened;
 use crate::difference::Noise;
 use crate::drift::{self, Columns};
-use crate::followed::{self, Candidate, Follows};
+use crate::followed::Follows;
 use crate::residual::{centred, rest, without};
 use crate::{Error, alike};
 use joined::Pair;
@@ -93,8 +93,7 @@ pub struct Source {
 /// what they leave, in the band in which the instruments answer alike.
 pub(super) fn one(
     whole: &Columns<'_>,
-    candidates: &[Candidate],
-    established: &[String],
+    follows: &[Follows],
     axis: usize,
 ) -> Result<(AxisFit, Whitened), Error> {
     let pair = whole.pair;
@@ -110,15 +109,13 @@ pub(super) fn one(
         determined(columns, &all_steps, &pair.step_stds[axis], &plain_noise.errors(&columns.cosine)?)?;
     let step_transforms: Vec<Vec<f64>> =
         fitted.iter().map(|step| columns.transform(&all_steps[*step])).collect();
-    let beside = drift::Beside { own: &step_transforms, lines_hz: &seen };
-    let follows = followed::follows(columns, &y, candidates, established, &beside)?;
     let followed: Vec<&[f64]> =
         follows.iter().flat_map(|follows| &follows.columns).map(Vec::as_slice).collect();
     let own: Vec<Vec<f64>> =
         followed.iter().map(|column| columns.transform(column)).chain(step_transforms).collect();
     let beside = drift::Beside { own: &own, lines_hz: &seen };
     let (mut straight, mut noise) = columns.straight(&y, &beside)?;
-    let explanations = drift::explained(columns, &straight);
+    let explanations = drift::explained(columns, &straight)?;
     if let Some(found) = explanations.as_ref().filter(|found| found.is_drift()) {
         noise = noise.with_lowest(&columns.cosine, &found.beside_drift);
         straight = columns.under(&y, &noise, &beside)?;
@@ -224,7 +221,7 @@ pub(super) fn one(
         difference,
         offset_nt,
         drift: found,
-        follows,
+        follows: follows.to_vec(),
         drift_columns,
         freedom,
         wider,
