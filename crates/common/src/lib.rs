@@ -54,6 +54,7 @@ mod sensor_offset;
 pub mod series;
 pub mod time;
 pub mod uncertainty;
+pub mod unit;
 
 pub use axes::{
     Assumption, AxesCalibration, AxesDirections, AxesFit, AxesReadings, DoubtfulReading, IterationStep,

@@ -6,8 +6,8 @@ mod magnitude;
 mod pair;
 
 use common::{
-    Axis, Diagnosis, Document, PlainRegression, Remaining, Residual, ResidualOf, ResidualSeries, Share,
-    Verdict, procedure,
+    Axis, Diagnosis, Document, PlainRegression, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
+    Share, Verdict, procedure,
 };
 use estimate::grouped::{Grouped, grouped};
 use explain::pair::{Clock, OfPair};
@@ -41,27 +41,36 @@ struct Compared {
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
     clock: Option<Clock>,
+    /// Rms of what the fit leaves of each channel with the clocks as they were recorded, nT.
+    unmoved: Vec<f64>,
     explained: Explained,
     /// What is to be said besides.
     notes: Vec<String>,
+    /// What makes variations the whole field: whether readings are in volts, a scale factor, offsets in nT.
+    main_field: Option<(bool, f64, [Quantity; 3])>,
 }
 
-/// The diagnosis of a document whose recordings all stand beside another instrument; None for others.
-pub fn diagnose(
-    document: &Document,
-    options: &Options,
-    told: &dyn Fn(&str),
-) -> Result<Option<Diagnosis>, Error> {
+/// Diagnoses a document whose recordings all stand beside another instrument; whether it is one.
+pub fn diagnose(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> Result<bool, Error> {
     let all = |of: &dyn Fn(&common::Recording) -> bool| {
         !document.recordings.is_empty() && document.recordings.iter().all(of)
     };
     if options.against.is_some() {
-        return Ok(None);
+        return Ok(false);
     }
-    if all(&|recording| recording.procedure == procedure::DIFFERENTIAL) {
-        return Ok(Some(pair::compared(document, told)?.diagnosis()));
+    let compared = if all(&|recording| recording.procedure == procedure::DIFFERENTIAL) {
+        pair::compared(document, told)?
+    } else {
+        match magnitude::compared(document, told)? {
+            Some(compared) => compared,
+            None => return Ok(false),
+        }
+    };
+    if let Some((volts, scale, added)) = compared.main_field.as_ref().filter(|_| options.refit) {
+        joined::state_main_field(document, *volts, *scale, added);
     }
-    Ok(magnitude::compared(document, told)?.map(|compared| compared.diagnosis()))
+    document.diagnosis = Some(vec![compared.diagnosis()]);
+    Ok(true)
 }
 
 /// Root of the mean of the squares.
@@ -86,8 +95,10 @@ impl Compared {
             all_s,
             as_it_came: Vec::new(),
             clock: of.clock,
+            unmoved: of.unmoved,
             explained: of.explained,
             notes: Vec::new(),
+            main_field: None,
         }
     }
 
@@ -174,7 +185,10 @@ impl Compared {
         };
         Residual {
             rms_before_nt: rms(&self.as_it_came),
-            rms_refitted_nt: whole(&explained.before),
+            rms_refitted_nt: match &self.clock {
+                Some(_) => rms(&self.unmoved),
+                None => whole(&explained.before),
+            },
             rms_after_nt: whole(&explained.residual),
             held_out_before_nt: rms(&held.base),
             held_out_after_nt: rms(&held.named),

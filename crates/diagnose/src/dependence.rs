@@ -50,10 +50,5 @@ pub fn with_lag(fitter: &Fitter<'_, '_>, fit: &Fit, found: &Column) -> Result<Co
 
 /// nT per unit of a column, as a name.
 pub fn coefficient(column: &str) -> String {
-    const UNITS: [&str; 16] = [
-        "s", "a", "v", "nt", "c", "k", "hz", "rad", "deg", "arcsec", "m", "pa", "percent", "ohm", "w",
-        "counts",
-    ];
-    let unit = column.rsplit('_').next().filter(|unit| UNITS.contains(unit)).unwrap_or("unit");
-    format!("coefficient_nt_per_{unit}")
+    format!("coefficient_nt_per_{}", common::unit::of_change(column))
 }

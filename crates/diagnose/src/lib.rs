@@ -217,8 +217,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
             options.level
         )));
     }
-    if let Some(entry) = beside::diagnose(&document, options, told)? {
-        document.diagnosis = Some(vec![entry]);
+    if beside::diagnose(&mut document, options, told)? {
         return Ok(document);
     }
     let original = match &options.against {

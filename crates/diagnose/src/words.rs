@@ -6,6 +6,8 @@ use std::fmt::Write;
 
 /// Most parameters of an effect, or parts of a list, that are said.
 const PARAMETERS: usize = 12;
+/// Most reasons and rejected names that are said; the others are in the document.
+const REASONS: usize = 3;
 /// The same in the first line.
 const HEAD: usize = 3;
 
@@ -130,16 +132,13 @@ fn one(text: &mut String, entry: &Diagnosis) {
             0 => String::new(),
             count => format!(", {count} times"),
         };
-        let gain = significant(effect.held_out_gain_nt, 3);
-        let _ = writeln!(
-            text,
-            "  {}: {}{times}; reduces the rms of held-out readings by {gain} nT ({})",
-            named(effect),
-            effect.title,
-            weight(effect)
-        );
+        let gain = match effect.held_out_gain_nt {
+            0.0 => String::new(),
+            gain => format!("; reduces the rms of held-out readings by {} nT", significant(gain, 3)),
+        };
+        let _ = writeln!(text, "  {}: {}{times}{gain} ({})", named(effect), effect.title, weight(effect));
         let _ = writeln!(text, "    {}", parameters(effect, PARAMETERS));
-        for rival in &effect.rivals {
+        for rival in effect.rivals.iter().take(REASONS) {
             let _ = writeln!(text, "    rejected {}: {}", rival.effect, rival.why_not);
         }
     }
@@ -184,7 +183,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
         let _ = writeln!(text, "  residual: {}", remaining.structure);
     }
     let told = |reason: &&String| reason.starts_with("rejected ") || reason.starts_with("note: ");
-    for reason in entry.reasons.iter().filter(told) {
+    for reason in entry.reasons.iter().filter(told).take(REASONS) {
         let _ = writeln!(text, "  {reason}");
     }
     if let Some(next) = &entry.next_experiment {

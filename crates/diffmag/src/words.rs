@@ -3,6 +3,7 @@
 use common::number::{
     as_known, bare, counted, duration, figures, p_value, plural, signed, significant, uncertain,
 };
+use common::unit;
 use common::{
     Axis, ClockDifference, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document, Drift,
     DriftForm, EventInstrument, EventKind, Followed, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
@@ -143,28 +144,12 @@ pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
                     format!(", logged {} {when}", counted(rows.unsigned_abs() as usize, "row"))
                 }
             };
-            format!("{axis} by {:+} nT/{}{lag}{rows}", one.nt_per_unit, unit(name))
+            format!("{axis} by {:+} nT/{}{lag}{rows}", one.nt_per_unit, unit::in_words(name))
         };
         let axes: Vec<String> = all().filter(|(_, one)| one.column == name).map(one).collect();
         (name.to_string(), format!("the difference follows `{name}`: {}", axes.join("; ")))
     };
     names.into_iter().map(of).collect()
-}
-
-/// The unit in which a housekeeping column changes, by the end of its name.
-fn unit(name: &str) -> &str {
-    match name.split(' ').next().and_then(|name| name.rsplit('_').next()) {
-        Some("c" | "degc" | "k") => "K",
-        Some("v") => "V",
-        Some("mv") => "mV",
-        Some("a") => "A",
-        Some("ma") => "mA",
-        Some("am2") => "(A m²)",
-        Some("w") => "W",
-        Some("hz") => "Hz",
-        Some("percent") => "%",
-        _ => "unit",
-    }
 }
 
 /// The steps that were fitted.

@@ -46,6 +46,9 @@ impl Amplitude {
 pub struct Fitted {
     /// The causes.
     pub amplitudes: Vec<Amplitude>,
+    /// The coefficient of each of the base's columns in each channel, with its standard uncertainty; the level
+    /// follows them.
+    pub base: Vec<Vec<(f64, f64)>>,
     /// What is left of each channel under its most probable form of noise.
     pub residual: Vec<Vec<f64>>,
     /// What plain least squares leave: on the base alone, without its steps, and on all columns.
@@ -147,6 +150,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
         .collect();
     let mut fitted = Fitted {
         amplitudes: Vec::new(),
+        base: Vec::new(),
         residual: Vec::new(),
         before: Vec::new(),
         after: Vec::new(),
@@ -194,6 +198,9 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
         let (value, variance) = (mixtures[channel].coefficients()[at], mixtures[channel].covered(at, at));
         (value * scale, variance.max(0.0).sqrt() * scale.abs())
     };
+    fitted.base = (0..stack.y.len())
+        .map(|channel| stack.base.iter().map(|column| quantity(channel, *column)).collect())
+        .collect();
     let first = stack.base.len() - problem.steps.len();
     fitted.steps = stack.base[first..]
         .iter()

@@ -31,6 +31,8 @@ pub struct Explained {
     pub probabilities: Vec<f64>,
     /// Sets of causes that were weighed, the most probable first.
     pub rivals: Vec<Rival>,
+    /// The coefficients of the base's columns in each channel, with their standard uncertainties.
+    pub base: Vec<Vec<(f64, f64)>>,
     /// Changes of level in what they leave.
     pub steps: Vec<Step>,
     /// Rows that are off by themselves.
@@ -110,6 +112,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         held_out_gains: held,
         probabilities,
         rivals: selected.rivals,
+        base: fitted.base,
         off,
         before: fitted.before,
         residual: fitted.after,

@@ -15,6 +15,7 @@
 //! - `events` finds steps and single readings that are off in what the best set leaves, and only there: readings
 //!   that a recorded column explains are never left out.
 //! - `pair` makes a problem of two instruments and moves the clock of one to that of the other.
+//! - `magnitude` makes a pair of a vector whose field hardly turns and a scalar magnetometer.
 //! - `amplitude` fits. `predicted` says what fit and noise predict of readings that are left out: a name that does
 //!   not lower that is none. `held_out` does the same for plain rivals.
 
@@ -24,6 +25,7 @@ mod explained;
 mod fit;
 mod form;
 mod held_out;
+pub mod magnitude;
 mod noises;
 pub mod pair;
 mod predicted;

@@ -84,6 +84,8 @@ pub struct OfPair {
     pub rows: Vec<usize>,
     /// The problem they make.
     pub problem: Problem,
+    /// Rms of what plain least squares leave of each channel with the clocks as they were recorded.
+    pub unmoved: Vec<f64>,
 }
 
 /// How late the test instrument is, as far as it is known.
@@ -101,6 +103,8 @@ struct Late {
 pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
     let mut late = Late::default();
     let (mut problem, mut rows) = pair.problem(late);
+    let unmoved: Vec<f64> =
+        squares(&problem).iter().map(|left| (left / problem.rows() as f64).sqrt()).collect();
     told("comparing the clocks");
     let whole = pair.coarse_s(&problem, &rows)?;
     let whole = whole.filter(|offset_s| {
@@ -120,7 +124,7 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
         gain = gain.max(explained.gains[place]);
     }
     if gain == 0.0 {
-        return Ok(OfPair { explained, clock: None, rows, problem });
+        return Ok(OfPair { explained, clock: None, rows, problem, unmoved });
     }
     told("moving the reference to the test instrument's moments");
     let named = |explained: &Explained| -> Vec<(Cause, Form)> {
@@ -159,10 +163,10 @@ pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
         (problem, rows) = pair.problem(Late::default());
         problem.rates.clear();
         explained = explain(&problem, told)?;
-        return Ok(OfPair { explained, clock: None, rows, problem });
+        return Ok(OfPair { explained, clock: None, rows, problem, unmoved });
     }
     explained.without(Cause::Clock);
-    Ok(OfPair { explained, clock: Some(clock), rows, problem })
+    Ok(OfPair { explained, clock: Some(clock), rows, problem, unmoved })
 }
 
 /// What is left of the clock's offset, and of its rate, beside the causes that were named.
@@ -271,11 +275,17 @@ impl Pair {
 
 /// n ln of the sums of squares that plain least squares on the reference leave of all channels.
 fn left(problem: &Problem) -> f64 {
+    let rows = problem.rows() as f64;
+    rows * squares(problem).iter().map(|left| (left / rows).ln()).sum::<f64>()
+}
+
+/// The sums of squares that plain least squares on the reference leave of each channel.
+fn squares(problem: &Problem) -> Vec<f64> {
     let of = |channel: &Vec<f64>| {
         let all: Vec<&[f64]> = problem.base.iter().take(3).chain([channel]).map(Vec::as_slice).collect();
-        (regressed(&all).left / problem.rows() as f64).ln()
+        regressed(&all).left
     };
-    problem.rows() as f64 * problem.channels.iter().map(of).sum::<f64>()
+    problem.channels.iter().map(of).collect()
 }
 
 /// Plain least squares of the last column on the others and a level.

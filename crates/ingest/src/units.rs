@@ -152,6 +152,21 @@ pub fn of_column(column: &str) -> Option<&'static str> {
     ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, unit)| *unit)
 }
 
+/// Whether a name says what a unit of one letter at its end measures: `load_current` of amperes.
+pub fn is_measured(name: &str, unit: &str) -> bool {
+    let words: &[&str] = match unit {
+        "a" => &["current", "amp"],
+        "v" => &["voltage", "volt", "battery"],
+        "c" | "k" => &["temp", "temperature"],
+        "w" => &["power", "watt"],
+        "s" => &["time", "seconds", "uptime"],
+        "m" => &["position", "height", "distance"],
+        _ => &[],
+    };
+    let name = name.to_lowercase();
+    name.split(|letter: char| !letter.is_alphanumeric()).any(|part| words.contains(&part))
+}
+
 /// The ending of column names in the document for values in `name`, of the same kind: `nt` for `G`, `c` for
 /// `F`.
 pub fn ending_for(name: &str) -> Option<&'static str> {

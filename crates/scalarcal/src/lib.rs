@@ -16,6 +16,7 @@
 //!   filter in which each sensor has noise of its own, and averages over forms of noise.
 //! - `effects` are those of the catalogue, by the derivatives of `physics::predict_with_jacobian`. `weakest`
 //!   reports what the rotations determine least.
+//! - `variations` answers for readings whose field hardly turns: the main field about which they vary.
 //! - `stream` keeps factors by windows of time (`stream/windows`); `stream/memory` widens intervals by the
 //!   scatter of the windows. `seen` and `stability` answer the same questions of rows and of windows, both as
 //!   `noise::Groups`.
@@ -53,6 +54,7 @@ mod stability;
 mod start;
 pub mod stream;
 mod terms;
+mod variations;
 mod vector;
 mod weakest;
 mod words;
@@ -80,9 +82,16 @@ pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
 }
 
 fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options) -> Result<Document, Error> {
-    let ((mut solved, detail), told) = match gathered {
-        Some(gathered) => (calibrated(&gathered.document, options)?, gathered.told),
-        None => (calibrated(&document, options)?, Vec::new()),
+    let told = gathered.as_ref().map_or(Vec::new(), |gathered| gathered.told.clone());
+    let read = gathered.as_ref().map_or(&document, |gathered| &gathered.document);
+    let (mut solved, detail) = match calibrated(read, options) {
+        Ok(solved) => solved,
+        // Where the field hardly turns, rotations determine nothing, and what is determined is another thing.
+        Err(refused) => {
+            let Some(found) = variations::calibrated(read, options)? else { return Err(refused) };
+            document.calibration = found.calibration;
+            return Ok(document);
+        }
     };
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";

@@ -11,6 +11,8 @@ use crate::{Error, Options};
 pub const MAGNITUDE: &str = "magnitude_nt";
 /// Magnitudes outside these limits are hardly a field in nT, nT.
 const PLAUSIBLE: [f64; 2] = [1e3, 1e7];
+/// Magnitudes of the Earth's field at its surface, nT.
+const EARTH: [f64; 2] = [2e4, 7e4];
 /// Readings in nT and a reference whose ratio is outside these limits are in different units.
 const ALIKE: f64 = 5.0;
 
@@ -294,7 +296,9 @@ pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
 ///
 /// A magnitude that is in another unit, at a place of the document.
 pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Error> {
-    let unlike = read.filter(|read| !(1.0 / ALIKE..=ALIKE).contains(&(read / magnitude)));
+    // Smaller readings beside the Earth's field are variations about one that is compensated.
+    let least = if (EARTH[0]..=EARTH[1]).contains(&magnitude) { 0.0 } else { 1.0 / ALIKE };
+    let unlike = read.filter(|read| !(least..=ALIKE).contains(&(read / magnitude)));
     if (PLAUSIBLE[0]..=PLAUSIBLE[1]).contains(&magnitude) && unlike.is_none() {
         return Ok(());
     }

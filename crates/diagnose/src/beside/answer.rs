@@ -60,47 +60,45 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
     }
 }
 
-/// An effect with its size.
+/// An effect with its size: the axes in the unit of the first, the rest by name.
 fn sized(effect: &ExplainedEffect) -> String {
     if effect.list.len() > 1 {
         return format!("{} {} times", effect.title, effect.list.len());
     }
-    let told = |(name, value): (&String, &Quantity)| match value.std() {
-        Some(std) => format!("{} {}", short(name), uncertain(value.value(), std)),
-        None => format!("{} {}", short(name), significant(value.value(), 6)),
+    let size = |value: &Quantity| match value.std() {
+        Some(std) => uncertain(value.value(), std),
+        None => significant(value.value(), 6),
     };
-    let parts: Vec<String> = effect.parameters.iter().take(4).map(told).collect();
-    let unit = effect.parameters.keys().next().map_or(String::new(), |name| words(name));
-    format!("{} ({}{unit})", effect.title, parts.join(", "))
-}
-
-/// What a parameter is of, without its unit.
-fn short(name: &str) -> &str {
-    let (first, _) = name.split_once('_').unwrap_or((name, ""));
-    match first {
-        "x" | "y" | "z" => first,
-        "along" => "along the field",
-        _ => name,
-    }
-}
-
-/// The unit of a coefficient of an axis: "x_nt_per_am2" is in nT/(A m²).
-fn words(name: &str) -> String {
-    let Some((_, unit)) = name.split_once("nt_per_") else {
-        return if name.ends_with("_nt") { " nT".into() } else { String::new() };
+    let axis = |name: &str| match name.split_once('_') {
+        Some((axis @ ("x" | "y" | "z"), _)) => Some(axis.to_string()),
+        Some(("along", _)) => Some("along the field".into()),
+        _ => None,
     };
-    let unit = match unit {
-        "a" => "A",
-        "am2" => "(A m²)",
-        "k" => "K",
-        "v" => "V",
-        "w" => "W",
-        "hz" => "Hz",
-        "percent" => "%",
-        "ohm" => "Ω",
-        "pa" => "Pa",
-        "arcsec" => "″",
-        other => other,
-    };
-    format!(" nT/{unit}")
+    let straight = |(name, _): &(&String, &Quantity)| axis(name).is_some() && !name.ends_with("_2");
+    let axes: Vec<(&String, &Quantity)> = effect.parameters.iter().filter(straight).collect();
+    let unit = axes.first().map_or(String::new(), |(name, _)| {
+        let (_, unit) = name.split_once("nt_per_").unwrap_or(("", ""));
+        match (&effect.column, unit) {
+            (Some(column), _) => format!(" nT/{}", common::unit::in_words(column)),
+            (None, "") => " nT".into(),
+            (None, unit) => format!(" nT/{unit}"),
+        }
+    });
+    let of_axes: Vec<String> = axes
+        .iter()
+        .map(|(name, value)| format!("{} {}", axis(name).unwrap_or_default(), size(value)))
+        .collect();
+    let others = effect.parameters.iter().filter(|(name, _)| axis(name).is_none()).map(|(name, value)| {
+        match name.strip_suffix("_s") {
+            Some("time") => format!("at {} s", size(value)),
+            Some(name) => format!("{name} {} s", size(value)),
+            None => format!("{} {}", name.replace('_', " "), size(value)),
+        }
+    });
+    let parts: Vec<String> = (!of_axes.is_empty())
+        .then(|| format!("{}{unit}", of_axes.join(", ")))
+        .into_iter()
+        .chain(others)
+        .collect();
+    format!("{} ({})", effect.title, parts.join("; "))
 }

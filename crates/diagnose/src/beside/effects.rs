@@ -77,19 +77,6 @@ fn is_current(column: Option<&str>, form: &Form) -> bool {
     column.is_some_and(|column| column.ends_with("_a")) && *form == Form::default()
 }
 
-/// What a coefficient is by: the unit at the end of a column's name.
-pub fn unit(column: &str) -> &str {
-    const UNITS: [&str; 17] = [
-        "s", "a", "am2", "v", "nt", "c", "k", "hz", "rad", "deg", "arcsec", "m", "pa", "percent", "ohm", "w",
-        "counts",
-    ];
-    match column.rsplit('_').next().filter(|unit| UNITS.contains(unit)) {
-        Some("c") => "k",
-        Some(unit) => unit,
-        None => "unit",
-    }
-}
-
 fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> IndexMap<String, Quantity> {
     let mut all = IndexMap::new();
     let of_axis = |channel: usize| match compared.channels[channel].1 {
@@ -98,8 +85,8 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     };
     let names: Vec<String> = match (one.cause, column) {
         (Cause::Covariate(_), Some(column)) => {
-            let unit = unit(column);
-            vec![format!("nt_per_{unit}"), format!("nt_per_{unit}2")]
+            let unit = common::unit::of_change(column);
+            vec![format!("nt_per_{unit}"), format!("nt_per_{unit}_2")]
         }
         (Cause::Time, _) if one.form.late_s > 0.0 => vec!["amplitude_nt".into()],
         (Cause::Time, _) => vec!["nt_per_day".into()],

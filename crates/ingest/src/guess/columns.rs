@@ -299,7 +299,8 @@ fn split_unit(name: &str) -> (String, Option<String>) {
     }
     if let Some((base, unit)) = name.rsplit_once(['_', ' ', '/']) {
         let lower = unit.chars().all(|letter| letter.is_ascii_lowercase());
-        let known = KNOWN.iter().any(|known| name.starts_with(known)) && units::of_column(name).is_some();
+        let meant = KNOWN.iter().any(|known| name.starts_with(known)) || units::is_measured(base, unit);
+        let known = meant && units::of_column(name).is_some();
         let long = units::is_known(unit) && (!lower || unit.len() > 1);
         if !base.is_empty() && (known || long) {
             return (base.to_string(), Some(unit.to_string()));
@@ -328,6 +329,8 @@ mod tests {
             ("T (°C)", "T", "°C"),
             ("imu_T_C", "imu_T", "C"),
             ("sensor_x_v", "sensor_x", "v"),
+            ("load_current_a", "load_current", "a"),
+            ("route_a", "route_a", ""),
             ("orient_w", "orient_w", ""),
             ("mag_x", "mag_x", ""),
             ("rm3100_x_raw", "rm3100_x", "counts"),

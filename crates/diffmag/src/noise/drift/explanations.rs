@@ -8,7 +8,7 @@ use super::joint::LEVEL;
 /// Coefficients of the cosine transform that tell the two apart, from the lowest on.
 const COEFFICIENTS: usize = 64;
 /// The weight above which a drift is taken for one.
-const SURE: f64 = 0.95;
+const SURE: f64 = 1.0 - LEVEL;
 /// Fewer say nothing.
 const LEAST: usize = 16;
 /// Densities of the noise: A [(k² + q²)^(−α/2) + w], k the number of the coefficient. Exponents α, …

@@ -10,8 +10,9 @@ use super::columns::{Beside, Columns, ROUNDS};
 use crate::Error;
 use crate::difference::Noise;
 
-/// Probability below which a drift is demanded.
-pub const LEVEL: f64 = 0.01;
+/// Probability below which a drift is demanded: one false alarm in a hundred recordings, over three axes and two
+/// forms.
+pub const LEVEL: f64 = 0.01 / 6.0;
 
 /// The search of τ ends when ln τ moves less; while the noise is not settled, than the second.
 const ACCURACY: f64 = 1e-7;

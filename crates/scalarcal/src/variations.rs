@@ -1,0 +1,182 @@
+//! Readings whose field hardly turns, beside a scalar magnetometer: rotations that determine each sensor are
+//! missing, and a level with three slopes is what is seen (`explain::magnitude`). That gives the main field about
+//! which the readings vary; what else explains the rest is looked for, clocks and temperatures and steps.
+
+use common::number::{counted, significant, uncertain};
+use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter};
+use explain::magnitude::{Level, Readings};
+use explain::{Cause, Covariate};
+use physics::{Basic, Unit};
+
+use crate::read::{Series, Source, read};
+use crate::{Error, Options};
+
+/// What is not determined, and what would determine it.
+const OPEN: &str = "the field hardly turns in the sensors: their scale factors one by one and the angles between them are not determined, and the stated ones are kept; rotations in the field, or absolute measurements, would determine them";
+
+/// Writes the main field to `calibration.sensors`, and what stands behind it to `calibration.scalar`; None where
+/// the recordings are not such readings.
+pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Document>, Error> {
+    let (unit, series) = read(document, options)?;
+    let suits = |one: &Series| one.source == Source::Scalar && one.time_s.is_some();
+    if options.vector || !options.with.is_empty() || !series.iter().all(suits) {
+        return Ok(None);
+    }
+    let basic = Basic::found(document, unit);
+    let readings = readings(document, &series, &basic, unit).sorted();
+    if readings.turn() {
+        return Ok(None);
+    }
+    let level = readings.level();
+    let covariates = covariates(document, &series);
+    let of = explain::pair::pair(&readings.pair(&level, covariates.clone()), &|_| ())?;
+    let (base, last) = (&of.explained.base[0], of.problem.base.len());
+    let level = level.fitted(base, last);
+    let slope_std: [f64; 3] = std::array::from_fn(|axis| base[axis].1);
+    let level_std = base[last].1;
+    let (scale, added) = level.main_field(slope_std);
+    let mut document = document.clone();
+    let quantities = added.map(|(value, std)| Quantity::new(value, std));
+    joined::state_main_field(&mut document, unit == Unit::Volt, scale, &quantities);
+    let mut scalar = ScalarCalibration {
+        recordings: series.iter().map(|one| one.id.clone()).collect(),
+        rows: readings.b.len() as u64,
+        missing: series.iter().map(|one| one.missing as u64).sum(),
+        reference: Source::Scalar.words().into(),
+        rms_nt: rms(&of.explained.residual[0]),
+        rms_before_nt: Some(of_levels(&readings)),
+        noise: Noise { white_rms_nt: Some(rms(&of.explained.residual[0])), ..Noise::default() },
+        parameters: parameters(&level, level_std, slope_std, &quantities),
+        rank: 4,
+        includes_body: true,
+        ..ScalarCalibration::default()
+    };
+    scalar.findings.push(OPEN.into());
+    scalar.findings.extend(explained(&of, &covariates));
+    document.calibration.get_or_insert_default().scalar = Some(Box::new(scalar));
+    Ok(Some(document))
+}
+
+/// The corrected readings of all recordings on the campaign's clock.
+fn readings(document: &Document, series: &[Series], basic: &Basic, unit: Unit) -> Readings {
+    let mut all = Readings::default();
+    let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
+    for one in series {
+        let clock = clock_s(document, one);
+        for (row, time_s) in one.time_s.iter().flatten().enumerate() {
+            let along = |axis: usize| {
+                let k = crate::read::sensitivity(document, unit, Axis::ALL[axis]).unwrap_or(1.0);
+                k * one.readings[axis][row] + basic.sensors[axis].offset_nt
+            };
+            let field = unmix * nalgebra::Vector3::from_fn(|axis, _| along(axis));
+            all.time_s.push(time_s + clock);
+            all.b.push(field.into());
+            all.scalar.push(one.magnitude_nt[row]);
+        }
+    }
+    all
+}
+
+/// From the beginning of the earliest recording to that of this one, s.
+fn clock_s(document: &Document, one: &Series) -> f64 {
+    let starts = document.recordings.iter().filter_map(|recording| recording.start());
+    let earliest = starts.map(|start| start.unix_s).fold(f64::INFINITY, f64::min);
+    document.recordings[one.index].start().map_or(0.0, |start| start.unix_s - earliest)
+}
+
+/// What was recorded beside the readings.
+fn covariates(document: &Document, series: &[Series]) -> Vec<Covariate> {
+    let mut all: Vec<Covariate> = Vec::new();
+    for one in series {
+        let recording = &document.recordings[one.index];
+        let Some(time) = recording.column("time_s") else { continue };
+        let clock = clock_s(document, one);
+        let beside = |name: &&String| {
+            !name.starts_with("time_")
+                && !name.ends_with("_nt")
+                && !(name.starts_with("sensor_") && name.ends_with("_v"))
+        };
+        for name in recording.columns.keys().filter(beside) {
+            let Some(values) = recording.column(name) else { continue };
+            let known = time.iter().zip(values).filter(|(t, value)| t.is_finite() && value.is_finite());
+            let (time_s, values): (Vec<f64>, Vec<f64>) = known.map(|(t, value)| (t + clock, *value)).unzip();
+            match all.iter_mut().find(|have| have.name == *name && have.time_s.last() < time_s.first()) {
+                Some(have) => {
+                    have.time_s.extend(time_s);
+                    have.values.extend(values);
+                }
+                None => all.push(Covariate { name: name.clone(), time_s, values }),
+            }
+        }
+    }
+    all.retain(|one| one.values.windows(2).any(|pair| pair[0] != pair[1]));
+    all
+}
+
+/// Rms of |b| − F about its mean, with the calibration as it was stated.
+fn of_levels(readings: &Readings) -> f64 {
+    let size = |b: &[f64; 3]| b[0].hypot(b[1]).hypot(b[2]);
+    let left: Vec<f64> =
+        readings.b.iter().zip(&readings.scalar).map(|(b, scalar)| size(b) - scalar).collect();
+    let mean = estimate::stats::mean(&left);
+    (left.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / left.len() as f64).sqrt()
+}
+
+fn parameters(
+    level: &Level,
+    level_std: f64,
+    slope_std: [f64; 3],
+    added: &[Quantity; 3],
+) -> Vec<ScalarParameter> {
+    let one = |name: String, unit: &str, value: f64, std: f64| ScalarParameter {
+        name,
+        unit: unit.into(),
+        value,
+        std,
+        std_alone: Some(std),
+        std_with_known: None,
+    };
+    let mut all = vec![one("level of the magnitude".into(), "nT", level.level_nt, level_std)];
+    for (axis, (slope, std)) in Axis::ALL.into_iter().zip(level.slopes.iter().zip(slope_std)) {
+        all.push(one(format!("slope of the magnitude with {axis}"), "nT/nT", *slope, std));
+    }
+    for (axis, quantity) in Axis::ALL.into_iter().zip(added) {
+        let std = quantity.std().unwrap_or(0.0);
+        all.push(one(format!("main field beside the readings of {axis}"), "nT", quantity.value(), std));
+    }
+    all
+}
+
+/// Root of the mean of the squares.
+fn rms(left: &[f64]) -> f64 {
+    (left.iter().map(|value| value * value).sum::<f64>() / left.len().max(1) as f64).sqrt()
+}
+
+/// What explains the rest, in words.
+fn explained(of: &explain::pair::OfPair, covariates: &[Covariate]) -> Vec<String> {
+    let mut said = Vec::new();
+    for one in &of.explained.causes {
+        let size = &one.channels[0][0];
+        let (value, std) = (size.value(), size.std().unwrap_or(0.0));
+        match one.cause {
+            Cause::Covariate(number) => {
+                let name = &covariates[number].name;
+                let unit = common::unit::in_words(name);
+                said.push(format!("the rest follows `{name}` by {} nT/{unit}", uncertain(value, std)));
+            }
+            Cause::Time => said.push("the rest drifts with time".into()),
+            Cause::Clock => {}
+        }
+    }
+    if let Some(clock) = &of.clock {
+        said.push(format!("the scalar magnetometer's times are late by {} s", clock.offset_s));
+    }
+    if !of.explained.steps.is_empty() {
+        let first = &of.explained.steps[0];
+        let (size, std) = first.sizes[0];
+        let at = significant(of.problem.time_s[first.row], 6);
+        let count = counted(of.explained.steps.len(), "step");
+        said.push(format!("{count} in the rest, the first by {} nT at {at} s", uncertain(size, std)));
+    }
+    said
+}
