@@ -73,6 +73,12 @@ pub fn diagnose(document: &mut Document, options: &Options, told: &dyn Fn(&str))
     Ok(true)
 }
 
+/// What was recorded beside.
+fn covariates(document: &Document, recordings: &[String]) -> Vec<Covariate> {
+    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
+    joined::beside(document, recordings).into_iter().map(of).collect()
+}
+
 /// Root of the mean of the squares.
 fn rms(of: &[f64]) -> f64 {
     (of.iter().map(|value| value * value).sum::<f64>() / of.len().max(1) as f64).sqrt()

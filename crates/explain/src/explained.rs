@@ -23,7 +23,7 @@ pub struct Explained {
     pub causes: Vec<Amplitude>,
     /// ln of the odds of the set with and without each of them.
     pub gains: Vec<f64>,
-    /// The forms of noise that were weighed with them.
+    /// The most probable form of noise of each channel.
     pub(crate) noises: Vec<noises::Form>,
     /// By how much each lowers the rms of readings that are left out.
     pub held_out_gains: Vec<f64>,
@@ -108,7 +108,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         steps: fitted.sizes(&part, &rows),
         causes: fitted.amplitudes,
         gains: selected.gains,
-        noises: selected.noises,
+        noises: fitted.noise,
         held_out_gains: held,
         probabilities,
         rivals: selected.rivals,

@@ -41,12 +41,17 @@ pub struct Level {
     pub slopes: [f64; 3],
     /// Rms of what they leave, nT.
     pub rms_nt: f64,
+    /// Whether the slopes are those that the calibration means: the readings do not show others.
+    pub alone: bool,
 }
 
 impl Level {
     /// The same with what a fit beside other causes has: coefficients of the three readings, and of the level.
     #[must_use]
     pub fn fitted(&self, base: &[(f64, f64)], level: usize) -> Self {
+        if self.alone {
+            return Self { level_nt: self.level_nt + base[level].0, ..*self };
+        }
         let slopes = std::array::from_fn(|axis| base[axis].0);
         Self { slopes, level_nt: self.level_nt + base[level].0, ..*self }
     }
@@ -101,10 +106,62 @@ impl Readings {
         self.b.iter().zip(&self.scalar).map(of).collect()
     }
 
-    /// By plain least squares, the bend taken off.
-    pub fn level(&self) -> Level {
+    /// The level alone, with the slopes that the readings as they are corrected mean.
+    fn stated(&self) -> Level {
         let mean = self.mean();
-        let mut level = Level { mean, level_nt: 0.0, slopes: [0.0; 3], rms_nt: 0.0 };
+        let size = mean.iter().map(|b| b * b).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+        let slopes = mean.map(|b| b / size);
+        Level {
+            mean,
+            level_nt: estimate::stats::mean(&self.scalar),
+            slopes,
+            rms_nt: self.left(slopes),
+            alone: true,
+        }
+    }
+
+    /// Rms of what slopes leave beside a level.
+    fn left(&self, slopes: [f64; 3]) -> f64 {
+        let (mean, bend) = (self.mean(), self.bend(slopes));
+        let rest = |row: usize| {
+            let along: f64 = (0..3).map(|i| slopes[i] * (self.b[row][i] - mean[i])).sum();
+            self.scalar[row] - bend[row] - along
+        };
+        let rest: Vec<f64> = (0..self.b.len()).map(rest).collect();
+        let middle = estimate::stats::mean(&rest);
+        (rest.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / rest.len() as f64).sqrt()
+    }
+
+    /// Rms of what the fit to either half of the rows leaves of the other, and the same of the level alone.
+    fn of_the_other_half(&self, fitted: bool) -> f64 {
+        let half = |from: usize, to: usize| Self {
+            time_s: self.time_s[from..to].to_vec(),
+            b: self.b[from..to].to_vec(),
+            scalar: self.scalar[from..to].to_vec(),
+        };
+        let (middle, last) = (self.b.len() / 2, self.b.len());
+        let halves = [half(0, middle), half(middle, last)];
+        let of = |one: usize| {
+            let level = if fitted { halves[one].by_least_squares() } else { halves[one].stated() };
+            halves[1 - one].left(level.slopes).powi(2)
+        };
+        (0.5 * (of(0) + of(1))).sqrt()
+    }
+
+    /// A level and three slopes; the level alone where the slopes that the calibration means predict one half of the
+    /// rows from the other no worse.
+    pub fn level(&self) -> Level {
+        if self.of_the_other_half(false) <= self.of_the_other_half(true) {
+            self.stated()
+        } else {
+            self.by_least_squares()
+        }
+    }
+
+    /// By plain least squares, the bend taken off.
+    fn by_least_squares(&self) -> Level {
+        let mean = self.mean();
+        let mut level = Level { mean, level_nt: 0.0, slopes: [0.0; 3], rms_nt: 0.0, alone: false };
         let mut bend = vec![0.0; self.b.len()];
         for _ in 0..ROUNDS {
             let y: Vec<f64> = self.scalar.iter().zip(&bend).map(|(scalar, bend)| scalar - bend).collect();

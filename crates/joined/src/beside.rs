@@ -1,33 +1,29 @@
-//! Temperatures, voltages, currents and whatever else was recorded beside a pair.
+//! Temperatures, voltages, currents and whatever else was recorded beside readings of fields.
 
 use common::{Document, Recording};
-
-use crate::Pair;
 
 /// A column at its own times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Beside {
     /// Its name; with the recording's id where another recording has one of the same name at the same time.
     pub name: String,
-    /// Times of its samples on the pair's clock, s.
+    /// Times of its samples from the earliest start on, s.
     pub time_s: Vec<f64>,
     /// Its samples; none is missing.
     pub values: Vec<f64>,
 }
 
-/// What the recordings of a pair hold besides times and fields, as far as it changes.
-pub fn beside(document: &Document, pair: &Pair) -> Vec<Beside> {
+/// What some recordings hold besides times, fields and the outputs of sensors, as far as it changes.
+pub fn beside(document: &Document, recordings: &[String]) -> Vec<Beside> {
     let recordings: Vec<&Recording> =
-        document.recordings.iter().filter(|recording| pair.recordings.contains(&recording.id)).collect();
+        document.recordings.iter().filter(|recording| recordings.contains(&recording.id)).collect();
     let starts = recordings.iter().filter_map(|recording| recording.start()).map(|start| start.unix_s);
     let earliest = starts.fold(f64::INFINITY, f64::min);
     let mut all: Vec<Beside> = Vec::new();
     for recording in recordings {
         let origin_s = recording.start().map_or(0.0, |start| start.unix_s - earliest);
         let Some(own) = recording.column("time_s") else { continue };
-        for name in
-            recording.columns.keys().filter(|name| !name.starts_with("time_") && !name.ends_with("_nt"))
-        {
+        for name in recording.columns.keys().filter(|name| is_beside(name)) {
             let Some(values) = recording.column(name) else { continue };
             let known = own.iter().zip(values).filter(|(t, value)| t.is_finite() && value.is_finite());
             let (time_s, values): (Vec<f64>, Vec<f64>) =
@@ -50,4 +46,9 @@ pub fn beside(document: &Document, pair: &Pair) -> Vec<Beside> {
     }
     all.retain(|one| one.values.iter().any(|value| *value != one.values[0]));
     all
+}
+
+fn is_beside(name: &str) -> bool {
+    let output = name.starts_with("sensor_") && name.ends_with("_v");
+    !name.starts_with("time_") && !name.ends_with("_nt") && !output
 }

@@ -28,7 +28,9 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
         return Ok(None);
     }
     let level = readings.level();
-    let covariates = covariates(document, &series);
+    let ids: Vec<String> = series.iter().map(|one| one.id.clone()).collect();
+    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
+    let covariates: Vec<Covariate> = joined::beside(document, &ids).into_iter().map(of).collect();
     let of = explain::pair::pair(&readings.pair(&level, covariates.clone()), &|_| ())?;
     let (base, last) = (&of.explained.base[0], of.problem.base.len());
     let level = level.fitted(base, last);
@@ -39,7 +41,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     let quantities = added.map(|(value, std)| Quantity::new(value, std));
     joined::state_main_field(&mut document, unit == Unit::Volt, scale, &quantities);
     let mut scalar = ScalarCalibration {
-        recordings: series.iter().map(|one| one.id.clone()).collect(),
+        recordings: ids,
         rows: readings.b.len() as u64,
         missing: series.iter().map(|one| one.missing as u64).sum(),
         reference: Source::Scalar.words().into(),
@@ -47,11 +49,17 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
         rms_before_nt: Some(of_levels(&readings)),
         noise: Noise { white_rms_nt: Some(rms(&of.explained.residual[0])), ..Noise::default() },
         parameters: parameters(&level, level_std, slope_std, &quantities),
-        rank: 4,
+        rank: if level.alone { 1 } else { 4 },
         includes_body: true,
         ..ScalarCalibration::default()
     };
     scalar.findings.push(OPEN.into());
+    if level.alone {
+        scalar.findings.push(
+            "the readings show no slopes but those of the stated calibration: only the level is fitted"
+                .into(),
+        );
+    }
     scalar.findings.extend(explained(&of, &covariates));
     document.calibration.get_or_insert_default().scalar = Some(Box::new(scalar));
     Ok(Some(document))
@@ -82,35 +90,6 @@ fn clock_s(document: &Document, one: &Series) -> f64 {
     let starts = document.recordings.iter().filter_map(|recording| recording.start());
     let earliest = starts.map(|start| start.unix_s).fold(f64::INFINITY, f64::min);
     document.recordings[one.index].start().map_or(0.0, |start| start.unix_s - earliest)
-}
-
-/// What was recorded beside the readings.
-fn covariates(document: &Document, series: &[Series]) -> Vec<Covariate> {
-    let mut all: Vec<Covariate> = Vec::new();
-    for one in series {
-        let recording = &document.recordings[one.index];
-        let Some(time) = recording.column("time_s") else { continue };
-        let clock = clock_s(document, one);
-        let beside = |name: &&String| {
-            !name.starts_with("time_")
-                && !name.ends_with("_nt")
-                && !(name.starts_with("sensor_") && name.ends_with("_v"))
-        };
-        for name in recording.columns.keys().filter(beside) {
-            let Some(values) = recording.column(name) else { continue };
-            let known = time.iter().zip(values).filter(|(t, value)| t.is_finite() && value.is_finite());
-            let (time_s, values): (Vec<f64>, Vec<f64>) = known.map(|(t, value)| (t + clock, *value)).unzip();
-            match all.iter_mut().find(|have| have.name == *name && have.time_s.last() < time_s.first()) {
-                Some(have) => {
-                    have.time_s.extend(time_s);
-                    have.values.extend(values);
-                }
-                None => all.push(Covariate { name: name.clone(), time_s, values }),
-            }
-        }
-    }
-    all.retain(|one| one.values.windows(2).any(|pair| pair[0] != pair[1]));
-    all
 }
 
 /// Rms of |b| − F about its mean, with the calibration as it was stated.

@@ -1,7 +1,6 @@
 //! Sensors whose field hardly turns beside a scalar magnetometer: see `explain::magnitude`.
 
 use common::{Document, Quantity};
-use explain::Covariate;
 use explain::magnitude::Readings;
 use physics::Unit;
 
@@ -34,7 +33,8 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
         rows.b.iter().zip(&rows.scalar).map(|(b, scalar)| scalar - b[0].hypot(b[1]).hypot(b[2])).collect();
     let level = estimate::stats::mean(&as_it_came);
     let as_it_came: Vec<f64> = as_it_came.iter().map(|left| left - level).collect();
-    let covariates = covariates(&observed);
+    let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
+    let covariates = super::covariates(document, &recordings);
     let found = rows.level();
     let pair = rows.pair(&found, covariates);
     let of = explain::pair::pair(&pair, told)?;
@@ -47,7 +47,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
             .into(),
     );
     Ok(Some(Compared {
-        recordings: observed.runs.iter().map(|run| run.recording.id.clone()).collect(),
+        recordings,
         channels: vec![("reference_nt".into(), None)],
         what: "the scalar magnetometer beside the sensors",
         as_it_came: vec![rms(&as_it_came)],
@@ -71,33 +71,4 @@ fn readings(observed: &Observed<'_>) -> Readings {
         all.scalar.extend(&channel.readings);
     }
     all.sorted()
-}
-
-/// What was recorded beside on the campaign's clock.
-fn covariates(observed: &Observed<'_>) -> Vec<Covariate> {
-    let mut all: Vec<Covariate> = Vec::new();
-    for run in &observed.runs {
-        let Some(time) = run.time_s else { continue };
-        let clock = run.setting.context.clock_s;
-        let beside = |name: &&String| {
-            !name.starts_with("time_") && !name.ends_with("_nt") && !name.starts_with("sensor_x_v")
-        };
-        for name in run.recording.columns.keys().filter(beside) {
-            let Some(values) = run.recording.column(name) else { continue };
-            if ["sensor_x_v", "sensor_y_v", "sensor_z_v"].contains(&name.as_str()) {
-                continue;
-            }
-            let known = time.iter().zip(values).filter(|(_, value)| value.is_finite());
-            let (time_s, values): (Vec<f64>, Vec<f64>) = known.map(|(t, value)| (t + clock, *value)).unzip();
-            match all.iter_mut().find(|have| have.name == *name && have.time_s.last() < time_s.first()) {
-                Some(have) => {
-                    have.time_s.extend(time_s);
-                    have.values.extend(values);
-                }
-                None => all.push(Covariate { name: name.clone(), time_s, values }),
-            }
-        }
-    }
-    all.retain(|one| one.values.windows(2).any(|pair| pair[0] != pair[1]));
-    all
 }

@@ -1,7 +1,6 @@
 //! Two magnetometers side by side.
 
 use common::{Axis, Document};
-use explain::Covariate;
 use explain::pair::Pair;
 
 use super::{Compared, rms};
@@ -10,10 +9,7 @@ use crate::Error;
 /// Explains the difference of the instruments of a document's differential recordings.
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Error> {
     let read = joined::read(document)?;
-    let covariates: Vec<Covariate> = joined::beside(document, &read)
-        .into_iter()
-        .map(|one| Covariate { name: one.name, time_s: one.time_s, values: one.values })
-        .collect();
+    let covariates = super::covariates(document, &read.recordings);
     let pair = Pair {
         first_s: read.first_s,
         step_s: read.step_s,

@@ -39,7 +39,7 @@ pub struct Recorded {
 impl Recorded {
     /// Of the recordings of a document that make the pair.
     pub fn of(document: &Document, pair: &Pair) -> Result<Self, Error> {
-        let covariates: Vec<Covariate> = joined::beside(document, pair)
+        let covariates: Vec<Covariate> = joined::beside(document, &pair.recordings)
             .into_iter()
             .map(|one| Covariate { name: one.name, time_s: one.time_s, values: one.values })
             .collect();
