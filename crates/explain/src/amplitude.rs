@@ -173,8 +173,8 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
         let plain = |columns: &[usize]| {
             scaled(Fit::of(&made[0].gram, y, columns).rest(&stack.columns, &stack.columns[y]))
         };
-        let first_step = stack.base.len() - problem.steps.len();
-        fitted.before.push(plain(&stack.base[..first_step]));
+        let first_step = stack.plain.len() - problem.steps.len();
+        fitted.before.push(plain(&stack.plain[..first_step]));
         fitted.after.push(plain(columns));
         for (of, candidate) in fitted.contributions.iter_mut().zip(&stack.candidates) {
             let mut sum = vec![0.0; problem.rows()];

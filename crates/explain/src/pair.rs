@@ -192,17 +192,16 @@ impl Pair {
     fn problem(&self, late: Late) -> (Problem, Vec<usize>) {
         let moved = self.reference_at(late, 0.0);
         let aside = [ASIDE, -ASIDE].map(|by| self.reference_at(late, by));
-        let ready = |row: &usize| {
-            self.whole[*row]
-                && [&moved, &aside[0], &aside[1]].into_iter().flatten().all(|column| column[*row].is_finite())
-        };
+        let ready = |row: &usize| self.whole[*row] && moved.iter().all(|column| column[*row].is_finite());
         let rows: Vec<usize> = (0..self.whole.len()).filter(ready).collect();
         let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
         let base: Vec<Vec<f64>> = moved.iter().map(|column| at(column)).collect();
         let channels: Vec<Vec<f64>> = self.test.iter().map(|column| at(column)).collect();
         let slope = |axis: usize| -> Vec<f64> {
-            let over = 2.0 * ASIDE * self.step_s;
-            rows.iter().map(|row| (aside[0][axis][*row] - aside[1][axis][*row]) / over).collect()
+            let rise =
+                |row: &usize| (aside[0][axis][*row] - aside[1][axis][*row]) / (2.0 * ASIDE * self.step_s);
+            // Beside a gap nothing is known of the rate.
+            rows.iter().map(rise).map(|slope| if slope.is_finite() { slope } else { 0.0 }).collect()
         };
         let slopes = [0, 1, 2].map(slope);
         let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();

@@ -4,6 +4,7 @@ mod ambiguous;
 mod bad_input;
 mod behind_scalarcal;
 mod bench;
+mod beside;
 mod clean;
 mod coverage;
 mod dependence;

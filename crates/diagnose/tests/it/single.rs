@@ -154,24 +154,6 @@ pub fn cases() -> Vec<(Scene, Value)> {
             ),
         ),
         (
-            Scene::Pair,
-            all(
-                "induction_difference",
-                json!({"zx_ppm": 9000.0, "zy_ppm": 5000.0, "xx_ppm": 1000.0, "time_constant_s": 900.0}),
-            ),
-        ),
-        (
-            Scene::Pair,
-            all(
-                "pillar_tilt",
-                json!({"about_x_arcsec_per_k": 1.0, "about_y_arcsec_per_k": -0.6, "lag_s": 9000.0}),
-            ),
-        ),
-        (
-            Scene::Pair,
-            all("pillar_settling", json!({"about_x_arcsec_per_day": 5.0, "about_y_arcsec_per_day": 3.0})),
-        ),
-        (
             Scene::Runs,
             one(
                 "offset_temperature_inflection",

@@ -1,0 +1,180 @@
+//! Pairs and variometers beside a scalar magnetometer, each with one cause that least squares finds at once.
+
+use common::{Diagnosis, Document, Quantity, Verdict};
+use diagnose::Options;
+use noise::Stream;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+
+const ROWS: usize = 1440;
+const STEP_S: f64 = 60.0;
+
+/// A pair for two days of minutes: the field wanders, the test instrument has further contributions.
+struct Pair {
+    stream: Stream,
+    field: Vec<[f64; 3]>,
+}
+
+impl Pair {
+    fn new(seed: u64) -> Self {
+        let mut stream = Stream::new(seed, "beside");
+        let mut walk = [0.0; 3];
+        let field = (0..ROWS)
+            .map(|row| {
+                walk = walk.map(|value| value + 0.2 * stream.normal());
+                let day = |phase: f64| (TAU * row as f64 / 1440.0 + phase).sin();
+                [
+                    20_500.0 + 25.0 * day(0.0) + walk[0],
+                    1500.0 + 15.0 * day(1.0) + walk[1],
+                    44_000.0 + 10.0 * day(2.0) + walk[2],
+                ]
+            })
+            .collect();
+        Self { stream, field }
+    }
+
+    /// On and off, 40 rows each and a few more.
+    fn switched(&self) -> Vec<f64> {
+        (0..ROWS).map(|row| f64::from(u8::from((row / 37 + row / 101) % 2 == 0))).collect()
+    }
+
+    fn document(
+        mut self,
+        columns: &[(&str, Vec<f64>)],
+        added: impl Fn(usize) -> [f64; 3],
+        noise_nt: [f64; 2],
+    ) -> Document {
+        let mut all = json!({"time_s": (0..ROWS).map(|row| STEP_S * row as f64).collect::<Vec<_>>()});
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let reference: Vec<f64> =
+                self.field.iter().map(|b| b[axis] + noise_nt[0] * self.stream.normal()).collect();
+            let turned = |b: &[f64; 3]| 1.001 * b[axis] + 0.004 * b[(axis + 1) % 3];
+            let test: Vec<f64> = self
+                .field
+                .iter()
+                .enumerate()
+                .map(|(row, b)| turned(b) + 12.0 + added(row)[axis] + noise_nt[1] * self.stream.normal())
+                .collect();
+            all[format!("reference_{name}_nt")] = json!(reference);
+            all[format!("test_{name}_nt")] = json!(test);
+        }
+        for (name, values) in columns {
+            all[*name] = json!(values);
+        }
+        parsed(
+            json!({"fluxcal": 1, "recordings": [{"id": "pair", "procedure": "differential", "columns": all}]}),
+        )
+    }
+}
+
+fn parsed(document: Value) -> Document {
+    Document::parse(&document.to_string()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn entry(document: Document) -> Diagnosis {
+    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+    found.diagnosis.expect("a diagnosis").remove(0)
+}
+
+fn names(entry: &Diagnosis) -> Vec<(&str, Option<&str>)> {
+    entry.effects.iter().map(|effect| (effect.effect.as_str(), effect.column.as_deref())).collect()
+}
+
+fn near(quantity: &Quantity, truth: f64) {
+    let std = quantity.std().expect("an uncertainty");
+    assert!((quantity.value() - truth).abs() < 4.0 * std && std < 0.05, "{quantity} for {truth}");
+}
+
+#[test]
+fn a_load_that_is_switched_is_no_step() {
+    let pair = Pair::new(1);
+    let load: Vec<f64> = pair.switched().iter().map(|on| 2.0 * on).collect();
+    let felt = load.clone();
+    let found = entry(pair.document(
+        &[("load_current_a", load)],
+        |row| [3.0, -1.0, 2.0].map(|size| size * felt[row]),
+        [0.05, 0.1],
+    ));
+    assert_eq!(names(&found), [("stray_current", Some("load_current_a"))], "{}", found.answer);
+    assert_eq!(found.verdict, Verdict::Explained, "{}", found.answer);
+    for (name, truth) in [("x_nt_per_a", 3.0), ("y_nt_per_a", -1.0), ("z_nt_per_a", 2.0)] {
+        near(&found.effects[0].parameters[name], truth);
+    }
+    let fit = found.fit.expect("a fit");
+    assert!(fit.rms_after_nt < 0.12 && fit.rms_refitted_nt > 1.0, "{fit:?}");
+    // The rivals are told, and do not win.
+    assert!(fit.plain.iter().all(|plain| fit.held_out_after_nt < 1.05 * plain.held_out_nt), "{fit:?}");
+}
+
+#[test]
+fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
+    let pair = Pair::new(2);
+    let acts = pair.switched();
+    let mut logged = acts.clone();
+    logged.rotate_left(1);
+    let found = entry(pair.document(
+        &[("relay_v", logged)],
+        |row| [2.0 * acts[row] + if row < 800 { 0.0 } else { 1.5 }, 0.0, -1.0 * acts[row]],
+        [0.05, 0.1],
+    ));
+    assert_eq!(names(&found), [("dependence", Some("relay_v")), ("reading_step", None)], "{}", found.answer);
+    let [relay, step] = &found.effects[..] else { panic!("two effects") };
+    assert_eq!(relay.parameters["late_rows"].value(), -1.0, "{}", found.answer);
+    near(&relay.parameters["x_nt_per_v"], 2.0);
+    near(&step.parameters["x_height_nt"], 1.5);
+    assert_eq!(step.parameters["time_s"].value(), 800.0 * STEP_S);
+}
+
+#[test]
+fn noise_of_the_reference_is_no_name() {
+    for (seed, reference_nt) in [(3, 0.05), (4, 0.1), (5, 0.3), (6, 1.0)] {
+        let pair = Pair::new(seed);
+        let load = pair.switched();
+        let day: Vec<f64> = (0..ROWS).map(|row| 20.0 + 5.0 * (TAU * row as f64 / 1440.0).sin()).collect();
+        let found = entry(pair.document(
+            &[("load_current_a", load), ("test_temperature_c", day)],
+            |_| [0.0; 3],
+            [reference_nt, 0.1],
+        ));
+        assert_eq!(found.verdict, Verdict::Agrees, "{reference_nt}: {}", found.answer);
+    }
+}
+
+#[test]
+fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
+    for coefficient in [0.0, 0.08] {
+        let pair = Pair::new(7);
+        let Pair { mut stream, field } = pair;
+        let main = [20_500.0, 1500.0, 44_000.0];
+        let heat = |row: usize| 3.0 * (TAU * row as f64 / 1000.0).sin();
+        let mut columns = json!({
+            "time_s": (0..ROWS).map(|row| STEP_S * row as f64).collect::<Vec<_>>(),
+            "sensor_temperature_c": (0..ROWS).map(|row| 20.0 + heat(row)).collect::<Vec<_>>(),
+        });
+        let scalar: Vec<f64> = field
+            .iter()
+            .map(|b| b.iter().map(|b| b * b).sum::<f64>().sqrt() + 0.015 * stream.normal())
+            .collect();
+        columns["reference_nt"] = json!(scalar);
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let read = |(row, b): (usize, &[f64; 3])| {
+                let own = if axis == 2 { coefficient * heat(row) } else { 0.0 };
+                b[axis] - main[axis] + 300.0 + own + 0.01 * stream.normal()
+            };
+            columns[format!("sensor_{name}_nt")] =
+                json!(field.iter().enumerate().map(read).collect::<Vec<_>>());
+        }
+        let document =
+            json!({"fluxcal": 1, "recordings": [{"id": "hut", "procedure": "free_run", "columns": columns}]});
+        let found = entry(parsed(document));
+        if coefficient == 0.0 {
+            assert_eq!(found.verdict, Verdict::Agrees, "{}", found.answer);
+        } else {
+            assert_eq!(names(&found), [("dependence", Some("sensor_temperature_c"))], "{}", found.answer);
+            let size = main.iter().map(|b: &f64| b * b).sum::<f64>().sqrt();
+            near(&found.effects[0].parameters["along_field_nt_per_k"], -coefficient * main[2] / size);
+        }
+        let fit = found.fit.expect("a fit");
+        assert!(fit.rms_after_nt < 0.021, "{fit:?}");
+    }
+}
