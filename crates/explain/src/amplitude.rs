@@ -78,7 +78,8 @@ impl Fitted {
     /// The same without those of a cause, with what is known of each besides.
     pub fn columns_of(&self, channel: usize, without: Option<usize>) -> (Vec<&[f64]>, Vec<f64>) {
         let out = without.map_or(&[][..], |number| &self.stack.candidates[number].columns[channel]);
-        let slopes = without.and_then(|number| self.slopes[number].clone()).unwrap_or_default();
+        // A time constant is held: its derivative would follow what is left far from the rows that show it.
+        let slopes: Vec<usize> = self.slopes.iter().flatten().flatten().copied().collect();
         let kept = |column: &&usize| !out.contains(column) && !slopes.contains(column);
         let known = |column: &usize| {
             self.stack.known.iter().find(|(place, _)| place == column).map_or(0.0, |of| of.1)
