@@ -5,10 +5,11 @@
 //!
 //! Source: P. de Jong and J. Penzer, Diagnosing shocks in time series, J. Am. Stat. Assoc. 93 (1998) 796–806.
 
-use estimate::positive::Positive;
 use estimate::{Error, stats};
 use faer::Mat;
 use noise::Whitening;
+
+use crate::fit::Fit;
 
 /// ln of the odds against an event before the readings are looked at, beside those of the row.
 const AGAINST: f64 = 5.0;
@@ -55,7 +56,7 @@ impl Scores {
         let gram = Mat::from_fn(columns.len(), columns.len(), |i, j| {
             columns[i].iter().zip(left.columns[j]).map(|(a, b)| a * b).sum()
         });
-        let inverse = Positive::of(&gram)?.inverse;
+        let known = Fit::of(&gram, 0, &(0..columns.len()).collect::<Vec<_>>());
         let response = steps(left.filter, rows);
         let (mut sum, mut along) = (0.0, vec![0.0; columns.len()]);
         let mut step = vec![0.0; rows];
@@ -63,8 +64,9 @@ impl Scores {
             sum += scores[row];
             along.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[row]);
             let all = response[rows - row];
-            let others: f64 = (0..along.len())
-                .map(|i| (0..along.len()).map(|j| along[i] * inverse[(i, j)] * along[j]).sum::<f64>())
+            let others: f64 = (0..known.columns.len())
+                .flat_map(|i| (0..known.columns.len()).map(move |j| (i, j)))
+                .map(|(i, j)| along[known.columns[i]] * known.inverse[(i, j)] * along[known.columns[j]])
                 .sum();
             let information = all - others;
             if information > TELLS * all {
@@ -75,7 +77,7 @@ impl Scores {
         let over = |squares: Vec<f64>, whole: f64| -> Vec<f64> {
             squares.iter().zip(&near).map(|(square, near)| square / near.max(whole)).collect()
         };
-        let whole = wider(&step[1..]);
+        let whole = wider(step.get(1..).unwrap_or_default());
         Ok(Self { spike: over(spike, 1.0), step: over(step, whole) })
     }
 }

@@ -18,6 +18,8 @@ use crate::search::AGAINST;
 
 /// What the reference is moved by to either side for its rate, in steps.
 const ASIDE: f64 = 0.2;
+/// Fewer whole rows explain nothing.
+pub const LEAST: usize = 32;
 /// Rounds of moving the reference; the clocks agree when the next move is less than this share of its
 /// uncertainty.
 const ROUNDS: usize = 8;
@@ -103,6 +105,9 @@ struct Late {
 pub fn pair(pair: &Pair, told: &dyn Fn(&str)) -> Result<OfPair, Error> {
     let mut late = Late::default();
     let (mut problem, mut rows) = pair.problem(late);
+    if rows.len() < LEAST {
+        return Err(Error::TooFew { found: rows.len(), unknowns: LEAST });
+    }
     let unmoved: Vec<f64> =
         squares(&problem).iter().map(|left| (left / problem.rows() as f64).sqrt()).collect();
     told("comparing the clocks");

@@ -43,7 +43,7 @@ impl Recorded {
             .into_iter()
             .map(|one| Covariate { name: one.name, time_s: one.time_s, values: one.values })
             .collect();
-        if covariates.is_empty() {
+        if covariates.is_empty() || pair.samples() < explain::pair::LEAST {
             return Ok(Self { columns: Vec::new(), follows: Vec::new() });
         }
         let read = explain::pair::Pair {
