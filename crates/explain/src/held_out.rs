@@ -78,6 +78,9 @@ impl Blocks {
     }
 }
 
+/// The columns that a regression of a channel chooses from the products of so many rows.
+type Choice<'a> = dyn Fn(usize, &Mat<f64>, usize) -> Vec<usize> + 'a;
+
 /// Of the candidates of a stack; what the names predict is not among it.
 pub fn held_out(stack: &Stack) -> HeldOut {
     let blocks = Blocks::of(stack);
@@ -85,7 +88,7 @@ pub fn held_out(stack: &Stack) -> HeldOut {
         let own = candidates.iter().flat_map(|one| stack.candidates[*one].columns[channel].clone());
         stack.plain.iter().copied().chain(own).collect()
     };
-    let rms = |columns: &dyn Fn(usize, &Mat<f64>, usize) -> Vec<usize>| -> Vec<f64> {
+    let rms = |columns: &Choice<'_>| -> Vec<f64> {
         (0..stack.y.len())
             .map(|channel| {
                 let y = stack.y[channel];
