@@ -114,7 +114,7 @@ fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
     logged.rotate_left(1);
     let found = entry(pair.document(
         &[("relay_v", logged)],
-        |row| [2.0 * acts[row] + if row < 800 { 0.0 } else { 1.5 }, 0.0, -1.0 * acts[row]],
+        |row| [2.0 * acts[row] + if row < 800 { 0.0 } else { 1.5 }, 0.0, -acts[row]],
         [0.05, 0.1],
     ));
     assert_eq!(names(&found), [("dependence", Some("relay_v")), ("reading_step", None)], "{}", found.answer);
