@@ -91,6 +91,7 @@ impl Document {
             }
         }
         self.undetermined = found;
+        self.calibration.iter().try_for_each(check::constants).map_err(Error::came_out)?;
         undetermined::readings(&self.recordings)
     }
 
