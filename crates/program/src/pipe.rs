@@ -15,7 +15,7 @@ use common::{Document, Error, ExitCode, HistoryEntry, Recording, Undetermined, l
 
 use crate::outline::outline;
 pub use crate::sink::{Sink, named, write};
-use crate::{apart, beside, dropped, hexadecimal, progress, readings};
+use crate::{apart, beside, dropped, hexadecimal, keys, progress, readings};
 
 /// Arguments for the document's way in and out, the same in every stage.
 #[derive(Args, Clone, Debug, Default)]
@@ -245,6 +245,9 @@ pub fn stage_or(
 ) -> Result<(), Error> {
     let StageIo { io, drop_recordings } = stage;
     let (input, mut document, input_sha256) = Input::outlined(io.file.as_deref(), command)?;
+    if !io.quiet {
+        keys::mistaken(&input.text).iter().for_each(|line| say(&format!("{}: {line}", program.name)));
+    }
     let located = |error: Error| input.locate(error);
     let before = document.undetermined.clone();
     let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
