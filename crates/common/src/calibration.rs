@@ -8,7 +8,7 @@ use crate::uncertainty::joint::Uncertainty;
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
     GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, json, parse,
-    to_text,
+    to_text, undetermined,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -72,19 +72,30 @@ impl Calibration {
 
     /// Not generic, so that the code of all these types is made in this crate alone.
     fn read(text: &str) -> Result<Self, Error> {
-        parse::at_path(text)
+        undetermined::part(text)
+    }
+
+    /// Every number is there.
+    fn determined(self) -> Result<Self, Error> {
+        match undetermined::undetermined("", &self).into_iter().next() {
+            Some(one) => {
+                Err(Error::document(one.path.trim_start_matches('.'), "null", "a number, as all of a plan"))
+            }
+            None => Ok(self),
+        }
     }
 }
 
-/// Reads a calibration that stands in another format than the document, by the code that is made for the
-/// document's: for `deserialize_with`.
+/// Reads a calibration that stands in a plan, by the code that is made for the document's: for
+/// `deserialize_with`.
 ///
 /// # Errors
 ///
-/// As of a document, below the path at which the calibration stands.
+/// As of a document, below the path at which the calibration stands; a number that is undetermined.
 pub fn calibration_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Calibration>, D::Error> {
     let text = Option::<Box<RawValue>>::deserialize(deserializer)?;
-    text.map(|text| Calibration::read(text.get()).map_err(parse::carried)).transpose()
+    let read = |text: Box<RawValue>| Calibration::read(text.get())?.determined();
+    text.map(|text| read(text).map_err(parse::carried)).transpose()
 }
 
 /// One coil: B = k I + B0, along the coil's own axis.

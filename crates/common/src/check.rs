@@ -5,15 +5,46 @@ use faer::{Mat, Scale};
 use std::collections::HashSet;
 
 use crate::number::{bare, counted};
-use crate::{AxesDirections, Axis, Calibration, Error, Quantity};
+use crate::uncertainty::{coil_constant, coil_offset, sensitivity, sensor_offset};
+use crate::{AxesDirections, Axis, Calibration, Error, Quantity, range};
 
 /// What the length of a direction may differ from one: published matrices have four digits.
 const LENGTH: f64 = 1e-3;
 /// Correlations below this are rounding: published covariances have six digits or more.
 const ROUNDING: f64 = 1e-6;
 
+/// Constants and reference temperatures are such as instruments have.
+pub(crate) fn constants(calibration: &Calibration) -> Result<(), Error> {
+    let within = |path: String, quantity: &Option<Quantity>| {
+        quantity.iter().try_for_each(|quantity| range::number(path.clone(), quantity.value()))
+    };
+    for axis in Axis::ALL {
+        if let Some(coil) = calibration.coil(axis) {
+            within(coil_constant(axis), &coil.constant_nt_per_a)?;
+            within(coil_offset(axis), &coil.offset_nt)?;
+        }
+        if let Some(sensor) = calibration.sensor(axis) {
+            within(sensitivity(axis, "v"), &sensor.sensitivity_nt_per_v)?;
+            within(sensitivity(axis, "nt"), &sensor.sensitivity_nt_per_nt)?;
+            within(sensor_offset(axis), &sensor.offset_nt)?;
+        }
+    }
+    let Some(at) = &calibration.reference_conditions else { return Ok(()) };
+    [
+        ("sensor", at.sensor_temperature_c),
+        ("electronics", at.electronics_temperature_c),
+        ("coil", at.coil_temperature_c),
+    ]
+    .into_iter()
+    .try_for_each(|(part, temperature)| {
+        let path = format!("calibration.reference_conditions.{part}_temperature_c");
+        temperature.map_or(Ok(()), |temperature| range::number(path, temperature))
+    })
+}
+
 /// Holds a calibration to all of them.
 pub(crate) fn calibration(calibration: &Calibration) -> Result<(), Error> {
+    constants(calibration)?;
     for axis in Axis::ALL {
         if let Some(coil) = calibration.coil(axis) {
             let path = format!("calibration.coils.{axis}");
@@ -188,6 +219,19 @@ mod tests {
         let said = refused(r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#);
         assert!(
             said.starts_with("calibration.axes.coils.directions.y: found a direction of length 0;"),
+            "{said}"
+        );
+    }
+
+    #[test]
+    fn constants_are_such_as_instruments_have() {
+        let said = refused(r#"{"coils": {"y": {"constant_nt_per_a": {"value": -1e31, "std": 1}}}}"#);
+        let expected = "calibration.coils.y.constant_nt_per_a: found -1e31; expected a number between −1·10⁸ and 1·10⁸; is it in \
+                        another unit?";
+        assert_eq!(said, expected);
+        let said = refused(r#"{"reference_conditions": {"coil_temperature_c": -300}}"#);
+        assert!(
+            said.starts_with("calibration.reference_conditions.coil_temperature_c: found -300;"),
             "{said}"
         );
     }

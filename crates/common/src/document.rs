@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::number::counted;
 use crate::{
     Calibration, Certificate, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording,
-    Versioned, all_finite, check, finite, parse, to_line, to_text,
+    Undetermined, Versioned, check, parse, to_line, to_text, undetermined,
 };
 
 /// One campaign: the facility, the instrument, what was recorded and what was found.
@@ -28,14 +28,17 @@ pub struct Document {
     #[serde(default)]
     pub recordings: Vec<Recording>,
     /// What the stages found.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "undetermined::read")]
     pub calibration: Option<Calibration>,
     /// Physics adopted beyond the basic model.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "undetermined::read")]
     pub model: Option<Model>,
     /// What diagnose wrote.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "undetermined::read")]
     pub diagnosis: Option<Vec<Diagnosis>>,
+    /// Numbers of `calibration`, `model` and `diagnosis` that are `null`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub undetermined: Vec<Undetermined>,
     /// What a calibration certificate states beside the results.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub certificate: Option<Box<Certificate>>,
@@ -56,12 +59,12 @@ impl Document {
         Ok(document)
     }
 
-    /// As JSON that people read, one key on a line.
+    /// As JSON that people read, one key on a line; what is undetermined of it is listed before.
     ///
     /// # Errors
     ///
-    /// A number of the result that is not finite, with its path; a reading that no instrument can give.
-    pub fn to_text(&self) -> Result<String, Error> {
+    /// A reading that no instrument can give.
+    pub fn to_text(&mut self) -> Result<String, Error> {
         self.check_numbers()?;
         Ok(to_text(self))
     }
@@ -71,18 +74,25 @@ impl Document {
     /// # Errors
     ///
     /// As [`Self::to_text`].
-    pub fn to_line(&self) -> Result<String, Error> {
+    pub fn to_line(&mut self) -> Result<String, Error> {
         self.check_numbers()?;
         Ok(to_line(self))
     }
 
-    /// The recordings, where a missing reading is none, are held to what instruments can give.
-    fn check_numbers(&self) -> Result<(), Error> {
-        let Document { calibration, model, diagnosis, .. } = self;
-        all_finite("calibration", calibration)?;
-        all_finite("model", model)?;
-        all_finite("diagnosis", diagnosis)?;
-        finite::readings(&self.recordings)
+    /// What is undetermined is listed; a reason that was given before stays. The recordings, where a missing
+    /// reading is none, are held to what instruments can give.
+    fn check_numbers(&mut self) -> Result<(), Error> {
+        let mut found = undetermined::undetermined("calibration", &self.calibration);
+        found.extend(undetermined::undetermined("model", &self.model));
+        found.extend(undetermined::undetermined("diagnosis", &self.diagnosis));
+        for one in &mut found {
+            if let Some(before) = self.undetermined.iter().find(|before| before.path == one.path) {
+                *one = before.clone();
+            }
+        }
+        self.undetermined = found;
+        self.calibration.iter().try_for_each(check::constants).map_err(Error::came_out)?;
+        undetermined::readings(&self.recordings)
     }
 
     /// Ids are unique, the columns of a recording have one length, `start` is a moment, every reading is one

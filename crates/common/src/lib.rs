@@ -10,9 +10,9 @@
 //! out as `1.0`.
 //!
 //! What every stage must respect is checked here: `check` (directions, sensitivities, covariances), `range`
-//! (readings that no instrument gives) and `finite` (a document with a number that is not finite is not
-//! written; the number is located in the debug text of the types, which names all fields without a second
-//! serializer). Errors carry a JSON path; `program` adds file and line. `number` alone decides how digits and
+//! (readings that no instrument gives) and `undetermined` (a number of a result that is not finite is written
+//! as `null` and listed with its reason; it is located in the debug text of the types, which names all fields
+//! without a second serializer). Errors carry a JSON path; `program` adds file and line. `number` alone decides how digits and
 //! plurals are written in messages, tables of reports and errors.
 //!
 //! The document is read and written with serde in this crate alone ([`Document::parse`], `to_text`,
@@ -32,7 +32,6 @@ mod diagnosis;
 mod differential;
 mod document;
 mod facility;
-mod finite;
 mod history;
 mod instrument;
 mod json;
@@ -54,6 +53,7 @@ mod sensor_offset;
 pub mod series;
 pub mod time;
 pub mod uncertainty;
+mod undetermined;
 pub mod unit;
 
 pub use axes::{
@@ -88,7 +88,6 @@ pub use differential::{
 pub use document::Document;
 pub use errors::{Error, ExitCode, Told};
 pub use facility::{Coil, Facility, Voltmeter};
-pub use finite::all_finite;
 pub use history::HistoryEntry;
 pub use instrument::{Instrument, Noise, NoiseOfSensors};
 pub use json::{to_line, to_text};
@@ -115,6 +114,7 @@ pub use sensor_offset::{
 };
 
 pub use uncertainty::Uncertainty;
+pub use undetermined::{Undetermined, all_finite};
 
 /// Keys that this version does not know. They are kept and written on as they were.
 pub type Extra = serde_json::Map<String, serde_json::Value>;

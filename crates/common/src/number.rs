@@ -11,7 +11,7 @@ pub fn bare(value: f64) -> String {
 /// A number to so many significant digits.
 pub fn figures(value: f64, digits: usize) -> String {
     if !value.is_finite() {
-        return missing(value).into();
+        return UNDETERMINED.into();
     }
     if value == 0.0 {
         return "0".into();
@@ -36,10 +36,10 @@ pub fn significant(value: f64, digits: usize) -> String {
 /// A value with its standard uncertainty: that to two figures, the value to the same decimal.
 pub fn uncertain(value: f64, std: f64) -> String {
     if !value.is_finite() {
-        return missing(value).into();
+        return UNDETERMINED.into();
     }
     if !std.is_finite() {
-        return format!("{}, uncertainty {}", bare(value), missing(std));
+        return format!("{}, uncertainty {UNDETERMINED}", bare(value));
     }
     if std <= 0.0 {
         return format!("{} ± 0", bare(value));
@@ -95,6 +95,8 @@ pub fn duration(seconds: f64) -> String {
 }
 
 const LEAST_PROBABILITY: f64 = 1e-300;
+/// In place of a number that is not finite.
+const UNDETERMINED: &str = "undetermined";
 
 /// `1 reading`, `2 readings`.
 pub fn counted(count: usize, of: &str) -> String {
@@ -109,7 +111,7 @@ pub fn plural<'a>(count: usize, one: &'a str, more: &'a str) -> &'a str {
 /// A number to so many decimals; below zero they count tens, hundreds, ….
 pub fn fixed(value: f64, decimals: i32) -> String {
     if !value.is_finite() {
-        return missing(value).into();
+        return UNDETERMINED.into();
     }
     let text = if decimals >= 0 {
         format!("{value:.*}", decimals as usize)
@@ -161,10 +163,6 @@ pub fn superscript(number: i32) -> String {
     number.to_string().chars().map(raised).collect()
 }
 
-fn missing(value: f64) -> &'static str {
-    if value.is_nan() { "missing" } else { "not finite" }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -189,7 +187,7 @@ mod tests {
         assert_eq!(with_sign(0.0004, 0.0996), "0.00 ± 0.10");
         assert_eq!(with_sign(1.84655e-7, 1.1328e-7), "(+1.8 ± 1.1)·10⁻⁷");
         assert_eq!(with_sign(-1.84655e-7, 1.1328e-7), "(−1.8 ± 1.1)·10⁻⁷");
-        assert_eq!(with_sign(f64::NAN, 1.0), "missing");
+        assert_eq!(with_sign(f64::NAN, 1.0), "undetermined");
         assert_eq!((signed(&bare(2.5)), signed(&bare(0.0))), ("+2.5".into(), "0".into()));
     }
 
@@ -201,7 +199,7 @@ mod tests {
         assert_eq!(vector(direction, 20.0 * arcsec), "(+0.999750, −0.010002, 0.000000)");
         assert_eq!(as_known(89.9912345, 0.43 * arcsec.to_degrees()), "89.99123");
         assert_eq!(vector([1.0, 0.0, -0.5], 0.0), "(+1, 0, −0.5)");
-        assert_eq!(vector([12345.0, 0.0, f64::NAN], 1234.0), "(+12300, 0, missing)");
+        assert_eq!(vector([12345.0, 0.0, f64::NAN], 1234.0), "(+12300, 0, undetermined)");
     }
 
     #[test]
@@ -224,10 +222,10 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said() {
-        assert_eq!(uncertain(f64::NAN, 1.0), "missing");
-        assert_eq!(uncertain(2.5, f64::INFINITY), "2.5, uncertainty not finite");
+        assert_eq!(uncertain(f64::NAN, 1.0), "undetermined");
+        assert_eq!(uncertain(2.5, f64::INFINITY), "2.5, uncertainty undetermined");
         assert_eq!(uncertain(2.5, 0.0), "2.5 ± 0");
-        assert_eq!(bare(f64::NEG_INFINITY), "not finite");
+        assert_eq!(bare(f64::NEG_INFINITY), "undetermined");
     }
 
     #[test]

@@ -111,7 +111,7 @@ pub(crate) fn carried<E: de::Error>(error: Error) -> E {
 }
 
 /// serde's error as a sentence with its path.
-fn explain(source: &str, path: &str, error: &serde_json::Error) -> Error {
+pub(crate) fn explain(source: &str, path: &str, error: &serde_json::Error) -> Error {
     let text = error.to_string();
     let (line, column) = (error.line(), error.column());
     let message = text.split(" at line ").next().unwrap_or(&text).to_string();

@@ -15,38 +15,33 @@ pub type Matrix3x3 = [[f64; 3]; 3];
 #[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number that is not negative}")]
 pub enum Quantity {
     /// `41234.5`
-    Bare(f64),
+    Bare(#[serde(deserialize_with = "number_or_null")] f64),
     /// `{"value": 41234.5, "std": 0.3}`
     Stated {
         /// The estimate.
+        #[serde(deserialize_with = "number_or_null")]
         value: f64,
         /// Its standard uncertainty (one sigma), in the same unit.
-        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "spread_or_null")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         std: Option<f64>,
         /// Factor from the standard uncertainty to a 95 % interval, where a program has estimated the value.
-        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "spread_or_null")]
         #[cfg_attr(feature = "schema", schemars(range(min = 0.0)))]
         coverage_factor_95: Option<f64>,
         /// The 95 % interval, where it is not as far to either side: of time constants and levels that are
         /// known roughly.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "ends_or_null")]
         interval_95: Option<[f64; 2]>,
         /// Whether the standard uncertainty is a lower bound: intervals made of it hold less often than they
         /// say.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         at_least: bool,
-        /// Why the uncertainty, or an end of the interval, has no number.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        undetermined: Option<String>,
         /// Keys that this version does not know.
         #[serde(flatten)]
         extra: Extra,
     },
 }
-
-/// Why a number is not there.
-const UNDETERMINED: &str = "the recordings do not determine it";
 
 impl Default for Quantity {
     fn default() -> Self {
@@ -55,15 +50,14 @@ impl Default for Quantity {
 }
 
 impl Quantity {
-    /// A value with a standard uncertainty; one that is not finite is undetermined.
+    /// A value with a standard uncertainty.
     pub fn new(value: f64, std: f64) -> Self {
         Quantity::Stated {
             value,
-            std: Some(std).filter(|std| std.is_finite()),
+            std: Some(std),
             coverage_factor_95: None,
             interval_95: None,
             at_least: false,
-            undetermined: (!std.is_finite()).then(|| UNDETERMINED.into()),
             extra: Extra::new(),
         }
     }
@@ -77,22 +71,13 @@ impl Quantity {
         self
     }
 
-    /// The same with its 95 % interval; one that has no end is undetermined.
+    /// The same with its 95 % interval.
     #[must_use]
     pub fn within(mut self, interval: [f64; 2]) -> Self {
-        if let Quantity::Stated { interval_95, undetermined, .. } = &mut self {
-            if interval.iter().all(|end| end.is_finite()) {
-                *interval_95 = Some(interval);
-            } else {
-                *undetermined = Some(UNDETERMINED.into());
-            }
+        if let Quantity::Stated { interval_95, .. } = &mut self {
+            *interval_95 = Some(interval);
         }
         self
-    }
-
-    /// Whether the recordings do not determine its uncertainty.
-    pub fn is_undetermined(&self) -> bool {
-        matches!(self, Quantity::Stated { undetermined: Some(_), .. })
     }
 
     /// The same with an uncertainty that is a lower bound.
@@ -158,13 +143,7 @@ impl fmt::Display for Quantity {
             Some(std) => number::uncertain(self.value(), std),
         };
         f.write_str(&if f.sign_plus() { number::signed(&text) } else { text })?;
-        if self.is_undetermined() {
-            f.write_str(" (uncertainty undetermined)")
-        } else if self.is_at_least() {
-            f.write_str(" (at least)")
-        } else {
-            Ok(())
-        }
+        if self.is_at_least() { f.write_str(" (at least)") } else { Ok(()) }
     }
 }
 
@@ -174,7 +153,7 @@ impl fmt::Display for Quantity {
 #[serde(untagged, expecting = "a number, or an object with one number for each of x, y, z")]
 pub enum OneOrEach {
     /// The same for all.
-    One(f64),
+    One(#[serde(deserialize_with = "number_or_null")] f64),
     /// One for each axis.
     Each(PerAxis<f64>),
 }
@@ -199,6 +178,22 @@ pub(crate) fn not_negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result
     }
 }
 
+/// Reads a number that is undetermined where it is `null`.
+fn number_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+/// The same of one that is not negative.
+fn spread_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+    Ok(not_negative(deserializer)?.or(Some(f64::NAN)))
+}
+
+/// The same of the ends of an interval.
+fn ends_or_null<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f64; 2]>, D::Error> {
+    let ends = Option::<[Option<f64>; 2]>::deserialize(deserializer)?;
+    Ok(ends.map(|ends| ends.map(|end| end.unwrap_or(f64::NAN))))
+}
+
 #[cfg(test)]
 mod tests {
     use super::Quantity;
@@ -211,11 +206,7 @@ mod tests {
             ("0.3085 ± 0.0043".into(), "+0.3085 ± 0.0043".into())
         );
         assert_eq!(stated.at_least().to_string(), "0.3085 ± 0.0043 (at least)");
-        let open = Quantity::new(2.5, f64::NAN);
-        assert_eq!((open.std(), open.to_string()), (None, "2.5 (uncertainty undetermined)".into()));
-        let text =
-            serde_json::to_string(&Quantity::new(60.0, 9.0).within([2.0, f64::INFINITY])).expect("text");
-        assert_eq!(text, r#"{"value":60.0,"std":9.0,"undetermined":"the recordings do not determine it"}"#);
+        assert_eq!(Quantity::new(2.5, f64::NAN).to_string(), "2.5, uncertainty undetermined");
         assert_eq!(
             (Quantity::Bare(-2.5).to_string(), Quantity::new(2.5, 0.0).to_string()),
             ("−2.5".into(), "2.5".into())

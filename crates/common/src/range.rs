@@ -3,11 +3,19 @@
 use crate::Error;
 use crate::number::{bare, quoted};
 
-/// The unit at the end of a column's name, with the lowest and the highest value that a reading in it may
-/// have. The strongest steady magnets make 45 T; a magnetometer of 1 T has little to do with the field of the
-/// Earth.
-const BOUNDS: [(&str, [f64; 2]); 4] =
-    [("_nt", [-1e9, 1e9]), ("_v", [-1e6, 1e6]), ("_a", [-1e6, 1e6]), ("_c", [-273.15, 1e4])];
+/// How names of columns, conditions and constants end, with the lowest and the highest value: constants of an
+/// instrument by name, all else by its unit. The strongest steady magnets make 45 T; a magnetometer of 1 T has
+/// little to do with the field of the Earth, nor has a coil of 0.1 T/A.
+const BOUNDS: [(&str, [f64; 2]); 8] = [
+    ("constant_nt_per_a", [-1e8, 1e8]),
+    ("sensitivity_nt_per_v", [-1e9, 1e9]),
+    ("sensitivity_nt_per_nt", [-1e6, 1e6]),
+    ("offset_nt", [-1e7, 1e7]),
+    ("_nt", [-1e9, 1e9]),
+    ("_v", [-1e6, 1e6]),
+    ("_a", [-1e6, 1e6]),
+    ("_c", [-273.15, 1e4]),
+];
 
 /// The range of a proton magnetometer, the scalar reference where the facility states no range, nT (NASA).
 pub const SCALAR_NT: [f64; 2] = [20_000.0, 60_000.0];
@@ -19,6 +27,20 @@ pub const SCALAR_MARGIN: f64 = 0.005;
 /// where that is none of these.
 pub fn bounds(column: &str) -> [f64; 2] {
     BOUNDS.iter().find(|(unit, _)| column.ends_with(unit)).map_or([f64::MIN, f64::MAX], |(_, bounds)| *bounds)
+}
+
+/// A number of a document, which may be undetermined, by the key at the end of its path.
+///
+/// # Errors
+///
+/// A number that no instrument has.
+pub(crate) fn number(path: String, value: f64) -> Result<(), Error> {
+    let [low, high] = bounds(&path);
+    if value < low || value > high {
+        let expected = format!("a number between {} and {}; is it in another unit?", bare(low), bare(high));
+        return Err(Error::document(path, quoted(value), expected));
+    }
+    Ok(())
 }
 
 /// The first row whose value no instrument reads. A missing reading is none.

@@ -133,11 +133,12 @@ impl Recording {
         }
     }
 
-    /// Every reading is one that an instrument can give, and times do not run backwards.
+    /// Every reading is one that an instrument can give, also one that holds throughout, and times do not run
+    /// backwards.
     ///
     /// # Errors
     ///
-    /// The column and the row of one that none can; the row in which a time is before another.
+    /// The column and the row of one that none can, or the condition; the row in which a time is before another.
     pub fn check(&self, path: &str) -> Result<(), Error> {
         for (name, column) in &self.columns {
             let [low, high] = range::bounds(name);
@@ -151,6 +152,11 @@ impl Recording {
                         bare(high)
                     ),
                 ));
+            }
+        }
+        for (name, value) in &self.conditions.extra {
+            if let Some(value) = value.as_f64() {
+                range::number(format!("{path}.conditions.{name}"), value)?;
             }
         }
         self.check_times(path)

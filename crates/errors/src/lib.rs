@@ -88,6 +88,16 @@ impl Error {
         }
     }
 
+    /// Of a document that was to be written: the readings gave such a number.
+    pub fn came_out(self) -> Self {
+        match self {
+            Error::Document { path, found, .. } => Error::Unanswerable(format!(
+                "{path} came out as {found}, which no instrument has: the recordings do not determine it. Nothing was written"
+            )),
+            error => error,
+        }
+    }
+
     /// The error with other words for a fit that failed, given why.
     pub fn of_fit(self, words: impl FnOnce(&str) -> String) -> Self {
         match self {

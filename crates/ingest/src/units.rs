@@ -1,4 +1,4 @@
-//! Units that files are written in, and those that the document's column names end in.
+//! Units that files are written in.
 
 /// Ratio and offset: `value × factor + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,6 +24,7 @@ enum QuantityKind {
     Power,
     Percent,
     Counts,
+    Moment,
 }
 
 /// A unit: what it measures, how many of its kind's first unit it is, and where its zero lies in that.
@@ -33,7 +34,7 @@ type Unit = (QuantityKind, f64, f64);
 const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 
 /// Units of files as people write them. Letters count: mT is not MT, and G (gauss) not g.
-const UNITS: [(&str, Unit); 65] = [
+const UNITS: [(&str, Unit); 66] = [
     ("nT", (QuantityKind::Field, 1.0, 0.0)),
     ("T", (QuantityKind::Field, 1e9, 0.0)),
     ("mT", (QuantityKind::Field, 1e6, 0.0)),
@@ -99,36 +100,17 @@ const UNITS: [(&str, Unit); 65] = [
     ("%", (QuantityKind::Percent, 1.0, 0.0)),
     ("pct", (QuantityKind::Percent, 1.0, 0.0)),
     ("counts", (QuantityKind::Counts, 1.0, 0.0)),
-];
-
-/// The unit that a column name of the document ends in, as [`UNITS`] writes it.
-const ENDINGS: [(&str, &str); 16] = [
-    ("s", "s"),
-    ("a", "A"),
-    ("v", "V"),
-    ("nt", "nT"),
-    ("c", "C"),
-    ("k", "K"),
-    ("hz", "Hz"),
-    ("rad", "rad"),
-    ("deg", "deg"),
-    ("arcsec", "arcsec"),
-    ("m", "m"),
-    ("pa", "Pa"),
-    ("percent", "percent"),
-    ("ohm", "ohm"),
-    ("w", "W"),
-    ("counts", "counts"),
+    ("am2", (QuantityKind::Moment, 1.0, 0.0)),
 ];
 
 /// What a mapping may say, for messages.
 pub const KNOWN: &str = "T, mT, uT (µT), nT, pT, G, mG, counts (with \"scale\"), V, mV, A, mA, C, K, F, deg, arcmin, arcsec, rad, \
-                         mrad, m, cm, mm, Pa, hPa, mbar, Hz, s, ms, ohm, W, percent";
+                         mrad, m, cm, mm, Pa, hPa, mbar, Hz, s, ms, ohm, W, A m², percent";
 
-/// A unit without blanks, µ and Ω in one spelling.
+/// A unit without blanks, µ, Ω and A m² in one spelling.
 fn plain(name: &str) -> String {
     let close: String = name.chars().filter(|letter| !letter.is_whitespace()).collect();
-    close.replace(['µ', 'μ'], "u").replace(['Ω', 'Ω'], "ohm")
+    close.replace(['µ', 'μ'], "u").replace(['Ω', 'Ω'], "ohm").replace('²', "2").replace("Am2", "am2")
 }
 
 fn unit(name: &str) -> Option<Unit> {
@@ -139,17 +121,6 @@ fn unit(name: &str) -> Option<Unit> {
 /// Whether a file's unit is known.
 pub fn is_known(name: &str) -> bool {
     unit(name).is_some()
-}
-
-/// The unit that a column's name ends in, as a file would write it (`nT` of `sensor_x_nt`); None where it
-/// ends in none.
-pub fn of_column(column: &str) -> Option<&'static str> {
-    let (quantity, ending) = column.rsplit_once('_')?;
-    // The w of a quaternion.
-    if quantity == "attitude" {
-        return None;
-    }
-    ENDINGS.iter().find(|(known, _)| *known == ending).map(|(_, unit)| *unit)
 }
 
 /// Whether a name says what a unit of one letter at its end measures: `load_current` of amperes.
@@ -186,6 +157,7 @@ pub fn ending_for(name: &str) -> Option<&'static str> {
         QuantityKind::Power => "w",
         QuantityKind::Percent => "percent",
         QuantityKind::Counts => "counts",
+        QuantityKind::Moment => "am2",
     })
 }
 
@@ -220,11 +192,10 @@ mod tests {
         let fahrenheit = conversion("F", "C").expect("temperatures");
         assert!((212.0 * fahrenheit.factor + fahrenheit.offset - 100.0).abs() < 1e-12);
         assert_eq!(conversion("arcmin", "deg").expect("angles").factor, 1.0 / 60.0);
+        for unit in ["am2", "Am2", "A m²"] {
+            assert_eq!(conversion(unit, "A m²").map(|found| found.factor), Some(1.0), "{unit}");
+        }
         assert_eq!(conversion("V", "nT"), None);
         assert!(!is_known("furlong") && !is_known("g"));
-        assert_eq!(
-            (of_column("sensor_x_nt"), of_column("position"), of_column("x_y")),
-            (Some("nT"), None, None)
-        );
     }
 }

@@ -69,18 +69,9 @@ fn in_unit(part: &str) -> bool {
 fn symbol(part: &str) -> Option<String> {
     let name = part.trim_end_matches(|c: char| c.is_ascii_digit());
     let symbol = match name {
-        "nt" => "nT",
-        "v" => "V",
-        "a" => "A",
-        "k" => "K",
-        "c" => "°C",
-        "s" | "m" | "rad" | "deg" | "arcsec" | "ppm" | "day" | "year" | "counts" => name,
-        "hz" => "Hz",
-        "pa" => "Pa",
-        "percent" => "%",
-        "ohm" => "Ω",
-        "w" => "W",
-        _ => return None,
+        "ppm" | "day" | "year" => name,
+        "am" => "A m",
+        _ => common::unit::of_ending(name)?,
     };
     let power = match &part[name.len()..] {
         "" => "",
@@ -109,6 +100,7 @@ mod tests {
         assert_eq!(key("gradient_nt_per_m_a"), "gradient|nT/m A");
         assert_eq!(key("sensors.x.offset_nt"), "sensors.x.offset|nT");
         assert_eq!(key("wheel_1_hz"), "wheel 1|Hz");
+        assert_eq!(key("torquer_x_am2"), "torquer x|A m²");
         assert_eq!(key("gain"), "gain|");
         assert_eq!(key("a"), "a|");
     }

@@ -90,6 +90,15 @@ impl Basic<f64> {
         basic
     }
 
+    /// Where the first constant stands that is undetermined (`null`).
+    pub fn undetermined(&self) -> Option<String> {
+        let coils = Axis::ALL.map(|axis| (format!("coils.{axis}"), self.coils[axis.index()]));
+        let sensors = Axis::ALL.map(|axis| (format!("sensors.{axis}"), self.sensors[axis.index()]));
+        let coils = coils.into_iter().map(|(path, k)| (path, k.constant_nt_per_a + k.offset_nt));
+        let sensors = sensors.into_iter().map(|(path, k)| (path, k.sensitivity + k.offset_nt));
+        coils.chain(sensors).find(|(_, sum)| !sum.is_finite()).map(|(path, _)| format!("calibration.{path}"))
+    }
+
     /// As `of`, with what axescal found that is to be added to the sensors' offsets (`axes.offsets_nt`): the
     /// chain for predicting recordings.
     pub fn found(document: &Document, unit: Unit) -> Self {

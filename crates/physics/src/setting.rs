@@ -26,7 +26,11 @@ impl<'a> Setting<'a> {
             let left = residual_field(document);
             context.ambient_nt.iter_mut().for_each(|field| *field += left);
         }
-        Ok(Self { basic: Basic::found(document, context.unit), context })
+        let basic = Basic::found(document, context.unit);
+        match basic.undetermined() {
+            Some(path) => Err(context.missing("the prediction", &format!("a number where {path} has null"))),
+            None => Ok(Self { basic, context }),
+        }
     }
 }
 

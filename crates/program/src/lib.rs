@@ -13,6 +13,7 @@
 pub mod apart;
 pub mod beside;
 mod dropped;
+mod keys;
 pub mod manual;
 pub mod number;
 mod outline;

@@ -153,6 +153,7 @@ impl Out {
         pipe::write(self.output.as_deref(), &document.to_text()?)?;
         if !self.quiet {
             pipe::say(&(answer.words)(&document));
+            pipe::say_undetermined(answer.program, &document, &[]);
         }
         Ok(())
     }

@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 use std::process;
 
 use common::number::counted;
-use common::{Document, Error, ExitCode, HistoryEntry, Recording, line_of};
+use common::{Document, Error, ExitCode, HistoryEntry, Recording, Undetermined, line_of};
 
 use crate::outline::outline;
 pub use crate::sink::{Sink, named, write};
-use crate::{apart, beside, dropped, hexadecimal, progress, readings};
+use crate::{apart, beside, dropped, hexadecimal, keys, progress, readings};
 
 /// Arguments for the document's way in and out, the same in every stage.
 #[derive(Args, Clone, Debug, Default)]
@@ -245,7 +245,11 @@ pub fn stage_or(
 ) -> Result<(), Error> {
     let StageIo { io, drop_recordings } = stage;
     let (input, mut document, input_sha256) = Input::outlined(io.file.as_deref(), command)?;
+    if !io.quiet {
+        keys::mistaken(&input.text).iter().for_each(|line| say(&format!("{}: {line}", program.name)));
+    }
     let located = |error: Error| input.locate(error);
+    let before = document.undetermined.clone();
     let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
     let tables: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
     io.apart(tables.iter().map(PathBuf::as_path))?;
@@ -271,8 +275,25 @@ pub fn stage_or(
         extra: Default::default(),
     });
     write(io.output.as_deref(), &document.to_text()?)?;
-    said.iter().for_each(|words| say(words));
+    if let Some(words) = said {
+        say(&words);
+        say_undetermined(program, &document, &before);
+    }
     Ok(())
+}
+
+/// One line on what a document does not determine that it had not `before`.
+pub(crate) fn say_undetermined(program: Program, document: &Document, before: &[Undetermined]) {
+    const SHOWN: usize = 3;
+    let new = document.undetermined.iter().filter(|one| !before.contains(one));
+    let mut told: Vec<String> = new.map(|one| format!("{} ({})", one.path, one.reason)).collect();
+    if let Some(more) = told.len().checked_sub(SHOWN).filter(|more| *more > 0) {
+        told.truncate(SHOWN);
+        told.push(format!("{more} more"));
+    }
+    if !told.is_empty() {
+        say(&format!("{}: undetermined, null in the document: {}", program.name, told.join("; ")));
+    }
 }
 
 /// People's words, to standard error. A closed standard error is no reason to fail.

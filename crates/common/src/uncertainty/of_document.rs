@@ -13,7 +13,7 @@ impl Uncertainty {
     ///
     /// # Errors
     ///
-    /// A stated covariance that none can be.
+    /// A parameter that is undetermined; a stated covariance that none can be.
     pub fn of(document: &Document) -> Result<Self, Error> {
         let mut joint = document
             .calibration
@@ -28,6 +28,14 @@ impl Uncertainty {
 
     /// What is stated of parameters counts where it is not what the sources say.
     fn state(&mut self, group: Group) -> Result<(), Error> {
+        let is_undetermined = |place: &usize| !group.covariance[(*place, *place)].is_finite();
+        if let Some(place) = (0..group.parameters.len()).find(is_undetermined) {
+            return Err(Error::document(
+                &group.parameters[place],
+                "null: the recordings do not determine it, or its uncertainty",
+                "a number with its uncertainty; determine it by further measurements, or leave the key out",
+            ));
+        }
         let std = |place: usize| group.covariance[(place, place)].max(0.0).sqrt();
         let largest = (0..group.parameters.len()).map(std).fold(0.0, f64::max);
         let anew: Vec<usize> = (0..group.parameters.len())

@@ -51,7 +51,7 @@ fn group(
 ) -> Option<Group> {
     let known: Vec<(String, f64)> = all
         .into_iter()
-        .filter_map(|(path, quantity)| Some((path, quantity.std().filter(|std| *std > 0.0)?)))
+        .filter_map(|(path, quantity)| Some((path, stated_std(quantity).filter(|std| *std != 0.0)?)))
         .collect();
     let value = |a: usize, b: usize| {
         if a == b { known[a].1 * known[a].1 } else { entry(&known[a].0, &known[b].0).unwrap_or(0.0) }
@@ -59,6 +59,11 @@ fn group(
     let covariance = Mat::from_fn(known.len(), known.len(), value);
     let parameters: Vec<String> = known.iter().map(|(path, _)| path.clone()).collect();
     (!parameters.is_empty()).then_some(Group { name, path, parameters, covariance, alike: false })
+}
+
+/// The stated standard uncertainty; NaN where it or the value is undetermined.
+fn stated_std(quantity: &Quantity) -> Option<f64> {
+    if quantity.value().is_finite() { quantity.std() } else { Some(f64::NAN) }
 }
 
 /// An entry of a covariance, by the names of its row and column.

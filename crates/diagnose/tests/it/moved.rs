@@ -11,7 +11,8 @@ const OFFSET_NT: f64 = 0.4;
 /// so many of them.
 fn off_by(multiple: f64) -> Document {
     let document = simulated(Scene::Runs, &[], &json!({"white_rms_nt": bench::NOISE_NT}), 5);
-    let mut document: Value = serde_json::from_str(&document.to_text().expect("finite")).expect("JSON");
+    let mut document: Value =
+        serde_json::from_str(&document.clone().to_text().expect("finite")).expect("JSON");
     let mut stream = noise::Stream::new(7, "calibration");
     let calibration = &mut document["calibration"];
     for axis in ["x", "y", "z"] {

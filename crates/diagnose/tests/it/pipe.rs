@@ -120,7 +120,7 @@ fn directions_have_their_covariance() {
             .sum();
         assert!(along.abs() < 1e-9 * variance, "{along} of {variance}");
     }
-    found.to_text().expect("finite numbers throughout");
+    found.clone().to_text().expect("readings");
 }
 
 /// Constants of coils that were fitted again keep the covariance of the fit and lose that of before.

@@ -62,7 +62,11 @@ fn one(written: &[u8], read: &Value, schema: Option<&Validator>) -> Vec<Fault> {
         Err(error) => return vec![Fault::new(Rule::Schema, format!("no JSON: {error}"))],
     };
     let mut faults = Vec::new();
-    if let Some(place) = null(&value, read, "") {
+    let mut others = value.clone();
+    for place in undetermined(&value) {
+        others.pointer_mut(&place).into_iter().for_each(|listed| *listed = true.into());
+    }
+    if let Some(place) = null(&others, read, "") {
         faults.push(Fault::new(Rule::NotANumber, format!("null at {place}")));
     }
     if let Some(error) = schema.and_then(|schema| schema.iter_errors(&value).next()) {
@@ -70,6 +74,13 @@ fn one(written: &[u8], read: &Value, schema: Option<&Validator>) -> Vec<Fault> {
         faults.push(Fault::new(Rule::Schema, format!("{}: {text}", error.instance_path())));
     }
     faults
+}
+
+/// Where `undetermined` of a document says that there may be null.
+fn undetermined(document: &Value) -> Vec<String> {
+    let listed = document.get("undetermined").and_then(Value::as_array).into_iter().flatten();
+    let pointer = |path: &str| format!("/{}", path.replace(']', "").replace(['.', '['], "/"));
+    listed.filter_map(|one| Some(pointer(one.get("path")?.as_str()?))).collect()
 }
 
 /// The first null that was not read in the same place and says nothing.
@@ -102,6 +113,9 @@ mod tests {
         };
         assert_eq!(rules(r#"{"fluxcal": 1, "own": null}"#, r#"{"own": null}"#), []);
         assert_eq!(rules(r#"{"fluxcal": 1, "own": null}"#, "{}"), [Rule::NotANumber]);
+        let listed = r#"{"fluxcal": 1, "calibration": {"coils": {"x": {"offset_nt": {"value": 1, "std": null}}}},
+            "undetermined": [{"path": "calibration.coils.x.offset_nt.std", "reason": "few readings"}]}"#;
+        assert_eq!(rules(listed, "{}"), []);
         assert_eq!(rules(r#"{"fluxcal": "1"}"#, ""), [Rule::Schema]);
         assert_eq!(rules("{", ""), [Rule::Schema]);
         let missing =

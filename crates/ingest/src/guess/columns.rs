@@ -1,5 +1,7 @@
 //! What the columns of readings are, and in which unit.
 
+use common::unit;
+
 use super::open::Guess;
 use super::sample::{Cells, Sample};
 use super::time::plain;
@@ -245,7 +247,7 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, th
     mapping.to = match ending {
         Some(ending) => format!("{base}_{ending}"),
         // A name that ends as if in a unit would be taken for one.
-        None if units::of_column(&base).is_some() => format!("{base}_value"),
+        None if unit::of_column(&base).is_some() => format!("{base}_value"),
         None => base,
     };
 }
@@ -276,7 +278,7 @@ fn sanitized(name: &str, column: usize) -> String {
 
 /// A name that is free: `panel_2_a` after `panel_a`.
 fn numbered(name: &str, taken: &[String]) -> String {
-    let (head, ending) = match units::of_column(name).and_then(|_| name.rsplit_once('_')) {
+    let (head, ending) = match unit::of_column(name).and_then(|_| name.rsplit_once('_')) {
         Some((head, ending)) => (head, format!("_{ending}")),
         None => (name, String::new()),
     };
@@ -300,7 +302,7 @@ fn split_unit(name: &str) -> (String, Option<String>) {
     if let Some((base, unit)) = name.rsplit_once(['_', ' ', '/']) {
         let lower = unit.chars().all(|letter| letter.is_ascii_lowercase());
         let meant = KNOWN.iter().any(|known| name.starts_with(known)) || units::is_measured(base, unit);
-        let known = meant && units::of_column(name).is_some();
+        let known = meant && unit::of_column(name).is_some();
         let long = units::is_known(unit) && (!lower || unit.len() > 1);
         if !base.is_empty() && (known || long) {
             return (base.to_string(), Some(unit.to_string()));

@@ -1,7 +1,7 @@
 //! What the types of a mapping do not say: whether it can be followed.
 
-use common::Error;
 use common::number::bare;
+use common::{Error, unit};
 use std::collections::HashSet;
 
 use super::{ColumnMapping, FORMATS, Mapping, SourceColumn, TimeMapping};
@@ -192,7 +192,7 @@ impl ColumnMapping {
         };
         let scale = self.scale.unwrap_or(1.0);
         let scaled = Ok(Conversion { factor: sign * scale, offset });
-        let target = units::of_column(&self.to);
+        let target = unit::of_column(&self.to).map(|(_, unit)| unit);
         match (self.unit.as_deref(), target) {
             (Some("?"), _) => {
                 let expected = format!("the unit in which the file states it: {}", units::KNOWN);

@@ -42,7 +42,7 @@ pub fn stage<E: Debug>(run: impl Fn(Document) -> Result<Document, E>) -> impl Fn
 
 /// A document as JSON.
 pub fn json(document: &Document) -> Value {
-    serde_json::from_str(&document.to_line().expect("finite numbers")).expect("JSON")
+    serde_json::from_str(&document.clone().to_line().expect("finite numbers")).expect("JSON")
 }
 
 /// The stage answers the changed document as it answered the document, changed.
