@@ -23,38 +23,43 @@ pub fn read<'de, D: Deserializer<'de>, T: DeserializeOwned>(deserializer: D) -> 
 /// The same of its text.
 pub fn part<T: DeserializeOwned>(text: &str) -> Result<T, crate::Error> {
     let value = serde_json::from_str(text).map_err(|error| parse::explain(text, ".", &error))?;
-    serde_path_to_error::deserialize(Nulls(value))
+    serde_path_to_error::deserialize(Nulls { value, listed: false })
         .map_err(|error| parse::explain(text, &error.path().to_string(), error.inner()))
 }
 
 /// JSON that reads `null` as a number where one is asked for.
-struct Nulls(Value);
+struct Nulls {
+    value: Value,
+    /// An item of a list, where `null` keeps the place of what is absent.
+    listed: bool,
+}
 
 impl<'de> Deserializer<'de> for Nulls {
     type Error = serde_json::Error;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
-        match self.0 {
+        match self.value {
             Value::Array(items) => {
-                SeqDeserializer::new(items.into_iter().map(Nulls)).deserialize_any(visitor)
+                let items = items.into_iter().map(|value| Nulls { value, listed: true });
+                SeqDeserializer::new(items).deserialize_any(visitor)
             }
             Value::Object(entries) => {
-                MapDeserializer::new(entries.into_iter().map(|(key, value)| (key, Nulls(value))))
-                    .deserialize_any(visitor)
+                let entries = entries.into_iter().map(|(key, value)| (key, Nulls { value, listed: false }));
+                MapDeserializer::new(entries).deserialize_any(visitor)
             }
             other => other.deserialize_any(visitor),
         }
     }
 
     fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
-        if self.0.is_null() { visitor.visit_f64(f64::NAN) } else { self.deserialize_any(visitor) }
+        if self.value.is_null() { visitor.visit_f64(f64::NAN) } else { self.deserialize_any(visitor) }
     }
 
     /// A number that may be absent is not, where `null` stands for it.
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
         let numbers =
             [type_name::<Option<f64>>(), type_name::<Option<Quantity>>(), type_name::<Option<OneOrEach>>()];
-        if self.0.is_null() && !numbers.contains(&type_name::<V::Value>()) {
+        if self.value.is_null() && (self.listed || !numbers.contains(&type_name::<V::Value>())) {
             return visitor.visit_none();
         }
         visitor.visit_some(self)
@@ -74,7 +79,7 @@ impl<'de> Deserializer<'de> for Nulls {
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Self::Error> {
-        self.0.deserialize_enum(name, variants, visitor)
+        self.value.deserialize_enum(name, variants, visitor)
     }
 
     forward_to_deserialize_any! {
