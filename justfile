@@ -133,6 +133,6 @@ demo:
     cargo build --release
     ./target/release/simulate campaign fixtures/plans/magsat-axes.json | ./target/release/axescal > result.json
 
-# The report's pages in headless Chromium, in both themes and on a phone's width (Debian: apt-get install chromium)
+# The report's pages in headless Chromium, in both themes and on a phone's width (Debian: apt-get install chromium poppler-utils)
 browser:
     cargo test -p report --test it browser:: -- --ignored
