@@ -157,6 +157,39 @@ def document(library, path):
     return start, []
 
 
+def stepwise(library, path):
+    """Columns recorded beside a pair, in some forms, taken in by forward selection with the BIC: the coefficients of the column found first."""
+    import numpy as np
+
+    start = time.perf_counter()
+    with open(path) as file:
+        columns = {name: np.array(values) for name, values in json.load(file)["recordings"][0]["columns"].items()}
+    test = np.column_stack([columns[name] for name in TEST])
+    design = np.column_stack([np.ones(len(test)), *[columns[name] - columns[name].mean() for name in REFERENCE]])
+    candidates = []
+    for name in set(columns) - {"time_s", *REFERENCE, *TEST}:
+        column = columns[name]
+        candidates += [column, (column - column.mean()) ** 2, *[np.roll(column, rows) for rows in (-2, -1, 1, 2)]]
+        for rows in (2, 4, 8, 15, 30, 60, 120, 240):
+            late, weight = column.copy(), 1 - np.exp(-1 / rows)
+            for row in range(1, len(late)):
+                late[row] = late[row - 1] + weight * (column[row - 1] - late[row - 1])
+            candidates.append(late)
+    criterion, first = np.inf, None
+    while True:
+        tried = []
+        for candidate in candidates:
+            with_it = np.column_stack([design, candidate])
+            fit = np.linalg.lstsq(with_it, test, rcond=None)[0]
+            squares = np.mean((test - with_it @ fit) ** 2, axis=0)
+            bic = len(test) * np.log(squares).sum() + 3 * with_it.shape[1] * np.log(len(test))
+            tried.append((bic, with_it, fit[-1].tolist()))
+        best = min(tried, key=lambda one: one[0])
+        if best[0] >= criterion:
+            return start, first
+        criterion, design, first = best[0], best[1], first or best[2]
+
+
 def nothing(library, path):
     """Starting Python with NumPy and SciPy, which every script does first."""
     import numpy  # noqa: F401

@@ -293,6 +293,29 @@ def long_document(folder: Path, rows: int) -> dict:
     return {"rows": rows, "path": str(path), "result": folder / "long-out.json"}
 
 
+def switched(folder: Path, rows: int, step_s: float) -> dict:
+    """A pair of instruments, a current that is switched and moves the test instrument, and a temperature that does nothing."""
+    generator = np.random.default_rng(8)
+    seconds = np.arange(rows) * step_s
+    waves = [size * np.sin(2 * np.pi * seconds / 86_400 + phase) for size, phase in ((25, 0.0), (15, 1.6), (10, 1.0))]
+    walks = np.cumsum(generator.normal(size=(3, rows)), axis=1) * np.array([[0.3], [0.25], [0.12]]) * np.sqrt(step_s / 60)
+    field = np.array([[20_500.0], [1_500.0], [44_000.0]]) + waves + walks
+    turn = np.eye(3) + np.array([[0.001, 0.004, -0.002], [-0.004, -0.001, 0.003], [0.002, -0.003, 0.0005]])
+    current = 2.0 * (np.cumsum(generator.random(rows) < step_s / 2400) % 2)
+    test = turn @ field + np.outer([3.0, -1.0, 2.0], current) + generator.normal(0, 0.1, (3, rows))
+    columns = dict(zip(PAIR, [seconds, *(field + generator.normal(0, 0.05, (3, rows))), *test]))
+    columns |= {"load_current_a": current, "test_temperature_c": 20 + 5 * np.sin(2 * np.pi * seconds / 86_400)}
+    written = {name: np.round(values, 4).tolist() for name, values in columns.items()}
+    path = folder / "switched.json"
+    path.write_text(json.dumps({"fluxcal": 1, "recordings": [{"id": "pair", "procedure": "differential", "columns": written}]}))
+    return {"rows": rows, "path": str(path), "result": folder / "explained.json"}
+
+
+def coefficients_found(made: dict) -> list[float]:
+    (effect,) = json.loads(made["result"].read_text())["diagnosis"][0]["effects"]
+    return [effect["parameters"][f"{axis}_nt_per_a"]["value"] for axis in "xyz"]
+
+
 def jobs(programs: Path) -> list[Job]:
     def program(name: str) -> str:
         return str(programs / name)
@@ -326,7 +349,23 @@ def jobs(programs: Path) -> list[Job]:
             apart=1e-9,
         )
 
+    def explain(name: str, title: str, rows: int, step_s: float) -> Job:
+        return Job(
+            name=name,
+            title=title + ": `diagnose`, {rows} rows",
+            make=lambda folder, rows: switched(folder, rows, step_s),
+            ours=lambda made: [program("diagnose"), "-q", made["path"], "-o", str(made["result"])],
+            peer="stepwise",
+            libraries=["stepwise regression (NumPy)"],
+            rows=rows,
+            answer=coefficients_found,
+            apart=0.02,
+            note="Both find the current and its three coefficients among two columns in fourteen forms. `diagnose` also compares the clocks, weighs sixteen forms of noise and the noise of the reference, searches for steps and outliers, and holds out readings.",
+        )
+
     return [
+        explain("explain", "A pair explained, three days of minutes", 4_320, 60.0),
+        explain("explain-day", "A pair explained, a day of seconds", 86_400, 1.0),
         stream("csv"),
         stream("parquet"),
         ingest("csv", "A logger's CSV to Parquet", logger, "to_parquet", ["polars", "pyarrow", "pandas"], 4_000_000),
