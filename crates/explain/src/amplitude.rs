@@ -75,20 +75,26 @@ impl Fitted {
         self.columns[channel].iter().map(|column| self.stack.columns[*column].as_slice()).collect()
     }
 
-    /// The same without those of a cause, with what is known of each besides.
-    pub fn columns_of(&self, channel: usize, without: Option<usize>) -> (Vec<&[f64]>, Vec<f64>) {
-        let out = without.map_or(&[][..], |number| &self.stack.candidates[number].columns[channel]);
-        // A time constant is held: its derivative would follow what is left far from the rows that show it.
-        let slopes: Vec<usize> = self.slopes.iter().flatten().flatten().copied().collect();
-        let kept = |column: &&usize| !out.contains(column) && !slopes.contains(column);
-        let known = |column: &usize| {
-            self.stack.known.iter().find(|(place, _)| place == column).map_or(0.0, |of| of.1)
+    /// The same with what is known of each besides.
+    pub fn columns_of(&self, channel: usize) -> (Vec<&[f64]>, Vec<f64>) {
+        let known = |column: usize| {
+            self.stack.known.iter().find(|(place, _)| *place == column).map_or(0.0, |of| of.1)
         };
-        self.columns[channel]
-            .iter()
-            .filter(kept)
-            .map(|column| (self.stack.columns[*column].as_slice(), known(column)))
-            .unzip()
+        let places = self.places_of(channel).into_iter();
+        places.map(|column| (self.stack.columns[column].as_slice(), known(column))).unzip()
+    }
+
+    /// Which of these columns stay without a cause; all without none.
+    pub fn without(&self, channel: usize, cause: Option<usize>) -> Vec<usize> {
+        let out = cause.map_or(&[][..], |number| &self.stack.candidates[number].columns[channel]);
+        let places = self.places_of(channel).into_iter().enumerate();
+        places.filter(|(_, column)| !out.contains(column)).map(|(place, _)| place).collect()
+    }
+
+    /// A time constant is held: its derivative would follow what is left far from the rows that show it.
+    fn places_of(&self, channel: usize) -> Vec<usize> {
+        let slope = |column: &usize| self.slopes.iter().flatten().flatten().any(|slope| slope == column);
+        self.columns[channel].iter().filter(|column| !slope(column)).copied().collect()
     }
 
     /// Whether each step is as large beside its uncertainty as one that is looked for has to be.

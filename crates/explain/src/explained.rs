@@ -73,7 +73,7 @@ impl Explained {
 pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Error> {
     let mut off = vec![false; problem.rows()];
     let mut steps: Vec<usize> = Vec::new();
-    let (mut part, mut rows, mut selected, mut fitted, mut held);
+    let (mut part, mut rows, mut selected, mut fitted, mut gains, mut predicted);
     let mut round = 0;
     loop {
         round += 1;
@@ -81,10 +81,10 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         told(&format!("weighing what was recorded beside, round {round}"));
         // Columns first: what was a step in the round before may be none beside the right column.
         part = problem.at(&rows);
-        (selected, fitted, held) = predictive(&part)?;
+        (selected, fitted, gains, predicted) = predictive(&part)?;
         told("looking for steps and single readings that are off");
         let spikes;
-        (fitted, spikes) = eventful(&mut part, &mut selected, fitted)?;
+        (fitted, predicted, spikes) = eventful(&mut part, &mut selected, fitted, predicted)?;
         let found: Vec<usize> = part.steps.iter().map(|step| rows[*step]).collect();
         spikes.iter().for_each(|spike| off[rows[*spike]] = true);
         let same = found == steps;
@@ -98,8 +98,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
     }
     let named = selected.named.iter().map(|(cause, form, _)| (*cause, *form));
     let offered: Vec<(Cause, Form)> = named.chain(selected.offered.iter().copied()).collect();
-    let held_out =
-        HeldOut { named: predicted::rms(&part, &fitted, None)?, ..held_out(&Stack::of(&part, &offered)) };
+    let held_out = HeldOut { named: predicted, ..held_out(&Stack::of(&part, &offered)) };
     let probability = |cause: Cause| -> f64 {
         selected.rivals.iter().filter(|set| set.causes.contains(&cause)).map(|set| set.probability).sum()
     };
@@ -109,7 +108,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
         causes: fitted.amplitudes,
         gains: selected.gains,
         noises: fitted.noise,
-        held_out_gains: held,
+        held_out_gains: gains,
         probabilities,
         rivals: selected.rivals,
         base: fitted.base,
@@ -122,24 +121,25 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
     })
 }
 
-/// The best set of causes of which each predicts readings that are left out, the fit of it, and what is gained by
-/// each of them.
-fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>), Error> {
+/// The best set of causes of which each predicts readings that are left out, the fit of it, what is gained by each of
+/// them, and the rms of each channel's readings that are left out.
+fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), Error> {
     let mut causes = part.causes();
     loop {
         let selected = select(part, &causes)?;
         let fitted = fit(part, &selected)?;
-        let with = predicted::rms(part, &fitted, None)?;
+        let sets: Vec<Option<usize>> = (0..selected.named.len()).map(Some).chain([None]).collect();
+        let mut all = predicted::rms(part, &fitted, &sets)?;
+        let with = all.swap_remove(selected.named.len());
         let mut gains = Vec::new();
-        for number in 0..selected.named.len() {
-            let without = predicted::rms(part, &fitted, Some(number))?;
-            if lower(&without, &with) <= 0.0 {
+        for (number, without) in all.iter().enumerate() {
+            if lower(without, &with) <= 0.0 {
                 causes.retain(|cause| *cause != selected.named[number].0);
             }
-            gains.push(mean(&without) - mean(&with));
+            gains.push(mean(without) - mean(&with));
         }
         if gains.len() == selected.named.iter().filter(|(cause, ..)| causes.contains(cause)).count() {
-            return Ok((selected, fitted, gains));
+            return Ok((selected, fitted, gains, with));
         }
     }
 }
@@ -154,19 +154,19 @@ fn fit(part: &Problem, selected: &Selected) -> Result<Fitted, Error> {
     amplitude::fit(part, &named, &selected.noises)
 }
 
-/// Adds steps one at a time to the base, the causes weighed again beside them, until none is clear; and the
-/// rows that are off by themselves.
+/// Adds steps one at a time to the base, the causes weighed again beside them, until none is clear: the fit, the rms of
+/// readings that are left out, and the rows that are off by themselves.
 fn eventful(
     part: &mut Problem,
     selected: &mut Selected,
     mut fitted: Fitted,
-) -> Result<(Fitted, Vec<usize>), Error> {
-    let mut held_out = predicted::rms(part, &fitted, None)?;
+    mut held_out: Vec<f64>,
+) -> Result<(Fitted, Vec<f64>, Vec<usize>), Error> {
     for _ in 0..EVENTS {
         let found = clearest(part, &fitted)?;
         let Some(Event::Step(row)) = found.first().copied() else {
             let row = |event: &Event| if let Event::Spike(row) = event { Some(*row) } else { None };
-            return Ok((fitted, found.iter().filter_map(row).collect()));
+            return Ok((fitted, held_out, found.iter().filter_map(row).collect()));
         };
         let before = part.steps.clone();
         if before.contains(&row) {
@@ -175,7 +175,7 @@ fn eventful(
         part.steps.push(row);
         part.steps.sort_unstable();
         let with = fit(part, selected)?;
-        let predicted = predicted::rms(part, &with, None)?;
+        let predicted = predicted::rms(part, &with, &[None])?.swap_remove(0);
         // A level that does not help to predict other readings is none, nor one that the fit does not know.
         if lower(&held_out, &predicted) <= 0.0 || !with.knows_steps(part.rows()) {
             part.steps = before;
@@ -183,7 +183,7 @@ fn eventful(
         }
         (fitted, held_out) = (with, predicted);
     }
-    Ok((fitted, Vec::new()))
+    Ok((fitted, held_out, Vec::new()))
 }
 
 /// ln of the factor by which rms are lower, all channels together.

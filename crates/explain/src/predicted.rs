@@ -6,63 +6,74 @@ use rayon::prelude::*;
 
 use crate::amplitude::Fitted;
 use crate::fit::Fit;
-use crate::noises::Form;
 use crate::problem::Problem;
 
 /// Blocks of rows that are left out in turn.
 pub const BLOCKS: usize = 10;
 
-/// Rms of each channel's readings that are left out, by all causes but one: what the columns say of them, and the
-/// most likely noise by what is known before and after; the coefficients are those under the noise, or of plain least
-/// squares where these predict better.
+/// Rms of each channel's readings that are left out, by all causes but one (or by all), for each of some: what the
+/// columns say of them, and the most likely noise by what is known before and after; the coefficients are those under
+/// the noise, or of plain least squares where these predict better.
 ///
 /// # Errors
 ///
 /// Times out of order.
-pub fn rms(problem: &Problem, fitted: &Fitted, without: Option<usize>) -> Result<Vec<f64>, Error> {
-    (0..fitted.noise.len())
-        .into_par_iter()
-        .map(|channel| {
-            let (columns, known) = fitted.columns_of(channel, without);
-            let y = &problem.channels[channel];
-            let blocks: Vec<[f64; 2]> = (0..BLOCKS)
-                .into_par_iter()
-                .map(|block| missed(problem, (&columns, &known), y, &fitted.noise[channel], block))
-                .collect::<Result<_, _>>()?;
-            let squares = |by: usize| blocks.iter().map(|missed| missed[by]).sum::<f64>();
-            Ok((squares(0).min(squares(1)) / problem.rows().max(1) as f64).sqrt())
-        })
-        .collect()
+pub fn rms(problem: &Problem, fitted: &Fitted, without: &[Option<usize>]) -> Result<Vec<Vec<f64>>, Error> {
+    let of_channel = |channel: usize| -> Result<Vec<f64>, Error> {
+        let sets: Vec<Vec<usize>> = without.iter().map(|cause| fitted.without(channel, *cause)).collect();
+        let blocks: Vec<Vec<[f64; 2]>> = (0..BLOCKS)
+            .into_par_iter()
+            .map(|block| missed(problem, fitted, channel, block, &sets))
+            .collect::<Result<_, _>>()?;
+        let rms = |set: usize| {
+            let squares = |by: usize| blocks.iter().map(|missed| missed[set][by]).sum::<f64>();
+            (squares(0).min(squares(1)) / problem.rows().max(1) as f64).sqrt()
+        };
+        Ok((0..sets.len()).map(rms).collect())
+    };
+    let of_channels: Vec<Vec<f64>> =
+        (0..fitted.noise.len()).into_par_iter().map(of_channel).collect::<Result<_, _>>()?;
+    Ok((0..without.len()).map(|set| of_channels.iter().map(|rms| rms[set]).collect()).collect())
 }
 
-/// Sums of the squares by which a block is missed, with coefficients under the noise and of plain least squares.
+/// Sums of the squares by which a block is missed with each set of columns, with coefficients under the noise and of
+/// plain least squares.
 fn missed(
     problem: &Problem,
-    (columns, known): (&[&[f64]], &[f64]),
-    y: &[f64],
-    noise: &Form,
+    fitted: &Fitted,
+    channel: usize,
     block: usize,
-) -> Result<[f64; 2], Error> {
+    sets: &[Vec<usize>],
+) -> Result<Vec<[f64; 2]>, Error> {
+    let (columns, known) = fitted.columns_of(channel);
+    let y = &problem.channels[channel];
     let rows = problem.rows();
     let (from, to) = (block * rows / BLOCKS, (block + 1) * rows / BLOCKS);
     let others =
         |column: &[f64]| -> Vec<f64> { column[..from].iter().chain(&column[to..]).copied().collect() };
     let times = others(&problem.time_s);
-    let filter = noise.whitening(&times)?;
+    let filter = fitted.noise[channel].whitening(&times)?;
     let mean = estimate::stats::mean(y);
     let centred: Vec<f64> = others(y).iter().map(|value| value - mean).collect();
     let own: Vec<Vec<f64>> = columns.iter().map(|column| others(column)).chain([centred]).collect();
-    let mut white = own.clone();
-    filter.whiten_all(&mut white);
-    let missed = |white: &[Vec<f64>]| {
-        let count = white.len();
-        let mut gram = Mat::from_fn(count, count, |i, j| estimate::dot(&white[i], &white[j]));
+    let products = |columns: &[Vec<f64>]| {
+        let count = columns.len();
+        let mut gram = Mat::from_fn(count, count, |i, j| estimate::dot(&columns[i], &columns[j]));
         known.iter().enumerate().for_each(|(column, known)| gram[(column, column)] += known);
-        let fit = Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>());
+        gram
+    };
+    let plain = products(&own);
+    let white = {
+        let mut white = own.clone();
+        filter.whiten_all(&mut white);
+        products(&white)
+    };
+    let missed = |gram: &Mat<f64>, set: &[usize]| {
+        let fit = Fit::of(gram, columns.len(), set);
         let likely = if filter.is_white() {
             vec![0.0; to - from]
         } else {
-            let v = filter.whiten_transposed(&filter.whiten(&fit.rest(&own, &own[count - 1])));
+            let v = filter.whiten_transposed(&filter.whiten(&fit.rest(&own, &own[columns.len()])));
             filter.most_likely(&times, &v, &problem.time_s[from..to])
         };
         let named = |row: usize| -> f64 {
@@ -70,5 +81,5 @@ fn missed(
         };
         (from..to).map(|row| (y[row] - mean - named(row) - likely[row - from]).powi(2)).sum()
     };
-    Ok([missed(&white), missed(&own)])
+    Ok(sets.iter().map(|set| [missed(&white, set), missed(&plain, set)]).collect())
 }
