@@ -1,7 +1,6 @@
 //! Two magnetometers on a balloon: the colder it gets, the farther they are apart.
 
-use serde_json::json;
-use std::collections::BTreeSet;
+use serde_json::{Value, json};
 
 use super::pair::Drift;
 use crate::Error;
@@ -23,6 +22,9 @@ const WILD_NT: f64 = 200_000.0;
 const FLIGHT_S: std::ops::Range<f64> = 3300.0..6900.0;
 /// Means over so much: the vehicle turns in tens of seconds, and the two are read some ms apart.
 const STEP_S: f64 = 4.0;
+
+/// A slope that is so many of its standard uncertainties from none.
+const SURE: f64 = 5.0;
 
 /// What may explain the difference besides the matrix.
 type Follows = (&'static str, fn(&Series) -> Vec<Vec<f64>>);
@@ -136,15 +138,21 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
         stages.stage("diagnose", &[], vec![means.recording("flight", "differential")], &json!({}))?;
     match answer {
         Ok(document) => {
-            let warm = array(&document["diagnosis"][0]["effects"]).filter(|effect| {
-                effect["effect"].as_str().is_some_and(|name| name.starts_with("offset_temperature"))
+            let warm = array(&document["diagnosis"][0]["effects"]).find(|effect| {
+                effect["column"].as_str().is_some_and(|column| column.contains("temperature_c"))
             });
-            let axes = warm.filter_map(|effect| effect["sensor"].as_str()).collect::<BTreeSet<_>>().len();
+            let follows = |axis: &&str| {
+                let slope =
+                    &warm.map_or(&Value::Null, |effect| &effect["parameters"])[format!("{axis}_nt_per_k")];
+                let of = |key: &str| slope[key].as_f64().unwrap_or(f64::NAN);
+                of("value").abs() > SURE * of("std")
+            };
+            let axes = ["x", "y", "z"].iter().filter(follows).count();
             page.known.push(KnownFact {
                 from: "the balloon's way back, by least squares",
                 what: "the two go apart with the temperature of the die, and not with time",
                 stage: "diagnose",
-                answer: format!("an offset that follows the temperature in {axes} of three axes"),
+                answer: format!("the readings follow the temperature in {axes} of three axes"),
                 found: axes == 3,
             });
             page.head(format!("`diagnose` {}.", verdict(&document)));

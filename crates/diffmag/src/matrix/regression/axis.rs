@@ -145,12 +145,14 @@ pub(super) fn one(
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
     let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
     if let Some(explanations) = &explanations {
-        if explanations.is_drift() {
-            // Over all forms of noise: no degrees of freedom of the noise are left to count.
-            let (value, std) =
-                (found.straight_nt_per_day.value(), explanations.straight_nt_per_day.std().unwrap_or(0.0));
+        // Over all forms of noise: no degrees of freedom of the noise are left to count.
+        let (value, std) =
+            (found.straight_nt_per_day.value(), explanations.straight_nt_per_day.std().unwrap_or(0.0));
+        let p = stats::two_sided_p(value / std, f64::INFINITY);
+        // The slope that was fitted, beside an exponential drift perhaps, has to be one as well.
+        if explanations.is_drift() && p < drift::LEVEL {
             found.straight_nt_per_day = Quantity::new(value, std);
-            found.straight_p = stats::two_sided_p(value / std, f64::INFINITY);
+            found.straight_p = p;
             found.demanded = match found.demanded {
                 DriftForm::None => DriftForm::Straight,
                 DriftForm::Exponential => DriftForm::Both,
