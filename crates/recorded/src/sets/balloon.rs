@@ -147,7 +147,7 @@ pub fn run(stages: &Stages) -> Result<Page, Error> {
                 let of = |key: &str| slope[key].as_f64().unwrap_or(f64::NAN);
                 of("value").abs() > SURE * of("std")
             };
-            let axes = ["x", "y", "z"].iter().filter(follows).count();
+            let axes = ["x", "y", "z"].into_iter().filter(follows).count();
             page.known.push(KnownFact {
                 from: "the balloon's way back, by least squares",
                 what: "the two go apart with the temperature of the die, and not with time",

@@ -120,7 +120,11 @@ fn printed(folder: &Path, page: &str) {
         .arg(format!("file://{}", html.display()))
         .output();
     assert!(output.expect("chromium").status.success());
-    let text = Command::new("pdftotext").arg(&pdf).arg("-").output().expect("pdftotext; install it: apt-get install poppler-utils");
+    let text = Command::new("pdftotext")
+        .arg(&pdf)
+        .arg("-")
+        .output()
+        .expect("pdftotext; install it: apt-get install poppler-utils");
     let text = String::from_utf8_lossy(&text.stdout).into_owned();
     let pages: Vec<&str> = text.trim_end_matches('\u{c}').split('\u{c}').collect();
     assert!(pages.len() >= 3, "{}", pages.len());
