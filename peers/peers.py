@@ -167,7 +167,7 @@ def stepwise(library, path):
     test = np.column_stack([columns[name] for name in TEST])
     design = np.column_stack([np.ones(len(test)), *[columns[name] - columns[name].mean() for name in REFERENCE]])
     candidates = []
-    for name in set(columns) - {"time_s", *REFERENCE, *TEST}:
+    for name in sorted(set(columns) - {"time_s", *REFERENCE, *TEST}):
         column = columns[name]
         candidates += [column, (column - column.mean()) ** 2, *[np.roll(column, rows) for rows in (-2, -1, 1, 2)]]
         for rows in (2, 4, 8, 15, 30, 60, 120, 240):

@@ -360,7 +360,7 @@ def jobs(programs: Path) -> list[Job]:
             rows=rows,
             answer=coefficients_found,
             apart=0.02,
-            note="Both find the current and its three coefficients among two columns in fourteen forms. `diagnose` also compares the clocks, weighs sixteen forms of noise and the noise of the reference, searches for steps and outliers, and holds out readings.",
+            note="Both find the current and its three coefficients. The peer tries two columns in fourteen forms with white noise. `diagnose` also compares the clocks, weighs sixteen forms of noise and the noise of the reference, searches for steps and outliers, and holds out readings.",
         )
 
     return [

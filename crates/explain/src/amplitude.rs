@@ -84,7 +84,7 @@ impl Fitted {
         places.map(|column| (self.stack.columns[column].as_slice(), known(column))).unzip()
     }
 
-    /// Which of these columns stay without a cause; all without none.
+    /// The places of these columns that are left without a cause; of all for `None`.
     pub fn without(&self, channel: usize, cause: Option<usize>) -> Vec<usize> {
         let out = cause.map_or(&[][..], |number| &self.stack.candidates[number].columns[channel]);
         let places = self.places_of(channel).into_iter().enumerate();

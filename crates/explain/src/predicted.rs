@@ -11,9 +11,9 @@ use crate::problem::Problem;
 /// Blocks of rows that are left out in turn.
 pub const BLOCKS: usize = 10;
 
-/// Rms of each channel's readings that are left out, by all causes but one (or by all), for each of some: what the
-/// columns say of them, and the most likely noise by what is known before and after; the coefficients are those under
-/// the noise, or of plain least squares where these predict better.
+/// Rms of each channel's readings that are left out, for each entry of `without`: by all causes but that one, or by
+/// all for `None`. A prediction is what the columns give and the most likely noise, given the readings before and
+/// after; the coefficients are those under the noise, or of plain least squares where these predict better.
 ///
 /// # Errors
 ///

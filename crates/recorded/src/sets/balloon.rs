@@ -23,7 +23,7 @@ const FLIGHT_S: std::ops::Range<f64> = 3300.0..6900.0;
 /// Means over so much: the vehicle turns in tens of seconds, and the two are read some ms apart.
 const STEP_S: f64 = 4.0;
 
-/// A slope that is so many of its standard uncertainties from none.
+/// A slope counts where it exceeds so many of its standard uncertainties.
 const SURE: f64 = 5.0;
 
 /// What may explain the difference besides the matrix.
