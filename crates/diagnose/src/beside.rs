@@ -10,8 +10,8 @@ use common::{
     Share, Verdict, procedure,
 };
 use estimate::grouped::{Grouped, grouped};
-use explain::pair::{Clock, OfPair};
 use explain::{Cause, Covariate, Explained};
+use paired::{Clock, Explanation};
 
 use crate::{Error, Options};
 
@@ -33,10 +33,10 @@ struct Compared {
     what: &'static str,
     /// Names of the covariates.
     covariates: Vec<String>,
-    /// Times of all rows, s.
-    all_s: Vec<f64>,
     /// Times of the rows that were explained, s, and the covariates there.
     time_s: Vec<f64>,
+    /// Rows that are disturbed.
+    off: usize,
     along: Vec<Vec<f64>>,
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
@@ -86,10 +86,8 @@ fn rms(of: &[f64]) -> f64 {
 
 impl Compared {
     /// What the engine says of some covariates; what the document has to say is still missing.
-    fn of(covariates: &[Covariate], of: OfPair) -> Self {
-        let all_s = of.problem.time_s;
-        let kept = all_s.iter().zip(&of.explained.off).filter(|(_, off)| !**off);
-        let time_s: Vec<f64> = kept.map(|(t, _)| *t).collect();
+    fn of(covariates: &[Covariate], of: Explanation) -> Self {
+        let time_s = of.problem.time_s;
         let along = |one: &Covariate| explain::sampled(&one.time_s, &one.values, &time_s, one.holds());
         Self {
             recordings: Vec::new(),
@@ -98,7 +96,7 @@ impl Compared {
             covariates: covariates.iter().map(|one| one.name.clone()).collect(),
             along: covariates.iter().map(along).collect(),
             time_s,
-            all_s,
+            off: of.off,
             as_it_came: Vec::new(),
             clock: of.clock,
             unmoved: of.unmoved,
@@ -227,13 +225,12 @@ impl Compared {
     }
 
     fn remaining(&self, verdict: Verdict) -> Remaining {
-        let off = self.explained.off.iter().filter(|off| **off).count();
         let mut parts = Vec::new();
         if verdict == Verdict::PartlyExplained {
             parts.push("a plain regression predicts held-out readings better".to_string());
         }
-        if off > 0 {
-            parts.push(format!("{} off by themselves", common::number::counted(off, "reading")));
+        if self.off > 0 {
+            parts.push(format!("{} disturbed", common::number::counted(self.off, "row")));
         }
         Remaining {
             white: parts.is_empty(),

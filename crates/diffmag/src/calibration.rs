@@ -5,11 +5,11 @@ use common::{
 };
 
 use crate::difference;
-use crate::prepare::Prepared;
 use crate::regression::{AxisFit, step_sizes};
-use crate::residual::scatter;
 use crate::{Error, contributions, words};
 use joined::Pair;
+use paired::prepare::Prepared;
+use paired::residual::scatter;
 
 /// The matrix and the difference, as a document has them: of a pair as it was recorded, and less what columns
 /// explain.
@@ -34,7 +34,8 @@ pub fn calibrate(
     for (axis, found) in Axis::ALL.into_iter().zip(fits) {
         let j = axis.index();
         let source = &found.source;
-        let mut described = difference::describe(&found.difference, &source.difference, &found.noise)?;
+        let mut described =
+            difference::describe(&found.difference, &source.difference, &found.noise, pair.step_s)?;
         described.rms_left_nt = Some(scatter(&found.difference, &pair.whole));
         described.drift = found.drift.clone();
         described.follows =

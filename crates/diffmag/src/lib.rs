@@ -5,34 +5,30 @@
 //! Before that the instruments are put on one grid of times, their clocks compared, and steps and spikes kept
 //! out.
 //!
-//! - `segments` finds an offset of the clock for each stretch between jumps of the times. `prepare`
-//!   alternates between clocks and events, each with the other removed; events are sought in the test
-//!   instrument's own rows, with the reference moved to its moments. Rows that are removed get their most
-//!   likely readings, so that T = R η + d keeps its shape.
-//! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise
-//!   makes every offset look small and certain.
+//! - `paired` says which columns recorded beside the pair the test instrument follows, how the clocks differ, and
+//!   which rows are steps or disturbed. The columns stand between drift and steps in the design; rows that are left
+//!   out get their most likely readings, so that T = R η + d keeps its shape. `confirmed` leaves the events that the
+//!   final fit confirms.
 //! - `regression` is weighted by the spectrum of the residual, in cosine transforms. The noise is fitted by
 //!   restricted likelihood, so that the power a drift takes from the lowest frequencies is not missing from
 //!   it.
 //! - The weights reach into the band where the field is weak; there, filters and noise of the reference pull
 //!   η. `alike` therefore removes octaves from the shortest periods on, until one has the matrix of the
 //!   longer ones.
-//! - `followed` asks the engine `explain` which columns recorded beside the pair the test instrument follows,
-//!   before events are looked for: what switches with a current is no step. They stand between drift and steps
-//!   in the design. `drift/explanations` weighs a drift against noise alone.
+//! - `drift/explanations` weighs a drift against noise alone.
 //! - `contributions` fits each axis again by ordinary least squares with one thing left in at a time (clock,
 //!   columns, steps, spikes, drift): what it adds to the rms orders the findings. `shown` averages the
 //!   difference into points for plots, so that `report` only draws.
 //! - `stream` answers the same question for series that do not fit into memory: sums that can be merged take
 //!   the place of transforms.
 
+mod adopt;
 mod calibration;
-mod clock;
+mod confirmed;
 mod files;
 mod matrix;
 mod noise;
-mod series;
-mod significance;
+mod shown;
 pub mod stream;
 mod words;
 
@@ -41,13 +37,12 @@ pub use files::Columns;
 pub use matrix::fourteen;
 pub use words::summary;
 
-use crate::clock::{adopt, delays, pauses, segments};
 use crate::matrix::{across, alike, bands, constancy, mutual, regression, stability, windows};
-use crate::noise::followed::Recorded;
-use crate::noise::{contributions, difference, drift, followed, octaves, reference_noise};
-use crate::series::{axes, events, prepare, residual, shown};
+use crate::noise::{contributions, difference, drift, reference_noise};
 
 use common::Document;
+use explain::Covariate;
+use paired::residual;
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,32 +51,24 @@ pub struct Options {
     pub correct_clock: bool,
 }
 
-/// What has a smaller probability by chance is told.
-const TOLD_BELOW: f64 = 0.01;
-
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let recorded = joined::read(&document)?;
-    let beside = Recorded::of(&document, &recorded)?;
-    // Columns first: clocks and events are looked for in what these leave.
-    let mut raw = beside.less(&recorded);
-    pauses::cut(&mut raw)?;
-    let segments = segments::find(&mut raw)?;
-    let mut prepared = prepare::prepare(&raw, options.correct_clock)?;
-    delays::judge(&raw, &mut prepared)?;
-    if let Some(clock) = &mut prepared.clock {
-        segments.write(clock);
-    }
-    let mut fits = regression::fit(&prepared.pair, &beside.follows)?;
-    while let Some(confirmed) = prepared.confirmed(&raw, &fits)? {
-        prepared = confirmed;
-        fits = regression::fit(&prepared.pair, &beside.follows)?;
+    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
+    let covariates: Vec<Covariate> =
+        joined::beside(&document, &recorded.recordings).into_iter().map(of).collect();
+    let paired::Found { raw, follows, mut prepared, .. } =
+        paired::find(&recorded, covariates.clone(), options.correct_clock, &|_| ())?;
+    let mut fits = regression::fit(&prepared.pair, &follows)?;
+    while let Some(fewer) = confirmed::confirmed(&prepared, &raw, &fits)? {
+        prepared = fewer;
+        fits = regression::fit(&prepared.pair, &follows)?;
     }
     let mut found = calibration::calibrate((&recorded, &raw), &prepared, &fits)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;
-        fit.series = shown::series(&beside.columns, &recorded, &prepared, &fits, fit);
+        fit.series = shown::series(&covariates, &recorded, &prepared, &fits, fit);
     }
     let levels_nt = std::array::from_fn(|axis| residual::of_levels(&recorded, axis));
     reference_noise::adopt(&level, reference_noise::find(&level, &fits, levels_nt)?, &mut found)?;

@@ -4,6 +4,4 @@
 pub mod contributions;
 pub mod difference;
 pub mod drift;
-pub mod followed;
-pub mod octaves;
 pub mod reference_noise;

@@ -11,17 +11,16 @@ use common::{
 };
 use std::fmt::Write;
 
-use crate::events::CONFIRMED;
-use crate::significance::p_of;
-use crate::{delays, reference_noise, segments};
+use crate::reference_noise;
+use paired::events::CONFIRMED;
+use paired::significance::p_of;
+use paired::{TOLD_BELOW, delays, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
 /// A drift of more than this weight that is not demanded is told: three to one, from where on Kass and
 /// Raftery call evidence positive.
 const UNDECIDED: f64 = 0.75;
-/// Tests of whether the matrix holds still are told below this probability.
-pub const TOLD_BELOW: f64 = 0.01;
 /// The independent interval is too narrow when the honest one is wider by this.
 const NARROW: f64 = 1.5;
 /// What lowers an rms to less than this share of it is worth the first line.

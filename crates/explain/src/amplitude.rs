@@ -6,7 +6,6 @@ use estimate::mixture::{Component, Mixture};
 use estimate::stats;
 use faer::Mat;
 
-use crate::events;
 use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises;
@@ -70,12 +69,7 @@ pub struct Fitted {
 }
 
 impl Fitted {
-    /// The columns of a channel's fit.
-    pub fn independent(&self, channel: usize) -> Vec<&[f64]> {
-        self.columns[channel].iter().map(|column| self.stack.columns[*column].as_slice()).collect()
-    }
-
-    /// The same with what is known of each besides.
+    /// The columns of a channel's fit that are independent, and what is known of each besides.
     pub fn columns_of(&self, channel: usize) -> (Vec<&[f64]>, Vec<f64>) {
         let known = |column: usize| {
             self.stack.known.iter().find(|(place, _)| *place == column).map_or(0.0, |of| of.1)
@@ -97,18 +91,10 @@ impl Fitted {
         self.columns[channel].iter().filter(|column| !slope(column)).copied().collect()
     }
 
-    /// Whether each step is as large beside its uncertainty as one that is looked for has to be.
-    pub fn knows_steps(&self, rows: usize) -> bool {
-        self.steps.iter().all(|sizes| {
-            let squares: Vec<f64> = sizes.iter().map(|(size, std)| (size / std).powi(2)).collect();
-            events::worth(squares.into_iter(), rows) > 0.0
-        })
-    }
-
-    /// The steps of the base with their sizes; `rows` are the rows of the part that was fitted.
-    pub fn sizes(&self, part: &Problem, rows: &[usize]) -> Vec<Step> {
-        let of = |(step, sizes): (&usize, &Vec<(f64, f64)>)| Step { row: rows[*step], sizes: sizes.clone() };
-        part.steps.iter().zip(&self.steps).map(of).collect()
+    /// The steps of the base with their sizes.
+    pub fn sizes(&self, problem: &Problem) -> Vec<Step> {
+        let of = |(step, sizes): (&usize, &Vec<(f64, f64)>)| Step { row: *step, sizes: sizes.clone() };
+        problem.steps.iter().zip(&self.steps).map(of).collect()
     }
 }
 

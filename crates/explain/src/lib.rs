@@ -1,9 +1,9 @@
-//! What explains this residual? Recorded columns, time, clocks and events, weighed together with the noise.
+//! What explains this residual? Recorded columns, time and clocks, weighed together with the noise.
 //!
 //! A [`Problem`] has channels that are read at the same moments, the base that makes them up in any case, and
 //! what was recorded beside them. [`explain`] gives the set of causes that explains them best, with its
-//! probability and that of its rivals, amplitudes with their uncertainties, events, and what is left. It knows
-//! nothing of documents.
+//! probability and that of its rivals, amplitudes with their uncertainties, and what is left. It knows nothing of
+//! documents.
 //!
 //! - `form` has the forms of a cause: at once, late by a relaxation or by whole samples, bent. `stack` puts all
 //!   columns side by side; `products` whitens them under each form of noise (`noises`) and forms their
@@ -12,22 +12,15 @@
 //!   screened on thinned rows, decided on all.
 //! - `reference` takes the noise of the readings that the others are regressed on out of the products; a name
 //!   that does not stand then is none.
-//! - `events` finds steps and single readings that are off in what the best set leaves, and only there: readings
-//!   that a recorded column explains are never left out.
-//! - `pair` makes a problem of two instruments and moves the clock of one to that of the other.
-//! - `magnitude` makes a pair of a vector whose field hardly turns and a scalar magnetometer.
 //! - `amplitude` fits. `predicted` says what fit and noise predict of readings that are left out: a name that does
 //!   not lower that is none. `held_out` does the same for plain rivals.
 
 mod amplitude;
-mod events;
 mod explained;
 mod fit;
 mod form;
 mod held_out;
-pub mod magnitude;
 mod noises;
-pub mod pair;
 mod predicted;
 mod problem;
 mod products;
@@ -39,7 +32,8 @@ mod sweep;
 
 pub use amplitude::{Amplitude, Step};
 pub use explained::{Explained, explain};
-pub use form::{Form, sampled};
+pub use fit::Fit;
+pub use form::{Form, sampled, smoothed};
 pub use held_out::{HeldOut, Plain};
 pub use problem::{Cause, Covariate, Problem};
-pub use search::Rival;
+pub use search::{Rival, odds};

@@ -8,7 +8,7 @@ use crate::stack::{Candidate, Stack};
 use crate::sweep::{Sweep, sum};
 
 /// ln of the odds against a cause before the readings are looked at, beside those of its being one of so many.
-pub const AGAINST: f64 = 3.0;
+const AGAINST: f64 = 3.0;
 /// Sets that are carried on from one size to the next, and the most causes of a set.
 const BEAM: usize = 6;
 const MOST: usize = 12;
@@ -40,6 +40,12 @@ pub struct Rival {
     pub evidence: f64,
     /// Its probability among all that were weighed.
     pub probability: f64,
+}
+
+/// ln of the odds for a cause of one amplitude, from the square of it over its uncertainty, so many rows and so many
+/// causes that are weighed.
+pub fn odds(square: f64, rows: usize, causes: usize) -> f64 {
+    0.5 * (square - (rows as f64).ln_1p()) - AGAINST - (causes.max(1) as f64).ln()
 }
 
 /// The search over sets of candidates.

@@ -56,7 +56,7 @@ fn pair(document: &Document) -> Result<Option<Gathered>, Error> {
     let at: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
     let mut columns = Columns::new();
     columns.insert("time_s".into(), Column::from(at.clone()));
-    for (name, read) in [(NAMES[0], &pair.reference), (NAMES[1], &pair.test)] {
+    for (name, read) in [(NAMES[0], &pair.reference[..]), (NAMES[1], &pair.test[..])] {
         for axis in Axis::ALL {
             let values = read[axis.index()].iter().zip(&pair.whole);
             let values = values.map(|(value, whole)| if *whole { *value } else { f64::NAN });

@@ -35,6 +35,7 @@ use piece::Piece;
 pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
 pub use segments::{Boundary, Segment};
 
+const DAY_S: f64 = 86_400.0;
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;
 /// Where no recording is for this.
@@ -102,8 +103,8 @@ pub struct Pair {
     pub step_s: f64,
     /// Readings of the reference, nT; rows that are not whole stand on straight lines between those that are.
     pub reference: [Column; 3],
-    /// Readings of the test instrument in the same way, nT.
-    pub test: [Column; 3],
+    /// Readings of the test instrument in the same way, nT: three axes, or one magnitude.
+    pub test: Vec<Column>,
     /// Readings of a third instrument on straight lines over its own gaps, nT.
     pub third: Option<[Column; 3]>,
     /// Noise of the reference, where a recording declares it.
@@ -114,7 +115,7 @@ pub struct Pair {
     /// recorded, Hz.
     pub highest_hz: Option<f64>,
     /// First rows after the steps that are to be fitted to each test axis.
-    pub steps: [Vec<usize>; 3],
+    pub steps: Vec<Vec<usize>>,
     /// Rows between jumps of one instrument's times.
     pub segments: Vec<Segment>,
     /// Where times jump.
@@ -123,7 +124,7 @@ pub struct Pair {
     /// set there.
     pub pauses: Vec<Boundary>,
     /// Standard uncertainties of the sizes that were taken off in their places, nT.
-    pub step_stds: [Vec<f64>; 3],
+    pub step_stds: Vec<Vec<f64>>,
     /// What was done to bring them together, in words.
     pub told: Vec<String>,
 }
@@ -142,6 +143,11 @@ impl Pair {
     /// Time from the middle of the recording, s.
     pub fn since_middle_s(&self, row: usize) -> f64 {
         (row as f64 - 0.5 * (self.whole.len() as f64 - 1.0)) * self.step_s
+    }
+
+    /// The same of all rows, days.
+    pub fn days(&self) -> Vec<f64> {
+        (0..self.whole.len()).map(|row| self.since_middle_s(row) / DAY_S).collect()
     }
 
     /// The segment of a row.
@@ -165,29 +171,28 @@ impl Pair {
 
     /// Some of its rows, as one segment.
     pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
-        let cut = |columns: &[Column; 3]| {
-            columns.each_ref().map(|column| Column::from(column[rows.clone()].to_vec()))
-        };
-        let steps = self.steps.each_ref().map(|steps| {
-            let inside = steps.iter().filter(|step| **step > rows.start && **step < rows.end);
-            inside.map(|step| step - rows.start).collect()
-        });
-        let step_stds = std::array::from_fn(|axis| {
-            let known = self.steps[axis].iter().zip(&self.step_stds[axis]);
-            known.filter(|(step, _)| **step > rows.start && **step < rows.end).map(|(_, std)| *std).collect()
+        let some = |column: &Column| Column::from(column[rows.clone()].to_vec());
+        let cut = |columns: &[Column; 3]| columns.each_ref().map(some);
+        let inside = |step: &usize| *step > rows.start && *step < rows.end;
+        let steps = self
+            .steps
+            .iter()
+            .map(|steps| steps.iter().filter(|step| inside(step)).map(|step| step - rows.start).collect());
+        let step_stds = self.steps.iter().zip(&self.step_stds).map(|(steps, stds)| {
+            steps.iter().zip(stds).filter(|(step, _)| inside(step)).map(|(_, std)| *std).collect()
         });
         Self {
             recordings: self.recordings.clone(),
             first_s: self.time_s(rows.start),
             step_s: self.step_s,
             reference: cut(&self.reference),
-            test: cut(&self.test),
+            test: self.test.iter().map(some).collect(),
             third: self.third.as_ref().map(cut),
             reference_noise: self.reference_noise.clone(),
             whole: self.whole[rows.clone()].to_vec(),
             highest_hz: self.highest_hz,
-            steps,
-            step_stds,
+            steps: steps.collect(),
+            step_stds: step_stds.collect(),
             segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
             boundaries: Vec::new(),
             pauses: Vec::new(),
@@ -197,7 +202,12 @@ impl Pair {
 
     /// The same without readings: which rows are whole, and when.
     pub fn frame(self) -> Self {
-        Self { reference: Default::default(), test: Default::default(), third: None, ..self }
+        Self {
+            reference: Default::default(),
+            test: vec![Column::default(); self.test.len()],
+            third: None,
+            ..self
+        }
     }
 
     /// The steps of a test axis as columns: 0 before, 1 after.
@@ -208,7 +218,7 @@ impl Pair {
             .map(move |step| (0..rows).map(|row| if row < *step { 0.0 } else { 1.0 }).collect())
     }
 
-    /// Puts the rows that are not whole onto straight lines, all six columns alike.
+    /// Puts the rows that are not whole onto straight lines, all columns alike.
     pub fn bridge(&mut self) {
         if !self.whole.contains(&false) {
             return;
@@ -406,15 +416,15 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
         step_s: grid.step_s,
         highest_hz: (reference.filtered || test.filtered).then(|| grid.passband_hz()),
         reference: reference.columns,
-        test: test.columns,
+        test: test.columns.into(),
         third: third.map(|third| third.columns.map(|column| bridged(&rows, column.into()).into())),
         reference_noise: reference_noise(found)?,
         segments: segments::segments(whole.len(), &boundaries),
         boundaries,
         pauses,
         whole,
-        steps: Default::default(),
-        step_stds: Default::default(),
+        steps: vec![Vec::new(); 3],
+        step_stds: vec![Vec::new(); 3],
         told,
     };
     pair.bridge();

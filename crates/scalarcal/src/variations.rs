@@ -1,11 +1,11 @@
 //! Readings whose field hardly turns, beside a scalar magnetometer: rotations that determine each sensor are
-//! missing, and a level with three slopes is what is seen (`explain::magnitude`). That gives the main field about
+//! missing, and a level with three slopes is what is seen (`paired::magnitude`). That gives the main field about
 //! which the readings vary; what else explains the rest is looked for, clocks and temperatures and steps.
 
 use common::number::{counted, significant, uncertain};
 use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter};
-use explain::magnitude::{Level, Readings};
 use explain::{Cause, Covariate};
+use paired::magnitude::{Level, Readings};
 use physics::{Basic, Unit};
 
 use crate::read::{Series, Source, read};
@@ -31,7 +31,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     let ids: Vec<String> = series.iter().map(|one| one.id.clone()).collect();
     let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
     let covariates: Vec<Covariate> = joined::beside(document, &ids).into_iter().map(of).collect();
-    let of = explain::pair::pair(&readings.pair(&level, covariates.clone()), &|_| ())?;
+    let of = paired::find(&readings.pair(&level), covariates.clone(), false, &|_| ())?.explained(&|_| ())?;
     let (base, last) = (&of.explained.base[0], of.problem.base.len());
     let level = level.fitted(base, last);
     let slope_std: [f64; 3] = std::array::from_fn(|axis| base[axis].1);
@@ -132,7 +132,7 @@ fn rms(left: &[f64]) -> f64 {
 }
 
 /// What explains the rest, in words.
-fn explained(of: &explain::pair::OfPair, covariates: &[Covariate]) -> Vec<String> {
+fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> {
     let mut said = Vec::new();
     for one in &of.explained.causes {
         let size = &one.channels[0][0];

@@ -157,7 +157,7 @@ fn steps(compared: &Compared) -> Option<ExplainedEffect> {
             };
             parameters.insert(name, Quantity::new(*size, *std));
         }
-        parameters.insert("time_s".into(), Quantity::Bare(compared.all_s[step.row]));
+        parameters.insert("time_s".into(), Quantity::Bare(compared.time_s[step.row]));
         ListedEffect { parameters, ..ListedEffect::default() }
     };
     let mut list: Vec<ListedEffect> = steps.iter().map(listed).collect();

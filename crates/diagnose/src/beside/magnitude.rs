@@ -1,7 +1,7 @@
-//! Sensors whose field hardly turns beside a scalar magnetometer: see `explain::magnitude`.
+//! Sensors whose field hardly turns beside a scalar magnetometer: see `paired::magnitude`.
 
 use common::{Document, Quantity};
-use explain::magnitude::Readings;
+use paired::magnitude::Readings;
 use physics::Unit;
 
 use super::{Compared, rms};
@@ -36,8 +36,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
     let covariates = super::covariates(document, &recordings);
     let found = rows.level();
-    let pair = rows.pair(&found, covariates);
-    let of = explain::pair::pair(&pair, told)?;
+    let of = paired::find(&rows.pair(&found), covariates.clone(), false, told)?.explained(told)?;
     let found = found.fitted(&of.explained.base[0], of.problem.base.len());
     let (scale, added) = found.main_field(std::array::from_fn(|axis| of.explained.base[0][axis].1));
     let volts = observed.runs.iter().any(|run| run.setting.context.unit == Unit::Volt);
@@ -53,7 +52,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
         as_it_came: vec![rms(&as_it_came)],
         notes,
         main_field: Some((volts, scale, added.map(|(value, std)| Quantity::new(value, std)))),
-        ..Compared::of(&pair.covariates, of)
+        ..Compared::of(&covariates, of)
     }))
 }
 

@@ -1,7 +1,7 @@
 //! Two magnetometers side by side.
 
 use common::{Axis, Document};
-use explain::pair::Pair;
+use joined::Pair;
 
 use super::{Compared, rms};
 use crate::Error;
@@ -10,18 +10,8 @@ use crate::Error;
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Error> {
     let read = joined::read(document)?;
     let covariates = super::covariates(document, &read.recordings);
-    let pair = Pair {
-        first_s: read.first_s,
-        step_s: read.step_s,
-        reference: read.reference.each_ref().map(|column| column.to_vec()),
-        test: read.test.iter().map(|column| column.to_vec()).collect(),
-        whole: read.whole.clone(),
-        covariates,
-    };
-    let of = explain::pair::pair(&pair, told)?;
-    let kept: Vec<usize> =
-        (0..of.rows.len()).filter(|row| !of.explained.off[*row]).map(|row| of.rows[row]).collect();
-    let as_it_came = (0..3).map(|axis| rms(&stated(document, &pair, axis, &kept))).collect();
+    let of = paired::find(&read, covariates.clone(), false, told)?.explained(told)?;
+    let as_it_came = (0..3).map(|axis| rms(&stated(document, &read, axis, &of.rows))).collect();
     let channels = Axis::ALL.iter().map(|axis| (format!("test_{axis}_nt"), Some(*axis))).collect();
     Ok(Compared {
         recordings: read.recordings.clone(),
@@ -29,7 +19,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Er
         what: "the test instrument",
         as_it_came,
         notes: read.told,
-        ..Compared::of(&pair.covariates, of)
+        ..Compared::of(&covariates, of)
     })
 }
 

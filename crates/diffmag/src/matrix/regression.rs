@@ -13,10 +13,10 @@ use estimate::stats::mean;
 use crate::Error;
 use crate::across;
 use crate::drift::Columns;
-use crate::events::{Events, FoundEvent};
-use crate::followed::Follows;
-use crate::residual::without;
 use joined::Pair;
+use paired::events::{Events, FoundEvent};
+use paired::followed::Follows;
+use paired::residual::without;
 
 /// A column of which the others leave less than this share says nothing of its own.
 const LEAST_OWN: f64 = 1e-6;
@@ -42,14 +42,19 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
         let further = fits[axis].further().cloned();
         further.chain(pair.step_columns(axis)).collect()
     };
-    let test = std::array::from_fn(|axis| {
+    let of_axis = |axis: usize| {
         let sizes = &fits[axis].fit.weighted[STRAIGHT..];
         if sizes.is_empty() {
             return pair.test[axis].clone();
         }
         without(&pair.test[axis], &columns(axis), sizes).into()
-    });
-    Pair { test, steps: Default::default(), step_stds: Default::default(), ..pair.clone() }
+    };
+    Pair {
+        test: (0..fits.len()).map(of_axis).collect(),
+        steps: vec![Vec::new(); fits.len()],
+        step_stds: vec![Vec::new(); fits.len()],
+        ..pair.clone()
+    }
 }
 
 /// The pair less what the exponential drifts that the readings demand explain of every column: no matrix
@@ -91,9 +96,9 @@ fn take_off(values: &mut [f64], column: &[f64]) {
 /// its own is in each.
 pub fn step_sizes(events: &Events, fits: &[AxisFit; 3]) -> Vec<Option<Quantity>> {
     let steps: [usize; 3] = std::array::from_fn(|axis| {
-        events.places().iter().filter_map(|places| places[axis]).max().map_or(0, |last| last + 1)
+        events.places(fits.len()).iter().filter_map(|places| places[axis]).max().map_or(0, |last| last + 1)
     });
-    let size = |(event, places): (&FoundEvent, [Option<usize>; 3])| {
+    let size = |(event, places): (&FoundEvent, Vec<Option<usize>>)| {
         let (mut above, mut below) = (0.0, 0.0);
         for (axis, place) in places.into_iter().enumerate() {
             let (Some(place), fit) = (place, &fits[axis].fit) else { continue };
@@ -108,5 +113,5 @@ pub fn step_sizes(events: &Events, fits: &[AxisFit; 3]) -> Vec<Option<Quantity>>
         }
         (below > 0.0).then(|| Quantity::new(event.size + above / below, below.sqrt().recip()))
     };
-    events.found.iter().zip(events.places()).map(size).collect()
+    events.found.iter().zip(events.places(fits.len())).map(size).collect()
 }

@@ -11,13 +11,14 @@ use estimate::resample::PASSBAND;
 use estimate::stats::mean;
 use faer::Mat;
 
-use crate::clock::{Moved, Shift, aligned};
-use crate::followed::Follows;
-use crate::prepare::Prepared;
-use crate::residual::{of_levels, scatter};
-use crate::significance::p_of;
-use crate::{Error, TOLD_BELOW, words};
+use crate::{Error, words};
 use joined::Pair;
+use paired::TOLD_BELOW;
+use paired::followed::Follows;
+use paired::look::{Moved, Shift, aligned};
+use paired::prepare::Prepared;
+use paired::residual::{of_levels, scatter};
+use paired::significance::p_of;
 
 const DAY_S: f64 = 86_400.0;
 /// Columns that others make up to this share of the largest singular value say nothing of their own.

@@ -7,7 +7,7 @@ mod iteration;
 mod joint;
 mod moments;
 
-pub use columns::{Beside, Columns, days};
+pub use columns::{Beside, Columns};
 pub use joint::{Joint, LEVEL, joint};
 
 use common::{Drift, DriftForm, Quantity, WindowMean};
@@ -16,9 +16,9 @@ use estimate::stats;
 use faer::MatRef;
 
 use crate::Error;
-use crate::difference::Noise;
 use columns::DAY_S;
 use explanations::{Explanations, explanations};
+use paired::noise::Noise;
 
 /// Windows of which means are told, and the least samples of one.
 const WINDOWS: usize = 12;

@@ -22,12 +22,13 @@ use estimate::stats::mean;
 use physics::frames;
 
 use crate::Error;
-use crate::difference::{self, Noise};
+use crate::difference;
 use crate::regression::{self, AxisFit};
-use crate::residual::scatter;
 use correct::{Corrected, KnownDensity, Spectrum, by_known, by_spectrum, by_third};
 use frame::Frame;
 use joined::Pair;
+use paired::noise::Noise;
+use paired::residual::scatter;
 
 /// Noise of the reference is told, and bands that disagree are, below this probability.
 const TOLD_BELOW: f64 = 0.01;
@@ -139,7 +140,7 @@ pub fn adopt(
             for axis in Axis::ALL {
                 let Some(of) = fit.axes.entry(axis) else { continue };
                 let left = frame.difference(axis.index());
-                let described = difference::describe(&left, &left, &Noise::seen(&left, pair)?)?;
+                let described = difference::describe(&left, &left, &Noise::seen(&left, pair)?, pair.step_s)?;
                 *of = DifferenceAxis {
                     rms_of_readings_nt: of.rms_of_readings_nt,
                     rms_of_levels_nt: of.rms_of_levels_nt,

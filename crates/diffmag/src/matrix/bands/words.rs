@@ -4,8 +4,9 @@ use common::number::{duration, p_value, signed, significant, uncertain};
 use common::{Axis, TransferBand, TransferBands};
 
 use super::LONG_S;
-use crate::significance::p_of;
-use crate::words::{TOLD_BELOW, p_of_one};
+use crate::words::p_of_one;
+use paired::TOLD_BELOW;
+use paired::significance::p_of;
 
 /// One element in one band.
 struct Element<'a> {

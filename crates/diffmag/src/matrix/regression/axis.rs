@@ -6,17 +6,17 @@ use estimate::dot;
 use estimate::hac;
 use estimate::periodogram::periodogram;
 use estimate::spectral::SpectralFit;
-use estimate::stats::{self, mean};
+use estimate::stats::mean;
 use faer::Mat;
 
 use super::held::{Place, determined, with_held};
 use crate::across::Whitened;
-use crate::difference::Noise;
 use crate::drift::{self, Columns};
-use crate::followed::Follows;
-use crate::residual::{centred, rest, without};
 use crate::{Error, alike};
 use joined::Pair;
+use paired::followed::Follows;
+use paired::noise::Noise;
+use paired::residual::{centred, rest, without};
 
 /// The straight drift stands after the reference's axes, what else there is after it.
 const DAYS: usize = 3;
@@ -70,7 +70,7 @@ impl AxisFit {
 
     /// T − R η − drift less its mean of another pair on the same grid, nT.
     pub fn left(&self, pair: &Pair, axis: usize) -> Vec<f64> {
-        let days = drift::days(pair);
+        let days = pair.days();
         let others = std::iter::once(&days).chain(self.further()).map(Vec::as_slice);
         let design: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).chain(others).collect();
         let steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
@@ -116,7 +116,7 @@ pub(super) fn one(
     let beside = drift::Beside { own: &own, lines_hz: &seen };
     let (mut straight, mut noise) = columns.straight(&y, &beside)?;
     let explanations = drift::explained(columns, &straight)?;
-    if let Some(found) = explanations.as_ref().filter(|found| found.is_drift()) {
+    if let Some(found) = explanations.as_ref().filter(|found| found.is_drift(straight.coefficients[DAYS])) {
         noise = noise.with_lowest(&columns.cosine, &found.beside_drift);
         straight = columns.under(&y, &noise, &beside)?;
     }
@@ -146,13 +146,11 @@ pub(super) fn one(
     let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
     if let Some(explanations) = &explanations {
         // Over all forms of noise: no degrees of freedom of the noise are left to count.
-        let (value, std) =
+        let (slope, std) =
             (found.straight_nt_per_day.value(), explanations.straight_nt_per_day.std().unwrap_or(0.0));
-        let p = stats::two_sided_p(value / std, f64::INFINITY);
-        // The slope that was fitted, beside an exponential drift perhaps, has to be one as well.
-        if explanations.is_drift() && p < drift::LEVEL {
-            found.straight_nt_per_day = Quantity::new(value, std);
-            found.straight_p = p;
+        if explanations.is_drift(slope) {
+            found.straight_nt_per_day = Quantity::new(slope, std);
+            found.straight_p = explanations.p_of(slope);
             found.demanded = match found.demanded {
                 DriftForm::None => DriftForm::Straight,
                 DriftForm::Exponential => DriftForm::Both,

@@ -4,7 +4,8 @@ use common::number::{counted, duration, p_value, signed, significant, uncertain}
 use common::{Axis, Matrix3x3, MatrixWindows, Quantity, QuietDisturbed};
 use physics::frames::ARCSEC;
 
-use crate::words::{TOLD_BELOW, p_of_one};
+use crate::words::p_of_one;
+use paired::TOLD_BELOW;
 
 /// Of windows.
 pub fn findings(found: &MatrixWindows) -> Vec<String> {

@@ -2,7 +2,7 @@ use common::{DriftChange, Quantity};
 use estimate::stats;
 use std::f64::consts::PI;
 
-use crate::difference::Noise;
+use paired::noise::Noise;
 
 /// Turns of the sine over which the integral is summed; beyond, sin² is a half.
 const TURNS: f64 = 30.0;

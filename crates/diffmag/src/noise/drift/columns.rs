@@ -4,8 +4,8 @@ use common::Column;
 use estimate::cosine::{Cosine, Errors, Regression, weighted};
 
 use crate::Error;
-use crate::difference::Noise;
 use joined::Pair;
+use paired::noise::Noise;
 
 /// Fewer samples than these show no exponential.
 const LEAST: usize = 64;
@@ -23,11 +23,6 @@ const SEARCH: f64 = 0.2;
 const SEARCHED: usize = 1 << 17;
 /// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
-
-/// Days from the middle of the recording.
-pub fn days(pair: &Pair) -> Vec<f64> {
-    (0..pair.whole.len()).map(|row| pair.since_middle_s(row) / DAY_S).collect()
-}
 
 /// What one axis has besides the columns that all have.
 pub struct Beside<'a> {
@@ -56,7 +51,7 @@ impl<'a> Columns<'a> {
     pub fn of(pair: &'a Pair) -> Self {
         let rows = pair.whole.len();
         let cosine = Cosine::new(rows, pair.step_s);
-        let days = Column::from(days(pair));
+        let days = Column::from(pair.days());
         let base = pair.reference.iter().map(AsRef::as_ref).chain([days.as_slice()]);
         let base = base.map(|column| Column::from(cosine.transform(column))).collect();
         let mut columns = Self { cosine, pair, days, kept: rows - 1, base, search: Vec::new() };

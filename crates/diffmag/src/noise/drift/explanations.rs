@@ -151,10 +151,14 @@ fn sizes(likeliest: f64) -> impl Iterator<Item = f64> {
 }
 
 impl Explanations {
-    /// Whether the readings show a drift, by its weight and by its size over all forms of noise.
-    pub fn is_drift(&self) -> bool {
-        let z = self.straight_nt_per_day.value() / self.straight_nt_per_day.std().unwrap_or(f64::INFINITY);
-        self.drift >= SURE && stats::two_sided_p(z, f64::INFINITY) < LEVEL
+    /// Probability of a slope as great by chance, over all forms of noise, nT/day.
+    pub fn p_of(&self, slope: f64) -> f64 {
+        stats::two_sided_p(slope / self.straight_nt_per_day.std().unwrap_or(f64::INFINITY), f64::INFINITY)
+    }
+
+    /// Whether a slope that was fitted is a drift, by the weight of a drift and by its size.
+    pub fn is_drift(&self, slope: f64) -> bool {
+        self.drift >= SURE && self.p_of(slope) < LEVEL
     }
 
     /// As a document has it.

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use super::columns::{Beside, Columns, ROUNDS};
 use crate::Error;
-use crate::difference::Noise;
+use paired::noise::Noise;
 
 /// Probability below which a drift is demanded: one false alarm in a hundred recordings, over three axes and two
 /// forms.

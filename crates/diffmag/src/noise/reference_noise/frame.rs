@@ -7,10 +7,9 @@ use estimate::stats;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 use crate::Error;
-use crate::difference::Noise;
-use crate::drift::days;
 use crate::regression::AxisFit;
 use joined::Pair;
+use paired::noise::Noise;
 
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.02;
@@ -65,7 +64,7 @@ impl Frame {
         drift: Vector3<f64>,
         told: Option<[Vec<f64>; 3]>,
     ) -> Result<Self, Error> {
-        let (inverse, days) = (invert(&eta)?, days(pair));
+        let (inverse, days) = (invert(&eta)?, pair.days());
         let rest: [Vec<f64>; 3] = std::array::from_fn(|i| {
             (0..days.len())
                 .map(|row| {

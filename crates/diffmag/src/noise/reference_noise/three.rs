@@ -18,7 +18,7 @@ const WIDEST: f64 = 0.05;
 /// Splits the differences T η⁻¹ − R and C ζ⁻¹ − R into the noise of three instruments, `frame` with η as the
 /// third instrument corrects it. ζ is found in the same way with the test instrument as the third.
 pub fn split(pair: &Pair, third: &[Column; 3], frame: &Frame) -> Result<ThreeCornered, Error> {
-    let turned = Pair { test: third.clone(), third: Some(pair.test.clone()), ..pair.clone() };
+    let turned = Pair { test: third.to_vec(), third: pair.test.clone().try_into().ok(), ..pair.clone() };
     let fits = regression::fit(&turned, &[])?;
     let turned = regression::without_exponentials(&turned, &fits);
     let other = by_third(&turned, &Frame::start(&turned, &fits)?)?.frame;

@@ -8,10 +8,11 @@ use estimate::spectral::{self, Transform, Transformer, WeightedFit};
 use estimate::{events, lag, stats};
 use faer::Mat;
 
-use crate::difference::Noise;
+use crate::noise::Noise;
 use crate::residual::rest;
 use crate::{Error, TOLD_BELOW, axes};
-use columns::{beside, clock_columns, rate, seen_rate, turned};
+pub use columns::seen_rate;
+use columns::{beside, clock_columns, rate, turned};
 use joined::Pair;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -89,7 +90,7 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
         })
         .collect();
     if moved == Moved::Test {
-        for axis in 0..3 {
+        for axis in 0..pair.steps.len() {
             for number in 0..pair.steps[axis].len() {
                 let row = pair.steps[axis][number];
                 let late = late_s(&pair, shift, row) / pair.step_s;
@@ -100,8 +101,8 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
     }
     let segments: Vec<Range<usize>> = pair.segments.iter().map(|segment| segment.rows.clone()).collect();
     let columns = match moved {
-        Moved::Reference => &mut pair.reference,
-        Moved::Test => &mut pair.test,
+        Moved::Reference => pair.reference.as_mut_slice(),
+        Moved::Test => pair.test.as_mut_slice(),
     };
     for column in columns.iter_mut().filter(|_| pair.whole.contains(&false)) {
         for (value, _) in column.iter_mut().zip(&pair.whole).filter(|(_, whole)| !**whole) {
@@ -109,7 +110,7 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
         }
     }
     for rows in segments {
-        let own = columns.each_ref().map(|column| &column[rows.clone()]);
+        let own: Vec<&[f64]> = columns.iter().map(|column| &column[rows.clone()]).collect();
         let places: Vec<f64> = places[rows.clone()].iter().map(|place| place - rows.start as f64).collect();
         let read = resample(&own, &places, 1.0);
         for (column, read) in columns.iter_mut().zip(read.columns) {
@@ -146,10 +147,10 @@ pub struct Parts {
     pub left: Vec<f64>,
 }
 
-/// A fit of the three axes, and the clock that it shows.
+/// A fit of all axes, and the clock that it shows.
 pub struct Look {
     /// The axes.
-    pub axes: [LookAxis; 3],
+    pub axes: Vec<LookAxis>,
     /// What is left of the clocks' difference; None where nothing says it.
     pub clock: Option<ClockDifference>,
 }
@@ -161,10 +162,10 @@ pub struct Look {
 /// axes' answers are put together by their information.
 pub fn look(pair: &Pair) -> Result<Look, Error> {
     let columns = Columns::of(pair);
-    let found = axes::try_each(|axis| columns.one(&pair.test[axis]))?;
+    let found = axes::try_each(pair.test.len(), |axis| columns.one(&pair.test[axis]))?;
     let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
     found.iter().for_each(|(_, fit)| add(&mut information, &mut right, fit));
-    Ok(Look { axes: found.map(|(axis, _)| axis), clock: solved(information, right) })
+    Ok(Look { axes: found.into_iter().map(|(axis, _)| axis).collect(), clock: solved(information, right) })
 }
 
 /// What is fitted to all axes: transforms of the reference and of drifts, and how fast the reference changes.
@@ -227,13 +228,13 @@ impl Look {
     /// What is left of each axis of another pair on the same grid: steps that were taken off before the look
     /// are in it. The clock shows in the slope of the field, that of `calm`: what only the reference read is
     /// no field.
-    pub fn left(&self, pair: &Pair, calm: &Pair) -> [Vec<f64>; 3] {
+    pub fn left(&self, pair: &Pair, calm: &Pair) -> Vec<Vec<f64>> {
         self.rests(pair, |eta| rate(calm, &turned(&calm.reference, eta)))
     }
 
     /// What is left of each axis where the field along it changes at this rate.
-    fn rests(&self, pair: &Pair, rate: impl Fn(&[f64; 3]) -> Vec<f64> + Sync) -> [Vec<f64>; 3] {
-        axes::each(|axis| {
+    fn rests(&self, pair: &Pair, rate: impl Fn(&[f64; 3]) -> Vec<f64> + Sync + Send) -> Vec<Vec<f64>> {
+        axes::each(self.axes.len(), |axis| {
             let of = &self.axes[axis];
             let clock = clock_columns(pair, &rate(&of.turned_by));
             let columns = clock.into_iter().map(Cow::Owned).chain(beside(pair));
@@ -273,8 +274,9 @@ impl Look {
     }
 
     /// What is left of each axis, limited.
-    fn limited_left(&self, pair: &Pair, whole: &[bool]) -> [Vec<f64>; 3] {
-        self.left(pair, pair).map(|left| limited(&left, whole, usual(&left, whole)))
+    fn limited_left(&self, pair: &Pair, whole: &[bool]) -> Vec<Vec<f64>> {
+        let limited = |left: Vec<f64>| limited(&left, whole, usual(&left, whole));
+        self.left(pair, pair).into_iter().map(limited).collect()
     }
 
     /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here

@@ -3,9 +3,10 @@
 use common::{Axis, DifferenceAxis, DifferentialFit, DriftForm, ResidualSeries};
 use estimate::grouped::{Grouped, grouped};
 
-use crate::prepare::Prepared;
 use crate::regression::AxisFit;
+use explain::Covariate;
 use joined::Pair;
+use paired::prepare::Prepared;
 
 /// Most points of a series.
 const POINTS: usize = 120;
@@ -13,7 +14,7 @@ const DAY_S: f64 = 86_400.0;
 
 /// Along time, the field's rate of change, and each housekeeping column.
 pub fn series(
-    columns: &[(String, Vec<f64>)],
+    covariates: &[Covariate],
     raw: &Pair,
     prepared: &Prepared,
     fits: &[AxisFit; 3],
@@ -59,17 +60,20 @@ pub fn series(
                 add("field_rate_nt_per_s", &rate, left, &and(-1.0), Some(&of_clock));
             }
         }
-        for (name, values) in columns {
-            match found.followed().into_iter().find(|(follows, _)| follows.name == *name) {
+        for one in covariates {
+            match found.followed().into_iter().find(|(follows, _)| follows.name == one.name) {
                 Some((follows, sizes)) => {
                     let own = &follows.columns[0];
                     let x: Vec<f64> = own.iter().map(|value| value + follows.at).collect();
                     let fitted: Vec<f64> =
                         own.iter().map(|value| follows.size(j, &sizes[0]).value() * value).collect();
                     let before: Vec<f64> = left.iter().zip(&fitted).map(|(left, own)| left + own).collect();
-                    add(name, &x, &before, left, Some(&fitted));
+                    add(&one.name, &x, &before, left, Some(&fitted));
                 }
-                None => add(name, values, &with_drift(raw, left, fit.axes.get(axis)), left, None),
+                None => {
+                    let values = explain::sampled(&one.time_s, &one.values, &time, one.holds());
+                    add(&one.name, &values, &with_drift(raw, left, fit.axes.get(axis)), left, None);
+                }
             }
         }
     }

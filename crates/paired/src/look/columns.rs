@@ -3,7 +3,6 @@
 use estimate::resample::resample;
 use std::borrow::Cow;
 
-use crate::drift::days;
 use joined::Pair;
 
 /// Time constants of the drifts that a look takes off, as shares of the length; fewer rows than these have
@@ -22,7 +21,7 @@ pub fn drifts(pair: &Pair) -> impl Iterator<Item = Vec<f64>> {
         std::iter::successors(Some(1.0), |e| Some(e * factor)).take(rows).collect()
     };
     let shares: &[f64] = if rows < LEAST_FOR_DRIFTS { &[] } else { &DRIFTS };
-    std::iter::once_with(|| days(pair)).chain(shares.iter().map(exponential))
+    std::iter::once_with(|| pair.days()).chain(shares.iter().map(exponential))
 }
 
 /// The reference's axes and the drifts.

@@ -5,9 +5,10 @@ use std::ops::Range;
 use common::number::{bare, p_value, signed, significant, uncertain};
 use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
 
+use crate::delays;
 use crate::prepare::prepare;
 use crate::significance::p_of;
-use crate::{Error, TOLD_BELOW, delays};
+use crate::{Error, TOLD_BELOW};
 use joined::{Boundary, Pair};
 
 /// Fewer rows than these have no clock of their own.

@@ -10,10 +10,10 @@ use estimate::stats;
 use rayon::prelude::*;
 
 use super::offset::Offset;
-use crate::clock::{Look, Parts};
-use crate::difference::Noise;
+use crate::Error;
+use crate::look::{Look, Parts};
+use crate::noise::Noise;
 use crate::residual::rest;
-use crate::{Error, axes};
 use joined::Pair;
 
 /// Where the coefficient follows by less than this share, no delay is seen.
@@ -82,10 +82,12 @@ impl Tapered {
     /// The fit under noise of this density.
     fn seen(&self, density: &(dyn Fn(f64) -> f64 + Sync)) -> Result<Seen, Error> {
         let weights = self.transformer.weights(self.step_s, density);
-        let [before, here, after] = axes::try_each(|at| {
+        let fit = |at: usize| {
             let [late, turned, left] = &self.transforms[at];
             self.transformer.weighted(&[late, turned], left, &weights)
-        })?;
+        };
+        let (before, (here, after)) = rayon::join(|| fit(0), || rayon::join(|| fit(1), || fit(2)));
+        let (before, here, after) = (before?, here?, after?);
         let follows = (before.coefficients[0] - after.coefficients[0]) / (2.0 * self.aside_s);
         let of = |i: usize| self.wider * here.covariance[(i, i)].sqrt();
         Ok(Seen {

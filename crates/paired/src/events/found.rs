@@ -2,7 +2,7 @@
 
 use common::{EventInstrument, EventKind};
 
-use crate::clock::{Shift, late_s};
+use crate::look::{Shift, late_s};
 use joined::Pair;
 
 /// An event whose size under the final fit is below so many of its uncertainties is none.
@@ -30,10 +30,10 @@ pub struct FoundEvent {
 }
 
 impl FoundEvent {
-    /// Test axes whose difference has it.
-    pub fn axes(&self) -> std::ops::Range<usize> {
+    /// Those of so many test axes whose difference has it.
+    pub fn axes(&self, count: usize) -> std::ops::Range<usize> {
         match self.instrument {
-            EventInstrument::Reference => 0..3,
+            EventInstrument::Reference => 0..count,
             _ => self.axis..self.axis + 1,
         }
     }
@@ -72,17 +72,26 @@ impl Events {
 
     /// The steps alone.
     pub fn steps(&self) -> Self {
-        let kept: Vec<bool> = self.found.iter().map(|event| event.kind == EventKind::Step).collect();
+        self.only(|kind| kind == EventKind::Step)
+    }
+
+    /// All but the steps.
+    pub fn disturbances(&self) -> Self {
+        self.only(|kind| kind != EventKind::Step)
+    }
+
+    fn only(&self, kinds: impl Fn(EventKind) -> bool) -> Self {
+        let kept: Vec<bool> = self.found.iter().map(|event| kinds(event.kind)).collect();
         self.confirmed(&kept)
     }
 
-    /// Of each step its places among the steps that are fitted to the axes, in the order of [`Pair::steps`].
-    pub fn places(&self) -> Vec<[Option<usize>; 3]> {
-        let mut rows: [Vec<usize>; 3] = Default::default();
+    /// Of each step its places among the steps that are fitted to so many axes, in the order of [`Pair::steps`].
+    pub fn places(&self, axes: usize) -> Vec<Vec<Option<usize>>> {
+        let mut rows = vec![Vec::new(); axes];
         let place = |event: &FoundEvent| {
-            let mut places = [None; 3];
+            let mut places = vec![None; axes];
             if event.kind == EventKind::Step {
-                for axis in event.axes() {
+                for axis in event.axes(axes) {
                     let known = rows[axis].iter().position(|row| *row == event.from);
                     places[axis] = known.or_else(|| {
                         rows[axis].push(event.from);
@@ -118,7 +127,7 @@ impl Events {
                 _ => &mut pair.test[event.axis],
             };
             column[from..].iter_mut().for_each(|value| *value -= event.size);
-            for axis in event.axes() {
+            for axis in event.axes(pair.test.len()) {
                 if !pair.steps[axis].contains(&event.from) {
                     pair.steps[axis].push(event.from);
                     pair.step_stds[axis].push(event.std);

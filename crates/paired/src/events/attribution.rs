@@ -21,7 +21,7 @@ pub struct Source {
 
 impl Source {
     /// Its size in each of the differences: of the reference −η times its own.
-    pub fn parts(&self, eta: &[[f64; 3]; 3]) -> [f64; 3] {
+    pub fn parts(&self, eta: &[[f64; 3]]) -> Vec<f64> {
         parts(self.instrument, self.axis, eta)
     }
 
@@ -31,16 +31,17 @@ impl Source {
     }
 }
 
-fn parts(instrument: EventInstrument, own: usize, eta: &[[f64; 3]; 3]) -> [f64; 3] {
-    std::array::from_fn(|axis| match instrument {
-        EventInstrument::Reference => -eta[axis][own],
+fn parts(instrument: EventInstrument, own: usize, eta: &[[f64; 3]]) -> Vec<f64> {
+    let part = |(axis, eta): (usize, &[f64; 3])| match instrument {
+        EventInstrument::Reference => -eta[own],
         _ if axis == own => 1.0,
         _ => 0.0,
-    })
+    };
+    eta.iter().enumerate().map(part).collect()
 }
 
 /// Size and uncertainty of what the differences share in the proportions `parts`.
-fn shared(sizes: &[(f64, f64); 3], parts: &[f64; 3]) -> (f64, f64) {
+fn shared(sizes: &[(f64, f64)], parts: &[f64]) -> (f64, f64) {
     let (mut above, mut below) = (0.0, 0.0);
     for ((size, std), part) in sizes.iter().zip(parts) {
         above += part * size / (std * std);
@@ -52,9 +53,9 @@ fn shared(sizes: &[(f64, f64); 3], parts: &[f64; 3]) -> (f64, f64) {
 /// The largest event in sizes and uncertainties of the three differences: the reference's where the other
 /// differences have it in the proportions of η and one axis of the test instrument does not explain it, the
 /// test instrument's where it is the other way about or neither does.
-fn largest(sizes: &[(f64, f64); 3], eta: &[[f64; 3]; 3]) -> Source {
-    let z = sizes.map(|(size, std)| size / std);
-    let axis = (0..3).fold(0, |a, b| if z[b].abs() > z[a].abs() { b } else { a });
+fn largest(sizes: &[(f64, f64)], eta: &[[f64; 3]]) -> Source {
+    let z: Vec<f64> = sizes.iter().map(|(size, std)| size / std).collect();
+    let axis = (0..z.len()).fold(0, |a, b| if z[b].abs() > z[a].abs() { b } else { a });
     let all: f64 = z.iter().map(|z| z * z).sum();
     let limit = stats::chi_squared_quantile(1.0 - RULED_OUT, 2.0) + OF_ETA * all;
     let (size, std) = sizes[axis];
@@ -75,7 +76,7 @@ fn largest(sizes: &[(f64, f64); 3], eta: &[[f64; 3]; 3]) -> Source {
 
 /// The events that sizes and uncertainties of the three differences speak of, each of at least `least`
 /// uncertainties beside the ones before it.
-pub fn sources(mut sizes: [(f64, f64); 3], least: f64, eta: &[[f64; 3]; 3]) -> Vec<Source> {
+pub fn sources(mut sizes: Vec<(f64, f64)>, least: f64, eta: &[[f64; 3]]) -> Vec<Source> {
     let mut found: Vec<Source> = Vec::new();
     while found.len() < sizes.len() && sizes.iter().any(|(size, std)| (size / std).abs() >= least) {
         let source = largest(&sizes, eta);
@@ -96,13 +97,13 @@ mod tests {
 
     #[test]
     fn each_instrument_is_recognised() {
-        let of_reference = sources([(-9.0, 0.1), (4.0, 0.1), (0.0, 0.1)], 5.0, &ETA);
+        let of_reference = sources(vec![(-9.0, 0.1), (4.0, 0.1), (0.0, 0.1)], 5.0, &ETA);
         assert_eq!(of_reference.len(), 1);
         assert_eq!((of_reference[0].instrument, of_reference[0].axis), (EventInstrument::Reference, 0));
         assert!((of_reference[0].size - 10.0).abs() < 1e-9, "{of_reference:?}");
-        let of_test = sources([(0.05, 0.1), (4.0, 0.1), (-3.0, 0.1)], 5.0, &ETA);
+        let of_test = sources(vec![(0.05, 0.1), (4.0, 0.1), (-3.0, 0.1)], 5.0, &ETA);
         let named: Vec<_> = of_test.iter().map(|source| (source.instrument, source.axis)).collect();
         assert_eq!(named, [(EventInstrument::Test, 1), (EventInstrument::Test, 2)]);
-        assert!(sources([(0.3, 0.1), (-0.2, 0.1), (0.0, 0.1)], 5.0, &ETA).is_empty());
+        assert!(sources(vec![(0.3, 0.1), (-0.2, 0.1), (0.0, 0.1)], 5.0, &ETA).is_empty());
     }
 }

@@ -1,4 +1,4 @@
-//! Steps and disturbed rows of three differences, by rounds: what is found is taken out before the next look.
+//! Steps and disturbed rows of the differences, by rounds: what is found is taken out before the next look.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use super::found::{Events, FoundEvent};
 use super::levels::{LONGEST, Levels, Net, PASS, levelled};
 use super::step::{Step, standing};
 use super::view::{Peak, Place, View};
-use crate::difference::Noise;
+use crate::noise::Noise;
 use crate::{Error, axes};
 use joined::Pair;
 
@@ -41,8 +41,8 @@ type Key = (Vec<(usize, usize)>, Vec<(usize, usize)>);
 
 /// What is known so far.
 struct Search {
-    left: [Vec<f64>; 3],
-    eta: [[f64; 3]; 3],
+    left: Vec<Vec<f64>>,
+    eta: Vec<[f64; 3]>,
     steps: Vec<Step>,
     disturbed: Vec<FoundEvent>,
     out: Vec<bool>,
@@ -58,30 +58,19 @@ struct Search {
 /// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search
 /// begins.
 pub fn search(
-    left: [Vec<f64>; 3],
-    eta: [[f64; 3]; 3],
+    left: Vec<Vec<f64>>,
+    eta: Vec<[f64; 3]>,
     pair: &Pair,
-    mut noise: [Noise; 3],
+    mut noise: Vec<Noise>,
     known: &Events,
 ) -> Result<Events, Error> {
-    let out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
-    let mut search = Search {
-        left,
-        eta,
-        steps: Vec::new(),
-        disturbed: Vec::new(),
-        out,
-        seen: BTreeSet::new(),
-        spent: BTreeSet::new(),
-        reassigned: BTreeSet::new(),
-    };
-    search.begin(known);
-    let least = threshold(pair.whole.len(), FALSE_ALARM / 3.0);
+    let mut search = Search::of(left, eta, pair, known);
+    let least = threshold(pair.whole.len(), FALSE_ALARM / search.left.len() as f64);
     let (mut more, mut last) = (true, None::<View>);
     for look in 0..LOOKS {
         let series = search.cleaned();
         if (1..=FIRST_LOOKS).contains(&look) {
-            noise = axes::try_each(|axis| Noise::seen(&series[axis], pair))?;
+            noise = axes::try_each(series.len(), |axis| Noise::seen(&series[axis], pair))?;
             last = None;
         }
         let view = match &last {
@@ -98,11 +87,33 @@ pub fn search(
         }
     }
     search.returns();
-    search.confirm();
     Ok(search.events(more))
 }
 
+/// The same events without the steps that no other part of the series would show, in what a look beside them
+/// leaves: one without them had taken some of each for field or drift.
+pub fn standing_of(left: Vec<Vec<f64>>, eta: Vec<[f64; 3]>, pair: &Pair, found: &Events) -> Events {
+    let mut search = Search::of(left, eta, pair, found);
+    search.confirm();
+    search.events(found.more)
+}
+
 impl Search {
+    fn of(left: Vec<Vec<f64>>, eta: Vec<[f64; 3]>, pair: &Pair, known: &Events) -> Self {
+        let mut search = Self {
+            left,
+            eta,
+            steps: Vec::new(),
+            disturbed: Vec::new(),
+            out: pair.whole.iter().map(|whole| !whole).collect(),
+            seen: BTreeSet::new(),
+            spent: BTreeSet::new(),
+            reassigned: BTreeSet::new(),
+        };
+        search.begin(known);
+        search
+    }
+
     /// Takes over events that are known.
     fn begin(&mut self, known: &Events) {
         for event in &known.found {
@@ -126,7 +137,7 @@ impl Search {
     }
 
     /// The differences without the steps, and with the level around them where rows are out.
-    fn cleaned(&self) -> [Vec<f64>; 3] {
+    fn cleaned(&self) -> Vec<Vec<f64>> {
         let mut series = self.left.clone();
         for step in &self.steps {
             let parts = step.source.parts(&self.eta);
@@ -134,19 +145,19 @@ impl Search {
                 series[step.row..].iter_mut().for_each(|value| *value -= part * step.source.size);
             }
         }
-        series.map(|series| levelled(series, &self.out))
+        series.into_iter().map(|series| levelled(series, &self.out)).collect()
     }
 
     /// Gives steps between readings the sizes of all together; whether they had them.
     fn refined(&mut self, view: &View) -> bool {
-        let (eta, out) = (self.eta, &self.out);
+        let (eta, out) = (&self.eta, &self.out);
         let mut steps: Vec<&mut Step> =
             self.steps.iter_mut().filter(|step| step.sharp() && !out[step.row]).collect();
         if steps.is_empty() {
             return true;
         }
         let places: Vec<Place> =
-            steps.iter().map(|step| Place { row: step.row, parts: step.source.parts(&eta) }).collect();
+            steps.iter().map(|step| Place { row: step.row, parts: step.source.parts(eta) }).collect();
         let Some(sizes) = view.sizes(&places) else { return true };
         let mut settled = true;
         for (step, (more, std)) in steps.iter_mut().zip(sizes) {
@@ -362,7 +373,7 @@ impl Search {
     /// Steps across rows that are out: where the levels on either side are not alike.
     fn across(&mut self) {
         let series = self.cleaned();
-        let levels = series.each_ref().map(|series| Levels::of(series, &self.out));
+        let levels: Vec<Levels> = series.iter().map(|series| Levels::of(series, &self.out)).collect();
         let mut row = 0;
         while row < self.out.len() {
             if !self.out[row] {
@@ -374,9 +385,11 @@ impl Search {
             if from == 0 || after >= self.out.len() {
                 continue;
             }
-            let nets = levels.each_ref().map(|levels| levels.net(from, after, 0.0));
-            let sizes = nets
-                .map(|net| net.filter(Net::is_level).map_or((0.0, f64::INFINITY), |net| (net.size, net.std)));
+            let size = |levels: &Levels| {
+                let net = levels.net(from, after, 0.0).filter(Net::is_level);
+                net.map_or((0.0, f64::INFINITY), |net| (net.size, net.std))
+            };
+            let sizes = levels.iter().map(size).collect();
             let found = sources(sizes, PROVISIONAL, &self.eta);
             self.steps.extend(found.into_iter().map(|source| Step {
                 row: from,
@@ -423,7 +436,7 @@ impl Search {
     /// differences are spread.
     fn confirm(&mut self) {
         let series = self.cleaned();
-        let spans = self.left.each_ref().map(|left| span(left, &self.out));
+        let spans: Vec<f64> = self.left.iter().map(|left| span(left, &self.out)).collect();
         let stands = standing(&series, &self.eta, &self.out, &self.steps);
         let kept = self.steps.iter().zip(stands).filter(|(step, stands)| {
             let (axis, removed) = step.shown(&self.eta);

@@ -39,9 +39,9 @@ impl Step {
     }
 
     /// The difference that shows it most, and its size there.
-    pub fn shown(&self, eta: &[[f64; 3]; 3]) -> (usize, f64) {
+    pub fn shown(&self, eta: &[[f64; 3]]) -> (usize, f64) {
         let parts = self.source.parts(eta);
-        let axis = (0..3).fold(0, |a, b| if parts[b].abs() > parts[a].abs() { b } else { a });
+        let axis = (0..parts.len()).fold(0, |a, b| if parts[b].abs() > parts[a].abs() { b } else { a });
         (axis, parts[axis] * self.source.size)
     }
 }
@@ -49,8 +49,8 @@ impl Step {
 /// Which of the steps that were taken off the `series` are steps: the levels on either side are apart as the
 /// same series is nowhere else, by one size for few and for many readings, and for longer than a pass and
 /// until the next step.
-pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[Step]) -> Vec<bool> {
-    let levels = series.each_ref().map(|series| Levels::of(series, out));
+pub fn standing(series: &[Vec<f64>], eta: &[[f64; 3]], out: &[bool], steps: &[Step]) -> Vec<bool> {
+    let levels: Vec<Levels> = series.iter().map(|series| Levels::of(series, out)).collect();
     let shown: Vec<(usize, f64)> = steps.iter().map(|step| step.shown(eta)).collect();
     let stands = |(step, (axis, removed)): (&Step, &(usize, f64))| {
         let others =
@@ -75,7 +75,7 @@ pub fn standing(series: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps
 }
 
 /// Which of the events that were taken off differences as steps are steps by what they leave.
-pub fn lasting(left: &[Vec<f64>; 3], eta: &[[f64; 3]; 3], out: &[bool], steps: &[&FoundEvent]) -> Vec<bool> {
+pub fn lasting(left: &[Vec<f64>], eta: &[[f64; 3]], out: &[bool], steps: &[&FoundEvent]) -> Vec<bool> {
     let step = |found: &&FoundEvent| {
         let after = (found.from..out.len()).find(|row| !out[*row]).unwrap_or(found.from);
         Step::of(found, after)

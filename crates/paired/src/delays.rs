@@ -12,7 +12,7 @@ use std::ops::Range;
 use common::{ClockDifference, DelayBand, DelayBands, OffsetScatter, Quantity};
 use estimate::spectrum::Spectrum;
 
-use crate::clock::Look;
+use crate::look::Look;
 use crate::prepare::Prepared;
 use crate::{Error, TOLD_BELOW};
 use average::Band;
@@ -59,7 +59,8 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     let pair = &pairs[1];
     let (octaves, rows) = (octaves(pair, &look), rows_of_parts(pair));
     // One axis after the other: each is many times as large as the readings.
-    let axes = [0, 1, 2].map(|axis| OfAxis::of(&pairs, &look, axis, aside_s));
+    let axes: Vec<OfAxis<'_>> =
+        (0..look.axes.len()).map(|axis| OfAxis::of(&pairs, &look, axis, aside_s)).collect();
     let (mut everywhere, mut of_bands, mut field) = (Vec::new(), Vec::new(), Vec::new());
     for axis in &axes {
         everywhere.push(axis.whole(&Heard::default())?);
@@ -178,9 +179,9 @@ fn bands(
                 gain: Quantity::new(gain.s, gain.std),
             };
             // The variance of a gain is what is left over the field, for each of the sines and cosines of
-            // three axes.
+            // all axes.
             let length_s = pair.whole.len() as f64 * pair.step_s;
-            let each = 3.0 * 2.0 * (within.end - within.start) * length_s;
+            let each = look.axes.len() as f64 * 2.0 * (within.end - within.start) * length_s;
             let frequency_hz = frequency(look, field, within);
             bands.push(Band { told, lowered: each * gain.std.powi(2), frequency_hz });
         }

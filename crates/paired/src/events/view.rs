@@ -1,4 +1,4 @@
-//! The three differences through their matched filters, each row against the noise around it.
+//! The differences through their matched filters, each row against the noise around it.
 
 use estimate::events::{Search, Shape};
 use estimate::positive::Positive;
@@ -6,7 +6,7 @@ use faer::Mat;
 
 use super::attribution::{Source, sources};
 use super::local::{Far, Near};
-use crate::difference::Noise;
+use crate::noise::Noise;
 use crate::{Error, axes};
 
 /// Where the differences exceed a threshold.
@@ -18,16 +18,16 @@ pub struct Peak {
     pub z: f64,
 }
 
-/// A step at a row, as it shows in the three differences.
+/// A step at a row, as it shows in the differences.
 pub struct Place {
     pub row: usize,
-    pub parts: [f64; 3],
+    pub parts: Vec<f64>,
 }
 
-/// The filters of the three differences.
+/// The filters of the differences.
 pub struct View {
-    searches: [Search; 3],
-    wider: [Wider; 3],
+    searches: Vec<Search>,
+    wider: Vec<Wider>,
 }
 
 /// How wide the ratios of a difference are spread around each row.
@@ -50,25 +50,27 @@ impl Wider {
 
 impl View {
     /// Of differences under these noises; rows that are out say nothing of the noise around them.
-    pub fn of(series: &[Vec<f64>; 3], step_s: f64, noise: &[Noise; 3], out: &[bool]) -> Result<Self, Error> {
-        Self::with(out, |axis| Search::new(&series[axis], step_s, &|f| noise[axis].density(f)))
+    pub fn of(series: &[Vec<f64>], step_s: f64, noise: &[Noise], out: &[bool]) -> Result<Self, Error> {
+        Self::with(series.len(), out, |axis| Search::new(&series[axis], step_s, &|f| noise[axis].density(f)))
     }
 
     /// Of other differences under the same noises.
-    pub fn again(&self, series: &[Vec<f64>; 3], out: &[bool]) -> Result<Self, Error> {
-        Self::with(out, |axis| self.searches[axis].again(&series[axis]))
+    pub fn again(&self, series: &[Vec<f64>], out: &[bool]) -> Result<Self, Error> {
+        Self::with(series.len(), out, |axis| self.searches[axis].again(&series[axis]))
     }
 
     fn with(
+        count: usize,
         out: &[bool],
-        search: impl Fn(usize) -> Result<Search, estimate::Error> + Sync,
+        search: impl Fn(usize) -> Result<Search, estimate::Error> + Sync + Send,
     ) -> Result<Self, Error> {
-        let [x, y, z] = axes::try_each(|axis| {
+        let found = axes::try_each(count, |axis| {
             let search = search(axis)?;
             let wider = Wider::of(&search, out);
             Ok::<_, estimate::Error>((search, wider))
         })?;
-        Ok(Self { searches: [x.0, y.0, z.0], wider: [x.1, y.1, z.1] })
+        let (searches, wider) = found.into_iter().unzip();
+        Ok(Self { searches, wider })
     }
 
     /// Rows, and shapes, in which a difference exceeds `least` of its uncertainties under the noise around
@@ -94,15 +96,16 @@ impl View {
     }
 
     /// Sizes of a shape at a row and their uncertainties under the noise around it.
-    pub fn sizes_at(&self, shape: Shape, row: usize) -> [(f64, f64); 3] {
-        std::array::from_fn(|axis| {
-            let (size, std) = self.searches[axis].size(shape, row);
-            (size, std * self.wider[axis].at(shape, row))
-        })
+    pub fn sizes_at(&self, shape: Shape, row: usize) -> Vec<(f64, f64)> {
+        let of = |(search, wider): (&Search, &Wider)| {
+            let (size, std) = search.size(shape, row);
+            (size, std * wider.at(shape, row))
+        };
+        self.searches.iter().zip(&self.wider).map(of).collect()
     }
 
     /// The events at a peak.
-    pub fn sources(&self, peak: Peak, least: f64, eta: &[[f64; 3]; 3]) -> Vec<Source> {
+    pub fn sources(&self, peak: Peak, least: f64, eta: &[[f64; 3]]) -> Vec<Source> {
         sources(self.sizes_at(peak.shape, peak.row), least, eta)
     }
 
@@ -112,23 +115,21 @@ impl View {
         let count = steps.len();
         let product = |i: usize, j: usize| -> f64 {
             let (a, b) = (&steps[i], &steps[j]);
-            (0..3)
-                .map(|axis| a.parts[axis] * b.parts[axis] * self.searches[axis].products(a.row, b.row))
-                .sum()
+            let parts = a.parts.iter().zip(&b.parts).zip(&self.searches);
+            parts.map(|((a_part, b_part), search)| a_part * b_part * search.products(a.row, b.row)).sum()
         };
         let inverse = Positive::of(&Mat::from_fn(count, count, product)).ok()?.inverse;
         let along: Vec<f64> = steps
             .iter()
             .map(|step| {
-                (0..3).map(|axis| step.parts[axis] * self.searches[axis].score(Shape::Step, step.row)).sum()
+                let parts = step.parts.iter().zip(&self.searches);
+                parts.map(|(part, search)| part * search.score(Shape::Step, step.row)).sum()
             })
             .collect();
         let size = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * along[j]).sum() };
         let wider = |step: &Place| {
-            let of = |axis: usize| {
-                if step.parts[axis] == 0.0 { 0.0 } else { self.wider[axis].at(Shape::Step, step.row) }
-            };
-            of(0).max(of(1)).max(of(2))
+            let shown = step.parts.iter().zip(&self.wider).filter(|(part, _)| **part != 0.0);
+            shown.map(|(_, wider)| wider.at(Shape::Step, step.row)).fold(0.0, f64::max)
         };
         Some((0..count).map(|i| (size(i), inverse[(i, i)].sqrt() * wider(&steps[i]))).collect())
     }

@@ -1,18 +1,16 @@
-//! Columns recorded beside a pair that the test instrument follows: which of them, and in which form, the engine
-//! `explain` says. What they explain is taken off before clocks and events are looked for, and the columns stay in
-//! the design, so that each coefficient is what was taken off and what is left of it.
+//! A column recorded beside a pair that the test instrument follows. What it explains is taken off before clocks and
+//! events are looked for, and its columns stay in the design of a fit, so that each coefficient is what was taken
+//! off and what is left of it.
 
-use common::{Document, Followed, Quantity};
-use explain::{Cause, Covariate, Form};
+use common::{Followed, Quantity};
+use explain::{Amplitude, Covariate, Form};
 use joined::Pair;
-
-use crate::Error;
 
 /// Half the change of ln τ over which the derivative with respect to it is taken.
 const APART: f64 = 0.02;
 
 /// A column that the test instrument follows.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Follows {
     /// Its name.
     pub name: String,
@@ -25,54 +23,12 @@ pub struct Follows {
     /// The mean of the column in its form.
     pub at: f64,
     /// What was taken off of each column but the derivative, for each axis, nT per unit.
-    taken: [Vec<f64>; 3],
-}
-
-/// What was recorded beside a pair, and what of it the test instrument follows.
-pub struct Recorded {
-    /// Name and values in the pair's rows of each column.
-    pub columns: Vec<(String, Vec<f64>)>,
-    /// Those that are followed.
-    pub follows: Vec<Follows>,
-}
-
-impl Recorded {
-    /// Of the recordings of a document that make the pair.
-    pub fn of(document: &Document, pair: &Pair) -> Result<Self, Error> {
-        let covariates: Vec<Covariate> = joined::beside(document, &pair.recordings)
-            .into_iter()
-            .map(|one| Covariate { name: one.name, time_s: one.time_s, values: one.values })
-            .collect();
-        if covariates.is_empty() || pair.samples() < explain::pair::LEAST {
-            return Ok(Self { columns: Vec::new(), follows: Vec::new() });
-        }
-        let read = explain::pair::Pair {
-            first_s: pair.first_s,
-            step_s: pair.step_s,
-            reference: pair.reference.each_ref().map(|column| column.to_vec()),
-            test: pair.test.iter().map(|column| column.to_vec()).collect(),
-            whole: pair.whole.clone(),
-            covariates,
-        };
-        let explained = explain::pair::pair(&read, &|_| ())?.explained;
-        let time_s: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
-        let named = explained.causes.iter().zip(&explained.gains).filter_map(|(one, gain)| match one.cause {
-            Cause::Covariate(number) => Some(Follows::of(&read.covariates[number], &time_s, one, *gain)),
-            _ => None,
-        });
-        let at = |one: &Covariate| explain::sampled(&one.time_s, &one.values, &time_s, one.holds());
-        let columns = read.covariates.iter().map(|one| (one.name.clone(), at(one))).collect();
-        Ok(Self { follows: named.collect(), columns })
-    }
-
-    /// The pair less what all columns that are followed explain.
-    pub fn less(&self, pair: &Pair) -> Pair {
-        self.follows.iter().fold(pair.clone(), |pair, follows| follows.added(&pair, -1.0))
-    }
+    taken: Vec<Vec<f64>>,
 }
 
 impl Follows {
-    fn of(covariate: &Covariate, time_s: &[f64], one: &explain::Amplitude, gain: f64) -> Self {
+    /// What the engine says of a covariate, with ln of the odds for it.
+    pub fn of(covariate: &Covariate, time_s: &[f64], one: &Amplitude, gain: f64) -> Self {
         let late_s = one.late_s.as_ref().map_or(0.0, Quantity::value);
         let form = Form { late_s, ..one.form };
         let (mut columns, at) = form.about(covariate, time_s);
@@ -81,8 +37,13 @@ impl Follows {
             let pair = moved(APART).into_iter().zip(moved(-APART));
             columns.push(pair.map(|(later, earlier)| (later - earlier) / (2.0 * APART)).collect());
         }
-        let taken = std::array::from_fn(|axis| one.channels[axis].iter().map(Quantity::value).collect());
+        let taken = one.channels.iter().map(|of| of.iter().map(Quantity::value).collect()).collect();
         Self { name: covariate.name.clone(), form, p: (-gain).exp().min(1.0), columns, at, taken }
+    }
+
+    /// Whether it is the same column in the same form.
+    pub fn same(&self, other: &Self) -> bool {
+        self.name == other.name && self.form == other.form
     }
 
     /// A pair with so many times what was taken off for this column.

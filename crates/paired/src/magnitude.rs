@@ -6,11 +6,9 @@
 //! What is determined is the level and the slopes: the direction of the main field, and a common scale factor. The
 //! sensors' scale factors one by one, and the angles between them, are not seen.
 
+use explain::Fit;
 use faer::Mat;
-
-use crate::fit::Fit;
-use crate::pair::Pair;
-use crate::problem::Covariate;
+use joined::{Pair, Segment};
 
 /// Rounds of slopes and of the bend that follows from them.
 const ROUNDS: usize = 3;
@@ -180,7 +178,7 @@ impl Readings {
     }
 
     /// The magnitude less its bend, held against the vector.
-    pub fn pair(&self, level: &Level, covariates: Vec<Covariate>) -> Pair {
+    pub fn pair(&self, level: &Level) -> Pair {
         let mut steps: Vec<f64> = self.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
         let step_s = estimate::stats::median_of(&mut steps);
         let first_s = self.time_s[0];
@@ -188,20 +186,32 @@ impl Readings {
         let even = self.time_s.iter().all(|t| (place(t) - place(t).round()).abs() < EVEN);
         let last = self.time_s.len() - 1;
         let count = if even { place(&self.time_s[last]).round() as usize + 1 } else { self.b.len() };
-        let zeros = || vec![0.0; count];
-        let mut pair = Pair {
-            first_s,
-            step_s,
-            reference: [zeros(), zeros(), zeros()],
-            test: vec![zeros()],
-            whole: vec![false; count],
-            covariates,
-        };
+        let mut whole = vec![false; count];
+        let mut columns = vec![vec![0.0; count]; 4];
         for (number, bend) in self.bend(level.slopes).iter().enumerate() {
             let row = if even { place(&self.time_s[number]).round() as usize } else { number };
-            (0..3).for_each(|axis| pair.reference[axis][row] = self.b[number][axis]);
-            (pair.test[0][row], pair.whole[row]) = (self.scalar[number] - bend, true);
+            (0..3).for_each(|axis| columns[axis][row] = self.b[number][axis]);
+            (columns[3][row], whole[row]) = (self.scalar[number] - bend, true);
         }
+        let [x, y, z, test] = std::array::from_fn(|i| std::mem::take(&mut columns[i]).into());
+        let mut pair = Pair {
+            recordings: Vec::new(),
+            first_s,
+            step_s,
+            reference: [x, y, z],
+            test: vec![test],
+            third: None,
+            reference_noise: None,
+            whole,
+            highest_hz: None,
+            steps: vec![Vec::new()],
+            segments: vec![Segment { rows: 0..count, late_s: 0.0 }],
+            boundaries: Vec::new(),
+            pauses: Vec::new(),
+            step_stds: vec![Vec::new()],
+            told: Vec::new(),
+        };
+        pair.bridge();
         pair
     }
 }

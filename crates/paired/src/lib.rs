@@ -1,0 +1,37 @@
+//! Two instruments side by side: three components are held against three, or a magnitude against them.
+//!
+//! What was recorded beside comes first: the engine `explain` says which columns the test instrument follows, and
+//! clocks and events are looked for in what these leave; then the columns are weighed again without the disturbed
+//! rows and beside the steps, until neither changes. Readings that a recorded column explains are never left out.
+//!
+//! - `problem` makes a problem of a pair for the engine. `followed` has what it says of a column.
+//! - `look` fits all axes under their noise, with the clock's difference. `prepare` alternates between clocks and
+//!   events, each with the other removed; events are sought in the test instrument's own rows, with the reference
+//!   moved to its moments.
+//! - `pauses` and `segments` find an offset of the clock for each stretch between jumps of the times.
+//! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise makes every
+//!   offset look small and certain.
+//! - `events` finds steps, spikes and disturbed intervals, and the instrument they belong to.
+//! - `magnitude` makes a pair of a vector whose field hardly turns and a scalar magnetometer.
+
+mod axes;
+pub mod delays;
+pub mod events;
+pub mod followed;
+mod found;
+pub mod look;
+pub mod magnitude;
+pub mod noise;
+mod octaves;
+mod pauses;
+pub mod prepare;
+mod problem;
+pub mod residual;
+pub mod segments;
+pub mod significance;
+
+pub use common::Error;
+pub use found::{Clock, Explanation, Found, LEAST, find};
+
+/// What has a smaller probability by chance is told.
+pub const TOLD_BELOW: f64 = 0.01;

@@ -1,0 +1,106 @@
+//! A pair as a problem for the engine `explain`: the test instrument's readings beside the reference's.
+//!
+//! A clock that is late by δ reads the field of δ earlier: the difference holds −δ dB/dt.
+
+use estimate::stats;
+use explain::{Covariate, Fit, Problem, smoothed};
+use faer::Mat;
+use joined::Pair;
+
+use crate::events::Events;
+use crate::look::{Moved, Shift, aligned, seen_rate};
+
+/// The reference without what is faster than so many steps is fitted besides: its noise, and filters, make the
+/// answer to the field another one at short periods, without delay. So many rows for each step are needed.
+const SMOOTH_STEPS: [f64; 3] = [4.0, 32.0, 256.0];
+const SMOOTH_ROWS: f64 = 64.0;
+/// The answer at short periods is that at long ones within this standard deviation, nT/nT.
+const ALIKE: f64 = 1.0;
+
+/// What is known of a pair before its columns are weighed.
+#[derive(Clone, Copy)]
+pub struct Known<'a> {
+    /// Its events.
+    pub events: &'a Events,
+    /// How late the test instrument is.
+    pub shift: Shift,
+}
+
+/// The rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
+/// moments; steps are part of the base.
+pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (Problem, Vec<usize>) {
+    let quiet = known.events.disturbances().taken_out(recorded, known.shift);
+    let pair = aligned(quiet, known.shift, Moved::Reference);
+    let rows: Vec<usize> = (0..pair.whole.len()).filter(|row| pair.whole[*row]).collect();
+    let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
+    let base: Vec<Vec<f64>> = pair.reference.iter().map(|column| at(column)).collect();
+    let channels: Vec<Vec<f64>> = pair.test.iter().map(|column| at(column)).collect();
+    let slopes = pair.reference.each_ref().map(|column| at(&seen_rate(&pair, column)));
+    let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();
+    let time_s: Vec<f64> = rows.iter().map(|row| pair.time_s(*row)).collect();
+    let fast = fast(&time_s, &base, pair.step_s);
+    let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
+    let mut steps: Vec<usize> =
+        known.events.steps().found.iter().map(|step| rows.partition_point(|row| *row < step.from)).collect();
+    steps.sort_unstable();
+    steps.dedup();
+    steps.retain(|step| *step > 0 && *step < rows.len());
+    let problem = Problem {
+        time_s,
+        channels,
+        known: [0.0; 3].into_iter().chain(fast.iter().map(|_| white / ALIKE)).collect(),
+        base: base.into_iter().chain(fast).collect(),
+        noisy: 3,
+        covariates: covariates.to_vec(),
+        rates,
+        steps,
+        ..Problem::default()
+    };
+    (problem, rows)
+}
+
+/// What is faster than some steps in each column.
+fn fast(time_s: &[f64], columns: &[Vec<f64>], step_s: f64) -> Vec<Vec<f64>> {
+    let steps = SMOOTH_STEPS.into_iter().filter(|steps| time_s.len() as f64 >= SMOOTH_ROWS * steps);
+    let of = |(column, steps): (&Vec<f64>, f64)| {
+        let slow = smoothed(time_s, column, steps * step_s);
+        column.iter().zip(slow).map(|(all, slow)| all - slow).collect()
+    };
+    steps.flat_map(|steps| columns.iter().map(move |column| (column, steps))).map(of).collect()
+}
+
+/// The sums of squares that plain least squares on the reference leave of each channel.
+pub fn squares(problem: &Problem) -> Vec<f64> {
+    let of = |channel: &Vec<f64>| {
+        let all: Vec<&[f64]> = problem.base.iter().take(3).chain([channel]).map(Vec::as_slice).collect();
+        regressed(&all).left
+    };
+    problem.channels.iter().map(of).collect()
+}
+
+/// Plain least squares of the last column on the others and a level.
+fn regressed(all: &[&[f64]]) -> Fit {
+    let means: Vec<f64> = all.iter().map(|column| stats::mean(column)).collect();
+    let count = all.len();
+    let gram = Mat::from_fn(count, count, |i, j| {
+        all[i].iter().zip(all[j]).map(|(a, b)| (a - means[i]) * (b - means[j])).sum::<f64>()
+    });
+    Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>())
+}
+
+/// −dB/dt of the field along a channel, as plain least squares have it.
+fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> {
+    let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
+    let fit = regressed(&all);
+    let along = |row: usize| -> f64 { (0..3).map(|i| fit.coefficient(i) * slopes[i][row]).sum() };
+    (0..channel.len()).map(|row| -along(row)).collect()
+}
+
+/// White variance of what a regression of changes on changes leaves.
+fn white(reference: &[Vec<f64>], test: &[f64]) -> f64 {
+    let changes = |column: &[f64]| -> Vec<f64> { column.windows(2).map(|pair| pair[1] - pair[0]).collect() };
+    let all: Vec<Vec<f64>> = reference.iter().map(|column| changes(column)).chain([changes(test)]).collect();
+    let all: Vec<&[f64]> = all.iter().map(Vec::as_slice).collect();
+    let left = regressed(&all).left;
+    (0.5 * left / test.len() as f64).max(f64::MIN_POSITIVE)
+}
